@@ -1,0 +1,44 @@
+# From a fresh machine with python3 (3.11 or newer) and make: `make demo`, `make test`.
+PYTHON ?= python3
+WORKERS ?= 2
+
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.ready
+# Hypothesis and pytest write their own caches; worksteal keeps both workers busy to the end.
+PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
+# Tests that reach every kernel.  They run twice more: interpreted, so that a kernel is seen to be the Python it is
+# written in, and compiled with every index checked (in a cache of its own: cached code does not know of the checks).
+KERNEL_TESTS := -m kernels
+
+.DELETE_ON_ERROR:
+.PHONY: demo test lint slow bench clean
+
+demo: $(READY)
+	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
+
+test: lint
+	NUMBA_DISABLE_JIT=1 $(PYTEST) $(KERNEL_TESTS)
+	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=.cache/bounds $(PYTEST) $(KERNEL_TESTS)
+	$(PYTEST) -m "not slow"
+
+lint: $(READY)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+slow: $(READY)
+	$(PYTEST) -m slow
+
+bench: $(READY)
+	$(BIN)/python -m benchmarks
+
+clean:
+	rm -rf $(VENV) .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache build dist
+	find floquetrod tests benchmarks examples -name __pycache__ -prune -exec rm -rf {} +
+
+# Written last, so that a failed or interrupted installation is begun again, from nothing.
+$(READY): pyproject.toml constraints.txt
+	$(PYTHON) -m venv --clear $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test]"
+	@touch $@

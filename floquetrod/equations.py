@@ -1,0 +1,185 @@
+"""The equations, as small frozen values: A'' + 2 c A' = p(tau) A with p periodic.
+
+Time tau is dimensionless.  Positive p pushes away from A = 0: the sign convention of the rod, where p grows with the
+axial force (Eq. (3) of DOI 10.1115/1.4031710).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import _validate
+
+
+@dataclass(frozen=True)
+class Mathieu:
+    """Mathieu's equation A'' + 2 c A' = (beta + alpha sin tau) A, of period 2 pi.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        Amplitude and mean of the coefficient (dimensionless, magnitude at most 1e9).
+    damping : float
+        c, the decay rate per unit tau of the free motion; zero or more.
+
+    Notes
+    -----
+    Eqs. (3)-(4) of DOI 10.1115/1.4031710.
+
+    Examples
+    --------
+    >>> Mathieu(alpha=0.5, beta=-0.25).coefficient(0.0)
+    -0.25
+    """
+
+    alpha: float
+    beta: float
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        _set(self, "alpha", _validate.coefficient("alpha", self.alpha))
+        _set(self, "beta", _validate.coefficient("beta", self.beta))
+        _set(self, "damping", _damping(self.damping))
+
+    @property
+    def period(self) -> float:
+        """Period of the coefficient, 2 pi."""
+        return 2.0 * math.pi
+
+    def coefficient(self, tau: Any) -> Any:
+        """Return p(tau) = beta + alpha sin tau; broadcasts over ``tau``."""
+        return _plain(self.beta + self.alpha * np.sin(tau))
+
+    def as_hill(self) -> Hill:
+        """Return the same equation as a `Hill` value."""
+        return Hill(self.beta, sines=(self.alpha,), damping=self.damping)
+
+
+@dataclass(frozen=True)
+class SquareWave:
+    """Meissner's equation A'' + 2 c A' = (beta + alpha sign(sin tau)) A, of period 2 pi.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        Amplitude and mean of the coefficient (dimensionless, magnitude at most 1e9).
+    damping : float
+        c, the decay rate per unit tau of the free motion; zero or more.
+
+    Notes
+    -----
+    The square-wave problem behind Eq. (A4) of DOI 10.1115/1.4031710.
+    """
+
+    alpha: float
+    beta: float
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        _set(self, "alpha", _validate.coefficient("alpha", self.alpha))
+        _set(self, "beta", _validate.coefficient("beta", self.beta))
+        _set(self, "damping", _damping(self.damping))
+
+    @property
+    def period(self) -> float:
+        """Period of the coefficient, 2 pi."""
+        return 2.0 * math.pi
+
+    def coefficient(self, tau: Any) -> Any:
+        """Return p(tau) = beta + alpha sign(sin tau); broadcasts over ``tau``."""
+        return _plain(self.beta + self.alpha * np.sign(np.sin(tau)))
+
+
+@dataclass(frozen=True)
+class Hill:
+    """Hill's equation A'' + 2 c A' = p(tau) A for a finite Fourier series p.
+
+    p(tau) = mean + sum_k cosines[k-1] cos(k W tau) + sines[k-1] sin(k W tau), k = 1, 2, ..., with W = 2 pi / period.
+
+    Parameters
+    ----------
+    mean : float
+        Mean of the coefficient.
+    cosines, sines : sequence of float
+        Fourier coefficients from the first harmonic on; their lengths may differ.
+    period : float
+        Period of the coefficient, in the unit of tau.
+    damping : float
+        c, the decay rate per unit tau of the free motion; zero or more.
+
+    Examples
+    --------
+    >>> Hill(-0.25, cosines=(0.1,), sines=(0.5, 0.2)).coefficient(0.0)
+    -0.15
+    """
+
+    mean: float
+    cosines: tuple[float, ...] = ()
+    sines: tuple[float, ...] = ()
+    period: float = 2.0 * math.pi
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        _set(self, "mean", _validate.coefficient("mean", self.mean))
+        _set(self, "cosines", _validate.numbers("cosines", self.cosines))
+        _set(self, "sines", _validate.numbers("sines", self.sines))
+        _set(self, "period", _validate.positive("period", self.period, "give the period of the coefficient in tau"))
+        _set(self, "damping", _damping(self.damping))
+
+    def coefficient(self, tau: Any) -> Any:
+        """Return p(tau); broadcasts over ``tau``."""
+        phase = (2.0 * math.pi / self.period) * np.asarray(tau, dtype=np.float64)
+        total = np.full(phase.shape, self.mean)
+        for k, value in enumerate(self.cosines, start=1):
+            total = total + value * np.cos(k * phase)
+        for k, value in enumerate(self.sines, start=1):
+            total = total + value * np.sin(k * phase)
+        return _plain(total)
+
+    @property
+    def harmonics(self) -> tuple[complex, ...]:
+        """Complex amplitudes z_k with p = mean + sum_k Re(z_k exp(i k W tau)), k = 1, 2, ...; trailing zeros dropped."""
+        size = max(len(self.cosines), len(self.sines))
+        pairs = zip(self.cosines + (0.0,) * size, self.sines + (0.0,) * size, range(size), strict=False)
+        values = [complex(cosine, -sine) for cosine, sine, _ in pairs]
+        while values and values[-1] == 0.0:
+            values.pop()
+        return tuple(values)
+
+    def as_hill(self) -> Hill:
+        """Return this equation."""
+        return self
+
+
+Equation: TypeAlias = Mathieu | SquareWave | Hill
+"""Any equation a method may be asked about."""
+
+
+def require(value: Any, kinds: tuple[type, ...] = (Mathieu, SquareWave, Hill), by: str = "") -> None:
+    """Raise TypeError unless ``value`` is one of the equation ``kinds``."""
+    if not isinstance(value, kinds):
+        names = ", ".join(kind.__name__ for kind in kinds)
+        raise TypeError(f"equation must be {names}{' for ' + by if by else ''}, got {value!r}")
+
+
+def _damping(value: Any) -> float:
+    number = _validate.nonnegative("damping", value, "growth of the free motion is not damping")
+    if number > math.sqrt(_validate.LARGEST):
+        raise ValueError(f"damping must be at most {math.sqrt(_validate.LARGEST):g}, got {number!r}; check its unit")
+    return number
+
+
+def _set(equation: object, name: str, value: object) -> None:
+    object.__setattr__(equation, name, value)
+
+
+def _plain(values: NDArray[np.float64] | np.float64) -> Any:
+    return float(values) if np.ndim(values) == 0 else values

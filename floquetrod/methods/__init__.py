@@ -1,0 +1,1 @@
+"""The methods, one file each: `method(equation, ...) -> Stability`.  None calls another."""
