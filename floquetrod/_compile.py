@@ -38,9 +38,7 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
         callee = scope.get(name)
         if getattr(callee, "__kernel__", False):
             scope[name] = compiled(callee)
-    copy = types.FunctionType(
-        function.__code__, scope, function.__name__, function.__defaults__, function.__closure__
-    )
+    copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__, function.__closure__)
     copy.__qualname__ = function.__qualname__
     copy.__module__ = function.__module__
     result: Callable[..., Any] = numba.njit(cache=True, nogil=True, error_model="numpy")(copy)
@@ -82,8 +80,7 @@ def over_chunks(
     run(*(array[:1] for array in arrays))  # compile once, before the threads race to do it
     with ThreadPoolExecutor(threads) as pool:
         pieces = [
-            pool.submit(run, *(array[start : start + chunk] for array in arrays))
-            for start in range(0, size, chunk)
+            pool.submit(run, *(array[start : start + chunk] for array in arrays)) for start in range(0, size, chunk)
         ]
         try:
             for piece in pieces:

@@ -21,9 +21,7 @@ def finite(name: str, value: Any, hint: str = "") -> float:
     try:
         number = float(value)
     except (TypeError, ValueError):
-        raise TypeError(
-            f"{name} must be a single real number, got {_short(value)}{_way_out(hint)}"
-        ) from None
+        raise TypeError(f"{name} must be a single real number, got {_short(value)}{_way_out(hint)}") from None
     if not math.isfinite(number):
         raise ValueError(f"{name} must be finite, got {number!r}{_way_out(hint)}")
     return number

@@ -10,7 +10,8 @@ tridiagonal chains with diagonals D_k and squared couplings e_k; the negative pi
 are counted.  A pivot that may be zero is taken together with the next: the pair [d, e; e, x] has one eigenvalue of
 each sign if d x - e^2 < 0, and the pivot after it is D - a - q^2 d / (d x - e^2).
 
-*Why a finite number of pivots decides.*  Let d_K > q and D_k - a >= 2 q for all k > K.  Then d_(K+1) > 2 q - q^2 / q
+*Why a finite number of pivots decides.*  Let K be beyond the first row, whose coupling may be larger than the others,
+and let d_K > q and D_k - a >= 2 q for all k > K.  Then d_(K+1) > 2 q - q^2 / q
 = q, and so on: all later pivots exceed q.  So (u, (H - a) u) = sum_k d_k (u_k + sqrt(e_k) u_(k+1) / d_k)^2 has n
 negative terms, n the count, and is positive on the subspace of codimension n where these vanish: were it zero there,
 u_k = -(sqrt(e_k) / d_k) u_(k+1) would make abs(u_k) grow with k for ever, and u be no element of the space.  At most n
@@ -226,11 +227,11 @@ def _count_chain(context: Any, a: Any, q: Any, first: int, shift: Any, coupling:
     k, count, pivot = first, 0, (first * first - a) + shift
     square = q * q
     least = None
-    while True:
+    while True:  # a first pivot never ends it: the coupling after it may be larger than q
         entry = (k + 2) ** 2 - a
         if pivot > 0 or pivot < 0:
             least = _closer(least, pivot)
-            if pivot > q and entry >= 2 * q:
+            if k > first and pivot > q and entry >= 2 * q:
                 return count, least
             count += bool(pivot < 0)
             pivot = entry - coupling / pivot
@@ -255,7 +256,7 @@ def _count_hill(equation: Hill, context: Any) -> tuple[int, tuple[Enclosure, ...
     bound = sum((abs(x) + abs(y) for x, y in waves), context.zero)
     # Far enough for delta > bound, and with the digits for C C' / delta not to be felt at the other end (heuristic).
     need = max(0.0, float((2 * bound - mean + 1).b))
-    _check_work(4.0 * math.sqrt(need) * (2.0 * len(waves) + 1.0) ** 2, context)
+    _check_work(15.0 * math.sqrt(need) * (2.0 * len(waves) + 1.0) ** 2, context)
     cut = len(waves) + 1 + math.ceil(math.sqrt(need)) + context.dps // 3
     total, enclosures = 0, []
     for name, start in (("periodic", Fraction(0)), ("antiperiodic", Fraction(1, 2))):
@@ -282,7 +283,7 @@ def _band(
     beyond = [(top + k, odd) for k in range(1, reach + 1) for odd in (False, True)]
     rows: list[dict[int, Any]] = []
     for i, mode in enumerate(modes):
-        near = [j for j in range(i + 1) if modes[j][0] - mode[0] <= reach]
+        near = [j for j in range(max(0, i - 2 * reach - 1), i + 1) if modes[j][0] - mode[0] <= reach]
         row = {j: _coupling(context, mean, waves, mode, modes[j]) for j in near}
         row[i] += _rational(mode[0] ** 2, context)
         if top - mode[0] < reach:
@@ -398,8 +399,8 @@ def _trace(context: Any, mean: Any, waves: list[tuple[Any, Any]]) -> Any:
     abs(u'_0) / w) (h / R)^n.  The state is (u, h u').
     """
     rough = float(sum((abs(x) + abs(y) for x, y in waves), abs(mean)).b)
-    order = 2 * context.dps + 16
-    _check_work(math.sqrt(rough) * order**2, context)
+    order = math.ceil(1.7 * context.dps) + 10
+    _check_work(6.0 * math.sqrt(rough) * order**2, context)
     steps = max(16 * len(waves), math.ceil(3.0 * math.sqrt(rough)))
     h = 2 * _pi(context) / steps
     radius = _RADIUS * h

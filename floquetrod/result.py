@@ -149,16 +149,10 @@ def judge(
         Verdict on the equation freed of its damping when known otherwise than from X (by counting, say).
     """
     period, damping = equation.period, equation.damping
-    if undamped_status is None:
-        size = excess_error * max(1.0, _ldexp(abs(excess), exponent))
-        value = _ldexp(excess, exponent)
-        big = excess > 0.0 and exponent > 0
-        undamped_status = (
-            "unstable" if (big and excess_error < 1.0) or value > size else "stable" if value < -size else "undecided"
-        )
     growth = _growth(excess, exponent, period)
-    status = undamped_status
-    if damping > 0.0 and undamped_status != "stable":
+    undamped = undamped_status or _decide(excess, exponent, excess_error)
+    status = undamped
+    if damping > 0.0 and undamped != "stable":
         low, high = _growth_band(excess, exponent, excess_error, period)
         status = "unstable" if low > damping else "stable" if high < damping else "undecided"
     net = max(0.0, growth - damping)
@@ -179,6 +173,15 @@ def judge(
         cost=cost,
         note=note,
     )
+
+
+def _decide(excess: float, exponent: int, excess_error: float) -> Status:
+    """Return the verdict on an undamped equation that X and its error allow."""
+    if exponent > 900:
+        return "unstable" if excess_error < 1.0 else "undecided"
+    value = _ldexp(excess, exponent)
+    size = excess_error * max(1.0, abs(value))
+    return "unstable" if value > size else "stable" if value < -size else "undecided"
 
 
 def excess_of_trace(trace: float) -> tuple[int, float]:

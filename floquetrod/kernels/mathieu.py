@@ -67,7 +67,7 @@ def count_below(a: float, q: float) -> int:
     count += (e < 0.0) + (o < 0.0)
     top = a + 2.0 * q
     k = 3.0
-    spare = 0
+    spare = 0.0
     while not (x >= 2.0 * q and c > q and s > q and e > q and o > q):
         x = k * k - a
         c = x - q * (q / c) if c != 0.0 else -math.inf
@@ -77,8 +77,8 @@ def count_below(a: float, q: float) -> int:
         o = x - q * (q / o) if o != 0.0 else -math.inf
         count += (c < 0.0) + (s < 0.0) + (e < 0.0) + (o < 0.0)
         if k * k > top:
-            spare += 1
-            if spare > 400 + k:
+            spare += 1.0
+            if spare > 400.0 + 0.1 * k:
                 return UNDECIDED
         k += 2.0
     return count
@@ -114,6 +114,7 @@ def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
     for start in range(0, n, _LANES):
         lanes = min(_LANES, n - start)
         top = 0.0
+        least = math.inf
         for j in range(_LANES):
             i = start + (j if j < lanes else 0)
             a = -4.0 * beta[i]
@@ -130,6 +131,7 @@ def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
             o[j] = 4.0 - a
             e[j] = -a * (4.0 - a) - 2.0 * q * q
             top = max(top, a + 2.0 * q)
+            least = min(least, q)
         last = max(2, int(math.sqrt(top) * 0.5) + 2)
         level = 1
         limit = last + 40
@@ -156,7 +158,7 @@ def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
                     o0[j] = t
                 k += 2.0
                 level += 1
-                if level % 8 == 0:
+                if level % 16 == 0:
                     for j in range(_LANES):
                         f = 1.0 / max(abs(c[j]), abs(c0[j]))
                         c[j] *= f
@@ -185,13 +187,10 @@ def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
             last = level + 1
         for j in range(lanes):
             out[start + j] = ((c[j] < 0.0) != (s[j] < 0.0)) != ((e[j] < 0.0) != (o[j] < 0.0))
-        if unsettled > 0 or level >= 1000:
-            # Rare: points on a transition curve to rounding, or so far out that minors could overflow between scalings.
+        if unsettled > 0 or least < 1e-100:
+            # Rare: points on a transition curve to rounding, or forcing so weak that its square is lost.
             for j in range(lanes):
-                out[start + j] = is_stable_scalar(alpha[start + j], beta[start + j])
-        else:
-            for j in range(lanes):
-                if qs[j] < 1e-100:
+                if unsettled > 0 or qs[j] < 1e-100:
                     out[start + j] = is_stable_scalar(alpha[start + j], beta[start + j])
 
 
@@ -406,7 +405,7 @@ def _pair(a: float, q: float, odd_period: bool) -> tuple[float, float, int, int,
         settled = x >= 2.0 * q and u > q and v > q
         if kk > top:
             spare += 1.0
-            settled = settled or spare > 400.0 + k
+            settled = settled or spare > 400.0 + 0.1 * k
     here, above, e = _tail(0.5 * k, 0.25 * a, q2 * 0.0625)
     r = q2 / ((k + 2.0) * (k + 2.0))
     pu, iu = math.frexp(pu * (here - above * r / u))
@@ -493,7 +492,7 @@ def _double_double(ah: float, al: float, q: float, chain: int) -> tuple[float, i
         settled = xh >= 2.0 * q and ph != 0.0 and (ph > q * oh) == (oh > 0.0)
         if k * k > top:
             spare += 1.0
-            settled = settled or spare > 400.0 + k
+            settled = settled or spare > 400.0 + 0.1 * k
     here, above, i = _tail(0.5 * k, 0.25 * ah, q * q * 0.0625)
     norm, j = math.frexp(norm * (here * ph - above * (q * q / ((k + 2.0) * (k + 2.0))) * oh))
     return norm, e + i + j

@@ -1,0 +1,1 @@
+"""Benchmarks: ratios against what people use today, all measured in one run.  `python -m benchmarks [name ...]`."""

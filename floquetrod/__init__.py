@@ -1,0 +1,60 @@
+"""floquetrod: Floquet and spectral stability of periodically forced equations, and of a rod shaken in a channel.
+
+>>> import floquetrod as fr
+>>> fr.stability(fr.Mathieu(alpha=0.5, beta=-0.25)).status
+'unstable'
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+__version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from floquetrod import conventions as conventions
+    from floquetrod import mathieu as mathieu
+    from floquetrod.comparison import Comparison as Comparison
+    from floquetrod.comparison import compare as compare
+    from floquetrod.equations import Hill as Hill
+    from floquetrod.equations import Mathieu as Mathieu
+    from floquetrod.equations import SquareWave as SquareWave
+    from floquetrod.proof import Proof as Proof
+    from floquetrod.proof import certify as certify
+    from floquetrod.result import Stability as Stability
+    from floquetrod.rod import AxialLoad as AxialLoad
+    from floquetrod.rod import Rod as Rod
+    from floquetrod.verdict import stability as stability
+
+_WHERE = {
+    "AxialLoad": "rod",
+    "Comparison": "comparison",
+    "Hill": "equations",
+    "Mathieu": "equations",
+    "Proof": "proof",
+    "Rod": "rod",
+    "SquareWave": "equations",
+    "Stability": "result",
+    "certify": "proof",
+    "compare": "comparison",
+    "conventions": "",
+    "mathieu": "",
+    "stability": "verdict",
+}
+
+__all__ = ["__version__", *sorted(_WHERE)]
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name when it is first used, so that importing the package costs next to nothing."""
+    if name not in _WHERE:
+        raise AttributeError(f"module 'floquetrod' has no attribute {name!r}; see dir(floquetrod)")
+    module = importlib.import_module(f"floquetrod.{_WHERE[name] or name}")
+    value = getattr(module, name) if _WHERE[name] else module
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -1,0 +1,323 @@
+"""Proofs: the arithmetic encloses, the counts are those of dense matrices, the verdicts those of the reference."""
+
+from __future__ import annotations
+
+import math
+import operator
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import pytest
+from hypothesis import assume, example, given, settings
+from hypothesis import strategies as st
+from mpmath.ctx_iv import MPIntervalContext
+
+from floquetrod.equations import Equation, Hill, Mathieu, SquareWave
+from floquetrod.methods.reference import reference, reference_excess
+from floquetrod.proof import _cosh_sinhc, _pi, _prove_by_trace, _trace, certify
+from floquetrod.result import Interval
+from strategies import hills, mathieu_points, mathieus, near_boundary_points, numbers, square_waves, transition_betas
+
+DIGITS = 20  # of the reference that proofs are held against; it uses up to 20 times as many
+
+doubles = st.floats(allow_nan=False, allow_infinity=False)
+
+
+def arithmetic(digits: int = 15) -> Any:
+    context = MPIntervalContext()
+    context.dps = digits
+    return context
+
+
+def ends(interval: Any) -> tuple[Fraction, Fraction]:
+    """Return the exact ends of an interval."""
+    low, high = ((-1) ** sign * Fraction(int(man)) * Fraction(2) ** exp for sign, man, exp, _ in interval._mpi_)
+    return low, high
+
+
+def holds(interval: Any, value: Any) -> bool:
+    """Return whether a number of mpmath lies in an interval."""
+    low, high = (mpmath.mp.make_mpf(end) for end in interval._mpi_)
+    return bool(low <= value <= high)
+
+
+@given(doubles, doubles, st.sampled_from([operator.add, operator.sub, operator.mul, operator.truediv]))
+@example(1.0, 3.0, operator.truediv)
+@example(1.0, 1e-300, operator.sub)
+@example(-1.0, 1e-300, operator.add)
+def test_intervals_of_mpmath_are_rounded_outwards(x: float, y: float, operation: Any) -> None:
+    assume(operation is not operator.truediv or y != 0.0)
+    context = arithmetic(6)  # fewer digits than a double has: even the operands are rounded
+    low, high = ends(operation(context.mpf(x), context.mpf(y)))
+    assert low <= operation(Fraction(x), Fraction(y)) <= high
+    context = arithmetic()
+    low, high = ends(operation(context.mpf(x), context.mpf(y)))
+    exact = operation(Fraction(x), Fraction(y))
+    assert low <= exact <= high
+    assert high - low <= abs(exact) / 2**51
+
+
+@given(doubles, doubles, doubles, doubles, st.sampled_from([operator.mul, operator.truediv]))
+def test_operations_on_wide_intervals(a: float, b: float, c: float, d: float, operation: Any) -> None:
+    first, second = sorted((a, b)), sorted((c, d))
+    assume(operation is operator.mul or second[0] > 0.0 or second[1] < 0.0)
+    context = arithmetic()
+    low, high = ends(operation(context.mpf(first), context.mpf(second)))
+    for x in first:
+        for y in second:
+            assert low <= operation(Fraction(x), Fraction(y)) <= high
+
+
+@given(numbers(-4000.0, 4000.0) | st.sampled_from([0.0, 1e-300, -1e-30, 1.0, -1.0, -1e9]), st.integers(8, 60))
+def test_entire_functions_are_enclosed(z: float, digits: int) -> None:
+    context = arithmetic(digits)
+    even, odd = _cosh_sinhc(context.mpf(z), context)
+    with mpmath.mp.workdps(150):
+        root = mpmath.sqrt(mpmath.mpc(z))
+        assert holds(even, mpmath.cosh(root).real)
+        assert holds(odd, mpmath.mpf(1) if z == 0.0 else (mpmath.sinh(root) / root).real)
+        assert holds(_pi(context), mpmath.pi())
+        size = mpmath.cosh(root.real) * (1 + abs(z))
+        assert even.delta.b <= context.mpf(mpmath.nstr(size * mpmath.mpf(10) ** (3 - digits), 20)).b
+
+
+@given(mathieu_points(largest_alpha=50.0, beta=(-50.0, 60.0)))
+def test_interval_is_counted_as_by_dense_eigenvalues(point: tuple[float, float]) -> None:
+    alpha, beta = point
+    assume(alpha != 0.0)
+    curves = transition_betas(alpha, 40)
+    assume(min(abs(beta - curve) for curve in curves) > 1e-9)
+    assert certify(Mathieu(alpha, beta)).interval == Interval.from_count(sum(curve > beta for curve in curves))
+
+
+@given(numbers(1e-3, 5.0), numbers(-2.0, 6.0))
+def test_small_q_and_negative_a(alpha: float, beta: float) -> None:
+    # The first coupling of the even chain is the larger one, which matters where few pivots are needed.
+    curves = transition_betas(alpha, 20)
+    assume(min(abs(beta - curve) for curve in curves) > 1e-9)
+    assert certify(Mathieu(alpha, beta)).interval == Interval.from_count(sum(curve > beta for curve in curves))
+
+
+@pytest.mark.parametrize(
+    ("alpha", "beta"), [(1.0, 0.0), (1.0, -1.0), (2.0, -2.0), (0.5, -0.25), (1e-9, -4.0), (1.95, 3.95 / 4.0)]
+)
+def test_pivots_that_vanish_are_no_obstacle(alpha: float, beta: float) -> None:
+    proof = certify(Mathieu(alpha, beta))
+    assert proof.digits == 15
+    assert proof.status == reference(Mathieu(alpha, beta), digits=DIGITS).status
+
+
+def assert_agrees(equation: Equation) -> None:
+    """Hold a proof against the reference, wherever the latter decides."""
+    verdict = reference(equation, digits=DIGITS)
+    assume(verdict.status != "undecided")
+    assert certify(equation, max_digits=400).status == verdict.status
+
+
+@given(mathieus())
+@settings(max_examples=40)
+def test_mathieu_agrees_with_the_reference(equation: Mathieu) -> None:
+    assert_agrees(equation)
+
+
+@given(near_boundary_points(nearest=1e-12))
+@settings(max_examples=40)
+def test_agrees_beside_transition_curves(point: tuple[float, float]) -> None:
+    assert_agrees(Mathieu(*point))
+
+
+@given(mathieus(largest_alpha=10.0, beta=(-10.0, 3.0), largest_damping=0.5))
+@settings(max_examples=15)
+def test_damped_mathieu_agrees_with_the_reference(equation: Mathieu) -> None:
+    assert_agrees(equation)
+
+
+@given(square_waves(largest_damping=0.5))
+@settings(max_examples=60)
+@example(SquareWave(1e9, -1e9))
+@example(SquareWave(3.0, -3.0, 0.2))
+def test_square_wave_agrees_with_the_reference(equation: SquareWave) -> None:
+    assert_agrees(equation)
+
+
+@given(hills(harmonics=3))
+@settings(max_examples=25)
+@example(Hill(0.0, (1.0,)))
+@example(Hill(-1.0, (0.0, 1.0)))
+@example(Hill(-400.0, (200.0,), (0.0, 0.0, 0.0, 200.0)))
+def test_hill_agrees_with_the_reference(equation: Hill) -> None:
+    assert_agrees(equation)
+
+
+@given(hills(harmonics=2, largest=3.0, largest_damping=0.3))
+@settings(max_examples=8)
+@example(Hill(0.5, (0.5,), (0.3,), period=3.0, damping=0.1))
+def test_damped_hill_agrees_with_the_reference(equation: Hill) -> None:
+    assert_agrees(equation)
+
+
+@given(mathieu_points(largest_alpha=30.0, beta=(-30.0, 5.0)))
+@settings(max_examples=25)
+def test_mathieu_as_hill_lies_in_the_same_interval(point: tuple[float, float]) -> None:
+    alpha, beta = point
+    assume(abs(alpha) > 1e-6)
+    # Its period is the double next to 2 pi: stay clear of curves.
+    assume(min(abs(beta - curve) for curve in transition_betas(alpha, 30)) > 1e-9)
+    assert certify(Mathieu(alpha, beta).as_hill()).interval == certify(Mathieu(alpha, beta)).interval
+
+
+@pytest.mark.parametrize(
+    "equation",
+    [Mathieu(2.0, -1.0, damping=0.3), Mathieu(20.0, -7.0, damping=0.1), Hill(-0.3, (1.0, 0.2), (0.4,), 4.0, 0.2)],
+)
+@pytest.mark.parametrize("digits", [15, 30])
+def test_trace_is_enclosed(equation: Mathieu | Hill, digits: int) -> None:
+    context = arithmetic(digits)
+    hill = equation.as_hill()
+    unit = context.mpf(hill.period) / (2 * _pi(context)) if isinstance(equation, Hill) else context.one
+    mean = unit**2 * (context.mpf(hill.mean) + context.mpf(hill.damping) ** 2)
+    trace = _trace(context, mean, [(unit**2 * z.real, -(unit**2) * z.imag) for z in hill.harmonics])
+    found = reference_excess(equation, 60)
+    with mpmath.mp.workdps(60):
+        assert holds(trace, found.sign * (2 + 4 * found.excess))
+    assert trace.delta.b < 1e6 * context.mpf(10) ** -digits * (1 + abs(found.excess))
+
+
+@given(square_waves(largest=10.0))
+@settings(max_examples=30)
+def test_enclosures_of_the_square_wave_hold_the_trace(equation: SquareWave) -> None:
+    proof = certify(equation)
+    assume(proof.digits > 0)
+    found = reference_excess(equation, 40)
+    above, below = proof.enclosures
+    with mpmath.mp.workdps(700):  # X may be as small as 1e-600
+        trace = found.sign * (2 + 4 * found.excess)
+        assert above.low - found.error <= (trace - 2) / 4 <= above.high + found.error
+        assert below.low - found.error <= (trace + 2) / 4 <= below.high + found.error
+
+
+def test_thin_tongues_are_proved() -> None:
+    assert certify(Mathieu(1e-8, -0.25)).interval == Interval("tongue", 1)
+    assert certify(Mathieu(1e-300, -0.25)).interval == Interval("tongue", 1)
+    # Tongue 2 at q = 2e-6 is 2e-12 wide: 4 - q^2/12 < a < 4 + 5 q^2/12 (DLMF 28.6).
+    q = 2e-6
+    places = {
+        -1.0: ("stability", 1),
+        -0.04: ("tongue", 2),
+        0.2: ("tongue", 2),
+        0.38: ("tongue", 2),
+        1.0: ("stability", 2),
+    }
+    for place, interval in places.items():
+        assert certify(Mathieu(q / 2.0, -(4.0 + place * q * q) / 4.0)).interval == Interval(*interval)  # type: ignore[arg-type]
+    assert certify(Mathieu(1e-300, -1.0)).interval == Interval("tongue", 2)  # 1e-600 wide
+
+
+def neighbours_across_a_boundary(alpha: float, stable: float, unstable: float) -> tuple[float, float]:
+    """Return adjacent doubles with a transition curve between them."""
+    while True:
+        middle = 0.5 * (stable + unstable)
+        if middle in (stable, unstable):
+            return stable, unstable
+        if certify(Mathieu(alpha, middle)).stable:
+            stable = middle
+        else:
+            unstable = middle
+
+
+def test_too_few_digits_beside_a_boundary() -> None:
+    sides = neighbours_across_a_boundary(1.0, 0.378, 0.379)
+    assert math.nextafter(sides[0], 1.0) == sides[1]
+    assert sides[0] == pytest.approx(0.378489, abs=1e-6)
+    for beta in sides:
+        proof = certify(Mathieu(1.0, beta), max_digits=10)
+        assert proof.status == "undecided"
+        assert proof.digits == 10
+        assert "10 digits" in proof.statement
+        assert proof.stable is None
+
+
+def test_precision_is_raised_until_it_decides() -> None:
+    assert certify(SquareWave(1e-300, -0.25)).status == "undecided"
+    proof = certify(SquareWave(1e-300, -0.25), max_digits=1000)
+    assert proof.status == "unstable"
+    assert 300 < proof.digits < 1000  # the trace differs from 2 by 1e-600, its factors from zero by 1e-300
+
+
+@pytest.mark.parametrize(
+    ("equation", "status"),
+    [
+        (Mathieu(0.0, -0.25), "stable"),  # M = -1
+        (Mathieu(0.0, 0.0), "unstable"),  # A = tau
+        (Mathieu(0.0, 0.0, damping=0.1), "stable"),  # A = 1
+        (Mathieu(0.0, 1e-300), "unstable"),
+        (SquareWave(0.0, -1.0), "stable"),
+        (Hill(0.5), "unstable"),
+        (Hill(-0.5, damping=2.0), "stable"),
+        (SquareWave(4.0, -5.0), "stable"),  # levels -1 and -9: both halves turn by half turns
+        (SquareWave(-4.0, -5.0), "stable"),
+        (SquareWave(0.5, -0.5), "unstable"),  # levels 0 and -1: A = 1, and one that grows linearly
+    ],
+)
+def test_exact_cases(equation: Equation, status: str) -> None:
+    proof = certify(equation)
+    assert (proof.status, proof.digits) == (status, 0)
+    undamped = type(equation) is not SquareWave or equation.alpha == 0.0
+    assert "constant" in proof.statement if undamped else "half turns" in proof.statement
+
+
+def test_damping_can_destabilise() -> None:
+    # alpha = 1: the strip of stabilised buckling ends at beta = 0.378489.
+    assert certify(Mathieu(1.0, 0.378488)).status == "stable"
+    destabilised = certify(Mathieu(1.0, 0.378488, damping=0.03))
+    assert destabilised.status == "unstable"
+    assert destabilised.interval == Interval("tongue", 0)
+    assert certify(Mathieu(1.0, 0.37, damping=0.03)).status == "stable"
+    assert certify(Mathieu(0.5, -0.2, damping=0.2)).status == "unstable"
+    assert certify(Mathieu(0.5, -0.2, damping=0.3)).status == "stable"
+
+
+def test_both_ways_of_treating_damping_agree() -> None:
+    # Where counting proves decay, the trace must prove it too.
+    equation = Mathieu(1.0, -0.6, damping=0.05)
+    assert certify(equation).statement.endswith("every solution decays")
+    assert _prove_by_trace(equation, arithmetic(30), None).status == certify(equation).status == "stable"
+
+
+def test_huge_parameters() -> None:
+    proof = certify(Mathieu(1e6, -1e6))
+    assert proof.status == "stable"
+    assert proof.interval is not None
+    assert certify(Mathieu(1e9, 1e9)).interval == Interval("tongue", 0)
+    for equation in (Hill(1e9, (1e9,)), Hill(1.0, (1.0,), period=1e300), Mathieu(1e8, 1e8, damping=0.1)):
+        proof = certify(equation)
+        assert proof.status == "undecided"
+        assert "more work" in proof.statement
+
+
+def test_leaves_the_precision_of_mpmath_alone() -> None:
+    before = mpmath.iv.prec
+    certify(Mathieu(1e-300, -0.25))
+    certify(SquareWave(1e-20, -0.25))
+    assert mpmath.iv.prec == before
+
+
+def test_repr_is_a_sentence() -> None:
+    text = repr(certify(Mathieu(0.5, -0.25)))
+    assert text.startswith("<unstable, tongue 1: 2 of Hill's periodic and antiperiodic eigenvalues lie below")
+    assert text.endswith("so a solution grows (15 digits)>")
+    assert repr(certify(Mathieu(0.0, -0.25))).startswith("<stable: the coefficient is constant and negative")
+    (first, *_) = certify(Mathieu(1.0, -0.6)).enclosures
+    assert str(first).startswith("pivot closest to zero, even, period pi in [")
+
+
+@pytest.mark.parametrize(("digits", "error"), [(4, ValueError), (15.0, TypeError), ("200", TypeError)])
+def test_wrong_digits(digits: Any, error: type[Exception]) -> None:
+    with pytest.raises(error, match="max_digits"):
+        certify(Mathieu(1.0, -1.0), max_digits=digits)
+
+
+def test_wrong_equation() -> None:
+    with pytest.raises(TypeError, match="equation must be Mathieu"):
+        certify("Mathieu")  # type: ignore[arg-type]

@@ -1,0 +1,61 @@
+"""What the README and the docstrings show is what happens."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
+PAGES = ["README.md", "CONTRIBUTING.md", "docs/architecture.md", "benchmarks/README.md"]
+MODULES = [
+    ".".join(part for part in path.relative_to(ROOT).with_suffix("").parts if part != "__init__")
+    for path in sorted((ROOT / "floquetrod").rglob("*.py"))
+    if path.name != "__main__.py"  # importing it runs the terminal
+]
+
+
+def blocks(page: str, language: str) -> list[str]:
+    """Return the fenced blocks of a page in one language."""
+    return re.findall(
+        rf"^```{language}\n(.*?)^```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+    )
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")])
+def test_python_snippets(page: str) -> None:
+    examples = "\n".join(blocks(page, "python"))
+    parsed = doctest.DocTestParser().get_doctest(examples, {}, page, page, 0)
+    assert len(parsed.examples) >= len(blocks(page, "python")), (
+        "write snippets as >>> examples, so that they are checked"
+    )
+    runner = doctest.DocTestRunner(optionflags=FLAGS)
+    report: list[str] = []
+    runner.run(parsed, out=report.append)
+    assert runner.summarize(verbose=False).failed == 0, "".join(report)
+
+
+def test_terminal_snippets() -> None:
+    (text,) = blocks("README.md", "console")
+    command, _, shown = text.partition("\n")
+    prompt, program, *arguments = shlex.split(command)
+    assert (prompt, program) == ("$", "floquetrod")
+    run = subprocess.run([sys.executable, "-m", program, *arguments], capture_output=True, text=True, cwd=ROOT)
+    assert run.stdout.strip() == shown.strip()
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_docstring_examples(module: str) -> None:
+    report: list[str] = []
+    tests = doctest.DocTestFinder().find(importlib.import_module(module))
+    runner = doctest.DocTestRunner(optionflags=FLAGS)
+    for test in tests:
+        runner.run(test, out=report.append)
+    assert runner.summarize(verbose=False).failed == 0, "".join(report)
