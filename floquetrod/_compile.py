@@ -9,12 +9,14 @@ from __future__ import annotations
 import functools
 import os
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from floquetrod import _validate
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -46,7 +48,7 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def fastest(function: Callable[..., Any], size: int) -> Callable[..., Any]:
-    """Return ``function`` itself for small work and its compiled version for work of more than a few elements."""
+    """Return ``function`` itself for small work (``size`` elements), its compiled version for more."""
     return function if size <= _INTERPRETED_UP_TO else compiled(function)
 
 
@@ -60,31 +62,35 @@ def cores() -> int:
 
 def over_chunks(
     function: Callable[..., Any],
-    arrays: tuple[NDArray[Any], ...],
+    inputs: Sequence[NDArray[Any]],
+    out: NDArray[Any],
     *,
     workers: int | None = None,
     chunk: int = _CHUNK,
 ) -> None:
-    """Call ``function(*pieces)`` on matching pieces of equally long arrays, in threads when there is enough to do.
+    """Call ``function(*inputs, out)`` on matching pieces of equally long arrays, in threads when there is enough to do.
 
-    The last arrays are the outputs; kernels release the GIL, so the threads run side by side.
+    Kernels release the GIL, so the threads run side by side, and Ctrl-C is answered between pieces.
     """
-    size = len(arrays[0])
+    workers = cores() if workers is None else _validate.integer("workers", workers, 1)
+    size = len(out)
     run = fastest(function, size)
-    threads = min(workers or cores(), -(-size // chunk))
-    if threads <= 1:
-        # Large single-threaded work goes in pieces too, so that Ctrl-C is answered between them.
-        for start in range(0, size, max(chunk, 1)):
-            run(*(array[start : start + chunk] for array in arrays))
+    if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
+        run(*(array.tolist() for array in inputs), out)
         return
-    run(*(array[:1] for array in arrays))  # compile once, before the threads race to do it
+    pieces = [(*(array[start : start + chunk] for array in inputs), out[start : start + chunk])
+              for start in range(0, size, chunk)]
+    run(*pieces[0])  # alone, so that it is compiled before threads could race to do it
+    threads = min(workers, len(pieces) - 1)
+    if threads <= 1:
+        for piece in pieces[1:]:
+            run(*piece)
+        return
     with ThreadPoolExecutor(threads) as pool:
-        pieces = [
-            pool.submit(run, *(array[start : start + chunk] for array in arrays)) for start in range(0, size, chunk)
-        ]
+        running = [pool.submit(run, *piece) for piece in pieces[1:]]
         try:
-            for piece in pieces:
-                piece.result()
+            for task in running:
+                task.result()
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise

@@ -47,7 +47,8 @@ def characteristic_values(order: Any, q: Any, kind: str, *, workers: int | None 
     out = np.empty(m.size)
     over_chunks(
         kernels.characteristic_fill,
-        (m, x, np.full(m.size, odd_solution), out),
+        (m, x, np.full(m.size, odd_solution)),
+        out,
         workers=workers,
         chunk=_CHUNK,
     )
@@ -66,7 +67,7 @@ def tongue_widths(order: Any, q: Any, *, workers: int | None = None) -> Any:
     """
     shape, (m, x) = _pairs(_orders(order, 1), _validate.array("q", q), "order", "q")
     out = np.empty(m.size)
-    over_chunks(kernels.width_fill, (m, x, out), workers=workers, chunk=_CHUNK)
+    over_chunks(kernels.width_fill, (m, x), out, workers=workers, chunk=_CHUNK)
     return out.reshape(shape) if shape else float(out[0])
 
 

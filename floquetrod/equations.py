@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -146,10 +147,9 @@ class Hill:
 
     @property
     def harmonics(self) -> tuple[complex, ...]:
-        """Complex amplitudes z_k with p = mean + sum_k Re(z_k exp(i k W tau)), k = 1, 2, ...; trailing zeros dropped."""
-        size = max(len(self.cosines), len(self.sines))
-        pairs = zip(self.cosines + (0.0,) * size, self.sines + (0.0,) * size, range(size), strict=False)
-        values = [complex(cosine, -sine) for cosine, sine, _ in pairs]
+        """Amplitudes z_k, k = 1, 2, ..., with p = mean + sum_k Re(z_k exp(i k W tau)); trailing zeros dropped."""
+        pairs = zip_longest(self.cosines, self.sines, fillvalue=0.0)
+        values = [complex(cosine, -sine) for cosine, sine in pairs]
         while values and values[-1] == 0.0:
             values.pop()
         return tuple(values)

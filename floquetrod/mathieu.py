@@ -55,7 +55,9 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     undamped = np.ndim(damping) == 0 and damping == 0.0
     shape, arguments = _arguments(alpha, beta, *(() if undamped else (damping,)))
     out = np.empty(arguments[0].size, dtype=np.bool_)
-    over_chunks(kernels.stable_fill if undamped else kernels.damped_stable_fill, (*arguments, out), workers=workers)
+    few = out.size < 64  # blocks pay from a few of them on
+    fill = kernels.damped_stable_fill if not undamped else kernels.stable_one_by_one if few else kernels.stable_fill
+    over_chunks(fill, arguments, out, workers=workers)
     return _shaped(out, shape)
 
 
@@ -71,7 +73,7 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     """
     shape, (a, b, c) = _arguments(alpha, beta, damping)
     out = np.empty(a.size)
-    over_chunks(kernels.growth_fill, (a, b, c, out), workers=workers)
+    over_chunks(kernels.growth_fill, (a, b, c), out, workers=workers)
     return _shaped(out, shape)
 
 
@@ -87,7 +89,7 @@ def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | No
     """
     shape, (a, b, c) = _arguments(alpha, beta, damping)
     out = np.empty(a.size)
-    over_chunks(kernels.discriminant_fill, (a, b, c, out), workers=workers)
+    over_chunks(kernels.discriminant_fill, (a, b, c), out, workers=workers)
     return _shaped(out, shape)
 
 
@@ -103,7 +105,7 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     """
     shape, (a, b, c) = _arguments(alpha, beta, damping)
     out = np.empty((a.size, 2), dtype=np.complex128)
-    over_chunks(kernels.multipliers_fill, (a, b, c, out), workers=workers)
+    over_chunks(kernels.multipliers_fill, (a, b, c), out, workers=workers)
     return out.reshape((*shape, 2))
 
 

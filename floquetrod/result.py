@@ -108,7 +108,7 @@ class Stability:
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""
-        verdict = self.status
+        verdict: str = self.status
         if self.status == "unstable":
             verdict += f": grows at {self.growth_rate:.6g} per unit tau"
         elif self.status == "undecided":
@@ -149,6 +149,8 @@ def judge(
         Verdict on the equation freed of its damping when known otherwise than from X (by counting, say).
     """
     period, damping = equation.period, equation.damping
+    if excess <= 0.0:
+        excess, exponent = _ldexp(excess, exponent), 0
     growth = _growth(excess, exponent, period)
     undamped = undamped_status or _decide(excess, exponent, excess_error)
     status = undamped

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 import operator
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import mpmath
+import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
@@ -119,6 +121,13 @@ def assert_agrees(equation: Equation) -> None:
 @settings(max_examples=40)
 def test_mathieu_agrees_with_the_reference(equation: Mathieu) -> None:
     assert_agrees(equation)
+
+
+def test_golden_verdicts_are_proved(rng: np.random.Generator) -> None:
+    with np.load(Path(__file__).parent / "data/golden.npz") as golden:
+        alpha, beta, stable = (golden[name] for name in ("alpha", "beta", "stable"))
+    for i in rng.choice(len(alpha), 300, replace=False):
+        assert certify(Mathieu(alpha[i], beta[i])).stable is bool(stable[i])
 
 
 @given(near_boundary_points(nearest=1e-12))

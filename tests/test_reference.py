@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 from typing import Any
 
 import mpmath
+import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
@@ -212,6 +214,20 @@ def test_verdict_follows_from_the_excess(equation: Mathieu) -> None:
     assert verdict.growth_rate == pytest.approx(float(max(0, net)), rel=1e-14)
     determinant = verdict.multipliers[0] * verdict.multipliers[1]
     assert determinant.real == pytest.approx(math.exp(-4.0 * math.pi * equation.damping), rel=1e-12)
+
+
+def test_golden_values(rng: np.random.Generator) -> None:
+    with np.load(Path(__file__).parent / "data/golden.npz") as golden:
+        columns = dict(golden)
+    for i in rng.choice(len(columns["alpha"]), 30, replace=False):
+        row = {name: values[i] for name, values in columns.items()}
+        found = reference_excess(Mathieu(row["alpha"], row["beta"]), 30)
+        expected = math.ldexp(row["excess_mantissa"], int(row["excess_exponent"]))
+        assert float(found.excess) == pytest.approx(expected, rel=1e-15)
+        assert found.sign == row["sign"]
+        assert row["stable"] == (found.excess < 0) == (row["growth_rate"] == 0.0)
+        assert row["discriminant"] == pytest.approx(float(found.sign * (2 + 4 * mp.mpf(found.excess))), rel=1e-15)
+        assert row["log_abs_discriminant"] == pytest.approx(math.log(abs(row["discriminant"])), rel=1e-14, abs=1e-15)
 
 
 def test_thin_tongue() -> None:

@@ -14,7 +14,7 @@ import numpy as np
 
 from floquetrod._compile import kernel
 
-_NUDGE = 1e-300  # stands in for a pivot of exactly zero
+_NUDGE = 1e-30  # stands in for a pivot of exactly zero
 
 
 @kernel
@@ -142,12 +142,12 @@ def tongue_width(order: int, q: float) -> float:
 @kernel
 def characteristic_fill(order: Any, q: Any, odd_solution: Any, out: Any) -> None:
     """Fill ``out`` with characteristic values."""
-    for i in range(order.size):
+    for i in range(len(order)):
         out[i] = characteristic_value(order[i], q[i], odd_solution[i])
 
 
 @kernel
 def width_fill(order: Any, q: Any, out: Any) -> None:
     """Fill ``out`` with tongue widths."""
-    for i in range(order.size):
+    for i in range(len(order)):
         out[i] = tongue_width(order[i], q[i])

@@ -93,6 +93,13 @@ def is_stable_scalar(alpha: float, beta: float) -> bool:
 
 
 @kernel
+def stable_one_by_one(alpha: Any, beta: Any, out: Any) -> None:
+    """Fill ``out`` with the verdicts on undamped equations, point after point: for the few."""
+    for i in range(len(alpha)):
+        out[i] = is_stable_scalar(alpha[i], beta[i])
+
+
+@kernel
 def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
     """Fill ``out`` with the verdicts on undamped equations, many points side by side.
 
@@ -259,7 +266,8 @@ def _log_tail(kappa: float, h2: float, big_q: float) -> float:
     s = 4.0
     while s < 120.0:
         total -= one * g * _power_sum(x, i2, s) + two * w * _power_sum(x, i2, s + 4.0)
-        if abs(one * g) + abs(two * w) < 1e-17 * s:
+        # Both this coefficient and the one before: a single one may vanish (at a = -1, say).
+        if one * (abs(g) + abs(g0)) + two * (abs(w) + abs(w0)) < 1e-17 * s:
             break
         g0, g = g, b * g - c * g0
         w0, w = w, g + b * w - c * w0
@@ -280,7 +288,7 @@ def _log_tail(kappa: float, h2: float, big_q: float) -> float:
     s = 8.0
     while s < 120.0:
         total -= two * w * _power_sum(x, i2, s)
-        if abs(two * w) < 1e-17 * s:
+        if two * (abs(w) + abs(w0)) < 1e-17 * s:
             break
         g0, g = g, b * g - c * g0
         w0, w = w, g + 2.0 * f * w - f * f * w0
@@ -483,7 +491,7 @@ def _double_double(ah: float, al: float, q: float, chain: int) -> tuple[float, i
         norm /= k * k
         size = max(abs(ph), abs(oh))
         if size > 1e60 or size < 1e-60 or norm < 1e-200:
-            i = math.frexp(size)[1]
+            i = max(-900, math.frexp(size)[1])
             f = math.ldexp(1.0, -i)
             oh, ol, ph, pl = oh * f, ol * f, ph * f, pl * f
             e += i
@@ -576,14 +584,14 @@ def growth(alpha: float, beta: float, damping: float) -> float:
 @kernel
 def growth_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
     """Fill ``out`` with growth rates."""
-    for i in range(alpha.size):
+    for i in range(len(alpha)):
         out[i] = growth(alpha[i], beta[i], damping[i])
 
 
 @kernel
 def damped_stable_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
     """Fill ``out`` with the verdicts on damped equations: stable where the undamped growth is no more than c."""
-    for i in range(alpha.size):
+    for i in range(len(alpha)):
         c = damping[i]
         count = count_below(-4.0 * (beta[i] + c * c), 2.0 * alpha[i]) if alpha[i] != 0.0 else 0
         out[i] = count % 2 == 1 or undamped_growth(alpha[i], beta[i], c) <= c
@@ -592,7 +600,7 @@ def damped_stable_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
 @kernel
 def discriminant_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
     """Fill ``out`` with discriminants (traces of the monodromy matrix), infinite beyond the range of a double."""
-    for i in range(alpha.size):
+    for i in range(len(alpha)):
         sign, x, e, _, _ = excess(alpha[i], beta[i], damping[i])
         decay = 2.0 * math.pi * damping[i]
         if e > 900 or decay > 700.0:
@@ -605,7 +613,7 @@ def discriminant_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
 @kernel
 def multipliers_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
     """Fill ``out`` (n, 2) complex with multipliers, the larger (or that of positive rotation) first."""
-    for i in range(alpha.size):
+    for i in range(len(alpha)):
         sign, x, e, _, _ = excess(alpha[i], beta[i], damping[i])
         decay = 2.0 * math.pi * damping[i]
         if x > 0.0:

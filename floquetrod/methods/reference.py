@@ -121,7 +121,7 @@ def reference_excess(equation: Equation, digits: int = 50) -> Excess:
     >>> from floquetrod.equations import Mathieu
     >>> found = reference_excess(Mathieu(alpha=0.0, beta=1.0), 30)  # X = sinh(pi)^2
     >>> str(found.excess)[:14], found.error < 1e-27
-    ('133.3724221406', True)
+    ('133.3733807418', True)
     """
     import mpmath
 

@@ -42,7 +42,7 @@ def spectral(equation: Mathieu | Hill) -> Stability:
     Returns
     -------
     Stability
-        ``error`` is a first-order estimate of rounding for Mathieu; for Hill the change from K to K + 8.
+        ``error`` is a first-order estimate of rounding for Mathieu; for Hill the change from K to K + 4.
 
     Examples
     --------
@@ -132,13 +132,13 @@ def _hill(equation: Hill) -> Stability:
     cut = math.ceil(math.sqrt(abs(mean) + 2.0 * bound) / turn) + len(harmonics) + 8
     below: int | None = None
     rows = 0
-    while below is None and 2 * cut + 2 <= _MOST_ROWS:
+    while 2 * cut + 2 <= _MOST_ROWS:
         below, settled = _banded_count(mean, harmonics, bound, turn, cut)
         rows += 4 * cut
-        if not settled:
+        if below is not None or not settled:
             break
-        cut += 8 if below is not None else cut
-    if 2 * cut + 2 > _MOST_ROWS:
+        cut *= 2
+    else:
         return judge(
             equation,
             "spectral",
@@ -150,7 +150,7 @@ def _hill(equation: Hill) -> Stability:
         )
     status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
     coarse = _central_exponent(mean, harmonics, turn, cut)
-    fine = _central_exponent(mean, harmonics, turn, cut + 8)
+    fine = _central_exponent(mean, harmonics, turn, cut + 4)
     sign, excess, exponent = _excess_of_exponent(fine, turn, status)
     # X responds to the square of the exponent near a boundary and to T times it far away.
     scale = math.pi / turn

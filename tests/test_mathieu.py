@@ -1,0 +1,205 @@
+"""Mathieu's equation over arrays: verdicts, growth and discriminants against 50 digits, and ufunc manners."""
+
+from __future__ import annotations
+
+import math
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from strategies import mathieu_points, near_boundary_points
+
+import floquetrod as fr
+from floquetrod.kernels import mathieu as kernels
+from floquetrod.methods.reference import reference
+
+pytestmark = pytest.mark.kernels
+
+GOLDEN = np.load(Path(__file__).parent / "data/golden.npz")
+
+
+def test_verdicts_agree_with_fifty_digits_on_ten_thousand_points() -> None:
+    assert GOLDEN["alpha"].size >= 10_000
+    stable = fr.mathieu.is_stable(GOLDEN["alpha"], GOLDEN["beta"])
+    assert np.array_equal(stable, GOLDEN["stable"])
+
+
+@pytest.mark.parametrize("offset", [-1e-12, 1e-12])
+def test_verdicts_hold_a_relative_1e_12_to_either_side(offset: float) -> None:
+    stable = fr.mathieu.is_stable(GOLDEN["alpha"], GOLDEN["beta"] * (1.0 + offset))
+    assert np.array_equal(stable, GOLDEN["stable"])
+
+
+def test_growth_rates_to_1e_8_wherever_above_1e_9() -> None:
+    growth = fr.mathieu.growth_rate(GOLDEN["alpha"], GOLDEN["beta"])
+    true = GOLDEN["growth_rate"]
+    some = true > 1e-9
+    assert some.sum() > 3000
+    assert np.abs(growth[some] / true[some] - 1.0).max() < 1e-8
+    assert np.array_equal(growth > 0.0, ~GOLDEN["stable"])
+
+
+def test_discriminants_to_1e_12_near_and_1e_10_far() -> None:
+    found = fr.mathieu.discriminant(GOLDEN["alpha"], GOLDEN["beta"])
+    true = GOLDEN["discriminant"]
+    finite = np.isfinite(true)
+    assert np.array_equal(found[~finite], true[~finite])
+    error = np.abs(found[finite] - true[finite]) / np.maximum(1.0, np.abs(true[finite]))
+    near = (GOLDEN["alpha"][finite] <= 6.0) & (np.abs(GOLDEN["beta"][finite]) <= 4.0)
+    assert near.sum() > 20
+    assert error[near].max() < 1e-12
+    assert error.max() < 1e-10
+
+
+@settings(max_examples=60)
+@given(mathieu_points() | near_boundary_points())
+def test_fresh_points_agree_with_the_reference(point: tuple[float, float]) -> None:
+    alpha, beta = point
+    true = reference(fr.Mathieu(alpha, beta), digits=50)
+    found = fr.stability(fr.Mathieu(alpha, beta), method="spectral")
+    assert found.status in (true.status, "undecided")
+    if found.status != "undecided":
+        assert fr.mathieu.is_stable(alpha, beta) is true.stable
+    assert fr.mathieu.growth_rate(alpha, beta) == pytest.approx(true.growth_rate, rel=1e-8, abs=1e-9)
+    if math.isfinite(true.discriminant):
+        scale = max(1.0, abs(true.discriminant))
+        limit = 1e-12 if abs(alpha) <= 6.0 and abs(beta) <= 4.0 else 1e-10
+        assert abs(fr.mathieu.discriminant(alpha, beta) - true.discriminant) <= limit * scale
+        assert abs(found.discriminant - true.discriminant) <= found.error * scale
+
+
+@settings(max_examples=100)
+@given(mathieu_points(largest_alpha=5.0, beta=(-4.0, 1.0)))
+def test_near_plane_discriminants_to_1e_12(point: tuple[float, float]) -> None:
+    true = reference(fr.Mathieu(*point), digits=30).discriminant
+    assert abs(fr.mathieu.discriminant(*point) - true) <= 1e-12 * max(1.0, abs(true))
+
+
+def test_the_thinnest_tongue() -> None:
+    # F2-b: in double precision the trace is -2 within rounding; the count still sees the tongue.
+    assert not fr.mathieu.is_stable(1e-8, -0.25)
+    assert fr.mathieu.growth_rate(1e-8, -0.25) == pytest.approx(5.0e-9, rel=1e-8)
+    assert fr.mathieu.growth_rate(1e-300, -0.25) == pytest.approx(5.0e-301, rel=1e-8)
+
+
+def test_no_forcing() -> None:
+    beta = np.array([-4.0, -1.0, -0.3, -0.25, 0.0, 0.25, 1.0])
+    assert fr.mathieu.is_stable(0.0, beta).tolist() == [True] * 4 + [False] * 3
+    assert fr.mathieu.growth_rate(0.0, beta) == pytest.approx(np.sqrt(np.maximum(beta, 0.0)), rel=1e-14)
+    root = np.sqrt(np.abs(beta))
+    trace = np.where(beta < 0.0, 2.0 * np.cos(2.0 * np.pi * root), 2.0 * np.cosh(2.0 * np.pi * root))
+    assert fr.mathieu.discriminant(0.0, beta) == pytest.approx(trace, rel=1e-13, abs=1e-13)
+
+
+def test_claims_about_single_points() -> None:
+    # F2-c: the boundary at beta = -0.80 lies between 1.58 and 1.6.  F2-d: some beta > 0 are stable.
+    assert fr.mathieu.is_stable([1.5, 1.58, 1.6], -0.80).tolist() == [True, True, False]
+    assert fr.mathieu.is_stable(1.0, 0.378)
+
+
+def test_damping_can_destabilise() -> None:
+    assert fr.mathieu.is_stable(1.0, 0.378488)
+    assert not fr.mathieu.is_stable(1.0, 0.378488, damping=0.03)
+    assert fr.mathieu.is_stable(0.1, -0.25, damping=0.06)
+
+
+def test_damping_is_a_substitution() -> None:
+    alpha, beta, c = 1.3, -0.4, 0.07
+    undamped = fr.mathieu.growth_rate(alpha, beta + c * c)
+    assert fr.mathieu.growth_rate(alpha, beta, c) == pytest.approx(undamped - c, rel=1e-12)
+    product = np.prod(fr.mathieu.multipliers(alpha, beta, c))
+    assert product == pytest.approx(math.exp(-4.0 * math.pi * c), rel=1e-12)
+
+
+@given(mathieu_points())
+def test_the_sign_of_alpha_only_shifts_time(point: tuple[float, float]) -> None:
+    alpha, beta = point
+    for function in (fr.mathieu.is_stable, fr.mathieu.growth_rate, fr.mathieu.discriminant):
+        assert function(alpha, beta) == function(-alpha, beta)
+
+
+def test_multipliers_keep_the_small_one() -> None:
+    large, small = fr.mathieu.multipliers(3.0, 40.0)
+    assert abs(large) > 1e15
+    assert large * small == pytest.approx(1.0, rel=1e-12)
+    rotation = fr.mathieu.multipliers(0.3, -0.6)
+    assert np.abs(rotation) == pytest.approx(1.0, rel=1e-14)
+    assert rotation.sum().real == pytest.approx(fr.mathieu.discriminant(0.3, -0.6), rel=1e-13)
+
+
+def test_broadcasting_and_types() -> None:
+    alpha, beta = np.linspace(0.1, 3.0, 7)[:, None], np.linspace(-3.0, 0.5, 5)
+    stable = fr.mathieu.is_stable(alpha, beta)
+    assert stable.shape == (7, 5)
+    assert stable.dtype == bool
+    assert fr.mathieu.multipliers(alpha, beta).shape == (7, 5, 2)
+    assert fr.mathieu.growth_rate(alpha, beta, np.zeros((2, 1, 1))).shape == (2, 7, 5)
+    assert fr.mathieu.is_stable(np.empty((0, 3)), 0.1).shape == (0, 3)
+    assert isinstance(fr.mathieu.is_stable(0.5, -0.2), bool)
+    one_by_one = [[fr.mathieu.is_stable(float(a), float(b)) for b in beta] for a in alpha[:, 0]]
+    assert stable.tolist() == one_by_one
+    assert fr.mathieu.is_stable(2, -3) == fr.mathieu.is_stable(2.0, -3.0)
+
+
+def test_compiled_and_interpreted_kernels_agree(rng: np.random.Generator) -> None:
+    alpha, beta = rng.uniform(0.0, 50.0, 400), rng.uniform(-50.0, 10.0, 400)
+    for function in (fr.mathieu.growth_rate, fr.mathieu.discriminant):
+        pieces = [function(alpha[i : i + 40], beta[i : i + 40]) for i in range(0, 400, 40)]
+        assert function(alpha, beta) == pytest.approx(np.concatenate(pieces), rel=1e-10, abs=1e-12)
+    counts = [kernels.count_below(-4.0 * b, 2.0 * a) % 2 == 1 for a, b in zip(alpha.tolist(), beta.tolist(), strict=True)]
+    assert fr.mathieu.is_stable(alpha, beta).tolist() == counts
+
+
+def test_workers_do_not_change_the_result(rng: np.random.Generator) -> None:
+    alpha, beta = rng.uniform(0.0, 5.0, 40_000), rng.uniform(-4.0, 1.0, 40_000)
+    alone, together = (fr.mathieu.is_stable(alpha, beta, workers=n) for n in (1, 2))
+    assert np.array_equal(alone, together)
+
+
+def test_calls_from_threads() -> None:
+    alpha, beta = np.meshgrid(np.linspace(0.0, 5.0, 60), np.linspace(-4.0, 1.0, 60))
+    expected = fr.mathieu.growth_rate(alpha, beta)
+    found: list[np.ndarray] = []
+    threads = [threading.Thread(target=lambda: found.append(fr.mathieu.growth_rate(alpha, beta))) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(found) == 4
+    assert all(np.array_equal(expected, one) for one in found)
+
+
+@pytest.mark.parametrize("alpha", [0.0, 1e-300, 1e-160, 1e-30, 1.0, 1e6, 1e9])
+@pytest.mark.parametrize("beta", [-1e9, -1e6, -1.0, -0.25, -1e-300, 0.0, 1e-300, 1.0, 1e6, 1e9])
+def test_extreme_parameters_neither_crash_nor_loop(alpha: float, beta: float) -> None:
+    stable = fr.mathieu.is_stable(np.full(100, alpha), beta)
+    assert stable.all() or not stable.any()
+    assert bool(stable[0]) is bool(fr.mathieu.is_stable(alpha, beta))
+    growth = fr.mathieu.growth_rate(np.full(100, alpha), beta)[0]
+    assert math.isfinite(growth)
+    assert growth >= 0.0
+    assert not math.isnan(fr.mathieu.discriminant(np.full(100, alpha), beta)[0])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((math.nan, 0.1), "alpha must be finite"),
+        ((0.1, math.inf), "beta must be finite"),
+        (([0.1, math.nan], [0.1, 0.2]), r"alpha\[1\] = nan"),
+        (([0.1, 0.2], [0.1, 0.2, 0.3]), "must broadcast to one shape"),
+        ((0.1, 0.1, -1.0), "damping must be finite and lie between 0"),
+        ((2e9, 0.1), "alpha must lie between"),
+    ],
+)
+def test_bad_values(arguments: tuple[object, ...], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        fr.mathieu.is_stable(*arguments)
+
+
+@pytest.mark.parametrize("alpha", ["0.5", None, 1j, [[1.0], [2.0, 3.0]]])
+def test_bad_types(alpha: object) -> None:
+    with pytest.raises((TypeError, ValueError), match=r"alpha|inhomogeneous"):
+        fr.mathieu.growth_rate(alpha, 0.1)
