@@ -4,7 +4,7 @@
 name                    equation                                          time
 ======================  ================================================  ==========================
 (alpha, beta)           A'' = (beta + alpha sin tau) A                    period 2 pi in tau
-(a, q)                  y'' + (a - 2 q cos 2 z) y = 0                     period pi in z, tau = 2 z - pi/2
+(a, q)                  y'' + (a - 2 q cos 2 z) y = 0                     period pi in z, tau = 2 z + pi/2
 (delta, epsilon)        x'' + (delta + epsilon cos t) x = 0               period 2 pi in t, t = tau + pi/2
 ======================  ================================================  ==========================
 

@@ -1,0 +1,192 @@
+"""Every method against every other, and the result they share."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from strategies import hills, mathieus, near_boundary_points, square_waves
+
+import floquetrod as fr
+from floquetrod.methods.determinant import determinant
+from floquetrod.methods.spectral import spectral
+from floquetrod.result import Cost, Interval, judge
+
+EXACT = {"spectral", "determinant", "monodromy", "reference", "square_wave"}
+
+
+def exact_results(equation: fr.Mathieu | fr.SquareWave | fr.Hill) -> list[fr.Stability]:
+    """Results of the methods that claim to be exact for this equation."""
+    return [
+        r
+        for r in fr.compare(equation).results
+        if r.method in EXACT and not (r.method == "square_wave" and isinstance(equation, fr.Mathieu))
+    ]
+
+
+def check_agreement(equation: fr.Mathieu | fr.SquareWave | fr.Hill) -> None:
+    results = exact_results(equation)
+    *others, truth = results
+    assert truth.method == "reference"
+    for one in others:
+        assert {one.status, truth.status} != {"stable", "unstable"}, (one, truth)
+        if not (math.isfinite(one.error) and math.isfinite(truth.discriminant)):
+            continue
+        scale = max(1.0, abs(truth.discriminant))
+        assert abs(one.discriminant - truth.discriminant) <= (one.error + truth.error) * scale, (one, truth)
+        if one.status == truth.status == "unstable":
+            # A growth rate follows from the excess; near a boundary it feels the square root of its error.
+            rate = math.sqrt(one.error) / one.period
+            assert one.growth_rate == pytest.approx(truth.growth_rate, rel=1e-7, abs=4.0 * rate), (one, truth)
+
+
+@settings(max_examples=40)
+@given(mathieus(largest_alpha=30.0, beta=(-30.0, 5.0), largest_damping=0.3))
+def test_methods_agree_on_mathieu(equation: fr.Mathieu) -> None:
+    check_agreement(equation)
+
+
+@settings(max_examples=30)
+@given(near_boundary_points())
+def test_methods_agree_beside_boundaries(point: tuple[float, float]) -> None:
+    check_agreement(fr.Mathieu(*point))
+
+
+@settings(max_examples=30)
+@given(square_waves(largest_damping=0.3))
+def test_methods_agree_on_square_waves(equation: fr.SquareWave) -> None:
+    check_agreement(equation)
+
+
+@settings(max_examples=25)
+@given(hills(largest=10.0, largest_damping=0.3))
+def test_methods_agree_on_hill(equation: fr.Hill) -> None:
+    check_agreement(equation)
+
+
+@settings(max_examples=60)
+@given(mathieus(largest_damping=0.3) | square_waves(largest_damping=0.3))
+def test_multipliers_follow_from_liouville_and_the_trace(equation: fr.Mathieu | fr.SquareWave) -> None:
+    result = fr.stability(equation)
+    first, second = result.multipliers
+    if cmath.isfinite(first):
+        assert first * second == pytest.approx(cmath.exp(-4.0 * math.pi * equation.damping), rel=1e-9)
+        assert first + second == pytest.approx(result.discriminant, rel=1e-9, abs=1e-9)
+    else:
+        assert math.isfinite(result.log_abs_discriminant)
+        assert result.exponents[0].real * result.period == pytest.approx(result.log_abs_discriminant, rel=1e-9)
+    assert abs(first) >= abs(second)
+
+
+@given(near_boundary_points() | st.tuples(st.floats(0.01, 50.0), st.floats(-50.0, 5.0)))
+def test_counts_agree_with_determinants(point: tuple[float, float]) -> None:
+    one, other = spectral(fr.Mathieu(*point)), determinant(fr.Mathieu(*point))
+    if "undecided" not in (one.status, other.status):
+        assert one.status == other.status
+        assert one.interval == other.interval
+
+
+def test_the_papers_truncation() -> None:
+    forty = determinant(fr.Mathieu(0.5, -0.25), terms=40)
+    assert forty.cost == Cost(161, "rows")
+    exact = spectral(fr.Mathieu(0.5, -0.25))
+    assert abs(forty.discriminant - exact.discriminant) <= forty.error * abs(exact.discriminant)
+    few = determinant(fr.Mathieu(400.0, -2000.0), terms=40)
+    assert few.status == "undecided"
+    assert "40 terms are too few" in few.note
+
+
+def test_determinants_converge_as_the_fifth_power_of_the_terms() -> None:
+    exact = spectral(fr.Mathieu(2.0, -1.3)).discriminant
+    errors = [abs(determinant(fr.Mathieu(2.0, -1.3), terms=n).discriminant - exact) for n in (20, 40, 80)]
+    orders = [math.log2(errors[i] / errors[i + 1]) for i in (0, 1)]
+    assert orders == pytest.approx([5.0, 5.0], abs=0.4)
+
+
+def test_a_boundary_within_rounding_is_undecided_by_doubles_and_decided_by_more_digits() -> None:
+    edge = -0.25 * fr.mathieu.characteristic_values(1, 2.0, "a")
+    equation = fr.Mathieu(1.0, edge)
+    assert spectral(equation).status == "undecided"
+    assert fr.stability(equation).status == fr.certify(equation).status != "undecided"
+    assert fr.stability(equation).method == "reference"
+
+
+def test_intervals_are_numbered_as_in_the_field() -> None:
+    assert spectral(fr.Mathieu(0.1, 0.3)).interval == Interval("tongue", 0)
+    assert spectral(fr.Mathieu(0.1, -0.1)).interval == Interval("stability", 0)
+    assert spectral(fr.Mathieu(0.1, -0.25)).interval == Interval("tongue", 1)
+    assert spectral(fr.Mathieu(0.1, -0.5)).interval == Interval("stability", 1)
+    assert spectral(fr.Mathieu(1.0, -1.0 - 1.0 / 12.0)).interval == Interval("tongue", 2)
+
+
+@pytest.mark.parametrize("method", ["spectral", "determinant", "monodromy"])
+def test_the_thin_tongue_is_seen_by_every_exact_method(method: str) -> None:
+    result = fr.stability(fr.Mathieu(1e-8, -0.25), method=method)
+    assert result.status == "unstable"
+    assert result.growth_rate == pytest.approx(5.0e-9, rel=1e-6)
+
+
+def test_huge_growth_is_carried_as_a_logarithm() -> None:
+    result = fr.stability(fr.Mathieu(1e6, 1e5))
+    assert math.isinf(result.discriminant)
+    assert math.isfinite(result.log_abs_discriminant)
+    assert result.growth_rate * 2.0 * math.pi == pytest.approx(result.log_abs_discriminant, rel=1e-12)
+    assert result.multipliers[1] == 0.0
+    assert "exp(" in repr(result)
+
+
+def test_damping_can_destabilise() -> None:
+    assert fr.stability(fr.Mathieu(1.0, 0.378488)).stable
+    assert fr.stability(fr.Mathieu(1.0, 0.378488, damping=0.03)).stable is False
+    strong = fr.stability(fr.Mathieu(0.3, -0.25, damping=0.2))
+    assert strong.stable
+    assert abs(strong.multipliers[0]) < 1.0
+
+
+def test_comparison_is_a_table() -> None:
+    comparison = fr.compare(fr.Mathieu(0.5, -0.25))
+    assert comparison.agree
+    assert [r.method for r in comparison.results] == [
+        "spectral",
+        "determinant",
+        "monodromy",
+        "square_wave",
+        "leapfrog",
+        "reference",
+    ]
+    lines = repr(comparison).splitlines()
+    assert lines[1].split()[:2] == ["method", "verdict"]
+    assert "all methods agree" in lines[-1]
+    # A tongue that the 100-period test cannot see is reported as a disagreement, with the reason.
+    thin = fr.compare(fr.Mathieu(0.01, -0.25))
+    assert not thin.agree
+    assert any("leapfrog" in pair for pair in thin.disagreements)
+
+
+def test_auto_takes_no_options_and_names_are_checked() -> None:
+    with pytest.raises(TypeError, match="method='auto' takes no options"):
+        fr.stability(fr.Mathieu(1.0, 0.0), digits=30)
+    with pytest.raises(ValueError, match="method must be one of 'auto', 'spectral'"):
+        fr.stability(fr.Mathieu(1.0, 0.0), method="magic")
+    with pytest.raises(TypeError, match="equation must be Mathieu, SquareWave, Hill"):
+        fr.stability("Mathieu")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="equation must be Mathieu, Hill for the spectral method"):
+        fr.stability(fr.SquareWave(1.0, 0.0), method="spectral")
+
+
+def test_judge_decides_only_beyond_the_error() -> None:
+    equation = fr.Mathieu(0.5, -0.25)
+
+    def status(excess: float, error: float) -> str:
+        return judge(equation, "test", sign=1, excess=excess, excess_error=error, cost=Cost(1, "step")).status
+
+    assert [status(x, 1e-6) for x in (1e-5, 1e-7, 0.0, -1e-7, -1e-5)] == [
+        "unstable",
+        "undecided",
+        "undecided",
+        "undecided",
+        "stable",
+    ]
