@@ -78,8 +78,10 @@ def over_chunks(
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
         run(*(array.tolist() for array in inputs), out)
         return
-    pieces = [(*(array[start : start + chunk] for array in inputs), out[start : start + chunk])
-              for start in range(0, size, chunk)]
+    pieces = [
+        (*(array[start : start + chunk] for array in inputs), out[start : start + chunk])
+        for start in range(0, size, chunk)
+    ]
     run(*pieces[0])  # alone, so that it is compiled before threads could race to do it
     threads = min(workers, len(pieces) - 1)
     if threads <= 1:

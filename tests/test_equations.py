@@ -8,9 +8,9 @@ import math
 import numpy as np
 import pytest
 from hypothesis import given
-from strategies import hills, mathieu_points
 
 import floquetrod as fr
+from strategies import hills, mathieu_points
 
 
 def test_equations_are_frozen_values() -> None:

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from strategies import mathieu_points, near_boundary_points
 
 import floquetrod as fr
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.methods.reference import reference
+from strategies import mathieu_points, near_boundary_points
 
 pytestmark = pytest.mark.kernels
 
@@ -148,7 +148,9 @@ def test_compiled_and_interpreted_kernels_agree(rng: np.random.Generator) -> Non
     for function in (fr.mathieu.growth_rate, fr.mathieu.discriminant):
         pieces = [function(alpha[i : i + 40], beta[i : i + 40]) for i in range(0, 400, 40)]
         assert function(alpha, beta) == pytest.approx(np.concatenate(pieces), rel=1e-10, abs=1e-12)
-    counts = [kernels.count_below(-4.0 * b, 2.0 * a) % 2 == 1 for a, b in zip(alpha.tolist(), beta.tolist(), strict=True)]
+    counts = [
+        kernels.count_below(-4.0 * b, 2.0 * a) % 2 == 1 for a, b in zip(alpha.tolist(), beta.tolist(), strict=True)
+    ]
     assert fr.mathieu.is_stable(alpha, beta).tolist() == counts
 
 

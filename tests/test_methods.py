@@ -8,12 +8,12 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from strategies import hills, mathieus, near_boundary_points, square_waves
 
 import floquetrod as fr
 from floquetrod.methods.determinant import determinant
 from floquetrod.methods.spectral import spectral
 from floquetrod.result import Cost, Interval, judge
+from strategies import hills, mathieus, near_boundary_points, square_waves
 
 EXACT = {"spectral", "determinant", "monodromy", "reference", "square_wave"}
 

@@ -1,0 +1,70 @@
+"""Kernel that carries u'' = p(tau) u over an interval by Taylor series, p a finite Fourier series."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from floquetrod._compile import kernel
+
+
+@kernel
+def advance(
+    mean: float,
+    real: Any,
+    imag: Any,
+    turn: float,
+    start: float,
+    length: float,
+    steps: int,
+    order: int,
+    y: Any,
+) -> int:
+    """Carry two solutions y = (u1, u1', u2, u2') from ``start`` over ``length`` in equal Taylor steps.
+
+    p(tau) = mean + sum_k real[k-1] cos(k turn tau) - imag[k-1] sin(k turn tau).  Returns the binary exponent that has
+    been taken out of y, which holds mantissas.
+
+    With p = sum p_j t^j and u = sum u_j t^j about the start of a step, (j + 1)(j + 2) u_(j+2) = sum_i p_i u_(j-i).
+    """
+    h = length / steps
+    p = np.empty(order + 1)
+    u = np.empty(order + 1)
+    exponent = 0
+    for step in range(steps):
+        tau = start + step * h
+        for j in range(order + 1):
+            p[j] = 0.0
+        p[0] = mean
+        for k in range(len(real)):
+            rate = (k + 1.0) * turn
+            cosine, sine = math.cos(rate * tau), math.sin(rate * tau)
+            a = real[k] * cosine - imag[k] * sine
+            b = real[k] * sine + imag[k] * cosine
+            for j in range(order + 1):
+                p[j] += a
+                a, b = -rate * b / (j + 1.0), rate * a / (j + 1.0)
+        for column in range(0, 4, 2):
+            u[0] = y[column]
+            u[1] = y[column + 1]
+            for j in range(order - 1):
+                total = 0.0
+                for i in range(j + 1):
+                    total += p[i] * u[j - i]
+                u[j + 2] = total / ((j + 1.0) * (j + 2.0))
+            value = u[order]
+            slope = order * u[order]
+            for j in range(order - 1, 0, -1):
+                value = value * h + u[j]
+                slope = slope * h + j * u[j]
+            y[column] = value * h + u[0]
+            y[column + 1] = slope
+        size = max(abs(y[0]), abs(y[1]), abs(y[2]), abs(y[3]))
+        if size > 1e100:
+            shift = math.frexp(size)[1]
+            for i in range(4):
+                y[i] = math.ldexp(y[i], -shift)
+            exponent += shift
+    return exponent

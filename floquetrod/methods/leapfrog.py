@@ -1,0 +1,110 @@
+"""The paper's test: integrate 100 periods by leapfrog and look whether the motion has grown a million times."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import _validate, equations
+from floquetrod._compile import compiled
+from floquetrod.equations import Equation, SquareWave
+from floquetrod.kernels.leapfrog import leapfrog_run
+from floquetrod.result import Cost, Stability, Status, excess_of_trace, judge
+
+_MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
+
+
+def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limit: float = 1e6) -> Stability:
+    """Judge as the paper does, its test (6): stable when |A(end)| / A'(0) stays below a limit.
+
+    A(0) = 0, A'(0) = 1; kick-drift-kick leapfrog (second order, symplectic); DOI 10.1115/1.4031710, section 3.2.
+
+    Parameters
+    ----------
+    equation : Mathieu, SquareWave or Hill
+        Damping is integrated directly, split symmetrically about the kicks.
+    step : float
+        Largest step in tau; the period is divided into an even number of steps no longer than this.
+    periods : int
+        Periods integrated.
+    limit : float
+        Growth that counts as instability.
+
+    Returns
+    -------
+    Stability
+        ``status`` is that of the test itself; ``growth_rate`` the mean rate over the run; ``discriminant`` that of the
+        scheme's own map over a period, ``error`` its estimate from doubling the step.
+
+    Notes
+    -----
+    Growth slower than ln(limit) / (periods period), 0.022 per unit tau by default, cannot be seen.
+    """
+    equations.require(equation)
+    step = _validate.positive("step", step)
+    periods = _validate.integer("periods", periods, 1)
+    limit = _validate.positive("limit", limit)
+    if limit <= 1.0:
+        raise ValueError(f"limit must be greater than 1, got {limit!r}: a bounded motion already reaches 1")
+    count = 2 * max(2, math.ceil(0.5 * equation.period / step))
+    if count * periods > _MOST_STEPS:
+        raise ValueError(
+            f"step = {step:g} over {periods} periods makes {count * periods} steps, more than {_MOST_STEPS}; "
+            "take a longer step or fewer periods"
+        )
+    table = _table(equation, count)
+    step = equation.period / count
+    run = compiled(leapfrog_run)
+    a, _, taken = run(table, 1, step, equation.damping, periods, 0.0, 1.0)
+    log_growth = taken + (math.log(abs(a)) if a != 0.0 else -math.inf)
+    time = periods * equation.period
+    fine, coarse = (_trace(table, stride, step, equation.damping) for stride in (1, 2))
+    trace, shift = fine
+    # Second order: the fine map is off by a third of its difference from the coarse one.
+    other = coarse[0] * math.exp(max(-700.0, min(700.0, coarse[1] - shift)))
+    size = math.exp(-min(700.0, shift))
+    error = abs(other - trace) / 3.0 / max(size, abs(trace))
+    decay = math.exp(min(700.0, equation.damping * equation.period))
+    sign, excess = excess_of_trace(trace * decay / size) if shift == 0.0 else (1 if trace >= 0.0 else -1, 0.25)
+    exponent = 0
+    if shift > 0.0:
+        power = (math.log(abs(trace)) + shift + equation.damping * equation.period) / math.log(2.0)
+        exponent = math.floor(power)
+        excess = 0.25 * 2.0 ** (power - exponent)
+    judged = judge(
+        equation,
+        "leapfrog",
+        sign=sign,
+        excess=excess,
+        exponent=exponent,
+        excess_error=error,
+        cost=Cost(count * periods, "steps"),
+    )
+    status: Status = "stable" if log_growth < math.log(limit) else "unstable"
+    return dataclasses.replace(
+        judged,
+        status=status,
+        growth_rate=log_growth / time if status == "unstable" else 0.0,
+        note=f"cannot see growth below {math.log(limit) / time:.2g} per unit tau",
+    )
+
+
+def _table(equation: Equation, count: int) -> NDArray[np.float64]:
+    """Return the coefficient at equal steps over a period, the jumps of a square wave at their mean value."""
+    tau = np.arange(count) * (equation.period / count)
+    values: NDArray[np.float64] = np.asarray(equation.coefficient(tau), dtype=np.float64)
+    if isinstance(equation, SquareWave):
+        values[[0, count // 2]] = equation.beta
+    return values
+
+
+def _trace(table: NDArray[np.float64], stride: int, step: float, damping: float) -> tuple[float, float]:
+    """Return the trace of the scheme's map over a period, less the exponential of the second value."""
+    run = compiled(leapfrog_run)
+    a, _, one = run(table, stride, stride * step, damping, 1, 1.0, 0.0)
+    _, v, two = run(table, stride, stride * step, damping, 1, 0.0, 1.0)
+    common = max(one, two)
+    return a * math.exp(max(-700.0, one - common)) + v * math.exp(max(-700.0, two - common)), common

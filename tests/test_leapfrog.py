@@ -1,0 +1,91 @@
+"""The paper's test: what it sees, what it cannot see, and the order of its scheme."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from floquetrod._compile import compiled
+from floquetrod.kernels.leapfrog import leapfrog_run
+from floquetrod.methods.leapfrog import leapfrog
+
+pytestmark = pytest.mark.kernels
+
+EQUATIONS = [
+    fr.Mathieu(0.9, -0.6),
+    fr.Mathieu(0.5, -0.25),
+    fr.SquareWave(0.8, -0.4),
+    fr.Hill(-0.5, (0.3, 0.2), (0.1, -0.4), period=5.0),
+    fr.Mathieu(0.5, -0.25, damping=0.1),
+]
+
+
+@pytest.mark.parametrize("equation", EQUATIONS, ids=repr)
+def test_second_order_in_the_step(equation: fr.Mathieu | fr.SquareWave | fr.Hill) -> None:
+    exact = fr.stability(equation, method="monodromy").discriminant
+    steps = [0.08, 0.04, 0.02]
+    results = [leapfrog(equation, step=h, periods=1) for h in steps]
+    errors = [abs(r.discriminant - exact) for r in results]
+    counts = [r.cost.amount for r in results]
+    order = math.log(errors[0] / errors[2]) / math.log(counts[2] / counts[0])
+    assert order == pytest.approx(2.0, abs=0.1)
+    for r, error in zip(results, errors, strict=True):
+        assert error <= 1.2 * r.error * max(1.0, abs(exact))
+
+
+def test_thin_tongues_are_invisible() -> None:
+    # F2-b: growth 5.0e-9 per unit tau, and still 0.0199 at alpha = 0.04, below the threshold of 0.022.
+    for alpha in (1e-8, 0.04):
+        assert leapfrog(fr.Mathieu(alpha, -0.25)).status == "stable"
+        assert fr.stability(fr.Mathieu(alpha, -0.25)).status == "unstable"
+    assert leapfrog(fr.Mathieu(0.05, -0.25)).status == "unstable"
+    assert "0.022 per unit tau" in leapfrog(fr.Mathieu(0.04, -0.25)).note
+
+
+def test_claims_about_the_chart() -> None:
+    # F2-a and F2-c.
+    assert leapfrog(fr.Mathieu(0.0, 0.01)).status == "unstable"
+    assert leapfrog(fr.Mathieu(1.5, -0.80)).status == "stable"
+    assert leapfrog(fr.Mathieu(1.7, -0.80)).status == "unstable"
+
+
+def test_growth_is_measured() -> None:
+    equation = fr.Mathieu(0.5, -0.25)
+    exact = fr.stability(equation).growth_rate
+    assert leapfrog(equation).growth_rate == pytest.approx(exact, rel=1e-2)
+    assert leapfrog(equation, periods=2000).growth_rate == pytest.approx(exact, rel=1e-3)
+
+
+def test_huge_growth_does_not_overflow() -> None:
+    result = leapfrog(fr.Mathieu(100.0, 20000.0), periods=3)
+    assert result.status == "unstable"
+    assert result.log_abs_discriminant == pytest.approx(
+        fr.stability(fr.Mathieu(100.0, 20000.0)).log_abs_discriminant, rel=1e-3
+    )
+
+
+def test_damping_shrinks_areas_exactly() -> None:
+    # Each step of the scheme has determinant exp(-2 c step), so Liouville holds to rounding.
+    table = -0.3 + 0.7 * np.sin(np.arange(200) * (2.0 * math.pi / 200))
+    step, c = 2.0 * math.pi / 200, 0.05
+    first = leapfrog_run(table.tolist(), 1, step, c, 1, 1.0, 0.0)
+    second = leapfrog_run(table.tolist(), 1, step, c, 1, 0.0, 1.0)
+    assert first[0] * second[1] - first[1] * second[0] == pytest.approx(math.exp(-4.0 * math.pi * c), rel=1e-12)
+    assert compiled(leapfrog_run)(table, 1, step, c, 1, 1.0, 0.0) == pytest.approx(first, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"step": 0.0}, "step must be greater than zero"),
+        ({"periods": 0}, "periods must be 1 or more"),
+        ({"limit": 0.5}, "limit must be greater than 1"),
+        ({"step": 1e-9}, "take a longer step"),
+    ],
+)
+def test_bad_options(options: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        leapfrog(fr.Mathieu(0.5, -0.25), **options)  # type: ignore[arg-type]
