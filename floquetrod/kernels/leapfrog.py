@@ -27,9 +27,10 @@ def leapfrog_run(
             a += step * v
             p = table[(i + 1) * stride] if i + 1 < count else table[0]
             v = (v + 0.5 * step * p * a) * decay
-        size = max(abs(a), abs(v))
-        if size > 1e100:
-            a /= size
-            v /= size
-            taken += math.log(size)
+            if i % 64 == 0 or i + 1 == count:
+                size = max(abs(a), abs(v))
+                if size > 1e100:
+                    a /= size
+                    v /= size
+                    taken += math.log(size)
     return a, v, taken

@@ -31,7 +31,7 @@ def advance(
     """
     h = length / steps
     p = np.empty(order + 1)
-    u = np.empty(order + 1)
+    u = np.empty(order + 2)
     exponent = 0
     for step in range(steps):
         tau = start + step * h
@@ -49,14 +49,14 @@ def advance(
         for column in range(0, 4, 2):
             u[0] = y[column]
             u[1] = y[column + 1]
-            for j in range(order - 1):
+            for j in range(order):
                 total = 0.0
                 for i in range(j + 1):
                     total += p[i] * u[j - i]
                 u[j + 2] = total / ((j + 1.0) * (j + 2.0))
-            value = u[order]
-            slope = order * u[order]
-            for j in range(order - 1, 0, -1):
+            value = u[order + 1]
+            slope = (order + 1.0) * u[order + 1]
+            for j in range(order, 0, -1):
                 value = value * h + u[j]
                 slope = slope * h + j * u[j]
             y[column] = value * h + u[0]
