@@ -20,22 +20,26 @@ if TYPE_CHECKING:
     from floquetrod.equations import Hill as Hill
     from floquetrod.equations import Mathieu as Mathieu
     from floquetrod.equations import SquareWave as SquareWave
+    from floquetrod.load import AxialLoad as AxialLoad
     from floquetrod.proof import Proof as Proof
     from floquetrod.proof import certify as certify
     from floquetrod.result import Stability as Stability
-    from floquetrod.rod import AxialLoad as AxialLoad
     from floquetrod.rod import Rod as Rod
+    from floquetrod.rod import UniformForceWarning as UniformForceWarning
+    from floquetrod.rod_stability import RodStability as RodStability
     from floquetrod.verdict import stability as stability
 
 _WHERE = {
-    "AxialLoad": "rod",
+    "AxialLoad": "load",
     "Comparison": "comparison",
     "Hill": "equations",
     "Mathieu": "equations",
     "Proof": "proof",
     "Rod": "rod",
+    "RodStability": "rod_stability",
     "SquareWave": "equations",
     "Stability": "result",
+    "UniformForceWarning": "rod",
     "certify": "proof",
     "compare": "comparison",
     "conventions": "",

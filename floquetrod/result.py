@@ -149,7 +149,10 @@ def judge(
         Verdict on the equation freed of its damping when known otherwise than from X (by counting, say).
     """
     period, damping = equation.period, equation.damping
-    if excess <= 0.0:
+    if excess > 0.0:
+        excess, shift = math.frexp(excess)
+        exponent += shift
+    else:
         excess, exponent = _ldexp(excess, exponent), 0
     growth = _growth(excess, exponent, period)
     undamped = undamped_status or _decide(excess, exponent, excess_error)

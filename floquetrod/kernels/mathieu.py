@@ -372,7 +372,8 @@ def _pair(a: float, q: float, odd_period: bool) -> tuple[float, float, int, int,
     else:
         # The even chain has one row more; start both at the row of 4.
         k = 2.0
-        u = -a if a != 0.0 else -nudge * q * q
+        least = max(1e-25 * q * q, 1e-300)  # as far below a_0 = -q^2 / 2 + ... as matters
+        u = -a if abs(a) > least else -least
         v = 4.0 - a if a != 4.0 else nudge
         lu = -1.0 / u
         pu = u
@@ -626,3 +627,110 @@ def multipliers_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
             imag = 2.0 * root * math.sqrt(1.0 - root * root) * math.exp(-decay)
             out[i, 0] = complex(real, imag)
             out[i, 1] = complex(real, -imag)
+
+
+# --- a family of modes: alpha_m = A m^2, beta_m = B m^2 - C m^4 - D ------------------------------------------------
+
+
+@kernel
+def growth_bound(a: float, q: float) -> float:
+    """Return a bound on the growth per unit tau where a > 2 q: q P P' / (4 k1), exponentially small in sqrt(a).
+
+    Resonance couples the waves exp(+-i k z), k^2 near a, through the indices between them.  Those with
+    a - k^2 >= 2 q are evanescent: eliminated from the middle outwards, each passes on at most q / (a - k^2 - q) of
+    what reaches it.  P is the product over them from the middle index to k1, the first that is not; P' the same from
+    the next index; the first that is not evanescent turns a coupling q into a rate q / (4 k1).  The worse of both
+    parities counts.  For q -> 0 and even order it is the true leading term of the tongue.
+    """
+    worst = 0.0
+    for parity in range(2):
+        k = float(parity)
+        product = 1.0
+        beside = 1.0
+        while a - k * k >= 2.0 * q:
+            factor = q / (a - k * k - q)
+            product *= factor
+            if k > 1.0:
+                beside *= factor
+            k += 2.0
+        worst = max(worst, product * beside)
+    return 0.25 * q / math.sqrt(a - 2.0 * q) * worst
+
+
+@kernel
+def modes_left_out(big_a: float, big_b: float, big_c: float, big_d: float, last: int) -> float:
+    """Return a bound on the growth per unit tau of every mode after ``last``, infinite where none is known.
+
+    From m = last + 1 on, and m^4 >= D / C, the ratio a / q grows with m and so does k1, so that the products of
+    `growth_bound` only fall; its prefactor is A / 4 over the square root of C - (A + B) / m^2 + D / m^4, which is at
+    least what it is with (A + B) and -D replaced by zero where negative.
+    """
+    m2 = (last + 1.0) * (last + 1.0)
+    room = big_c - max(big_a + big_b, 0.0) / m2 + min(big_d, 0.0) / (m2 * m2)
+    if room <= 0.0 or big_c * m2 * m2 < big_d:
+        return math.inf
+    if big_a == 0.0:
+        return 0.0
+    q = 2.0 * big_a * m2
+    a = 4.0 * ((big_c * m2 - big_b) * m2 + big_d)
+    here = growth_bound(a, q)
+    return here / (0.25 * q / math.sqrt(a - 2.0 * q)) * 0.25 * big_a / math.sqrt(room)
+
+
+@kernel
+def modes_needed(big_a: float, big_b: float, big_c: float, big_d: float, target: float) -> int:
+    """Return the least M such that every mode after M grows at no more than ``target`` per unit tau."""
+    high = 1
+    while modes_left_out(big_a, big_b, big_c, big_d, high) > target:
+        high *= 2
+    low = high // 2
+    while high - low > 1:
+        middle = (low + high) // 2
+        if modes_left_out(big_a, big_b, big_c, big_d, middle) > target:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@kernel
+def modes_stable_fill(
+    big_a: Any, big_b: Any, big_c: Any, big_d: Any, damping: Any, tolerance: Any, smallest: Any, out: Any
+) -> None:
+    """Fill ``out`` with whether no mode grows faster than ``tolerance``; rates below ``smallest`` may be left out."""
+    for i in range(len(big_a)):
+        c = damping[i]
+        last = modes_needed(big_a[i], big_b[i], big_c[i], big_d[i] - c * c, c + max(tolerance[i], smallest[i]))
+        stable = True
+        for m in range(1, last + 1):
+            m2 = float(m * m)
+            alpha = big_a[i] * m2
+            beta = (big_b[i] - big_c[i] * m2) * m2 - big_d[i]
+            if c == 0.0 and tolerance[i] == 0.0:
+                stable = is_stable_scalar(alpha, beta)
+            elif alpha == 0.0 or count_below(-4.0 * (beta + c * c), 2.0 * alpha) % 2 == 0:
+                stable = undamped_growth(alpha, beta, c) <= c + tolerance[i]
+            if not stable:
+                break
+        out[i] = stable
+
+
+@kernel
+def modes_growth_fill(big_a: Any, big_b: Any, big_c: Any, big_d: Any, damping: Any, smallest: Any, out: Any) -> None:
+    """Fill ``out`` (n, 2) with the largest growth rate per unit tau and the mode that has it (0 where none grows)."""
+    for i in range(len(big_a)):
+        c = damping[i]
+        last = modes_needed(big_a[i], big_b[i], big_c[i], big_d[i] - c * c, c + smallest[i])
+        best = 0.0
+        mode = 0
+        for m in range(1, last + 1):
+            m2 = float(m * m)
+            alpha = big_a[i] * m2
+            beta = (big_b[i] - big_c[i] * m2) * m2 - big_d[i]
+            if alpha == 0.0 or count_below(-4.0 * (beta + c * c), 2.0 * alpha) % 2 == 0:
+                rate = growth(alpha, beta, c)
+                if rate > best:
+                    best = rate
+                    mode = m
+        out[i, 0] = best
+        out[i, 1] = mode

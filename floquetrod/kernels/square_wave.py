@@ -21,7 +21,7 @@ def _quarter(value: float) -> tuple[float, float, float, int]:
         return 1.0, h, 0.0, 0
     if value < 0.0:
         return math.cos(h * root), math.sin(h * root) / root, root, 0
-    if h * root < 300.0:
+    if h * root < 80.0:  # the product of four such factors stays in range
         return math.cosh(h * root), math.sinh(h * root) / root, root, 0
     power = h * root / math.log(2.0)
     whole = math.floor(power)

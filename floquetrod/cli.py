@@ -1,0 +1,258 @@
+"""The terminal: `floquetrod check`, `floquetrod compare`."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import sys
+import warnings
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+import floquetrod as fr
+from floquetrod import units
+
+_CHECK = """\
+Judge a rod under an axial load: stable or not, which modes grow, how fast, and how far the load is from a change.
+
+examples:
+  floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
+  floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz
+  floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85 --growth-tolerance 0.7 --json
+
+forces: N, kN, lbf or Fcr (the critical force of the rod).  frequencies: rad/s (none means this), Hz, rpm.
+rod files: TOML with youngs_modulus, density, radius, length, channel_radius and, if you like, gravity and
+damping_rate, as SI numbers or strings such as "68GPa"; radii, not diameters.
+"""
+
+_COMPARE = """\
+Judge one equation A'' + 2 c A' = (beta + alpha sin tau) A by every method and show where they agree.
+
+examples:
+  floquetrod compare --alpha 0.5 --beta -0.25
+  floquetrod compare --alpha 0.5 --beta -0.25 --damping 0.1 --wave square
+"""
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        raise ValueError(f"{message} (see {self.prog} --help)")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; return 0 when it answered, 2 for input it cannot use, 130 after Ctrl-C."""
+    try:
+        options = _parser().parse_args(argv)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", fr.UniformForceWarning)
+            text = options.run(options)
+        for warning in caught:
+            print(f"floquetrod: warning: {warning.message}", file=sys.stderr)
+        print(text)
+    except (ValueError, TypeError, OverflowError, OSError) as error:
+        print(f"floquetrod: error: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("floquetrod: interrupted", file=sys.stderr)
+        return 130
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="floquetrod",
+        description="Floquet stability of a rod vibrated in a channel, and of periodically forced equations.",
+        epilog="Try: floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150",
+    )
+    parser.add_argument("--version", action="version", version=f"floquetrod {fr.__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="command", parser_class=_Parser)
+
+    check = _command(commands, "check", "judge a rod under an axial load", _CHECK, _check)
+    check.add_argument("--rod", required=True, help="nitinol (the reference rod), or a TOML file")
+    check.add_argument("--mean", required=True, help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
+    check.add_argument("--amplitude", required=True, help="amplitude of the force; 0 is the static limit")
+    check.add_argument("--frequency", required=True, help="frequency, such as 150 (rad/s) or 24Hz")
+    check.add_argument("--damping-rate", help="decay rate of free motion in 1/s (replaces that of the rod)")
+    check.add_argument("--growth-tolerance", default="0", help="growth in 1/s up to which a mode counts as stable")
+    check.add_argument("--modes", help="modes to look at, such as 1-25 or 6,7,8 (default: all that can matter)")
+
+    compare = _command(commands, "compare", "judge one equation by every method", _COMPARE, _compare)
+    compare.add_argument("--alpha", required=True, type=float, help="amplitude of the coefficient")
+    compare.add_argument("--beta", required=True, type=float, help="mean of the coefficient")
+    compare.add_argument("--damping", type=float, default=0.0, help="c, per unit tau (default 0)")
+    compare.add_argument("--wave", choices=("sine", "square"), default="sine", help="shape of the coefficient")
+    return parser
+
+
+def _command(commands: Any, name: str, summary: str, text: str, run: Any) -> argparse.ArgumentParser:
+    first, _, rest = text.partition("\n\n")
+    command: argparse.ArgumentParser = commands.add_parser(
+        name, help=summary, description=first, epilog=rest, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    command.add_argument("--json", action="store_true", help="print JSON, units in the names")
+    command.set_defaults(run=run)
+    return command
+
+
+# --- check -----------------------------------------------------------------------------------------------------------
+
+
+def _check(options: argparse.Namespace) -> str:
+    rod = fr.Rod.nitinol() if options.rod == "nitinol" else fr.Rod.from_toml(options.rod)
+    if options.damping_rate is not None:
+        rod = rod.replace(damping_rate=units.quantity(options.damping_rate, "--damping-rate", "rate"))
+    forces = {"kind": "force", "critical_force": rod.critical_force}
+    load = fr.AxialLoad(
+        mean=units.quantity(options.mean, "--mean", **forces),
+        amplitude=units.quantity(options.amplitude, "--amplitude", **forces),
+        frequency=units.quantity(options.frequency, "--frequency", "frequency"),
+    )
+    tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
+    result = rod.stability(load, modes=_modes(options.modes), growth_tolerance=tolerance)
+    return json.dumps(_record(result), indent=2, allow_nan=False) if options.json else _report(result)
+
+
+def _modes(text: str | None) -> list[int] | None:
+    if text is None:
+        return None
+    modes: list[int] = []
+    try:
+        for part in text.split(","):
+            first, _, last = part.partition("-")
+            modes += range(int(first), int(last or first) + 1)
+    except ValueError:
+        raise ValueError(f"--modes must be like 1-25 or 6,7,8, got {text!r}") from None
+    return modes
+
+
+def _report(result: fr.RodStability) -> str:
+    rod, load = result.rod, result.load
+    scale = rod.critical_force
+    verdict = result.status.upper()
+    if result.status == "unstable":
+        names = ", ".join(map(str, result.unstable_modes))
+        verdict += f": modes {names} grow" if len(result.unstable_modes) > 1 else f": mode {names} grows"
+    lines = [
+        verdict,
+        "",
+        f"rod       critical force {scale:.4g} N, critical mode {rod.critical_mode:.3g}",
+        f"load      mean {load.mean:.6g} N ({load.mean / scale:.4g} Fcr), amplitude {load.amplitude:.6g} N "
+        f"({load.amplitude / scale:.4g} Fcr), {load.frequency:.6g} rad/s ({load.frequency / (2.0 * math.pi):.4g} Hz)",
+    ]
+    if result.growth_rate > 0.0:
+        time = f"tenfold in {result.time_to_grow(10.0):.4g} s"
+        lines.append(f"growth    {result.growth_rate:.6g} 1/s in mode {result.fastest_mode}, {time}")
+    lines.append(f"margin    {_margin(result)}")
+    damping = result.damping_to_stabilise
+    if damping > 0.0:
+        enough = "no damping suffices: the mean force alone buckles a mode"
+        lines.append(f"damping   {enough if math.isinf(damping) else f'stable at any rate above {damping:.6g} 1/s'}")
+    worst = max(verdict.error for verdict in result.mode_verdicts)
+    methods = ", ".join(sorted({verdict.method for verdict in result.mode_verdicts}))
+    lines += [
+        f"checked   {result.cutoff}",
+        f"method    {methods}; discriminants good to {worst:.0e} relative",
+        "",
+        "mode       alpha         beta  where                  growth 1/s",
+    ]
+    for mode, equation, verdict, rate in _near_trouble(result):
+        where = str(verdict.interval) if verdict.interval else verdict.status
+        lines.append(f"{mode:4d}  {equation.alpha:10.5g}  {equation.beta:11.6g}  {where:<21}  {rate:10.4g}")
+    return "\n".join(lines)
+
+
+def _margin(result: fr.RodStability) -> str:
+    margin, scale = result.mean_force_margin, result.rod.critical_force
+    sides = [(margin.below, "lower"), (margin.above, "higher")]
+    known = [f"{value:.4g} N ({value / scale:.3g} Fcr) {way}" for value, way in sides if math.isfinite(value)]
+    if not known:
+        return "no change of verdict within 8 Fcr of this mean force"
+    change = {"stable": "unstable", "unstable": "stable"}.get(result.status, "decided")
+    return f"{change} at a mean force {' or '.join(known)}"
+
+
+def _near_trouble(result: fr.RodStability) -> list[tuple[int, fr.Mathieu, fr.Stability, float]]:
+    """Return the unstable modes and the five whose discriminants come nearest to the boundary, in order of mode."""
+    rows = list(
+        zip(
+            result.modes, result.mode_equations, result.mode_verdicts, map(float, result.mode_growth_rates), strict=True
+        )
+    )
+
+    def room(row: tuple[int, fr.Mathieu, fr.Stability, float]) -> float:
+        return -math.inf if row[2].status != "stable" else 2.0 - abs(row[2].discriminant)
+
+    troubled = sum(row[2].status != "stable" for row in rows)
+    return sorted(sorted(rows, key=room)[: max(5, troubled)])
+
+
+def _record(result: fr.RodStability) -> dict[str, Any]:
+    margin = result.mean_force_margin
+    return {
+        "status": result.status,
+        "unstable_modes": list(result.unstable_modes),
+        "growth_rate_per_s": result.growth_rate,
+        "fastest_mode": result.fastest_mode,
+        "time_to_grow_tenfold_s": _number(result.time_to_grow(10.0)),
+        "mean_force_margin_below_N": _number(margin.below),
+        "mean_force_margin_above_N": _number(margin.above),
+        "damping_to_stabilise_per_s": _number(result.damping_to_stabilise),
+        "modes_checked": result.modes_checked,
+        "left_out_growth_bound_per_s": _number(result.left_out_bound),
+        "growth_tolerance_per_s": result.growth_tolerance,
+        "critical_force_N": result.rod.critical_force,
+        "mean_N": result.load.mean,
+        "amplitude_N": result.load.amplitude,
+        "frequency_rad_per_s": result.load.frequency,
+        "modes": [
+            {
+                "mode": mode,
+                "alpha": equation.alpha,
+                "beta": equation.beta,
+                "status": verdict.status,
+                "interval": str(verdict.interval) if verdict.interval else None,
+                "growth_rate_per_s": float(rate),
+                "discriminant": _number(verdict.discriminant),
+                "discriminant_relative_error": _number(verdict.error),
+                "method": verdict.method,
+            }
+            for mode, equation, verdict, rate in zip(
+                result.modes, result.mode_equations, result.mode_verdicts, result.mode_growth_rates, strict=True
+            )
+        ],
+        "version": fr.__version__,
+    }
+
+
+def _number(value: float) -> float | None:
+    """Return ``value``, or None where JSON has no number for it: infinite means never, or not within reach."""
+    return value if math.isfinite(value) else None
+
+
+# --- compare ---------------------------------------------------------------------------------------------------------
+
+
+def _compare(options: argparse.Namespace) -> str:
+    kind = fr.SquareWave if options.wave == "square" else fr.Mathieu
+    comparison = fr.compare(kind(options.alpha, options.beta, options.damping))
+    if not options.json:
+        return repr(comparison)
+    rows = [
+        {
+            "method": r.method,
+            "status": r.status,
+            "growth_rate_per_tau": _number(r.growth_rate),
+            "discriminant": _number(r.discriminant),
+            "log_abs_discriminant": _number(r.log_abs_discriminant),
+            "discriminant_relative_error": _number(r.error),
+            "cost": str(r.cost),
+            "seconds": seconds,
+            "note": r.note,
+        }
+        for r, seconds in zip(comparison.results, comparison.seconds, strict=True)
+    ]
+    record = {"agree": comparison.agree, "disagreements": list(comparison.disagreements), "methods": rows}
+    return json.dumps(record, indent=2, allow_nan=False)

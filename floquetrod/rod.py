@@ -1,0 +1,220 @@
+"""The rod on the channel floor: data sheet and load in, verdict over all modes that matter out."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+import warnings
+from collections.abc import Iterable
+from dataclasses import MISSING, dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import _validate, units
+from floquetrod._compile import broadcast, over_chunks
+from floquetrod.kernels import mathieu as kernels
+from floquetrod.load import AxialLoad
+from floquetrod.rod_data import RodData
+from floquetrod.rod_stability import RodStability, judge_modes
+
+_NEGLIGIBLE = 1e-12  # growth in 1/s that modes left out may have: a doubling in 20,000 years
+_UNIFORM_UP_TO = 0.1  # ratio of forcing speed to wave speed up to which the force counts as uniform (heuristic)
+_MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
+
+
+class UniformForceWarning(UserWarning):
+    """The load changes too fast for the axial force to be the same all along the rod."""
+
+
+@dataclass(frozen=True)
+class Rod(RodData):
+    """A straight elastic rod of circular section on the floor of a horizontal circular channel, ends hinged.
+
+    Parameters
+    ----------
+    youngs_modulus : float
+        E in Pa.
+    density : float
+        rho in kg/m^3.
+    radius, length : float
+        r and L in m.
+    channel_radius : float
+        Inner radius of the channel in m, greater than the rod's.
+    gravity : float
+        g in m/s^2.
+    damping_rate : float
+        Decay rate of free motion in 1/s.
+
+    Notes
+    -----
+    Eq. (1) of DOI 10.1115/1.4031710.  Properties and mode equations are those of `floquetrod.rod_data.RodData`.
+
+    Examples
+    --------
+    >>> Rod.nitinol().modes_needed(AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0))[0]
+    23
+    """
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Rod:
+        """Read a rod from a TOML file.
+
+        Keys are the parameters of `Rod`; values are numbers in SI units, or strings with a unit such as "68GPa" or
+        "0.8mm".  Raises ValueError, naming file and key, for what cannot be read, is missing or is not known.
+        """
+        path = Path(path)
+        try:
+            table = tomllib.loads(path.read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+            raise ValueError(f"rod file {path} cannot be read: {error}") from None
+        known = {f.name: f.default is MISSING for f in fields(cls)}
+        unknown = [key for key in table if key not in known]
+        missing = [name for name, needed in known.items() if needed and name not in table]
+        if unknown or missing:
+            what = [f"unknown key {key!r}" for key in unknown] + [f"missing key {name!r}" for name in missing]
+            raise ValueError(f"rod file {path}: {', '.join(what)}; the keys are {', '.join(known)}")
+        try:
+            return cls(**{key: units.quantity(value, key, units.ROD_KINDS[key]) for key, value in table.items()})
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"rod file {path}: {error}") from None
+
+    def modes_needed(self, load: AxialLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
+        """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
+
+        High modes sit in resonance tongues that grow, but exponentially slowly: the bound is that of
+        `floquetrod.kernels.mathieu.modes_left_out`, and M is the least for which it is below 1e-12 per second (or
+        ``growth_tolerance``, if larger).  M grows like the length of the rod.
+        """
+        family = self.mode_family(load.mean, load.amplitude, load.frequency)
+        c = self.damping_rate / load.frequency
+        a, b, stiffness, d = family
+        d -= c * c
+        target = c + max(growth_tolerance, _NEGLIGIBLE) / load.frequency
+        if math.sqrt(max(0.0, a + b) / stiffness) > _MOST_MODES:
+            raise ValueError(
+                f"load needs more than {_MOST_MODES} modes: mean = {load.mean:g} N is far above the critical force "
+                f"{self.critical_force:g} N of this rod; check units and length"
+            )
+        last = kernels.modes_needed(a, b, stiffness, d, target)
+        bound = kernels.modes_left_out(a, b, stiffness, d, last)
+        return last, max(0.0, bound - c) * load.frequency
+
+    def stability(
+        self, load: AxialLoad, modes: Iterable[int] | None = None, growth_tolerance: float = 0.0
+    ) -> RodStability:
+        """Judge the rod under a load: stable when every mode is.
+
+        Parameters
+        ----------
+        load : AxialLoad
+        modes : iterable of int, optional
+            Modes to look at; by default all that can matter, see `modes_needed`.
+        growth_tolerance : float
+            Growth rate in 1/s up to which a mode counts as stable.
+
+        Returns
+        -------
+        RodStability
+
+        Warns
+        -----
+        UniformForceWarning
+            When omega L / (2 pi) exceeds a tenth of the axial wave speed (a heuristic limit).
+
+        Examples
+        --------
+        >>> rod = Rod.nitinol()
+        >>> load = AxialLoad(mean=0.2 * rod.critical_force, amplitude=0.2 * rod.critical_force, frequency=150.0)
+        >>> rod.stability(load).unstable_modes
+        (7,)
+        """
+        if not isinstance(load, AxialLoad):
+            raise TypeError(f"load must be an AxialLoad, got {load!r}")
+        growth_tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+        self._warn_unless_uniform(load)
+        if modes is None:
+            last, left_out = self.modes_needed(load, growth_tolerance)
+            chosen = tuple(range(1, last + 1))
+            cutoff = (
+                f"modes 1 to {last}: every higher mode grows at less than {left_out:.1g} per second"
+                if left_out > 0.0
+                else f"modes 1 to {last}: no higher mode can grow"
+            )
+        else:
+            chosen = tuple(_validate.integer(f"modes[{i}]", mode, 1) for i, mode in enumerate(modes))
+            if not chosen:
+                raise ValueError("modes must name at least one mode, got none; leave it out to take all that matter")
+            left_out = math.inf
+            cutoff = f"the {len(chosen)} modes asked for; nothing is said about others"
+        return judge_modes(self, load, chosen, self.mode_equations(load, chosen), growth_tolerance, left_out, cutoff)
+
+    def is_stable(
+        self,
+        mean: Any,
+        amplitude: Any,
+        frequency: Any,
+        *,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+    ) -> Any:
+        """Return whether the rod is stable, over arrays of loads (N, N, rad/s) that broadcast, all relevant modes.
+
+        >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
+        array([False, False])
+        """
+        tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+        shape, omega, family = self._loads(mean, amplitude, frequency)
+        out = np.empty(omega.size, dtype=np.bool_)
+        rates = (self.damping_rate / omega, tolerance / omega, _NEGLIGIBLE / omega)
+        over_chunks(kernels.modes_stable_fill, (*family, *rates), out, workers=workers, chunk=1024)
+        return out.reshape(shape) if shape else bool(out[0])
+
+    def growth_rate(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> Any:
+        """Return the growth rate in 1/s of the fastest mode over arrays of loads; 0 where stable."""
+        return self._fastest(mean, amplitude, frequency, workers)[0]
+
+    def fastest_mode(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> Any:
+        """Return the mode that grows fastest over arrays of loads; 0 where none grows."""
+        return self._fastest(mean, amplitude, frequency, workers)[1]
+
+    def _fastest(self, mean: Any, amplitude: Any, frequency: Any, workers: int | None) -> tuple[Any, Any]:
+        shape, omega, family = self._loads(mean, amplitude, frequency)
+        out = np.empty((omega.size, 2))
+        rates = (self.damping_rate / omega, _NEGLIGIBLE / omega)
+        over_chunks(kernels.modes_growth_fill, (*family, *rates), out, workers=workers, chunk=1024)
+        growth, mode = out[:, 0] * omega, out[:, 1].astype(np.int64)
+        if shape:
+            return growth.reshape(shape), mode.reshape(shape)
+        return float(growth[0]), int(mode[0])
+
+    def _loads(
+        self, mean: Any, amplitude: Any, frequency: Any
+    ) -> tuple[tuple[int, ...], NDArray[np.float64], tuple[NDArray[np.float64], ...]]:
+        """Return the shape, the frequencies and the mode families of loads that broadcast."""
+        arrays = (
+            _validate.array("mean", mean, least=-1e12, largest=1e12),
+            _validate.array("amplitude", amplitude, least=0.0, largest=1e12),
+            _validate.array("frequency", frequency, least=1e-9, largest=1e12),
+        )
+        try:
+            shape, (force, size, omega) = broadcast(*arrays)
+        except ValueError:
+            shapes = ", ".join(str(array.shape) for array in arrays)
+            raise ValueError(f"mean, amplitude and frequency must broadcast to one shape, got {shapes}") from None
+        family = self.mode_family(force, size, omega)
+        if omega.size and math.sqrt(max(0.0, float(((family[0] + family[1]) / family[2]).max()))) > _MOST_MODES:
+            raise ValueError(f"mean needs more than {_MOST_MODES} modes: far above the critical force; check its unit")
+        return shape, omega, tuple(np.ascontiguousarray(np.broadcast_to(part, omega.shape)) for part in family)
+
+    def _warn_unless_uniform(self, load: AxialLoad) -> None:
+        ratio = load.frequency * self.length / (2.0 * math.pi) / self.wave_speed
+        if ratio > _UNIFORM_UP_TO:
+            warnings.warn(
+                f"omega L / (2 pi) is {ratio:.2g} of the axial wave speed {self.wave_speed:.0f} m/s: the force is not "
+                f"uniform along the rod, as this theory takes it to be (fit for ratios below {_UNIFORM_UP_TO:g})",
+                UniformForceWarning,
+                stacklevel=3,
+            )

@@ -1,0 +1,193 @@
+"""What a rod's verdict carries: modes, rates, the damping that would stabilise it, and its margin in mean force."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.equations import Mathieu
+from floquetrod.load import AxialLoad
+from floquetrod.result import Stability, Status
+from floquetrod.rod_data import RodData
+from floquetrod.tongues import damping_to_stabilise, unstable_intervals
+from floquetrod.verdict import stability
+
+_SPANS = (0.125, 0.5, 2.0, 8.0)  # reach of the search for a margin, in critical forces
+
+
+class ForceMargin(NamedTuple):
+    """How far the mean force, in N, may fall or rise until the verdict changes; infinite when not within 8 F_cr."""
+
+    below: float
+    above: float
+
+    @property
+    def nearest(self) -> float:
+        """The smaller of both, in N."""
+        return min(self)
+
+
+@dataclass(frozen=True, repr=False)
+class RodStability:
+    """Verdict on a rod under a load.
+
+    Attributes
+    ----------
+    rod, load : Rod, AxialLoad
+        What was judged.
+    status : {"stable", "unstable", "undecided"}
+        Stable when no mode grows faster than the tolerance.
+    modes : tuple of int
+        Modes looked at.
+    mode_equations : tuple of Mathieu
+        Equation of each mode, in the time tau = omega t.
+    mode_verdicts : tuple of Stability
+        Verdict on each of them.
+    mode_growth_rates : ndarray
+        Growth rate of each mode in 1/s.
+    growth_tolerance : float
+        Growth in 1/s up to which a mode counts as stable.
+    left_out_bound : float
+        Bound in 1/s on the growth of every mode not looked at; infinite when the modes were chosen by the caller.
+    cutoff : str
+        Why these modes.
+    """
+
+    rod: RodData
+    load: AxialLoad
+    status: Status
+    modes: tuple[int, ...]
+    mode_equations: tuple[Mathieu, ...]
+    mode_verdicts: tuple[Stability, ...]
+    mode_growth_rates: NDArray[np.float64] = field(compare=False)
+    growth_tolerance: float
+    left_out_bound: float
+    cutoff: str
+
+    @property
+    def stable(self) -> bool | None:
+        """True, False, or None when undecided."""
+        return {"stable": True, "unstable": False}.get(self.status)
+
+    @property
+    def modes_checked(self) -> int:
+        """Number of modes looked at; `cutoff` says why that many."""
+        return len(self.modes)
+
+    @property
+    def unstable_modes(self) -> tuple[int, ...]:
+        """Modes that grow faster than the tolerance."""
+        found = zip(self.modes, self.mode_verdicts, self.mode_growth_rates, strict=True)
+        return tuple(m for m, v, rate in found if v.status == "unstable" and _grows(rate, self.growth_tolerance))
+
+    @property
+    def growth_rate(self) -> float:
+        """Growth rate in 1/s of the fastest mode, 0 when none grows."""
+        return float(self.mode_growth_rates.max())
+
+    @property
+    def fastest_mode(self) -> int | None:
+        """Mode that grows fastest, None when none grows."""
+        return self.modes[int(self.mode_growth_rates.argmax())] if self.growth_rate > 0.0 else None
+
+    def time_to_grow(self, factor: float = 10.0) -> float:
+        """Return the time in s in which the fastest mode grows by ``factor``, infinite when none grows."""
+        if not factor > 1.0:
+            raise ValueError(f"factor must be greater than 1, got {factor!r}")
+        return math.log(factor) / self.growth_rate if self.growth_rate > 0.0 else math.inf
+
+    @cached_property
+    def damping_to_stabilise(self) -> float:
+        """Smallest damping rate in 1/s from which every larger one keeps all modes looked at from growing.
+
+        The rate meant is the rod's whole ``damping_rate``.  Infinite when the mean force alone buckles a mode: damping
+        only slows that down.
+        """
+        rates = (damping_to_stabilise(equation.alpha, equation.beta) for equation in self.mode_equations)
+        return self.load.frequency * max(rates)
+
+    @cached_property
+    def mean_force_margin(self) -> ForceMargin:
+        """Distance in N to the nearest mean forces, below and above, at which the verdict changes.
+
+        The modes' beta is linear in the mean force, so that the unstable intervals of each mode, exact and complete
+        from the transition curves, map back to forces; their union is unstable.
+        """
+        below = above = math.inf
+        for span in _SPANS:
+            reach = span * self.rod.critical_force
+            intervals = self._unstable_forces(self.load.mean - reach, self.load.mean + reach)
+            if self.stable:
+                below = min(
+                    (self.load.mean - high for _, high in intervals if high <= self.load.mean), default=math.inf
+                )
+                above = min((low - self.load.mean for low, _ in intervals if low >= self.load.mean), default=math.inf)
+            else:
+                low, high = _covering(intervals, self.load.mean)
+                below, above = self.load.mean - low, high - self.load.mean
+            below, above = (below if below <= reach else math.inf), (above if above <= reach else math.inf)
+            if max(below, above) < math.inf:
+                break
+        return ForceMargin(below, above)
+
+    def _unstable_forces(self, low: float, high: float) -> list[tuple[float, float]]:
+        """Return the intervals of mean force in which some mode looked at grows, meeting [low, high]."""
+        omega = self.load.frequency
+        found: list[tuple[float, float]] = []
+        for mode, equation in zip(self.modes, self.mode_equations, strict=True):
+            scale = self.rod.wavenumber(mode) ** 2 / (self.rod.mass_per_length * omega**2)
+            ends = (equation.beta + (force - self.load.mean) * scale for force in (low, high))
+            parts = unstable_intervals(equation.alpha, equation.damping, self.growth_tolerance / omega, *ends)
+            offset = self.load.mean - equation.beta / scale
+            found += [(offset + part.low / scale, offset + part.high / scale) for part in parts]
+        return found
+
+    def __repr__(self) -> str:
+        """Return the verdict as a sentence."""
+        if self.status == "stable":
+            slow = f", growth {self.growth_rate:.3g} 1/s within the tolerance" if self.growth_rate > 0.0 else ""
+            return f"<stable{slow}; {self.cutoff}>"
+        if self.status == "undecided":
+            return f"<undecided; {self.cutoff}>"
+        names = ", ".join(map(str, self.unstable_modes))
+        some = f"modes {names} grow" if len(self.unstable_modes) > 1 else f"mode {names} grows"
+        return (
+            f"<unstable: {some}; mode {self.fastest_mode} at "
+            f"{self.growth_rate:.6g} 1/s, tenfold in {self.time_to_grow():.3g} s; {self.cutoff}>"
+        )
+
+
+def judge_modes(
+    rod: RodData,
+    load: AxialLoad,
+    modes: tuple[int, ...],
+    equations: tuple[Mathieu, ...],
+    growth_tolerance: float,
+    left_out_bound: float,
+    cutoff: str,
+) -> RodStability:
+    """Judge every mode and put the verdicts together."""
+    verdicts = tuple(stability(equation) for equation in equations)
+    rates = np.array([verdict.growth_rate for verdict in verdicts]) * load.frequency
+    grows = [v.status == "unstable" and _grows(r, growth_tolerance) for v, r in zip(verdicts, rates, strict=True)]
+    unsure = [v.status == "undecided" and not r < growth_tolerance for v, r in zip(verdicts, rates, strict=True)]
+    status: Status = "unstable" if any(grows) else "undecided" if any(unsure) else "stable"
+    return RodStability(rod, load, status, modes, equations, verdicts, rates, growth_tolerance, left_out_bound, cutoff)
+
+
+def _grows(rate: float, tolerance: float) -> bool:
+    return rate > tolerance or tolerance == 0.0  # an unstable mode may grow at a rate too small for a double
+
+
+def _covering(intervals: list[tuple[float, float]], point: float) -> tuple[float, float]:
+    """Return the ends of the union of ``intervals`` about ``point``."""
+    low = high = point
+    for _ in intervals:
+        low = min([low, *(a for a, b in intervals if a <= low <= b)])
+        high = max([high, *(b for a, b in intervals if a <= high <= b)])
+    return low, high
