@@ -52,7 +52,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         for warning in caught:
             print(f"floquetrod: warning: {warning.message}", file=sys.stderr)
         print(text)
-    except (ValueError, TypeError, OverflowError, OSError) as error:
+    except (ValueError, OSError) as error:
         print(f"floquetrod: error: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
@@ -104,10 +104,10 @@ def _check(options: argparse.Namespace) -> str:
     rod = fr.Rod.nitinol() if options.rod == "nitinol" else fr.Rod.from_toml(options.rod)
     if options.damping_rate is not None:
         rod = rod.replace(damping_rate=units.quantity(options.damping_rate, "--damping-rate", "rate"))
-    forces = {"kind": "force", "critical_force": rod.critical_force}
+    scale = rod.critical_force
     load = fr.AxialLoad(
-        mean=units.quantity(options.mean, "--mean", **forces),
-        amplitude=units.quantity(options.amplitude, "--amplitude", **forces),
+        mean=units.quantity(options.mean, "--mean", "force", critical_force=scale),
+        amplitude=units.quantity(options.amplitude, "--amplitude", "force", critical_force=scale),
         frequency=units.quantity(options.frequency, "--frequency", "frequency"),
     )
     tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
@@ -131,12 +131,12 @@ def _modes(text: str | None) -> list[int] | None:
 def _report(result: fr.RodStability) -> str:
     rod, load = result.rod, result.load
     scale = rod.critical_force
-    verdict = result.status.upper()
+    headline = result.status.upper()
     if result.status == "unstable":
         names = ", ".join(map(str, result.unstable_modes))
-        verdict += f": modes {names} grow" if len(result.unstable_modes) > 1 else f": mode {names} grows"
+        headline += f": modes {names} grow" if len(result.unstable_modes) > 1 else f": mode {names} grows"
     lines = [
-        verdict,
+        headline,
         "",
         f"rod       critical force {scale:.4g} N, critical mode {rod.critical_mode:.3g}",
         f"load      mean {load.mean:.6g} N ({load.mean / scale:.4g} Fcr), amplitude {load.amplitude:.6g} N "
@@ -176,11 +176,7 @@ def _margin(result: fr.RodStability) -> str:
 
 def _near_trouble(result: fr.RodStability) -> list[tuple[int, fr.Mathieu, fr.Stability, float]]:
     """Return the unstable modes and the five whose discriminants come nearest to the boundary, in order of mode."""
-    rows = list(
-        zip(
-            result.modes, result.mode_equations, result.mode_verdicts, map(float, result.mode_growth_rates), strict=True
-        )
-    )
+    rows = list(zip(result.modes, result.mode_equations, result.mode_verdicts, result.mode_growth_rates, strict=True))
 
     def room(row: tuple[int, fr.Mathieu, fr.Stability, float]) -> float:
         return -math.inf if row[2].status != "stable" else 2.0 - abs(row[2].discriminant)

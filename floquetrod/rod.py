@@ -55,7 +55,7 @@ class Rod(RodData):
     Examples
     --------
     >>> Rod.nitinol().modes_needed(AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0))[0]
-    23
+    22
     """
 
     @classmethod

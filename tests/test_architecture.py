@@ -98,6 +98,8 @@ def test_imports_go_downwards(module: str) -> None:
     (layer,) = layers_of(module)
     for name in imports(parse(module), module, FILES[module]):
         target = own_module(name)
+        if name == "floquetrod." and module == "__init__":
+            continue  # loads by name what it also lists for type checkers, above
         if target is not None:
             assert layers_of(target)[0] < layer, f"{module} (layer {layer}) imports {name}"
 

@@ -1,0 +1,177 @@
+"""The terminal: answers, JSON, one-line errors, exit status; and the examples."""
+
+from __future__ import annotations
+
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import floquetrod as fr
+from floquetrod import cli
+
+ROOT = Path(__file__).parents[1]
+LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
+CHECK = ["check", "--rod", "nitinol", *LOAD]
+
+
+def test_check_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(CHECK) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("UNSTABLE: mode 7 grows\n")
+    for line in (
+        r"growth    4\.23568 1/s in mode 7, tenfold in 0\.5436 s",
+        r"margin    stable at a mean force 0\.213 N \(0\.126 Fcr\) lower or 0\.1261 N \(0\.0744 Fcr\) higher",
+        r"damping   stable at any rate above 4\.20579 1/s",
+        r"checked   modes 1 to 23: every higher mode grows at less than \de-\d+ per second",
+        r"method    spectral; discriminants good to \de-13 relative",
+        r"   7    0\.058051    -0\.242143  tongue 1 +4\.236",
+    ):
+        assert re.search(line, text), line
+
+
+def test_json_is_strict_and_says_the_same(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*CHECK, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+    rod = fr.Rod.nitinol()
+    result = rod.stability(fr.AxialLoad(0.2 * rod.critical_force, 0.2 * rod.critical_force, 150.0))
+    assert record["status"] == "unstable"
+    assert record["unstable_modes"] == [7]
+    assert record["growth_rate_per_s"] == result.growth_rate
+    assert len(record["modes"]) == record["modes_checked"] == result.modes_checked
+    assert record["modes"][6]["interval"] == "tongue 1"
+
+
+def test_infinities_are_null(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["check", "--rod", "nitinol", "--mean", "1.2Fcr", "--amplitude", "0", "--frequency", "24Hz", "--json"]
+    assert cli.main(arguments) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["damping_to_stabilise_per_s"] is None
+    assert record["frequency_rad_per_s"] == pytest.approx(150.796, abs=1e-3)
+
+
+def test_options_reach_the_library(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*CHECK, "--damping-rate", "5"]) == 0
+    assert capsys.readouterr().out.startswith("STABLE")
+    assert cli.main([*CHECK, "--growth-tolerance", "5"]) == 0
+    assert capsys.readouterr().out.startswith("STABLE")
+    assert cli.main([*CHECK, "--modes", "1-3,8"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("STABLE")
+    assert "the 4 modes asked for" in out
+
+
+def test_a_rod_from_a_file(capsys: pytest.CaptureFixture[str]) -> None:
+    rod = fr.Rod.from_toml(ROOT / "examples/rod.toml")
+    assert rod == fr.Rod(200e9, 7850.0, 1.5e-3, 6.0, 12e-3, damping_rate=0.05)
+    assert cli.main(["check", "--rod", str(ROOT / "examples/rod.toml"), *LOAD]) == 0
+    assert f"critical force {rod.critical_force:.4g} N" in capsys.readouterr().out
+
+
+def test_a_warning_is_one_line_beside_the_answer(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["check", "--rod", "nitinol", "--mean", "1", "--amplitude", "0.1", "--frequency", "400Hz"]) == 0
+    captured = capsys.readouterr()
+    assert captured.err.count("\n") == 1
+    assert captured.err.startswith("floquetrod: warning: omega L / (2 pi) is 0.38 of the axial wave speed")
+    assert captured.out
+
+
+def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["compare", "--alpha", "0.5", "--beta", "-0.25"]) == 0
+    text = capsys.readouterr().out
+    assert "all methods agree" in text
+    assert cli.main(["compare", "--alpha", "0.5", "--beta", "-0.25", "--wave", "square", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["agree"]
+    assert [row["method"] for row in record["methods"]] == ["monodromy", "square_wave", "leapfrog", "reference"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([], "the following arguments are required: command"),
+        (["check", *LOAD], "the following arguments are required: --rod"),
+        (["frobnicate"], "invalid choice: 'frobnicate'"),
+        (["check", "--rod", "nitinol", *LOAD, "--json=1"], "ignored explicit argument"),
+        (["check", "--rod", "no.toml", *LOAD], "rod file no.toml cannot be read"),
+        ([*CHECK[:-1], "0"], "frequency must be greater than zero"),
+        ([*CHECK[:-1], "24Hx"], "--frequency must be a number with a frequency unit"),
+        ([*CHECK, "--modes", "a"], "--modes must be like 1-25"),
+        ([*CHECK, "--modes", "0"], r"modes\[0\] must be 1 or more"),
+        ([*CHECK, "--damping-rate", "-1"], "damping_rate must be zero or more"),
+        (["compare", "--alpha", "x", "--beta", "0"], "argument --alpha: invalid float value"),
+        (["compare", "--alpha", "nan", "--beta", "0"], "alpha must be finite"),
+    ],
+)
+def test_errors_are_one_line_and_status_2(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert captured.err.startswith("floquetrod: error: ")
+    assert re.search(message, captured.err)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("length = ", "cannot be read"),
+        ("length = 3.0", "missing key 'youngs_modulus'"),
+        ("diameter = 1", "unknown key 'diameter'"),
+        ('{sheet}\nradius = "0.8 kg"', "radius must be a number with a length unit"),
+        ("{sheet}\nradius = -1", "radius must be greater than zero"),
+        ("{sheet}\nradius = [1]", "radius must be a number with a length unit"),
+        ("{sheet}\nradius = 0.1", "both are radii, not diameters"),
+    ],
+)
+def test_bad_rod_files(text: str, message: str, tmp_path: Path) -> None:
+    sheet = "youngs_modulus = 68e9\ndensity = 6500\nlength = 3.1\nchannel_radius = 4.7e-3"
+    path = tmp_path / "rod.toml"
+    path.write_text(text.format(sheet=sheet), encoding="utf-8")
+    with pytest.raises(ValueError, match=message) as caught:
+        fr.Rod.from_toml(path)
+    assert str(path) in str(caught.value)
+
+
+def test_help_teaches(capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments in (["--help"], ["check", "--help"], ["compare", "--help"]):
+        with pytest.raises(SystemExit) as stop:
+            cli.main(arguments)
+        assert stop.value.code == 0
+        text = capsys.readouterr().out
+        assert "floquetrod check --rod nitinol" in text or "floquetrod compare --alpha" in text
+
+
+def test_control_c(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    def interrupt(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(fr.Rod, "stability", interrupt)
+    assert cli.main(CHECK) == 130
+    assert capsys.readouterr().err == "floquetrod: interrupted\n"
+
+
+def python(*arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run a new interpreter."""
+    return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, cwd=ROOT, check=False)
+
+
+def test_a_cold_check_loads_no_compiler() -> None:
+    code = f"import sys; from floquetrod.cli import main; main({CHECK!r}); print(*sys.modules)"
+    run = python("-c", code)
+    assert run.stdout.startswith("UNSTABLE")
+    assert not {"numba", "scipy", "mpmath", "sympy", "matplotlib"} & set(run.stdout.split())
+    assert python("-m", "floquetrod", *CHECK[:-1]).returncode == 2
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
+def test_examples_run(path: Path) -> None:
+    run = python("-c", f"import runpy, sys; sys.path.insert(0, '.'); runpy.run_path({str(path)!r})")
+    assert run.returncode == 0, run.stderr
+    assert run.stdout
+    assert not run.stderr
