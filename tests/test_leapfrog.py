@@ -9,7 +9,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._compile import compiled
-from floquetrod.kernels.leapfrog import leapfrog_run
+from floquetrod.kernels.leapfrog import leapfrog_fill, leapfrog_run
 from floquetrod.methods.leapfrog import leapfrog
 
 pytestmark = pytest.mark.kernels
@@ -56,7 +56,7 @@ def test_growth_is_measured() -> None:
     equation = fr.Mathieu(0.5, -0.25)
     exact = fr.stability(equation).growth_rate
     assert leapfrog(equation).growth_rate == pytest.approx(exact, rel=1e-2)
-    assert leapfrog(equation, periods=2000).growth_rate == pytest.approx(exact, rel=1e-3)
+    assert leapfrog(equation, step=5e-3, periods=2000).growth_rate == pytest.approx(exact, rel=1e-3)
 
 
 def test_huge_growth_does_not_overflow() -> None:
@@ -89,3 +89,62 @@ def test_damping_shrinks_areas_exactly() -> None:
 def test_bad_options(options: dict[str, float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         leapfrog(fr.Mathieu(0.5, -0.25), **options)  # type: ignore[arg-type]
+
+
+def test_the_threshold_depends_on_where_the_growing_mode_stands_at_the_end() -> None:
+    # At beta = -0.25 the growing mode is close to sin(tau / 2), zero at tau = 200 pi: growth of 0.022 is not enough.
+    threshold = math.log(1e6) / (200.0 * math.pi)
+    slow, fast = fr.Mathieu(0.052, -0.25), fr.Mathieu(0.054, -0.25)
+    assert fr.stability(slow).growth_rate > 1.15 * threshold
+    assert leapfrog(slow).status == "stable"
+    assert leapfrog(fast).status == "unstable"
+    # Without forcing A = sinh(g tau) / g, and 1 / g makes up for growth of less than 0.022.
+    assert leapfrog(fr.Mathieu(0.0, 0.02**2)).status == "unstable"
+    assert fr.stability(fr.Mathieu(0.0, 0.02**2)).growth_rate < threshold
+
+
+def test_arrays_end_where_stepping_ends(rng: np.random.Generator) -> None:
+    count, periods = 100, 13
+    sine = np.sin(np.arange(count) * (2.0 * math.pi / count))
+    alpha, beta = rng.uniform(-2.0, 2.0, 20), rng.uniform(-1.5, 0.5, 20)
+    damping = rng.choice([0.0, 0.05], 20)
+    out, plain = np.empty(20), [0.0] * 20
+    compiled(leapfrog_fill)(alpha, beta, damping, sine, periods, out)
+    leapfrog_fill(alpha.tolist(), beta.tolist(), damping.tolist(), sine.tolist(), periods, plain)
+    for i in range(20):
+        table = beta[i] + alpha[i] * sine
+        a, v, taken = compiled(leapfrog_run)(table, 1, 2.0 * math.pi / count, damping[i], periods, 0.0, 1.0)
+        # Where A crosses zero its logarithm has no digits: compare A itself, in units of the whole motion.
+        size = math.hypot(a, v)
+        for log10_ratio in (out[i], plain[i]):
+            assert 10.0**log10_ratio == pytest.approx(abs(a) * math.exp(taken), abs=1e-9 * size * math.exp(taken))
+
+
+def test_arrays_survive_huge_growth_and_strong_damping() -> None:
+    sine = np.sin(np.arange(2000) * (2.0 * math.pi / 2000))
+    out = np.empty(2)
+    compiled(leapfrog_fill)(np.zeros(2), np.array([1e4, -0.25]), np.array([0.0, 60.0]), sine, 100, out)
+    assert out[0] == pytest.approx((200.0 * math.pi * 100.0 - math.log(200.0)) / math.log(10.0), rel=1e-2)
+    # Overdamped: the slower exponent is close to -0.25 / (2 c).
+    assert out[1] == pytest.approx((-0.125 / 60.0 * 200.0 * math.pi - math.log(120.0)) / math.log(10.0), rel=1e-2)
+
+
+def test_strong_damping_keeps_its_discriminant() -> None:
+    for damping in (60.0, 130.0, 1000.0):
+        equation = fr.Mathieu(0.5, -0.25, damping=damping)
+        result, exact = leapfrog(equation), fr.stability(equation, method="monodromy").discriminant
+        assert result.status == "stable"
+        assert abs(result.discriminant - exact) <= 1.2 * result.error
+
+
+def test_a_step_too_long_for_the_coefficient_is_told() -> None:
+    equation = fr.Mathieu(0.0, -100.3)
+    rough, fine = leapfrog(equation, step=1.0), leapfrog(equation)
+    assert (rough.status, fine.status) == ("unstable", "stable")
+    assert "the scheme itself is unstable" in rough.note
+    assert "unstable" not in fine.note
+    assert math.isfinite(leapfrog(fr.Mathieu(1e9, 0.0), step=0.05).growth_rate)
+    with pytest.raises(ValueError, match="take a shorter step"):
+        leapfrog(fr.Hill(1.0, period=1e200), step=1e199)
+    with pytest.raises(ValueError, match="take a longer step"):
+        leapfrog(fr.Hill(1.0, period=1e300), step=1e-300)

@@ -95,3 +95,70 @@ def test_too_many_steps_are_declined() -> None:
     assert "steps" in result.note
     with pytest.raises(ValueError, match="rtol must be greater than zero"):
         monodromy(fr.Mathieu(1.0, 1.0), rtol=0.0)
+
+
+@settings(max_examples=30)
+@given(mathieus(largest_alpha=50.0, beta=(-50.0, 5.0), largest_damping=0.3))
+def test_the_sign_of_alpha_is_a_shift_of_half_a_period(equation: fr.Mathieu) -> None:
+    one, other = monodromy(equation), monodromy(fr.Mathieu(-equation.alpha, equation.beta, equation.damping))
+    assert one.discriminant == pytest.approx(other.discriminant, rel=one.error, abs=one.error)
+    assert {one.status, other.status} != {"stable", "unstable"}
+
+
+@pytest.mark.parametrize("beta", [-7.3, -0.3, -1e-9, 1e-9, 0.04, 9.0])
+@pytest.mark.parametrize("kind", [fr.Mathieu, fr.SquareWave])
+def test_a_constant_coefficient_has_a_closed_form(kind: type[fr.Mathieu] | type[fr.SquareWave], beta: float) -> None:
+    result = monodromy(kind(0.0, beta))
+    angle = 2.0 * math.pi * math.sqrt(abs(beta))
+    exact = 2.0 * (math.cosh(angle) if beta > 0.0 else math.cos(angle))
+    assert abs(result.discriminant - exact) <= result.error * max(1.0, abs(exact))
+    assert result.status == ("unstable" if beta > 0.0 else "stable")
+
+
+def test_the_boundary_above_the_papers_point() -> None:
+    # F2-c: at beta = -0.80 the tongue begins between alpha = 1.58 and 1.6.
+    assert monodromy(fr.Mathieu(1.58, -0.80)).status == "stable"
+    assert monodromy(fr.Mathieu(1.60, -0.80)).status == "unstable"
+
+
+@pytest.mark.parametrize("index", [-39, -38, -35, -1, 1, 2, 3, 7, 38])
+def test_a_square_wave_may_start_at_a_jump_or_beside_it(index: int) -> None:
+    equation = fr.SquareWave(1.3, -0.6)
+    expected = monodromy_matrix(equation, start=math.pi if index % 2 else 0.0)
+    jump = index * math.pi
+    for start in (math.nextafter(jump, -math.inf), jump, math.nextafter(jump, math.inf)):
+        assert monodromy_matrix(equation, start=start) == pytest.approx(expected, abs=1e-10)
+
+
+def test_growth_and_decay_that_cancel_do_not_overflow() -> None:
+    # u grows by exp(817); A decays, its slower exponent about p / 2 c.
+    equation = fr.Mathieu(0.5, -0.25, damping=130.0)
+    matrix, result = monodromy_matrix(equation), monodromy(equation)
+    assert np.trace(matrix) == pytest.approx(result.discriminant, rel=1e-9)
+    assert result.discriminant == pytest.approx(math.exp(-0.25 * math.pi / 130.0), rel=1e-4)
+
+
+@pytest.mark.parametrize("period", [1e-300, 1e-30, 1e-6, 1e6])
+def test_the_unit_of_time_does_not_matter(period: float) -> None:
+    w = 2.0 * math.pi / period
+    if w * w * 0.25 > 1e9:  # too fast for any coefficient allowed: free motion, to rounding
+        result = monodromy(fr.Hill(-1e-9, cosines=(1e-9,), period=period))
+        assert result.discriminant == pytest.approx(2.0, abs=1e-12)
+        return
+    result = monodromy(fr.Hill(-0.3 * w * w, cosines=(0.5 * w * w,), period=period))
+    assert result.discriminant == pytest.approx(monodromy(fr.Mathieu(0.5, -0.3)).discriminant, abs=1e-12)
+
+
+def test_a_period_too_long_is_declined() -> None:
+    for period in (1e300, 1e307):
+        assert monodromy(fr.Hill(-1e9, period=period)).status == "undecided"
+        with pytest.raises(ValueError, match="period too long"):
+            monodromy_matrix(fr.Hill(-1e9, period=period))
+
+
+def test_maps_scaled_at_different_steps_still_compare() -> None:
+    # Two maps of 20 and more rescalings each: steps are halved once, because the first halving already agrees.
+    result = monodromy(fr.SquareWave(1.0, 1e7))
+    assert result.status == "unstable"
+    assert result.growth_rate == pytest.approx(math.sqrt(1e7), rel=1e-9)
+    assert result.cost.amount <= 3 * (math.pi * (math.sqrt(1e7 + 1.0) + 1.0) / 1.9 + 2.0)

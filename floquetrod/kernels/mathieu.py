@@ -106,7 +106,7 @@ def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
     The parity of the count is the sign of the product of all pivots, so the three-term recurrence of the leading
     minors decides it without divisions, and the points of a block advance together in vector registers.
     """
-    n = alpha.size
+    n = len(alpha)
     ab = np.empty(_LANES)
     qs = np.empty(_LANES)
     q2 = np.empty(_LANES)

@@ -28,6 +28,7 @@ def advance(
     been taken out of y, which holds mantissas.
 
     With p = sum p_j t^j and u = sum u_j t^j about the start of a step, (j + 1)(j + 2) u_(j+2) = sum_i p_i u_(j-i).
+    The kernel keeps p_j h^(j+2) and u_j h^j, h the step: neither a tiny nor a huge period leaves the range of a double.
     """
     h = length / steps
     p = np.empty(order + 1)
@@ -37,30 +38,31 @@ def advance(
         tau = start + step * h
         for j in range(order + 1):
             p[j] = 0.0
-        p[0] = mean
+        p[0] = mean * h * h
         for k in range(len(real)):
             rate = (k + 1.0) * turn
             cosine, sine = math.cos(rate * tau), math.sin(rate * tau)
-            a = real[k] * cosine - imag[k] * sine
-            b = real[k] * sine + imag[k] * cosine
+            angle = rate * h
+            a = (real[k] * cosine - imag[k] * sine) * h * h
+            b = (real[k] * sine + imag[k] * cosine) * h * h
             for j in range(order + 1):
                 p[j] += a
-                a, b = -rate * b / (j + 1.0), rate * a / (j + 1.0)
+                a, b = -angle * b / (j + 1.0), angle * a / (j + 1.0)
         for column in range(0, 4, 2):
             u[0] = y[column]
-            u[1] = y[column + 1]
+            u[1] = y[column + 1] * h
             for j in range(order):
                 total = 0.0
                 for i in range(j + 1):
                     total += p[i] * u[j - i]
                 u[j + 2] = total / ((j + 1.0) * (j + 2.0))
-            value = u[order + 1]
-            slope = (order + 1.0) * u[order + 1]
-            for j in range(order, 0, -1):
-                value = value * h + u[j]
-                slope = slope * h + j * u[j]
-            y[column] = value * h + u[0]
-            y[column + 1] = slope
+            value = 0.0
+            slope = 0.0
+            for j in range(order + 1, 1, -1):  # the smallest first
+                value += u[j]
+                slope += j * u[j]
+            y[column] = value + u[1] + u[0]
+            y[column + 1] += slope / h
         size = max(abs(y[0]), abs(y[1]), abs(y[2]), abs(y[3]))
         if size > 1e100:
             shift = math.frexp(size)[1]

@@ -140,11 +140,27 @@ def _log_rest(kappa: float, h2: float) -> float:
     """Return the logarithm of the product of 1 - h^2 / k^2 over k = kappa + 1, kappa + 2, ... (needs h < kappa + 1)."""
     if h2 >= (kappa + 1.0) ** 2:
         return 0.0
+    if kappa >= 10.0 and abs(h2) < 0.25 * kappa * kappa:
+        # Term by term, without the cancellation between logarithms of Gamma functions.
+        total, power, j = 0.0, h2, 1
+        while abs(power) * _zeta(2.0 * j, kappa + 1.0) > 1e-18 and j < 60:
+            total -= power / j * _zeta(2.0 * j, kappa + 1.0)
+            power, j = power * h2, j + 1
+        return total
     if h2 >= 0.0:
         h = math.sqrt(h2)
         return 2.0 * math.lgamma(kappa + 1.0) - math.lgamma(kappa + 1.0 - h) - math.lgamma(kappa + 1.0 + h)
     h = math.sqrt(-h2)
     return 2.0 * (math.lgamma(kappa + 1.0) - _log_gamma(complex(kappa + 1.0, h)).real)
+
+
+def _zeta(s: float, x: float) -> float:
+    """Return the sum of k^-s over k = x, x + 1, ... by the Euler-Maclaurin series (DLMF 25.11.43), x >= 10."""
+    i2 = 1.0 / (x * x)
+    series = 1.0 / (s - 1.0) + 0.5 / x + s * i2 / 12.0
+    last = s * (s + 1.0) * (s + 2.0) * i2 * i2
+    series += -last / 720.0 + last * (s + 3.0) * (s + 4.0) * i2 / 30240.0
+    return series * x ** (1.0 - s)
 
 
 def _log_gamma(z: complex) -> complex:

@@ -15,6 +15,7 @@ from floquetrod.kernels.leapfrog import leapfrog_run
 from floquetrod.result import Cost, Stability, Status, excess_of_trace, judge
 
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
+_LARGEST_REACH = 1e50  # step^2 times coefficient: what one step multiplies by, far past sense but within range
 
 
 def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limit: float = 1e6) -> Stability:
@@ -41,7 +42,9 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
 
     Notes
     -----
-    Growth slower than ln(limit) / (periods period), 0.022 per unit tau by default, cannot be seen.
+    Growth slower than about ln(limit) / (periods period), 0.022 per unit tau by default, cannot be seen.  "About": the
+    motion ends at K exp(growth time), and K is small where the growing mode passes through zero at the end (near
+    beta = -0.25 the threshold is 0.026), large where the motion is slow (near beta = 0 = alpha it is below 0.020).
     """
     equations.require(equation)
     step = _validate.positive("step", step)
@@ -49,14 +52,20 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     limit = _validate.positive("limit", limit)
     if limit <= 1.0:
         raise ValueError(f"limit must be greater than 1, got {limit!r}: a bounded motion already reaches 1")
-    count = 2 * max(2, math.ceil(0.5 * equation.period / step))
-    if count * periods > _MOST_STEPS:
+    needed = equation.period / step * periods
+    if needed > _MOST_STEPS:
         raise ValueError(
-            f"step = {step:g} over {periods} periods makes {count * periods} steps, more than {_MOST_STEPS}; "
+            f"step = {step:g} over {periods} periods makes {needed:.3g} steps, more than {_MOST_STEPS}; "
             "take a longer step or fewer periods"
         )
+    count = 2 * max(2, math.ceil(0.5 * equation.period / step))
     table = _table(equation, count)
     step = equation.period / count
+    reach = step * step * np.abs(table).max()
+    if not reach < _LARGEST_REACH:
+        raise ValueError(
+            f"step = {step:g} is too long: step^2 times the coefficient is {reach:.3g}; take a shorter step"
+        )
     run = compiled(leapfrog_run)
     a, _, taken = run(table, 1, step, equation.damping, periods, 0.0, 1.0)
     log_growth = taken + (math.log(abs(a)) if a != 0.0 else -math.inf)
@@ -67,13 +76,7 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     other = coarse[0] * math.exp(max(-700.0, min(700.0, coarse[1] - shift)))
     size = math.exp(-min(700.0, shift))
     error = abs(other - trace) / 3.0 / max(size, abs(trace))
-    decay = math.exp(min(700.0, equation.damping * equation.period))
-    sign, excess = excess_of_trace(trace * decay / size) if shift == 0.0 else (1 if trace >= 0.0 else -1, 0.25)
-    exponent = 0
-    if shift > 0.0:
-        power = (math.log(abs(trace)) + shift + equation.damping * equation.period) / math.log(2.0)
-        exponent = math.floor(power)
-        excess = 0.25 * 2.0 ** (power - exponent)
+    sign, excess, exponent = _excess(trace, shift + equation.damping * equation.period)
     judged = judge(
         equation,
         "leapfrog",
@@ -84,12 +87,23 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
         cost=Cost(count * periods, "steps"),
     )
     status: Status = "stable" if log_growth < math.log(limit) else "unstable"
+    note = f"cannot see growth below about {math.log(limit) / time:.2g} per unit tau"
+    if step * step * table.min() < -4.0:  # the scheme's own limit for an oscillator: step times frequency at most 2
+        note += "; the step is too long for this coefficient: the scheme itself is unstable"
     return dataclasses.replace(
-        judged,
-        status=status,
-        growth_rate=log_growth / time if status == "unstable" else 0.0,
-        note=f"cannot see growth below {math.log(limit) / time:.2g} per unit tau",
+        judged, status=status, growth_rate=log_growth / time if status == "unstable" else 0.0, note=note
     )
+
+
+def _excess(trace: float, lift: float) -> tuple[int, float, int]:
+    """Return sign, X and its binary exponent for the undamped discriminant trace * exp(lift)."""
+    if trace == 0.0 or lift < 400.0:
+        return *excess_of_trace(trace * math.exp(min(lift, 400.0))), 0
+    power = (math.log(abs(trace)) + lift) / math.log(2.0)
+    if power < 900.0:
+        return *excess_of_trace(math.copysign(2.0**power, trace)), 0
+    exponent = math.floor(power)
+    return (1 if trace > 0.0 else -1), 0.25 * 2.0 ** (power - exponent), exponent
 
 
 def _table(equation: Equation, count: int) -> NDArray[np.float64]:

@@ -62,8 +62,9 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
     rtol = _validate.positive("rtol", rtol)
     pieces, half = _pieces(equation)
     frequency = max(_frequency(piece, equation.period) for piece in pieces)
-    wanted = max(1, math.ceil(frequency * sum(piece.length for piece in pieces) / _REACH))
-    if 3 * wanted > _MOST_STEPS:
+    needed = _needed(pieces, frequency)
+    if needed > _MOST_STEPS:
+        finer = "square_wave" if isinstance(equation, SquareWave) else "spectral"
         return judge(
             equation,
             "monodromy",
@@ -71,17 +72,9 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
             excess=0.0,
             excess_error=math.inf,
             cost=Cost(0, "steps"),
-            note=f"would take {wanted} steps, more than {_MOST_STEPS}; use method='spectral'",
+            note=f"would take {needed:.3g} steps or more, above the limit of {_MOST_STEPS}; use method={finer!r}",
         )
-    coarse = _carry(pieces, equation.period, wanted)
-    total = coarse.steps
-    while True:
-        fine = _carry(pieces, equation.period, 2 * wanted)
-        total += fine.steps
-        change = _change(coarse, fine)
-        if change <= rtol or 6 * wanted > _MOST_STEPS or change <= 64.0 * _EPS * fine.steps:
-            break
-        coarse, wanted = fine, 2 * wanted
+    fine, change, total = _converged(pieces, equation.period, frequency, rtol)
     relative = change + 4.0 * _EPS * (fine.steps + 4)
     sign, excess, exponent, error = _excess(fine, relative, frequency, half)
     return judge(
@@ -120,17 +113,18 @@ def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 
     rtol, start = _validate.positive("rtol", rtol), _validate.finite("start", start)
     pieces = _from(equation, start)
     frequency = max(_frequency(piece, equation.period) for piece in pieces)
-    wanted = max(1, math.ceil(frequency * equation.period / _REACH))
-    if 3 * wanted > _MOST_STEPS:
-        raise ValueError(f"equation would take {wanted} steps, more than {_MOST_STEPS}; its coefficient is too large")
-    coarse = _carry(pieces, equation.period, wanted)
-    while True:
-        fine = _carry(pieces, equation.period, 2 * wanted)
-        if _change(coarse, fine) <= max(rtol, 64.0 * _EPS * fine.steps) or 6 * wanted > _MOST_STEPS:
-            break
-        coarse, wanted = fine, 2 * wanted
-    with np.errstate(over="ignore"):
-        y = np.ldexp(fine.y, fine.exponent) * math.exp(-min(700.0, equation.damping * equation.period))
+    needed = _needed(pieces, frequency)
+    if needed > _MOST_STEPS:
+        raise ValueError(
+            f"equation would take {needed:.3g} steps or more, above the limit of {_MOST_STEPS}; "
+            "its coefficient is too large or its period too long"
+        )
+    fine, _, _ = _converged(pieces, equation.period, frequency, rtol)
+    # Growth and decay are combined before either is applied: alone they may leave the range that their product keeps.
+    power = fine.exponent - equation.damping * equation.period / math.log(2.0)
+    whole = math.floor(power)
+    with np.errstate(over="ignore", under="ignore"):
+        y = np.ldexp(fine.y * 2.0 ** (power - whole), whole)
     if not np.isfinite(y).all():
         raise OverflowError("the map over a period exceeds the range of a double; use monodromy(...).exponents")
     # (A, A') = exp(-c tau) (u, u' - c u)
@@ -159,10 +153,9 @@ def _from(equation: Equation, start: float) -> list[_Piece]:
     """Return the pieces of one whole period from ``start``."""
     c2 = equation.damping**2
     if isinstance(equation, SquareWave):
-        phase = math.fmod(start, math.pi)
-        phase += math.pi if phase < 0.0 else 0.0
-        rising = math.floor(start / math.pi) % 2 == 0
-        values = [math.fsum((equation.beta, s * equation.alpha, c2)) for s in ((1.0, -1.0) if rising else (-1.0, 1.0))]
+        index, phase = divmod(start, math.pi)  # together, so that rounding beside a jump cannot set them at odds
+        first = -1.0 if index % 2.0 else 1.0
+        values = [math.fsum((equation.beta, s * equation.alpha, c2)) for s in (first, -first)]
         lengths = (math.pi - phase, math.pi, phase)
         pairs = zip((values[0], values[1], values[0]), lengths, strict=True)
         return [_Piece(value, (), 0.0, length) for value, length in pairs if length > 0.0]
@@ -189,6 +182,28 @@ def _frequency(piece: _Piece, period: float) -> float:
     return math.sqrt(abs(piece.mean) + sum(map(abs, piece.amplitudes))) + turn * max(1, len(piece.amplitudes))
 
 
+def _needed(pieces: list[_Piece], frequency: float) -> float:
+    """Return the steps of the first two maps together, possibly infinite."""
+    return 3.0 * frequency * math.fsum(piece.length for piece in pieces) / _REACH
+
+
+def _converged(pieces: list[_Piece], period: float, frequency: float, rtol: float) -> tuple[_Map, float, int]:
+    """Return the map once halving the steps changes it by no more than ``rtol``, that change, and all steps taken.
+
+    It also stops where rounding or the limit on steps allows no more; the change then tells.
+    """
+    wanted = max(1, math.ceil(_needed(pieces, frequency) / 3.0))
+    coarse = _carry(pieces, period, wanted)
+    total = coarse.steps
+    while True:
+        fine = _carry(pieces, period, 2 * wanted)
+        total += fine.steps
+        change = _change(coarse, fine, frequency)
+        if change <= max(rtol, 64.0 * _EPS * fine.steps) or 6 * wanted > _MOST_STEPS:
+            return fine, change, total
+        coarse, wanted = fine, 2 * wanted
+
+
 def _carry(pieces: list[_Piece], period: float, steps: int, order: int = ORDER) -> _Map:
     """Carry the unit solutions over the pieces in about ``steps`` steps."""
     whole = sum(piece.length for piece in pieces)
@@ -202,15 +217,18 @@ def _carry(pieces: list[_Piece], period: float, steps: int, order: int = ORDER) 
         turn = 2.0 * math.pi / period
         exponent += run(piece.mean, real, imag, turn, piece.start, piece.length, share, order, y)
         taken += share
-    return _Map(y, exponent, taken)
+    # The kernel scales when it must; two maps compare only once both are scaled alike.
+    shift = math.frexp(np.abs(y).max())[1]
+    return _Map(np.ldexp(y, -shift), exponent + shift, taken)
 
 
-def _change(coarse: _Map, fine: _Map) -> float:
-    """Return the difference of two maps relative to the larger entry of each row's kind."""
+def _change(coarse: _Map, fine: _Map, frequency: float) -> float:
+    """Return the difference of two maps relative to the largest entry, slopes in units of the frequency."""
+    unit = np.array([1.0, 1.0 / frequency, frequency, 1.0])
     shift = coarse.exponent - fine.exponent
     if abs(shift) > 60:
         return math.inf
-    return float(np.abs(np.ldexp(coarse.y, shift) - fine.y).max() / np.abs(fine.y).max())
+    return float((np.abs(np.ldexp(coarse.y, shift) - fine.y) * unit).max() / (np.abs(fine.y) * unit).max())
 
 
 def _excess(end: _Map, relative: float, frequency: float, half: bool) -> tuple[int, float, int, float]:
