@@ -160,7 +160,7 @@ def _zeta(s: float, x: float) -> float:
     series = 1.0 / (s - 1.0) + 0.5 / x + s * i2 / 12.0
     last = s * (s + 1.0) * (s + 2.0) * i2 * i2
     series += -last / 720.0 + last * (s + 3.0) * (s + 4.0) * i2 / 30240.0
-    return series * x ** (1.0 - s)
+    return float(series * x ** (1.0 - s))
 
 
 def _log_gamma(z: complex) -> complex:
