@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from floquetrod.result import Stability as Stability
     from floquetrod.rod import Rod as Rod
     from floquetrod.rod import UniformForceWarning as UniformForceWarning
+    from floquetrod.rod_ranges import SafeRanges as SafeRanges
     from floquetrod.rod_stability import RodStability as RodStability
     from floquetrod.verdict import stability as stability
 
@@ -37,6 +38,7 @@ _WHERE = {
     "Proof": "proof",
     "Rod": "rod",
     "RodStability": "rod_stability",
+    "SafeRanges": "rod_ranges",
     "SquareWave": "equations",
     "Stability": "result",
     "UniformForceWarning": "rod",

@@ -1,4 +1,4 @@
-"""The terminal: `floquetrod check`, `floquetrod compare`."""
+"""The terminal: `floquetrod check`, `floquetrod ranges`, `floquetrod compare`."""
 
 from __future__ import annotations
 
@@ -24,6 +24,18 @@ examples:
 forces: N, kN, lbf or Fcr (the critical force of the rod).  frequencies: rad/s (none means this), Hz, rpm.
 rod files: TOML with youngs_modulus, density, radius, length, channel_radius and, if you like, gravity and
 damping_rate, as SI numbers or strings such as "68GPa"; radii, not diameters.
+"""
+
+_RANGES = """\
+List every stable interval of one quantity of the load: give the other two, and what to search.
+
+examples:
+  floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150 --mean 0:1.2Fcr
+  floquetrod ranges --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 10Hz:60Hz --growth-tolerance 0.05
+  floquetrod ranges --rod my_rod.toml --mean 12N --frequency 24Hz --amplitude 0:5N
+
+The intervals are complete: their ends are transition curves mapped back, not points of a grid, and resonance tongues
+of any thinness count unless --growth-tolerance (1/s) says from which growth on they matter.
 """
 
 _COMPARE = """\
@@ -71,13 +83,17 @@ def _parser() -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True, metavar="command", parser_class=_Parser)
 
     check = _command(commands, "check", "judge a rod under an axial load", _CHECK, _check)
-    check.add_argument("--rod", required=True, help="nitinol (the reference rod), or a TOML file")
+    _add_rod(check)
     check.add_argument("--mean", required=True, help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
     check.add_argument("--amplitude", required=True, help="amplitude of the force; 0 is the static limit")
     check.add_argument("--frequency", required=True, help="frequency, such as 150 (rad/s) or 24Hz")
-    check.add_argument("--damping-rate", help="decay rate of free motion in 1/s (replaces that of the rod)")
-    check.add_argument("--growth-tolerance", default="0", help="growth in 1/s up to which a mode counts as stable")
     check.add_argument("--modes", help="modes to look at, such as 1-25 or 6,7,8 (default: all that can matter)")
+
+    ranges = _command(commands, "ranges", "list every safe interval of one quantity of the load", _RANGES, _ranges)
+    _add_rod(ranges)
+    ranges.add_argument("--mean", required=True, help="mean force, or a range from zero such as 0:1.2Fcr")
+    ranges.add_argument("--amplitude", required=True, help="amplitude, or a range from zero such as 0:0.5Fcr")
+    ranges.add_argument("--frequency", required=True, help="frequency, or a range such as 10Hz:60Hz")
 
     compare = _command(commands, "compare", "judge one equation by every method", _COMPARE, _compare)
     compare.add_argument("--alpha", required=True, type=float, help="amplitude of the coefficient")
@@ -97,13 +113,24 @@ def _command(commands: Any, name: str, summary: str, text: str, run: Any) -> arg
     return command
 
 
+def _add_rod(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--rod", required=True, help="nitinol (the reference rod), or a TOML file")
+    command.add_argument("--damping-rate", help="decay rate of free motion in 1/s (replaces that of the rod)")
+    command.add_argument("--growth-tolerance", default="0", help="growth in 1/s up to which a mode counts as stable")
+
+
+def _rod(options: argparse.Namespace) -> fr.Rod:
+    rod = fr.Rod.nitinol() if options.rod == "nitinol" else fr.Rod.from_toml(options.rod)
+    if options.damping_rate is not None:
+        rod = rod.replace(damping_rate=units.quantity(options.damping_rate, "--damping-rate", "rate"))
+    return rod
+
+
 # --- check -----------------------------------------------------------------------------------------------------------
 
 
 def _check(options: argparse.Namespace) -> str:
-    rod = fr.Rod.nitinol() if options.rod == "nitinol" else fr.Rod.from_toml(options.rod)
-    if options.damping_rate is not None:
-        rod = rod.replace(damping_rate=units.quantity(options.damping_rate, "--damping-rate", "rate"))
+    rod = _rod(options)
     scale = rod.critical_force
     load = fr.AxialLoad(
         mean=units.quantity(options.mean, "--mean", "force", critical_force=scale),
@@ -226,6 +253,52 @@ def _record(result: fr.RodStability) -> dict[str, Any]:
 def _number(value: float) -> float | None:
     """Return ``value``, or None where JSON has no number for it: infinite means never, or not within reach."""
     return value if math.isfinite(value) else None
+
+
+# --- ranges ---------------------------------------------------------------------------------------------------------
+
+
+def _ranges(options: argparse.Namespace) -> str:
+    rod = _rod(options)
+    scale = rod.critical_force
+    kinds = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
+    texts = {name: getattr(options, name) for name in kinds}
+    varied = [name for name, text in texts.items() if ":" in text]
+    if len(varied) != 1:
+        raise ValueError(
+            "exactly one of --mean, --amplitude, --frequency must be a range such as 0:1.2Fcr or 10Hz:60Hz, got "
+            f"{len(varied)}"
+        )
+    tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
+    values = {
+        name: [units.quantity(t, f"--{name}", kinds[name], critical_force=scale) for t in text.split(":", 1)]
+        for name, text in texts.items()
+    }
+    low, high = values.pop(varied[0])
+    fixed = {name: value for name, (value,) in values.items()}
+    if varied[0] == "frequency":
+        found = rod.stable_frequencies(**fixed, between=(low, high), growth_tolerance=tolerance)
+    elif low != 0.0:
+        raise ValueError(f"--{varied[0]} must be a range from zero, got {texts[varied[0]]!r}")
+    else:
+        search = rod.stable_mean_forces if varied[0] == "mean" else rod.stable_amplitudes
+        found = search(**fixed, upto=high, growth_tolerance=tolerance)
+    if not options.json:
+        return repr(found)
+    unit = "N" if found.unit == "N" else "rad_per_s"
+    record = {
+        "quantity": found.quantity,
+        f"searched_{unit}": list(found.between),
+        "growth_tolerance_per_s": found.growth_tolerance,
+        "modes_checked": found.modes,
+        "stable": [
+            {f"low_{unit}": part.low, f"high_{unit}": part.high, "low_end": part.low_end, "high_end": part.high_end}
+            for part in found
+        ],
+        "ends_are": "[mode, tongue], or null at an end of the search",
+        "version": fr.__version__,
+    }
+    return json.dumps(record, indent=2, allow_nan=False)
 
 
 # --- compare ---------------------------------------------------------------------------------------------------------

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,21 +15,25 @@ from floquetrod.equations import Mathieu
 from floquetrod.load import AxialLoad
 from floquetrod.result import Stability, Status
 from floquetrod.rod_data import RodData
-from floquetrod.tongues import damping_to_stabilise, unstable_intervals
+from floquetrod.rod_tongues import UnstableRange, unstable_amplitudes, unstable_frequencies, unstable_mean_forces
+from floquetrod.tongues import damping_to_stabilise
 from floquetrod.verdict import stability
 
-_SPANS = (0.125, 0.5, 2.0, 8.0)  # reach of the search for a margin, in critical forces
+_Search: TypeAlias = Callable[[RodData, AxialLoad, Iterable[int], float, float, float], list[UnstableRange]]
+
+_SPANS = (0.125, 0.5, 2.0, 8.0)
+"""Reach of the search for a margin: in critical forces, or as the factor less one by which a frequency changes."""
 
 
-class ForceMargin(NamedTuple):
-    """How far the mean force, in N, may fall or rise until the verdict changes; infinite when not within 8 F_cr."""
+class Margin(NamedTuple):
+    """How far one quantity of the load may fall or rise until the verdict changes; infinite when out of reach."""
 
     below: float
     above: float
 
     @property
     def nearest(self) -> float:
-        """The smaller of both, in N."""
+        """The smaller of both."""
         return min(self)
 
 
@@ -112,40 +117,39 @@ class RodStability:
         return self.load.frequency * max(rates)
 
     @cached_property
-    def mean_force_margin(self) -> ForceMargin:
-        """Distance in N to the nearest mean forces, below and above, at which the verdict changes.
+    def mean_force_margin(self) -> Margin:
+        """Distance in N to the nearest mean forces at which the verdict changes, searched to 8 F_cr either way."""
+        here, unit = self.load.mean, self.rod.critical_force
+        return self._margin(here, unstable_mean_forces, [(here - span * unit, here + span * unit) for span in _SPANS])
 
-        The modes' beta is linear in the mean force, so that the unstable intervals of each mode, exact and complete
-        from the transition curves, map back to forces; their union is unstable.
-        """
+    @cached_property
+    def amplitude_margin(self) -> Margin:
+        """Distance in N to the nearest amplitudes at which the verdict changes, searched to 2 F_cr above."""
+        here, unit = self.load.amplitude, self.rod.critical_force
+        return self._margin(here, unstable_amplitudes, [(0.0, here + span * unit) for span in _SPANS[:3]])
+
+    @cached_property
+    def frequency_margin(self) -> Margin:
+        """Distance in rad/s to the nearest frequencies at which the verdict changes, searched to 9 times either way."""
+        here = self.load.frequency
+        reach = [(here / (1.0 + span), here * (1.0 + span)) for span in _SPANS]
+        return self._margin(here, unstable_frequencies, reach)
+
+    def _margin(self, here: float, search: _Search, reach: list[tuple[float, float]]) -> Margin:
+        """Widen the reach until the verdict changes on both sides."""
         below = above = math.inf
-        for span in _SPANS:
-            reach = span * self.rod.critical_force
-            intervals = self._unstable_forces(self.load.mean - reach, self.load.mean + reach)
+        for low, high in reach:
+            ranges = search(self.rod, self.load, self.modes, self.growth_tolerance, low, high)
             if self.stable:
-                below = min(
-                    (self.load.mean - high for _, high in intervals if high <= self.load.mean), default=math.inf
-                )
-                above = min((low - self.load.mean for low, _ in intervals if low >= self.load.mean), default=math.inf)
+                below = min((here - r.high for r in ranges if r.high <= here), default=math.inf)
+                above = min((r.low - here for r in ranges if r.low >= here), default=math.inf)
             else:
-                low, high = _covering(intervals, self.load.mean)
-                below, above = self.load.mean - low, high - self.load.mean
-            below, above = (below if below <= reach else math.inf), (above if above <= reach else math.inf)
+                first, last = _covering(ranges, here)
+                below, above = here - first, last - here
+            below, above = (x if x < y else math.inf for x, y in ((below, here - low), (above, high - here)))
             if max(below, above) < math.inf:
                 break
-        return ForceMargin(below, above)
-
-    def _unstable_forces(self, low: float, high: float) -> list[tuple[float, float]]:
-        """Return the intervals of mean force in which some mode looked at grows, meeting [low, high]."""
-        omega = self.load.frequency
-        found: list[tuple[float, float]] = []
-        for mode, equation in zip(self.modes, self.mode_equations, strict=True):
-            scale = self.rod.wavenumber(mode) ** 2 / (self.rod.mass_per_length * omega**2)
-            ends = (equation.beta + (force - self.load.mean) * scale for force in (low, high))
-            parts = unstable_intervals(equation.alpha, equation.damping, self.growth_tolerance / omega, *ends)
-            offset = self.load.mean - equation.beta / scale
-            found += [(offset + part.low / scale, offset + part.high / scale) for part in parts]
-        return found
+        return Margin(below, above)
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""
@@ -184,10 +188,10 @@ def _grows(rate: float, tolerance: float) -> bool:
     return rate > tolerance or tolerance == 0.0  # an unstable mode may grow at a rate too small for a double
 
 
-def _covering(intervals: list[tuple[float, float]], point: float) -> tuple[float, float]:
-    """Return the ends of the union of ``intervals`` about ``point``."""
+def _covering(ranges: list[UnstableRange], point: float) -> tuple[float, float]:
+    """Return the ends of the union of ``ranges`` about ``point``."""
     low = high = point
-    for _ in intervals:
-        low = min([low, *(a for a, b in intervals if a <= low <= b)])
-        high = max([high, *(b for a, b in intervals if a <= high <= b)])
+    for _ in ranges:
+        low = min([low, *(r.low for r in ranges if r.low <= low <= r.high)])
+        high = max([high, *(r.high for r in ranges if r.low <= high <= r.high)])
     return low, high

@@ -100,10 +100,17 @@ def _above(alpha: float, bottom: float, top: float, level: float) -> tuple[float
     if math.isinf(top):  # u >= sqrt(b - |alpha|), and u increases with b
         far = max(bottom, abs(alpha) + level * level) + 1.0
         return _root(lambda b: -surplus(b), bottom, far), top
-    peak = _maximise(surplus, bottom, top)
+    return part_above(surplus, bottom, top)
+
+
+def part_above(surplus: Callable[[float], float], low: float, high: float) -> tuple[float, float] | None:
+    """Return the part of [low, high] where ``surplus`` is positive, which is taken to have one maximum there."""
+    peak = max((low, high, _maximise(surplus, low, high)), key=surplus)
     if surplus(peak) <= 0.0:
         return None
-    return _root(lambda b: -surplus(b), bottom, peak), _root(surplus, peak, top)
+    first = low if surplus(low) > 0.0 else _root(lambda x: -surplus(x), low, peak)
+    last = high if surplus(high) > 0.0 else _root(surplus, peak, high)
+    return first, last
 
 
 def _maximise(function: Callable[[float], float], low: float, high: float) -> float:

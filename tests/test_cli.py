@@ -175,3 +175,36 @@ def test_examples_run(path: Path) -> None:
     assert run.returncode == 0, run.stderr
     assert run.stdout
     assert not run.stderr
+
+
+def test_ranges(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["ranges", "--rod", "nitinol", "--amplitude", "0.2Fcr", "--frequency", "150", "--mean", "0:1.5Fcr"]
+    assert cli.main([*arguments, "--growth-tolerance", "0.01"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "stable mean force in N, between 0 and 2.54404"
+    assert lines[1].split() == [
+        "0",
+        "to",
+        "0.126187679",
+        "end",
+        "of",
+        "the",
+        "search",
+        "...",
+        "mode",
+        "7,",
+        "tongue",
+        "1",
+    ]
+    assert cli.main([*arguments, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["stable"][0]["high_end"] == [7, 1]
+    assert record["stable"][0]["high_N"] == pytest.approx(0.12618765, abs=1e-7)
+    for change, message in (
+        ({"--mean": "0.1Fcr"}, "exactly one of --mean, --amplitude, --frequency must be a range"),
+        ({"--mean": "0.1:1"}, "--mean must be a range from zero"),
+        ({"--mean": "0:x"}, "--mean must be a number with a force unit"),
+    ):
+        wrong = [change.get(arguments[i - 1], text) for i, text in enumerate(arguments)]
+        assert cli.main(wrong) == 2
+        assert message in capsys.readouterr().err

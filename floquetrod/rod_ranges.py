@@ -1,0 +1,102 @@
+"""Which loads are safe: every stable interval of one quantity of the load, in order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from floquetrod.rod_tongues import UnstableRange
+
+
+class SafeInterval(NamedTuple):
+    """Stable from ``low`` to ``high``; what closes each end is (mode, tongue), or None at an end of the search."""
+
+    low: float
+    high: float
+    low_end: tuple[int, int] | None
+    high_end: tuple[int, int] | None
+
+
+@dataclass(frozen=True, repr=False)
+class SafeRanges:
+    """All stable intervals of one quantity of the load within a range.
+
+    Attributes
+    ----------
+    quantity, unit : str
+        What varies ("mean force", "amplitude" or "frequency"), in N or rad/s.
+    between : tuple of float
+        The range searched.
+    intervals : tuple of SafeInterval
+        Stable intervals in increasing order; nothing between them is stable.
+    growth_tolerance : float
+        Growth in 1/s up to which a mode counts as stable; tongues that never exceed it are left out.
+    modes : int
+        Modes looked at, 1 to this; every higher mode grows at less than 1e-12 per second or the tolerance.
+
+    Iterating gives the intervals; ``value in ranges`` asks whether a value is safe.
+    """
+
+    quantity: str
+    unit: str
+    between: tuple[float, float]
+    intervals: tuple[SafeInterval, ...]
+    growth_tolerance: float
+    modes: int
+
+    def __iter__(self) -> Iterator[SafeInterval]:
+        """Iterate over the intervals."""
+        return iter(self.intervals)
+
+    def __len__(self) -> int:
+        """Return the number of intervals."""
+        return len(self.intervals)
+
+    def __contains__(self, value: Any) -> bool:
+        """Return whether ``value`` is safe."""
+        return any(part.low < value < part.high for part in self.intervals)
+
+    @property
+    def note(self) -> str:
+        """What has been left out."""
+        slow = max(self.growth_tolerance, 1e-12)
+        return f"modes 1 to {self.modes}; growth at or below {slow:g} 1/s does not count"
+
+    def __repr__(self) -> str:
+        """Return the intervals as a table."""
+        lines = [f"stable {self.quantity} in {self.unit}, between {self.between[0]:.6g} and {self.between[1]:.6g}"]
+        for part in self.intervals:
+            ends = (_end(end) for end in (part.low_end, part.high_end))
+            lines.append(f"  {part.low:12.9g} to {part.high:12.9g}   " + " ... ".join(ends))
+        if not self.intervals:
+            lines.append("  none")
+        return "\n".join([*lines, f"  ({self.note})"])
+
+
+def safe_ranges(
+    quantity: str,
+    unit: str,
+    unstable: list[UnstableRange],
+    between: tuple[float, float],
+    growth_tolerance: float,
+    modes: int,
+) -> SafeRanges:
+    """Return what the unstable ranges leave of ``between``."""
+    low, high = between
+    at, closed_by = low, None
+    intervals = []
+    for part in sorted(unstable):
+        if part.high <= at or part.low >= high or part.high <= part.low:
+            continue
+        cause = (part.mode, part.tongue)
+        if part.low > at:
+            intervals.append(SafeInterval(at, part.low, closed_by, cause))
+        at, closed_by = part.high, cause
+    if at < high:
+        intervals.append(SafeInterval(at, high, closed_by, None))
+    return SafeRanges(quantity, unit, between, tuple(intervals), growth_tolerance, modes)
+
+
+def _end(end: tuple[int, int] | None) -> str:
+    return "end of the search" if end is None else f"mode {end[0]}, tongue {end[1]}"

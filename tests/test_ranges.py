@@ -1,0 +1,154 @@
+"""Safe ranges and margins: every end right, nothing missed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import floquetrod as fr
+from floquetrod.methods.reference import reference
+
+ROD = fr.Rod.nitinol()
+FCR = ROD.critical_force
+
+pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
+
+WORDS = {"mean force": "mean", "amplitude": "amplitude", "frequency": "frequency"}
+
+
+def searches(
+    rod: fr.Rod, mean: float, amplitude: float, omega: float, tolerance: float
+) -> list[tuple[fr.SafeRanges, dict[str, float]]]:
+    """Return the three kinds of ranges about a load, with what is fixed."""
+    return [
+        (
+            rod.stable_mean_forces(amplitude, omega, growth_tolerance=tolerance),
+            {"amplitude": amplitude, "frequency": omega},
+        ),
+        (rod.stable_amplitudes(mean, omega, growth_tolerance=tolerance), {"mean": mean, "frequency": omega}),
+        (
+            rod.stable_frequencies(mean, amplitude, (0.5 * omega, 2.0 * omega), growth_tolerance=tolerance),
+            {"mean": mean, "amplitude": amplitude},
+        ),
+    ]
+
+
+def scan(rod: fr.Rod, ranges: fr.SafeRanges, fixed: dict[str, float], points: int) -> None:
+    """Assert that a dense scan agrees with the ranges everywhere but within rounding of an end."""
+    values = np.linspace(*ranges.between, points + 2)[1:-1]
+    found = rod.is_stable(
+        **{WORDS[ranges.quantity]: values}, **fixed, growth_tolerance=max(ranges.growth_tolerance, 1e-9)
+    )
+    inside, near = np.zeros(points, bool), np.zeros(points, bool)
+    for part in ranges:
+        inside |= (values > part.low) & (values < part.high)
+        for end in part[:2]:
+            near |= np.abs(values - end) < 1e-9 * abs(end)
+    assert (inside == found)[~near].all(), (ranges, values[(inside != found) & ~near])
+
+
+@pytest.mark.parametrize(("mean", "omega"), [(0.34, 150.0), (0.1, 85.0), (0.6, 40.0)])
+@pytest.mark.parametrize("tolerance", [1e-3, 0.5])
+@pytest.mark.parametrize("damping", [0.0, 0.2])
+def test_dense_scans_of_the_reference_rod(mean: float, omega: float, tolerance: float, damping: float) -> None:
+    rod = ROD.replace(damping_rate=damping)
+    for ranges, fixed in searches(rod, mean * FCR, 0.2 * FCR, omega, tolerance):
+        scan(rod, ranges, fixed, 20_000)
+
+
+@settings(max_examples=8)
+@given(st.floats(2.0, 100.0), st.floats(0.0, 0.9), st.floats(0.05, 0.5), st.floats(1.0, 6.0), st.floats(-4.0, -2.0))
+def test_dense_scans_of_random_rods(modes: float, mean: float, amplitude: float, speed: float, power: float) -> None:
+    rod = ROD.replace(length=ROD.length * modes / ROD.critical_mode)
+    omega = speed * rod.pendulum_frequency
+    tolerance = 10.0**power * omega
+    for ranges, fixed in searches(rod, mean * FCR, amplitude * FCR, omega, tolerance):
+        scan(rod, ranges, fixed, 1500)
+
+
+def test_every_end_judged_by_the_reference() -> None:
+    # 1e-9 relative inside is stable, outside unstable, in the mode named; tongues wide enough to have an outside.
+    for ranges, fixed in searches(ROD, 0.34 * FCR, 0.2 * FCR, 150.0, 0.0):
+        ends = [(part.low, -1.0, part.low_end) for part in ranges]
+        ends += [(part.high, 1.0, part.high_end) for part in ranges]
+        judged = 0
+        for value, outwards, cause in ends:
+            if cause is None:
+                continue
+            for side in (1.0, -1.0):
+                place = value * (1.0 + side * outwards * 1e-9)
+                if side > 0.0 and any(part.low < place < part.high for part in ranges):
+                    continue  # the tongue is thinner than that
+                load = fr.AxialLoad(**{WORDS[ranges.quantity]: place}, **fixed)
+                verdict = reference(ROD.mode_equations(load, [cause[0]])[0], digits=40)
+                assert verdict.status == ("unstable" if side > 0.0 else "stable"), (ranges.quantity, value, cause)
+                judged += 1
+        assert judged >= 2
+
+
+def test_tolerance_leaves_thin_tongues_out_and_says_so() -> None:
+    strict = ROD.stable_mean_forces(0.2 * FCR, 85.0)
+    lenient = ROD.stable_mean_forces(0.2 * FCR, 85.0, growth_tolerance=0.022 * 85.0)
+    assert len(strict) > len(lenient)
+    assert "growth at or below 1.87 1/s does not count" in repr(lenient)
+    # F3-a: with the 100-period threshold stable up to 0.45 F_cr, exactly there is a band about 0.285.
+    assert lenient.intervals[0].high / FCR == pytest.approx(0.45, abs=0.01)
+    assert 0.285 * FCR not in strict
+    assert strict.intervals[0].high_end is not None
+
+
+def test_critical_values() -> None:
+    force = ROD.critical_mean_force(0.2 * FCR, 150.0, growth_tolerance=0.01)
+    assert force == ROD.stable_mean_forces(0.2 * FCR, 150.0, growth_tolerance=0.01).intervals[0].high
+    amplitude = ROD.critical_amplitude(0.34 * FCR, 150.0, growth_tolerance=0.05)
+    sides = ROD.is_stable(0.34 * FCR, amplitude * np.array([1.0 - 1e-9, 1.0 + 1e-6]), 150.0, growth_tolerance=0.05)
+    assert sides.tolist() == [True, False]
+    # Already buckled, and never buckled within reach.
+    long = ROD.replace(length=31.0)
+    assert long.critical_amplitude(1.2 * FCR, 10.0) == 0.0
+    assert ROD.critical_mean_force(1e-6 * FCR, 1e4, growth_tolerance=1.0) == pytest.approx(
+        min(_static(m) for m in range(1, 30)), rel=0.1
+    )
+
+
+def _static(mode: int) -> float:
+    """Mean force that buckles a mode without vibration."""
+    w = ROD.wavenumber(mode)
+    return ROD.flexural_rigidity * w**2 + ROD.mass_per_length * ROD.pendulum_frequency**2 / w**2
+
+
+@pytest.mark.parametrize(("mean", "amplitude", "omega"), [(0.2, 0.2, 150.0), (0.34, 0.2, 150.0), (0.5, 0.4, 85.0)])
+def test_margins_in_every_direction(mean: float, amplitude: float, omega: float) -> None:
+    load = fr.AxialLoad(mean * FCR, amplitude * FCR, omega)
+    result = ROD.stability(load, growth_tolerance=1e-3)
+    for name, margin in (("amplitude", result.amplitude_margin), ("frequency", result.frequency_margin)):
+        assert margin.nearest == min(margin)
+        for sign, distance in zip((-1.0, 1.0), margin, strict=True):
+            if math.isinf(distance):
+                continue
+            values = {"mean": load.mean, "amplitude": load.amplitude, "frequency": load.frequency}
+            here = values.pop(name)
+            steps = here + sign * distance * np.append(np.linspace(0.0, 1.0 - 1e-7, 500), 1.0 + 1e-6)
+            found = ROD.is_stable(**{name: steps}, **values, growth_tolerance=1e-3)
+            assert (found[:-1] == result.stable).all()
+            assert found[-1] != result.stable
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: ROD.stable_mean_forces(0.1, 150.0, upto=-1.0), "upto must be greater than zero"),
+        (lambda: ROD.stable_mean_forces(-0.1, 150.0), "amplitude must be zero or more"),
+        (lambda: ROD.stable_amplitudes(0.1, 0.0), "frequency must be greater than zero"),
+        (lambda: ROD.stable_frequencies(0.1, 0.1, (5.0, 1.0)), "between must increase"),
+        (lambda: ROD.stable_frequencies(0.1, 0.1, (0.0, 1.0)), r"between\[0\] must be greater than zero"),
+        (lambda: ROD.critical_amplitude(0.1, 1.0, growth_tolerance=math.nan), "growth_tolerance must be finite"),
+    ],
+)
+def test_bad_questions(call: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()  # type: ignore[operator]
