@@ -16,6 +16,9 @@ KERNEL_TESTS := -m kernels
 
 demo: $(READY)
 	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
+	@echo
+	@$(BIN)/floquetrod map --rod nitinol --mean 0:1.1Fcr --amplitude 0.2Fcr --frequency 20:200 --growth \
+		--growth-tolerance 0.1 --mark 0.2Fcr,150 --out demo_map.png
 
 test: lint
 	NUMBA_DISABLE_JIT=1 $(PYTEST) $(KERNEL_TESTS)
@@ -34,6 +37,7 @@ bench: $(READY)
 	$(BIN)/python -m benchmarks
 
 clean:
+	rm -f demo_map.png
 	rm -rf $(VENV) .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache build dist
 	find floquetrod tests benchmarks examples -name __pycache__ -prune -exec rm -rf {} +
 

@@ -10,11 +10,12 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from floquetrod._version import __version__
 
 if TYPE_CHECKING:
     from floquetrod import conventions as conventions
     from floquetrod import mathieu as mathieu
+    from floquetrod.chart import Chart as Chart
     from floquetrod.comparison import Comparison as Comparison
     from floquetrod.comparison import compare as compare
     from floquetrod.equations import Hill as Hill
@@ -26,12 +27,14 @@ if TYPE_CHECKING:
     from floquetrod.result import Stability as Stability
     from floquetrod.rod import Rod as Rod
     from floquetrod.rod import UniformForceWarning as UniformForceWarning
+    from floquetrod.rod_map import stability_map as stability_map
     from floquetrod.rod_ranges import SafeRanges as SafeRanges
     from floquetrod.rod_stability import RodStability as RodStability
     from floquetrod.verdict import stability as stability
 
 _WHERE = {
     "AxialLoad": "load",
+    "Chart": "chart",
     "Comparison": "comparison",
     "Hill": "equations",
     "Mathieu": "equations",
@@ -47,6 +50,7 @@ _WHERE = {
     "conventions": "",
     "mathieu": "",
     "stability": "verdict",
+    "stability_map": "rod_map",
 }
 
 __all__ = ["__version__", *sorted(_WHERE)]

@@ -1,4 +1,4 @@
-"""The terminal: `floquetrod check`, `floquetrod ranges`, `floquetrod compare`."""
+"""The terminal: `floquetrod check`, `map`, `ranges` and `compare`."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ import argparse
 import json
 import math
 import sys
+import time
 import warnings
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NoReturn
 
 import floquetrod as fr
@@ -38,6 +40,18 @@ The intervals are complete: their ends are transition curves mapped back, not po
 of any thinness count unless --growth-tolerance (1/s) says from which growth on they matter.
 """
 
+_MAP = """\
+Draw a rod's stability over two of mean force, amplitude and frequency; the third is fixed.
+
+examples:
+  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --out map.png
+  floquetrod map --rod nitinol --frequency 150 --mean 0:1.1Fcr --amplitude 0:0.5Fcr --growth --out map.npz
+  floquetrod map --rod my_rod.toml --amplitude 2N --mean 0:12N --frequency 5Hz:60Hz --mark 6N,24Hz
+
+A .png, .pdf or .svg file is a figure, a .npz file all the numbers (floquetrod.Chart.load reads it); give --out twice
+for both.
+"""
+
 _COMPARE = """\
 Judge one equation A'' + 2 c A' = (beta + alpha sin tau) A by every method and show where they agree.
 
@@ -45,6 +59,10 @@ examples:
   floquetrod compare --alpha 0.5 --beta -0.25
   floquetrod compare --alpha 0.5 --beta -0.25 --damping 0.1 --wave square
 """
+
+
+_KINDS = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
+"""Quantities of a load and their kind."""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -95,6 +113,17 @@ def _parser() -> argparse.ArgumentParser:
     ranges.add_argument("--amplitude", required=True, help="amplitude, or a range from zero such as 0:0.5Fcr")
     ranges.add_argument("--frequency", required=True, help="frequency, or a range such as 10Hz:60Hz")
 
+    chart = _command(commands, "map", "draw stability over two quantities of the load", _MAP, _map)
+    _add_rod(chart)
+    for name in _KINDS:
+        chart.add_argument(f"--{name}", required=True, help="a range such as 0:1.1Fcr or 5Hz:60Hz, or one value")
+    chart.add_argument("--points", default="400x300", help="columns x rows (default 400x300)")
+    chart.add_argument("--growth", action="store_true", help="shade by growth rate")
+    chart.add_argument(
+        "--mark", help="a point to mark: both varied quantities, in the order mean, amplitude, frequency"
+    )
+    chart.add_argument("--out", action="append", required=True, type=Path, help="file to write; may be repeated")
+
     compare = _command(commands, "compare", "judge one equation by every method", _COMPARE, _compare)
     compare.add_argument("--alpha", required=True, type=float, help="amplitude of the coefficient")
     compare.add_argument("--beta", required=True, type=float, help="mean of the coefficient")
@@ -119,6 +148,11 @@ def _add_rod(command: argparse.ArgumentParser) -> None:
     command.add_argument("--growth-tolerance", default="0", help="growth in 1/s up to which a mode counts as stable")
 
 
+def _quantity(text: str, name: str, rod: fr.Rod) -> float:
+    """Return a quantity of the load in SI units."""
+    return units.quantity(text, f"--{name}", _KINDS[name], critical_force=rod.critical_force)
+
+
 def _rod(options: argparse.Namespace) -> fr.Rod:
     rod = fr.Rod.nitinol() if options.rod == "nitinol" else fr.Rod.from_toml(options.rod)
     if options.damping_rate is not None:
@@ -131,12 +165,7 @@ def _rod(options: argparse.Namespace) -> fr.Rod:
 
 def _check(options: argparse.Namespace) -> str:
     rod = _rod(options)
-    scale = rod.critical_force
-    load = fr.AxialLoad(
-        mean=units.quantity(options.mean, "--mean", "force", critical_force=scale),
-        amplitude=units.quantity(options.amplitude, "--amplitude", "force", critical_force=scale),
-        frequency=units.quantity(options.frequency, "--frequency", "frequency"),
-    )
+    load = fr.AxialLoad(**{name: _quantity(getattr(options, name), name, rod) for name in _KINDS})
     tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
     result = rod.stability(load, modes=_modes(options.modes), growth_tolerance=tolerance)
     return json.dumps(_record(result), indent=2, allow_nan=False) if options.json else _report(result)
@@ -260,9 +289,7 @@ def _number(value: float) -> float | None:
 
 def _ranges(options: argparse.Namespace) -> str:
     rod = _rod(options)
-    scale = rod.critical_force
-    kinds = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
-    texts = {name: getattr(options, name) for name in kinds}
+    texts = {name: getattr(options, name) for name in _KINDS}
     varied = [name for name, text in texts.items() if ":" in text]
     if len(varied) != 1:
         raise ValueError(
@@ -270,10 +297,7 @@ def _ranges(options: argparse.Namespace) -> str:
             f"{len(varied)}"
         )
     tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
-    values = {
-        name: [units.quantity(t, f"--{name}", kinds[name], critical_force=scale) for t in text.split(":", 1)]
-        for name, text in texts.items()
-    }
+    values = {name: [_quantity(part, name, rod) for part in text.split(":", 1)] for name, text in texts.items()}
     low, high = values.pop(varied[0])
     fixed = {name: value for name, (value,) in values.items()}
     if varied[0] == "frequency":
@@ -299,6 +323,79 @@ def _ranges(options: argparse.Namespace) -> str:
         "version": fr.__version__,
     }
     return json.dumps(record, indent=2, allow_nan=False)
+
+
+# --- map -------------------------------------------------------------------------------------------------------------
+
+
+def _map(options: argparse.Namespace) -> str:
+    from floquetrod import plotting
+
+    rod = _rod(options)
+    figures = (".png", ".pdf", ".svg")
+    for path in options.out:
+        if path.suffix not in (*figures, ".npz"):
+            raise ValueError(f"--out must end in .png, .pdf, .svg or .npz, got {str(path)!r}")
+        if not path.parent.is_dir():
+            raise ValueError(f"--out: there is no folder {str(path.parent)!r}")
+    columns, _, rows = options.points.partition("x")
+    if not (columns.isdigit() and rows.isdigit() and int(columns) > 1 and int(rows) > 1):
+        raise ValueError(f"--points must be like 400x300, got {options.points!r}")
+    values = {name: [_quantity(text, name, rod) for text in getattr(options, name).split(":", 1)] for name in _KINDS}
+    varied = [name for name, ends in values.items() if len(ends) == 2]
+    if len(varied) != 2:
+        raise ValueError(f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {len(varied)}")
+    across = "frequency" if "frequency" in varied else "mean"
+    load: dict[str, Any] = {
+        name: (*ends, int(columns if name == across else rows)) if name in varied else ends[0]
+        for name, ends in values.items()
+    }
+    tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
+    chart = fr.stability_map(
+        rod, **load, growth=options.growth, growth_tolerance=tolerance, progress=_Progress("points")
+    )
+    point = None
+    if options.mark is not None:
+        texts = options.mark.split(",")
+        if len(texts) != 2:
+            raise ValueError(f"--mark must be two quantities such as 0.2Fcr,150, got {options.mark!r}")
+        place = {name: _quantity(text, name, rod) for name, text in zip(varied, texts, strict=True)}
+        up = next(name for name in varied if name != across)
+        point = (place[across], place[up])
+    for path in options.out:
+        if path.suffix == ".npz":
+            chart.save(path)
+            continue
+        axes = chart.plot()
+        if point is not None:
+            plotting.mark(axes, *point, "the load")
+        plotting.save_figure(axes, path)
+    written = [str(path) for path in options.out]
+    share = float(chart.stable.mean())
+    if options.json:
+        record = {
+            "written": written,
+            "points": int(chart.stable.size),
+            "stable_share": share,
+            "version": fr.__version__,
+        }
+        return json.dumps(record, indent=2, allow_nan=False)
+    return f"{chart.caption}\nwritten: {', '.join(written)}"
+
+
+class _Progress:
+    """A line on stderr once work has taken a second, when there is a terminal to read it."""
+
+    def __init__(self, what: str) -> None:
+        self.what, self.start = what, time.monotonic()
+
+    def __call__(self, done: int, total: int) -> None:
+        """Report ``done`` of ``total``."""
+        spent = time.monotonic() - self.start
+        if spent > 1.0 and sys.stderr.isatty():
+            left = spent * (total - done) / max(done, 1)
+            end = "\n" if done == total else ""
+            print(f"\r{done} of {total} {self.what}, {left:.0f} s left ", end=end, file=sys.stderr, flush=True)
 
 
 # --- compare ---------------------------------------------------------------------------------------------------------

@@ -13,12 +13,15 @@ from numpy.typing import NDArray
 
 from floquetrod import _validate
 from floquetrod._compile import broadcast, over_chunks
+from floquetrod._version import __version__
 from floquetrod.characteristic import TransitionCurves, characteristic_values, transition_curves
+from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
 from floquetrod.kernels import mathieu as kernels
 
 __all__ = [
     "TransitionCurves",
     "characteristic_values",
+    "chart",
     "discriminant",
     "growth_rate",
     "is_stable",
@@ -107,6 +110,54 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     out = np.empty((a.size, 2), dtype=np.complex128)
     over_chunks(kernels.multipliers_fill, (a, b, c), out, workers=workers)
     return out.reshape((*shape, 2))
+
+
+def chart(
+    alpha: Any,
+    beta: Any,
+    damping: float = 0.0,
+    *,
+    growth: bool = False,
+    growth_tolerance: float = 0.0,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Chart:
+    """Return the stability chart (Ince-Strutt diagram) over a rectangle of the (alpha, beta) plane.
+
+    Parameters
+    ----------
+    alpha, beta : tuple (low, high, number) or increasing array
+        Columns and rows.
+    damping : float
+        c, one value for the whole chart.
+    growth : bool
+        Whether to compute growth rates too, which costs about fifty times a verdict.
+    growth_tolerance : float
+        Growth per unit tau up to which a point counts as stable.
+    progress : callable, optional
+        Called with the numbers of points done and to do.
+
+    Examples
+    --------
+    >>> chart((0.0, 2.0, 5), (-1.0, 0.0, 3)).stable.sum().item()
+    3
+    """
+    x = Axis("alpha", r"\alpha", "", axis_values("alpha", alpha))
+    y = Axis("beta", r"\beta", "", axis_values("beta", beta))
+    c = _validate.nonnegative("damping", damping)
+    tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+    rates = growth or tolerance > 0.0
+
+    def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
+        if not rates:
+            return (is_stable(x.values, values, c, workers=workers),)
+        rate = growth_rate(x.values, values, c, workers=workers)
+        stable = rate <= tolerance if tolerance > 0.0 else is_stable(x.values, values, c, workers=workers)
+        return stable, rate
+
+    stable, *rest = fill_rows(rows, y.values, x.values.size, (np.bool_, np.float64)[: 1 + rates], progress)
+    subject = {"kind": "Mathieu's equation", "fixed": [["damping", c, "per unit of tau"]]}
+    return Chart(x, y, stable, rest[0] if growth else None, None, "per tau", subject, tolerance, __version__)
 
 
 def _arguments(alpha: Any, beta: Any, *damping: Any) -> tuple[tuple[int, ...], tuple[NDArray[np.float64], ...]]:

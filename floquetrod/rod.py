@@ -249,13 +249,10 @@ class Rod(RodData):
 
     def growth_rate(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> Any:
         """Return the growth rate in 1/s of the fastest mode over arrays of loads; 0 where stable."""
-        return self._fastest(mean, amplitude, frequency, workers)[0]
+        return self.fastest(mean, amplitude, frequency, workers=workers)[0]
 
-    def fastest_mode(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> Any:
-        """Return the mode that grows fastest over arrays of loads; 0 where none grows."""
-        return self._fastest(mean, amplitude, frequency, workers)[1]
-
-    def _fastest(self, mean: Any, amplitude: Any, frequency: Any, workers: int | None) -> tuple[Any, Any]:
+    def fastest(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> tuple[Any, Any]:
+        """Return the growth rate in 1/s and the number of the fastest mode over arrays of loads; 0, 0 where stable."""
         shape, omega, family = self._loads(mean, amplitude, frequency)
         out = np.empty((omega.size, 2))
         rates = (self.damping_rate / omega, _NEGLIGIBLE / omega)

@@ -6,11 +6,13 @@ import math
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
 
 import floquetrod as fr
 from floquetrod._compile import compiled
 from floquetrod.kernels.leapfrog import leapfrog_fill, leapfrog_run
 from floquetrod.methods.leapfrog import leapfrog
+from strategies import decades, hills, mathieus, square_waves
 
 pytestmark = pytest.mark.kernels
 
@@ -83,7 +85,6 @@ def test_damping_shrinks_areas_exactly() -> None:
         ({"step": 0.0}, "step must be greater than zero"),
         ({"periods": 0}, "periods must be 1 or more"),
         ({"limit": 0.5}, "limit must be greater than 1"),
-        ({"step": 1e-9}, "take a longer step"),
     ],
 )
 def test_bad_options(options: dict[str, float], message: str) -> None:
@@ -146,5 +147,46 @@ def test_a_step_too_long_for_the_coefficient_is_told() -> None:
     assert math.isfinite(leapfrog(fr.Mathieu(1e9, 0.0), step=0.05).growth_rate)
     with pytest.raises(ValueError, match="take a shorter step"):
         leapfrog(fr.Hill(1.0, period=1e200), step=1e199)
-    with pytest.raises(ValueError, match="take a longer step"):
-        leapfrog(fr.Hill(1.0, period=1e300), step=1e-300)
+
+
+@settings(max_examples=100)
+@given(
+    mathieus(largest_alpha=1e4, beta=(-1e4, 1e3), largest_damping=10.0)
+    | square_waves(largest=1e3, largest_damping=10.0)
+    | hills(largest_damping=0.5),
+    decades(1e-4, 0.1),
+)
+def test_an_error_that_leaves_digits_covers_the_truth(
+    equation: fr.Mathieu | fr.SquareWave | fr.Hill, share: float
+) -> None:
+    result = leapfrog(equation, step=share * equation.period, periods=1)
+    if result.error < 0.1:
+        exact = fr.stability(equation, method="monodromy")
+        scale = max(1.0, abs(result.discriminant))
+        assert abs(result.discriminant - exact.discriminant) <= (result.error + exact.error) * scale
+
+
+@pytest.mark.parametrize(
+    ("equation", "step"),
+    [
+        (fr.Mathieu(0.5, -1e5), 5e-4),  # two radians behind after a period: the maps meet again by chance
+        (fr.SquareWave(-8.792147085056326, 1.1464426096028026), 2.0 * math.pi / 474),  # half of 474 steps is odd
+        (fr.Hill(-0.3, (0.5, *[0.0] * 14, 0.4)), 2.0 * math.pi / 16),  # steps as long as the 16th harmonic's waves
+    ],
+    ids=["phase", "jump", "resolution"],
+)
+def test_chance_and_coarse_steps_do_not_pass_for_accuracy(equation: fr.Mathieu | fr.Hill, step: float) -> None:
+    result, exact = leapfrog(equation, step=step, periods=1), fr.stability(equation, method="monodromy").discriminant
+    assert abs(result.discriminant - exact) <= result.error * max(1.0, abs(result.discriminant))
+
+
+@pytest.mark.parametrize(
+    ("equation", "step"),
+    [(fr.Mathieu(0.5, -0.25), 1e-9), (fr.Hill(1.0, period=1e6), 5e-4), (fr.Hill(1.0, period=1e300), 1e-300)],
+    ids=["step", "period", "both"],
+)
+def test_too_many_steps_are_declined(equation: fr.Mathieu | fr.Hill, step: float) -> None:
+    result = leapfrog(equation, step=step)
+    assert result.status == "undecided"
+    assert result.cost.amount == 0
+    assert "take a longer step or fewer periods" in result.note

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
 import math
+import sys
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -78,6 +82,25 @@ def test_interpreted_and_compiled_kernels_agree() -> None:
         ends.append((*y, exponent))
     assert ends[0] == pytest.approx(ends[1], rel=1e-12)
     assert ends[0][-1] > 100
+
+
+def test_numba_is_used_where_it_is_loaded_and_not_loaded_for_a_few_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[object] = []
+
+    def recorded(function: Callable[..., Any]) -> Callable[..., Any]:
+        asked.append(function)
+        return compiled(function)
+
+    monkeypatch.setattr("floquetrod.methods.monodromy.compiled", recorded)
+    equation = fr.Hill(-0.3, (0.5, 0.2), (0.0, 0.3))
+    monkeypatch.setitem(sys.modules, "numba", importlib.import_module("numba"))
+    loaded = monodromy(equation)
+    assert set(asked) == {advance}
+    asked.clear()
+    monkeypatch.delitem(sys.modules, "numba")
+    assert monodromy(equation) == loaded
+    assert not asked
+    assert "numba" not in sys.modules
 
 
 def test_growth_beyond_the_range_of_a_double() -> None:

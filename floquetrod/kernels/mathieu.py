@@ -110,6 +110,7 @@ def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
     ab = np.empty(_LANES)
     qs = np.empty(_LANES)
     q2 = np.empty(_LANES)
+    tops = np.empty(_LANES)
     c = np.empty(_LANES)
     c0 = np.empty(_LANES)
     s = np.empty(_LANES)
@@ -118,14 +119,12 @@ def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
     e0 = np.empty(_LANES)
     o = np.empty(_LANES)
     o0 = np.empty(_LANES)
-    for start in range(0, n, _LANES):
-        lanes = min(_LANES, n - start)
-        top = 0.0
-        least = math.inf
+    whole = n - n % _LANES
+    for start in range(0, whole, _LANES):
+        tiny = 0
         for j in range(_LANES):
-            i = start + (j if j < lanes else 0)
-            a = -4.0 * beta[i]
-            q = max(2.0 * abs(alpha[i]), _TINY_Q)
+            a = -4.0 * beta[start + j]
+            q = max(2.0 * abs(alpha[start + j]), _TINY_Q)
             ab[j] = a
             qs[j] = q
             q2[j] = q * q
@@ -137,8 +136,14 @@ def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
             e0[j] = -a
             o[j] = 4.0 - a
             e[j] = -a * (4.0 - a) - 2.0 * q * q
-            top = max(top, a + 2.0 * q)
-            least = min(least, q)
+            tops[j] = a + 2.0 * q
+            tiny += 1 if q < 1e-100 else 0
+        width = _LANES // 2
+        while width > 0:  # the largest, by halves: no step waits for the one before
+            for j in range(width):
+                tops[j] = tops[j] if tops[j] > tops[j + width] else tops[j + width]
+            width //= 2
+        top = max(tops[0], 0.0)
         last = max(2, int(math.sqrt(top) * 0.5) + 2)
         level = 1
         limit = last + 40
@@ -192,13 +197,15 @@ def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
             if unsettled == 0 or level >= limit:
                 break
             last = level + 1
-        for j in range(lanes):
+        for j in range(_LANES):
             out[start + j] = ((c[j] < 0.0) != (s[j] < 0.0)) != ((e[j] < 0.0) != (o[j] < 0.0))
-        if unsettled > 0 or least < 1e-100:
+        if unsettled > 0 or tiny > 0:
             # Rare: points on a transition curve to rounding, or forcing so weak that its square is lost.
-            for j in range(lanes):
+            for j in range(_LANES):
                 if unsettled > 0 or qs[j] < 1e-100:
                     out[start + j] = is_stable_scalar(alpha[start + j], beta[start + j])
+    for i in range(whole, n):
+        out[i] = is_stable_scalar(alpha[i], beta[i])
 
 
 # --- the exact discriminant ------------------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ from floquetrod.kernels.leapfrog import leapfrog_run
 from floquetrod.result import Cost, Stability, Status, excess_of_trace, judge
 
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
+_STEPS_A_WAVE = 16  # fewest steps to a wave of the highest harmonic, a multiple of four (heuristic)
 _LARGEST_REACH = 1e50  # step^2 times coefficient: what one step multiplies by, far past sense but within range
 
 
@@ -28,7 +29,8 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     equation : Mathieu, SquareWave or Hill
         Damping is integrated directly, split symmetrically about the kicks.
     step : float
-        Largest step in tau; the period is divided into an even number of steps no longer than this.
+        Largest step in tau; the period is divided into a multiple of four steps no longer than this, 16 or more for
+        each wave of the coefficient's highest harmonic.
     periods : int
         Periods integrated.
     limit : float
@@ -38,7 +40,8 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     -------
     Stability
         ``status`` is that of the test itself; ``growth_rate`` the mean rate over the run; ``discriminant`` that of the
-        scheme's own map over a period, ``error`` its estimate from doubling the step.
+        scheme's own map over a period, ``error`` its estimate from doubling the step.  "undecided" when the run
+        would take too many steps.
 
     Notes
     -----
@@ -52,13 +55,22 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     limit = _validate.positive("limit", limit)
     if limit <= 1.0:
         raise ValueError(f"limit must be greater than 1, got {limit!r}: a bounded motion already reaches 1")
-    needed = equation.period / step * periods
+    harmonics = 1 if isinstance(equation, SquareWave) else max(1, len(equation.as_hill().harmonics))
+    least = _STEPS_A_WAVE * harmonics
+    needed = max(least, equation.period / step) * periods
     if needed > _MOST_STEPS:
-        raise ValueError(
-            f"step = {step:g} over {periods} periods makes {needed:.3g} steps, more than {_MOST_STEPS}; "
-            "take a longer step or fewer periods"
+        return judge(
+            equation,
+            "leapfrog",
+            sign=1,
+            excess=0.0,
+            excess_error=math.inf,
+            cost=Cost(0, "steps"),
+            note=f"would take {needed:.3g} steps, above the limit of {_MOST_STEPS:.0e}; "
+            "take a longer step or fewer periods",
         )
-    count = 2 * max(2, math.ceil(0.5 * equation.period / step))
+    # A multiple of four: with every other step too, a square wave jumps at steps.
+    count = max(least, 4 * math.ceil(0.25 * equation.period / step))
     table = _table(equation, count)
     step = equation.period / count
     reach = step * step * np.abs(table).max()
@@ -72,10 +84,11 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     time = periods * equation.period
     fine, coarse = (_trace(table, stride, step, equation.damping) for stride in (1, 2))
     trace, shift = fine
-    # Second order: the fine map is off by a third of its difference from the coarse one.
+    # Second order: the fine map is off by a third of its difference from the coarse one, and by what that difference
+    # hides where the motion lags so far behind that the maps may meet again by chance.
     other = coarse[0] * math.exp(max(-700.0, min(700.0, coarse[1] - shift)))
     size = math.exp(-min(700.0, shift))
-    error = abs(other - trace) / 3.0 / max(size, abs(trace))
+    error = abs(other - trace) / 3.0 / max(size, abs(trace)) + _lag(table, step, equation) ** 2
     sign, excess, exponent = _excess(trace, shift + equation.damping * equation.period)
     judged = judge(
         equation,
@@ -104,6 +117,16 @@ def _excess(trace: float, lift: float) -> tuple[int, float, int]:
         return *excess_of_trace(math.copysign(2.0**power, trace)), 0
     exponent = math.floor(power)
     return (1 if trace > 0.0 else -1), 0.25 * 2.0 ** (power - exponent), exponent
+
+
+def _lag(table: NDArray[np.float64], step: float, equation: Equation) -> float:
+    """Return by how much the scheme shifts phase or logarithm over a period, to leading order in the step.
+
+    An oscillator of frequency w is too fast by w^3 step^2 / 24 (WKB, w^2 = |p|); strong damping c, where A decays at
+    |p| / 2c, is off by c |p| step^2 / 6.
+    """
+    size = np.abs(table)
+    return equation.period * step * step * float(np.mean(size * (np.sqrt(size) + 4.0 * equation.damping))) / 24.0
 
 
 def _table(equation: Equation, count: int) -> NDArray[np.float64]:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import cmath
 import math
+import sys
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate, equations
-from floquetrod._compile import fastest
+from floquetrod._compile import compiled, fastest
 from floquetrod.equations import Equation, Mathieu, SquareWave
 from floquetrod.kernels.taylor import advance
 from floquetrod.result import Cost, Stability, judge
@@ -209,7 +210,8 @@ def _carry(pieces: list[_Piece], period: float, steps: int, order: int = ORDER) 
     whole = sum(piece.length for piece in pieces)
     y = np.array([1.0, 0.0, 0.0, 1.0])
     exponent, taken = 0, 0
-    run = fastest(advance, steps)
+    # Machine code is a hundred times faster, but for a few steps not worth loading numba.
+    run = compiled(advance) if "numba" in sys.modules else fastest(advance, steps)
     for piece in pieces:
         share = max(1, math.ceil(steps * piece.length / whole - 1e-9))
         real = np.array([z.real for z in piece.amplitudes])

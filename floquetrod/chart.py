@@ -1,0 +1,193 @@
+"""Stability over a plane: one frozen result for charts of an equation and maps of a rod, saved and loaded whole."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+import zipfile
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import _validate
+
+_FORMAT = "floquetrod chart 1"
+_AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
+
+Progress = Callable[[int, int], None]
+"""Called with the number of points done and their total."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """One axis of a chart: what varies, its symbol in mathematics, its unit ("" for none) and its values."""
+
+    name: str
+    symbol: str
+    unit: str
+    values: NDArray[np.float64]
+
+    @property
+    def label(self) -> str:
+        """Label of the axis, symbol and unit included."""
+        return f"{self.name} ${self.symbol}$" + (f" / {self.unit}" if self.unit else "")
+
+
+@dataclass(frozen=True, repr=False)
+class Chart:
+    """Verdicts over a plane.
+
+    Attributes
+    ----------
+    x, y : Axis
+        Columns and rows.
+    stable : ndarray (ny, nx) of bool
+        Verdict, growth tolerance included.
+    growth_rate : ndarray (ny, nx) or None
+        Growth rate of the fastest solution or mode, in ``growth_unit``; None unless asked for.
+    first_mode : ndarray (ny, nx) of int or None
+        Mode of a rod that grows fastest, 0 where none grows; None unless growth was asked for, and for equations.
+    growth_unit : str
+        "per tau" or "1/s".
+    subject : dict
+        "kind" says what is charted, "fixed" lists [name, value, unit] of what does not vary; a rod's data sheet is
+        under "rod".
+    growth_tolerance : float
+        Growth, in ``growth_unit``, up to which a point counts as stable.
+    version : str
+        Version of the package that made it.
+    """
+
+    x: Axis
+    y: Axis
+    stable: NDArray[np.bool_]
+    growth_rate: NDArray[np.float64] | None
+    first_mode: NDArray[np.int64] | None
+    growth_unit: str
+    subject: dict[str, Any]
+    growth_tolerance: float
+    version: str
+
+    @property
+    def caption(self) -> str:
+        """One sentence that says what is shown."""
+        fixed = ", ".join(f"{name} {value:.6g} {unit}".strip() for name, value, unit in self.subject["fixed"])
+        share = f"{100.0 * self.stable.mean():.1f} % of {self.stable.size} points stable"
+        tolerance = f"; growth up to {self.growth_tolerance:g} {self.growth_unit} counts as stable"
+        return f"{self.subject['kind']}, {fixed}: {share}" + (tolerance if self.growth_tolerance else "")
+
+    def __repr__(self) -> str:
+        """Return the caption, axes included."""
+        return f"<{self.y.name} over {self.x.name}; {self.caption}>"
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the chart, grey where unstable (darker the faster, if growth is known); return the matplotlib axes."""
+        from floquetrod.plotting import draw_chart
+
+        return draw_chart(self, ax)
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""
+        path = Path(path)
+        arrays: dict[str, Any] = {"x": self.x.values, "y": self.y.values, "stable": self.stable}
+        for name in ("growth_rate", "first_mode"):
+            if getattr(self, name) is not None:
+                arrays[name] = getattr(self, name)
+        meta = {
+            "format": _FORMAT,
+            "x": [self.x.name, self.x.symbol, self.x.unit],
+            "y": [self.y.name, self.y.symbol, self.y.unit],
+            "growth_unit": self.growth_unit,
+            "subject": self.subject,
+            "growth_tolerance": self.growth_tolerance,
+            "version": self.version,
+        }
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+        try:
+            with os.fdopen(handle, "wb") as file:
+                np.savez_compressed(file, meta=np.array(json.dumps(meta)), **arrays)
+            Path(temporary).replace(path)
+        except BaseException:
+            Path(temporary).unlink(missing_ok=True)
+            raise
+        return path
+
+    @classmethod
+    def load(cls, path: str | Path) -> Chart:
+        """Read a chart that `save` wrote; ValueError for a damaged or foreign file."""
+        path = Path(path)
+        try:
+            with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
+                arrays = {name: file[name] for name in file.files}
+            meta = json.loads(str(arrays.pop("meta")))
+            if meta["format"] != _FORMAT:
+                raise ValueError(f"format {meta['format']!r}, expected {_FORMAT!r}")
+            chart = cls(
+                _axis(meta["x"], arrays["x"]),
+                _axis(meta["y"], arrays["y"]),
+                arrays["stable"],
+                arrays.get("growth_rate"),
+                arrays.get("first_mode"),
+                meta["growth_unit"],
+                meta["subject"],
+                meta["growth_tolerance"],
+                meta["version"],
+            )
+            if chart.stable.shape != (chart.y.values.size, chart.x.values.size):
+                raise ValueError("its arrays do not fit its axes")
+        except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, EOFError) as error:
+            raise ValueError(f"{path} is not a chart that can be read: {error}") from None
+        return chart
+
+    def to_xarray(self) -> Any:
+        """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[xarray])."""
+        import xarray
+
+        coords = {axis.name: (axis.name, axis.values, {"units": axis.unit}) for axis in (self.x, self.y)}
+        names = ("stable", "growth_rate", "first_mode")
+        data = {n: ((self.y.name, self.x.name), getattr(self, n)) for n in names if getattr(self, n) is not None}
+        attributes = {k: v for k, v in asdict(self).items() if k in ("growth_unit", "growth_tolerance", "version")}
+        return xarray.Dataset(data, coords, attributes)
+
+
+def _axis(names: list[str], values: NDArray[np.float64]) -> Axis:
+    name, symbol, unit = names
+    return Axis(name, symbol, unit, values)
+
+
+def axis_values(name: str, values: Any) -> NDArray[np.float64]:
+    """Return the values of an axis given as (low, high, number) or as an increasing array of another length than 3."""
+    array = _validate.array(name, values, least=-1e12, largest=1e12)
+    if array.ndim != 1 or array.size < 2:
+        raise ValueError(f"{name} must be (low, high, number) or an increasing array, got {values!r}")
+    if array.size == 3 and isinstance(values, tuple):
+        count = _validate.integer(f"{name}[2]", values[2], 2)
+        if not array[0] < array[1]:
+            raise ValueError(f"{name} must be (low, high, number) with low < high, got {values!r}")
+        return np.linspace(array[0], array[1], count)
+    if not (np.diff(array) > 0.0).all():
+        raise ValueError(f"{name} must increase from value to value, got {values!r}")
+    return array
+
+
+def fill_rows(
+    compute: Callable[[NDArray[np.float64]], Sequence[NDArray[Any]]],
+    y: NDArray[np.float64],
+    columns: int,
+    dtypes: Sequence[Any],
+    progress: Progress | None,
+) -> list[NDArray[Any]]:
+    """Compute arrays of ``len(y)`` rows a few rows at a time, so that memory follows the result and Ctrl-C is heard."""
+    results = [np.empty((y.size, columns), dtype=dtype) for dtype in dtypes]
+    rows = max(1, _AT_ONCE // columns)
+    for start in range(0, y.size, rows):
+        for result, piece in zip(results, compute(y[start : start + rows, None]), strict=True):
+            result[start : start + rows] = piece
+        if progress is not None:
+            progress(min(y.size, start + rows) * columns, y.size * columns)
+    return results

@@ -1,0 +1,55 @@
+"""Everything that knows matplotlib."""
+
+from __future__ import annotations
+
+import textwrap
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+def draw_chart(chart: Any, ax: Any = None) -> Any:
+    """Draw a `floquetrod.chart.Chart`: white where stable, grey where not, darker with growth where it is known."""
+    from matplotlib.colors import ListedColormap
+
+    ax = _new_axes() if ax is None else ax
+    x, y = chart.x.values, chart.y.values
+    if chart.growth_rate is None:
+        shades = np.where(chart.stable, 0.0, 1.0)
+        ax.pcolormesh(x, y, shades, cmap=ListedColormap(["white", "0.6"]), vmin=0.0, vmax=1.0, rasterized=True)
+    else:
+        growth = np.where(chart.stable, np.nan, chart.growth_rate)
+        greys = ListedColormap([str(0.85 - 0.85 * i / 255.0) for i in range(256)])  # never so light as to look stable
+        mesh = ax.pcolormesh(x, y, growth, cmap=greys, vmin=0.0, rasterized=True)
+        unit = "per unit of $\\tau$" if chart.growth_unit == "per tau" else f"/ {chart.growth_unit}"
+        ax.figure.colorbar(mesh, ax=ax, label=f"growth rate {unit}")
+    if chart.stable.any() and not chart.stable.all():
+        ax.contour(x, y, chart.stable, levels=[0.5], colors="black", linewidths=0.6)
+    ax.set_xlabel(chart.x.label)
+    ax.set_ylabel(chart.y.label)
+    ax.set_title("\n".join(textwrap.wrap(chart.caption, 70)), fontsize="small")
+    return ax
+
+
+def mark(ax: Any, x: float, y: float, text: str) -> None:
+    """Mark one point of a chart and say what it is."""
+    ax.plot([x], [y], marker="o", markersize=8, markerfacecolor="white", markeredgecolor="black", linestyle="none")
+    box = {"boxstyle": "round", "facecolor": "white", "edgecolor": "black", "linewidth": 0.6}
+    ax.annotate(text, (x, y), xytext=(10, 10), textcoords="offset points", fontsize="small", bbox=box)
+
+
+def save_figure(ax: Any, path: str | Path) -> Path:
+    """Write the figure of ``ax`` to a file, of the kind its name tells, and close it."""
+    from matplotlib import pyplot
+
+    path = Path(path)
+    ax.figure.savefig(path, dpi=150)
+    pyplot.close(ax.figure)
+    return path
+
+
+def _new_axes() -> Any:
+    from matplotlib import pyplot
+
+    return pyplot.subplots(figsize=(7.0, 5.0), layout="constrained")[1]

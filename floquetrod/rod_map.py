@@ -1,0 +1,83 @@
+"""`fr.stability_map`: a rod's verdicts over a plane of loads."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import _validate
+from floquetrod._version import __version__
+from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.rod import Rod
+
+_AXES = {
+    "frequency": ("frequency", r"\omega", "rad/s"),
+    "mean": ("mean force", r"F_\mathrm{ave}", "N"),
+    "amplitude": ("amplitude", r"\Delta F", "N"),
+}
+"""Quantities of a load, the one drawn to the right first."""
+
+
+def stability_map(
+    rod: Rod,
+    *,
+    mean: Any,
+    amplitude: Any,
+    frequency: Any,
+    growth: bool = False,
+    growth_tolerance: float = 0.0,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Chart:
+    """Return the stability of a rod over two of mean force, amplitude and frequency, the third fixed.
+
+    Parameters
+    ----------
+    rod : Rod
+    mean, amplitude, frequency : float, tuple (low, high, number) or increasing array
+        N, N and rad/s; exactly one is a single number.  All modes that can matter are looked at, everywhere.
+    growth : bool
+        Whether to compute the growth rate (1/s) and the fastest mode too.
+    growth_tolerance : float
+        Growth rate in 1/s up to which a mode counts as stable.
+    progress : callable, optional
+        Called with the numbers of points done and to do.
+
+    Examples
+    --------
+    >>> rod = Rod.nitinol()
+    >>> stability_map(rod, mean=(0.0, 1.7, 4), amplitude=0.34, frequency=(20.0, 200.0, 5)).stable.shape
+    (4, 5)
+    """
+    if not isinstance(rod, Rod):
+        raise TypeError(f"rod must be a Rod, got {rod!r}")
+    given = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
+    fixed = [name for name, value in given.items() if np.ndim(value) == 0]
+    if len(fixed) != 1:
+        raise ValueError(
+            "exactly one of mean, amplitude and frequency must be a single number and the others (low, high, number) "
+            f"or arrays; single numbers here: {', '.join(fixed) or 'none'}"
+        )
+    tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+    across, up = (name for name in _AXES if name not in fixed)
+    x, y = (Axis(*_AXES[name], axis_values(name, given[name])) for name in (across, up))
+    value = _validate.finite(fixed[0], given[fixed[0]])
+
+    def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
+        load = {across: x.values, up: values, fixed[0]: value}
+        stable = rod.is_stable(**load, growth_tolerance=tolerance, workers=workers)
+        return (stable, *rod.fastest(**load, workers=workers)) if growth else (stable,)
+
+    kinds = (np.bool_, np.float64, np.int64)[: 3 if growth else 1]
+    stable, *rest = fill_rows(rows, y.values, x.values.size, kinds, progress)
+    name, _, unit = _AXES[fixed[0]]
+    subject = {
+        "kind": "rod",
+        "fixed": [[name, value, unit], ["critical force", rod.critical_force, "N"]],
+        "rod": asdict(rod),
+    }
+    rate, mode = rest if growth else (None, None)
+    return Chart(x, y, stable, rate, mode, "1/s", subject, tolerance, __version__)

@@ -1,0 +1,133 @@
+"""Charts: the same verdicts as everywhere else, saved and loaded whole, drawn with labels."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib import pyplot
+
+import floquetrod as fr
+
+mpl.use("Agg")
+
+ROD = fr.Rod.nitinol()
+FCR = ROD.critical_force
+
+
+def small_map(growth: bool = True) -> fr.Chart:
+    """Return a map of the reference rod."""
+    return fr.stability_map(
+        ROD, mean=(0.0, 1.1 * FCR, 12), amplitude=0.2 * FCR, frequency=(20.0, 200.0, 17), growth=growth
+    )
+
+
+def test_a_rod_map_is_its_array_of_verdicts() -> None:
+    chart = small_map()
+    mean, omega = np.meshgrid(chart.y.values, chart.x.values, indexing="ij")
+    assert chart.stable.shape == (12, 17)
+    assert np.array_equal(chart.stable, ROD.is_stable(mean, 0.2 * FCR, omega))
+    assert np.array_equal(chart.growth_rate, ROD.growth_rate(mean, 0.2 * FCR, omega))
+    assert chart.first_mode is not None
+    assert np.array_equal(chart.first_mode > 0, ~chart.stable)
+    assert "amplitude 0.339206 N, critical force 1.69603 N" in chart.caption
+    assert repr(chart).startswith("<mean force over frequency; rod, amplitude")
+
+
+@pytest.mark.parametrize("fixed", ["mean", "amplitude", "frequency"])
+def test_any_two_axes(fixed: str) -> None:
+    load = {"mean": (0.0, FCR, 4), "amplitude": np.linspace(0.0, 0.5, 5) * FCR, "frequency": (20.0, 200.0, 6)}
+    load[fixed] = 150.0 if fixed == "frequency" else 0.3 * FCR
+    chart = fr.stability_map(ROD, **load)
+    assert chart.stable.shape == (chart.y.values.size, chart.x.values.size)
+    assert fixed not in (chart.x.name.removesuffix(" force"), chart.y.name.removesuffix(" force"))
+
+
+def test_an_equation_chart_is_its_array_of_verdicts() -> None:
+    chart = fr.mathieu.chart((0.0, 3.0, 30), (-2.0, 0.5, 20), growth=True)
+    assert np.array_equal(chart.stable, fr.mathieu.is_stable(chart.x.values, chart.y.values[:, None]))
+    tolerant = fr.mathieu.chart((0.0, 3.0, 30), (-2.0, 0.5, 20), growth_tolerance=0.022)
+    assert tolerant.growth_rate is None
+    assert (tolerant.stable & ~chart.stable).any()
+    assert not (chart.stable & ~tolerant.stable).any()
+
+
+def test_progress_and_blocks() -> None:
+    seen: list[tuple[int, int]] = []
+    chart = fr.mathieu.chart(
+        (0.0, 3.0, 3000), (-2.0, 0.5, 200), progress=lambda done, total: seen.append((done, total))
+    )
+    assert seen[-1] == (600_000, 600_000)
+    assert len(seen) > 1
+    assert np.array_equal(chart.stable[::50], fr.mathieu.is_stable(chart.x.values, chart.y.values[::50, None]))
+
+
+@pytest.mark.parametrize("growth", [True, False])
+def test_a_saved_chart_loads_identically(tmp_path: Path, growth: bool) -> None:
+    chart = small_map(growth)
+    loaded = fr.Chart.load(chart.save(tmp_path / "map.npz"))
+    for name in ("stable", "growth_rate", "first_mode"):
+        assert np.array_equal(getattr(loaded, name), getattr(chart, name))
+    for one, other in ((loaded.x, chart.x), (loaded.y, chart.y)):
+        assert (one.name, one.symbol, one.unit) == (other.name, other.symbol, other.unit)
+        assert np.array_equal(one.values, other.values)
+    assert (loaded.subject, loaded.caption, loaded.version) == (chart.subject, chart.caption, fr.__version__)
+    assert [path.name for path in tmp_path.iterdir()] == ["map.npz"]
+
+
+def test_a_save_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = small_map().save(tmp_path / "map.npz")
+    before = path.read_bytes()
+
+    def fail(file: object, **_: object) -> None:
+        file.write(b"half")  # type: ignore[attr-defined]
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(np, "savez_compressed", fail)
+    with pytest.raises(KeyboardInterrupt):
+        small_map(growth=False).save(path)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_damaged_and_foreign_files(tmp_path: Path) -> None:
+    path = small_map().save(tmp_path / "map.npz")
+    whole = path.read_bytes()
+    (tmp_path / "half.npz").write_bytes(whole[: len(whole) // 2])
+    (tmp_path / "text.npz").write_text("no chart", encoding="utf-8")
+    np.savez(tmp_path / "other.npz", meta=np.array('{"format": "something else"}'), stable=np.ones((2, 2)))
+    for name in ("half.npz", "text.npz", "other.npz", "absent.npz"):
+        with pytest.raises(ValueError, match=f"{name} is not a chart that can be read"):
+            fr.Chart.load(tmp_path / name)
+
+
+@pytest.mark.parametrize("growth", [True, False])
+def test_plots_are_labelled(growth: bool) -> None:
+    ax = small_map(growth).plot()
+    assert ax.get_xlabel() == r"frequency $\omega$ / rad/s"
+    assert ax.get_ylabel() == r"mean force $F_\mathrm{ave}$ / N"
+    assert "points stable" in ax.get_title()
+    own = pyplot.figure().subplots()
+    assert fr.mathieu.chart((0.0, 3.0, 30), (-2.0, 0.5, 20)).plot(own) is own
+    pyplot.close("all")
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"frequency": 150.0}, "exactly one of mean, amplitude and frequency must be a single number"),
+        ({"amplitude": (0.0, 1.0, 5)}, "single numbers here: none"),
+        ({"mean": (1.0, 0.0, 5)}, "with low < high"),
+        ({"mean": [0.0, 1.0, 0.5, 2.0]}, "mean must increase from value to value"),
+        ({"mean": (0.0, 1.0, 1)}, r"mean\[2\] must be 2 or more"),
+        ({"frequency": (0.0, 1.0, 5)}, "frequency must be finite and lie between"),
+        ({"amplitude": -1.0}, "amplitude must be finite and lie between 0"),
+        ({"growth_tolerance": -1.0}, "growth_tolerance must be zero or more"),
+    ],
+)
+def test_bad_input(change: dict[str, object], message: str) -> None:
+    good: dict[str, object] = {"mean": (0.0, 1.0, 5), "amplitude": 0.3, "frequency": (20.0, 200.0, 5)}
+    with pytest.raises((ValueError, TypeError), match=message):
+        fr.stability_map(ROD, **{**good, **change})  # type: ignore[arg-type]
