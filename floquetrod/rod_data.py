@@ -19,20 +19,7 @@ from floquetrod.load import AxialLoad
 class RodData:
     """Data sheet of a straight elastic rod on the floor of a horizontal circular channel, and its mode equations.
 
-    Parameters
-    ----------
-    youngs_modulus : float
-        E in Pa.
-    density : float
-        rho in kg/m^3.
-    radius, length : float
-        r and L in m.
-    channel_radius : float
-        Inner radius of the channel in m, greater than the rod's.
-    gravity : float
-        g in m/s^2.
-    damping_rate : float
-        Decay rate of free motion in 1/s.
+    Its parameters, in SI units, are described at `floquetrod.rod.Rod`, which adds the verdicts.
 
     Notes
     -----
