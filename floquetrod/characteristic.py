@@ -98,6 +98,12 @@ class TransitionCurves:
         """Return the period of the solution on the curves of ``order``: 2 pi when even, 4 pi when odd."""
         return 2.0 * math.pi if order % 2 == 0 else 4.0 * math.pi
 
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the curves, each with its name, into matplotlib axes (new ones by default), which are returned."""
+        from floquetrod.plotting import draw_curves
+
+        return draw_curves(self, ax)
+
     def __repr__(self) -> str:
         """Say what curves these are."""
         return f"<transition curves of orders {', '.join(map(str, self.orders))} at {self.alpha.size} values of alpha>"

@@ -32,6 +32,28 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
     return ax
 
 
+def draw_curves(curves: Any, ax: Any = None) -> Any:
+    """Draw `floquetrod.characteristic.TransitionCurves`: solid where a solution has period 4 pi, dashed where 2 pi."""
+    ax = _new_axes() if ax is None else ax
+    step = max(1, curves.alpha.size // 3)
+    for row, order in enumerate(curves.orders):
+        for values, name, place in ((curves.even[row], "a", 3 * step // 2), (curves.odd[row], "b", step)):
+            if np.isnan(values).all():
+                continue
+            line = "--" if order % 2 == 0 else "-"
+            ax.plot(curves.alpha, values, color="black", linestyle=line, linewidth=0.9)
+            at = min(place, curves.alpha.size - 1)
+            box = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none"}
+            text = f"${name}_{{{order}}}$"
+            ax.text(
+                curves.alpha[at], values[at], text, fontsize="small", ha="center", va="center", bbox=box, clip_on=True
+            )
+    ax.set_xlabel(r"alpha $\alpha$")
+    ax.set_ylabel(r"beta $\beta$")
+    ax.set_title(r"transition curves $\beta = -a_m/4$, $-b_m/4$; period $4\pi$ solid, $2\pi$ dashed", fontsize="small")
+    return ax
+
+
 def mark(ax: Any, x: float, y: float, text: str) -> None:
     """Mark one point of a chart and say what it is."""
     ax.plot([x], [y], marker="o", markersize=8, markerfacecolor="white", markeredgecolor="black", linestyle="none")

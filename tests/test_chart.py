@@ -109,6 +109,9 @@ def test_plots_are_labelled(growth: bool) -> None:
     assert ax.get_xlabel() == r"frequency $\omega$ / rad/s"
     assert ax.get_ylabel() == r"mean force $F_\mathrm{ave}$ / N"
     assert "points stable" in ax.get_title()
+    curves = fr.mathieu.transition_curves(np.linspace(0.0, 3.0, 50), 3).plot(ax)
+    assert [text.get_text() for text in curves.texts[:3]] == ["$a_{0}$", "$a_{1}$", "$b_{1}$"]
+    assert len(fr.mathieu.transition_curves(np.linspace(0.0, 3.0, 50), 3).plot().lines) == 7
     own = pyplot.figure().subplots()
     assert fr.mathieu.chart((0.0, 3.0, 30), (-2.0, 0.5, 20)).plot(own) is own
     pyplot.close("all")

@@ -60,14 +60,32 @@ def test_dense_scans_of_the_reference_rod(mean: float, omega: float, tolerance: 
         scan(rod, ranges, fixed, 20_000)
 
 
-@settings(max_examples=8)
-@given(st.floats(2.0, 100.0), st.floats(0.0, 0.9), st.floats(0.05, 0.5), st.floats(1.0, 6.0), st.floats(-4.0, -2.0))
-def test_dense_scans_of_random_rods(modes: float, mean: float, amplitude: float, speed: float, power: float) -> None:
+RODS_AND_LOADS = given(
+    st.floats(2.0, 100.0), st.floats(0.0, 0.9), st.floats(0.05, 0.5), st.floats(1.0, 6.0), st.floats(-4.0, -2.0)
+)
+
+
+def scan_a_rod(modes: float, mean: float, amplitude: float, speed: float, power: float) -> None:
+    """Scan the three ranges of a rod whose critical mode is ``modes``."""
     rod = ROD.replace(length=ROD.length * modes / ROD.critical_mode)
     omega = speed * rod.pendulum_frequency
-    tolerance = 10.0**power * omega
-    for ranges, fixed in searches(rod, mean * FCR, amplitude * FCR, omega, tolerance):
+    for ranges, fixed in searches(rod, mean * FCR, amplitude * FCR, omega, 10.0**power * omega):
         scan(rod, ranges, fixed, 1500)
+
+
+@settings(max_examples=6)
+@RODS_AND_LOADS
+def test_dense_scans_of_random_rods(modes: float, mean: float, amplitude: float, speed: float, power: float) -> None:
+    scan_a_rod(modes, mean, amplitude, speed, power)
+
+
+@pytest.mark.slow
+@settings(max_examples=80)
+@RODS_AND_LOADS
+def test_dense_scans_of_many_random_rods(
+    modes: float, mean: float, amplitude: float, speed: float, power: float
+) -> None:
+    scan_a_rod(modes, mean, amplitude, speed, power)
 
 
 def test_every_end_judged_by_the_reference() -> None:
