@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import sys
 import time
 import warnings
@@ -81,7 +82,10 @@ def main(argv: Sequence[str] | None = None) -> int:
             text = options.run(options)
         for warning in caught:
             print(f"floquetrod: warning: {warning.message}", file=sys.stderr)
-        print(text)
+        print(text, flush=True)
+    except BrokenPipeError:  # the reader, head say, has seen enough; keep the interpreter from writing more at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except (ValueError, OSError) as error:
         print(f"floquetrod: error: {' '.join(str(error).split())}", file=sys.stderr)
         return 2

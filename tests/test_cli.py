@@ -161,6 +161,18 @@ def python(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run([sys.executable, *arguments], capture_output=True, text=True, cwd=ROOT, check=False)
 
 
+def test_a_reader_that_stops_early_is_no_error() -> None:
+    run = subprocess.Popen(
+        [sys.executable, "-m", "floquetrod", *CHECK, "--json"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=ROOT
+    )
+    assert run.stdout is not None
+    run.stdout.close()
+    assert run.stderr is not None
+    assert run.stderr.read() == b""
+    run.stderr.close()
+    assert run.wait() == 0
+
+
 def test_a_cold_check_loads_no_compiler() -> None:
     code = f"import sys; from floquetrod.cli import main; main({CHECK!r}); print(*sys.modules)"
     run = python("-c", code)
