@@ -80,7 +80,7 @@ def test_claim_f3c() -> None:
     def first(growth_per_tau: float) -> float:
         intervals = [
             part.low
-            for mode in range(1, 40)
+            for mode in range(1, 16)
             for part in unstable_forces(mode, 0.2 * FCR, 20.0, growth_per_tau, 0.9 * FCR)
             if part.high > part.low
         ]

@@ -152,25 +152,26 @@ def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
             while level < last:
                 d1 = k * k
                 d2 = (k + 1.0) * (k + 1.0)
-                for j in range(_LANES):
-                    x = d1 - ab[j]
+                d3 = (k + 2.0) * (k + 2.0)
+                d4 = (k + 3.0) * (k + 3.0)
+                for j in range(_LANES):  # two rows of each chain, so that every minor is stored half as often
+                    a = ab[j]
                     g = q2[j]
-                    t = c[j]
-                    c[j] = x * t - g * c0[j]
-                    c0[j] = t
-                    t = s[j]
-                    s[j] = x * t - g * s0[j]
-                    s0[j] = t
-                    y = d2 - ab[j]
-                    t = e[j]
-                    e[j] = y * t - g * e0[j]
-                    e0[j] = t
-                    t = o[j]
-                    o[j] = y * t - g * o0[j]
-                    o0[j] = t
-                k += 2.0
-                level += 1
-                if level % 16 == 0:
+                    x = d1 - a
+                    y = d3 - a
+                    t = x * c[j] - g * c0[j]
+                    c[j], c0[j] = y * t - g * c[j], t
+                    t = x * s[j] - g * s0[j]
+                    s[j], s0[j] = y * t - g * s[j], t
+                    x = d2 - a
+                    y = d4 - a
+                    t = x * e[j] - g * e0[j]
+                    e[j], e0[j] = y * t - g * e[j], t
+                    t = x * o[j] - g * o0[j]
+                    o[j], o0[j] = y * t - g * o[j], t
+                k += 4.0
+                level += 2
+                if level % 16 == 1:
                     for j in range(_LANES):
                         f = 1.0 / max(abs(c[j]), abs(c0[j]))
                         c[j] *= f
@@ -546,29 +547,37 @@ def excess(alpha: float, beta: float, damping: float) -> tuple[int, float, int, 
     al = -4.0 * (bl + cl)
     if q == 0.0:
         return _excess_constant(ah)
+    # (trace - 2) / 4, from the chains of period pi, gives (trace + 2) / 4 by adding 1, except where that cancels: there,
+    # beside the boundaries of period 2 pi, the other two chains are needed.
     u, v, eu, ev, ru, rv, rows = _pair(ah, q, False)
-    sign = 1
     x = u * v * (0.25 * math.pi * math.pi)
     e = eu + ev
-    positive_trace = x >= 0.0 or e < -60 or (e < 60 and math.ldexp(x, e) >= -0.5)
-    if not positive_trace:
-        sign = -1
+    value = math.ldexp(x, e) if e < 60 else math.copysign(1e18, x)
+    cancels = -1.5 < value < -0.67
+    if cancels:
         u, v, eu, ev, ru, rv, rows = _pair(ah, q, True)
         x = -u * v
         e = eu + ev
+        value = math.ldexp(x, e)
     error = ru + rv
-    size = abs(math.ldexp(x, e)) if e < 60 else 1.0
-    if error > 1e-9 or error * min(1.0, size) > _ENOUGH * _slack(ah, q):
-        chain = 0 if positive_trace else 2
+    if error > 1e-9 or error * min(1.0, abs(value)) > _ENOUGH * _slack(ah, q):
+        chain = 2 if cancels else 0
         uu, eu = _double_double(ah, al, q, chain)
         vv, ev = _double_double(ah, al, q, chain + 1)
-        x = uu * vv * (0.25 * math.pi * math.pi if positive_trace else -1.0)
+        x = uu * vv * (-1.0 if cancels else 0.25 * math.pi * math.pi)
         # The derivative of a determinant is the same in both precisions; the determinant is what has changed.
         old = e
         e = eu + ev
         loss = abs(u * v / (uu * vv)) * 2.0 ** max(-900.0, min(900.0, float(old - e))) if x != 0.0 else math.inf
         error = 2.0 * (_TAIL_ERROR * _slack(ah, q) + _EPS * rows) + 1e-15 * error * max(1.0, loss)
-    return sign, x, e, error, 2 * rows
+        value = math.ldexp(x, e) if e < 60 else math.copysign(1e18, x)
+    if cancels:
+        return -1, x, e, error, 4 * rows
+    if value >= -0.5:
+        return 1, x, e, error, 2 * rows
+    if e < 60:
+        return -1, -1.0 - value, 0, error * abs(value / (1.0 + value)), 2 * rows
+    return -1, -x, e, error, 2 * rows
 
 
 @kernel
