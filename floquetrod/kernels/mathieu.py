@@ -547,8 +547,8 @@ def excess(alpha: float, beta: float, damping: float) -> tuple[int, float, int, 
     al = -4.0 * (bl + cl)
     if q == 0.0:
         return _excess_constant(ah)
-    # (trace - 2) / 4, from the chains of period pi, gives (trace + 2) / 4 by adding 1, except where that cancels: there,
-    # beside the boundaries of period 2 pi, the other two chains are needed.
+    # (trace - 2) / 4, from the chains of period pi, gives (trace + 2) / 4 by adding 1, except where that cancels:
+    # there, beside the boundaries of period 2 pi, the other two chains are needed.
     u, v, eu, ev, ru, rv, rows = _pair(ah, q, False)
     x = u * v * (0.25 * math.pi * math.pi)
     e = eu + ev
