@@ -17,14 +17,12 @@ from floquetrod import _validate, units
 from floquetrod._compile import broadcast, over_chunks
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.load import AxialLoad
-from floquetrod.rod_data import RodData
+from floquetrod.rod_data import MOST_MODES, NEGLIGIBLE_GROWTH, RodData
 from floquetrod.rod_ranges import SafeRanges, safe_ranges
 from floquetrod.rod_stability import RodStability, judge_modes
 from floquetrod.rod_tongues import UnstableRange, unstable_amplitudes, unstable_frequencies, unstable_mean_forces
 
-_NEGLIGIBLE = 1e-12  # growth in 1/s that modes left out may have: a doubling in 20,000 years
 _UNIFORM_UP_TO = 0.1  # ratio of forcing speed to wave speed up to which the force counts as uniform (heuristic)
-_MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
 
 
 class UniformForceWarning(UserWarning):
@@ -82,27 +80,6 @@ class Rod(RodData):
             return cls(**{key: units.quantity(value, key, units.ROD_KINDS[key]) for key, value in table.items()})
         except (TypeError, ValueError) as error:
             raise ValueError(f"rod file {path}: {error}") from None
-
-    def modes_needed(self, load: AxialLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
-        """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
-
-        High modes sit in resonance tongues that grow, but exponentially slowly: the bound is that of
-        `floquetrod.kernels.mathieu.modes_left_out`, and M is the least for which it is below 1e-12 per second (or
-        ``growth_tolerance``, if larger).  M grows like the length of the rod.
-        """
-        family = self.mode_family(load.mean, load.amplitude, load.frequency)
-        c = self.damping_rate / load.frequency
-        a, b, stiffness, d = family
-        d -= c * c
-        target = c + max(growth_tolerance, _NEGLIGIBLE) / load.frequency
-        if math.sqrt(max(0.0, a + b) / stiffness) > _MOST_MODES:
-            raise ValueError(
-                f"load needs more than {_MOST_MODES} modes: mean = {load.mean:g} N is far above the critical force "
-                f"{self.critical_force:g} N of this rod; check units and length"
-            )
-        last = kernels.modes_needed(a, b, stiffness, d, target)
-        bound = kernels.modes_left_out(a, b, stiffness, d, last)
-        return last, max(0.0, bound - c) * load.frequency
 
     def stability(
         self, load: AxialLoad, modes: Iterable[int] | None = None, growth_tolerance: float = 0.0
@@ -243,7 +220,7 @@ class Rod(RodData):
         tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
         shape, omega, family = self._loads(mean, amplitude, frequency)
         out = np.empty(omega.size, dtype=np.bool_)
-        rates = (self.damping_rate / omega, tolerance / omega, _NEGLIGIBLE / omega)
+        rates = (self.damping_rate / omega, tolerance / omega, NEGLIGIBLE_GROWTH / omega)
         over_chunks(kernels.modes_stable_fill, (*family, *rates), out, workers=workers, chunk=1024)
         return out.reshape(shape) if shape else bool(out[0])
 
@@ -255,7 +232,7 @@ class Rod(RodData):
         """Return the growth rate in 1/s and the number of the fastest mode over arrays of loads; 0, 0 where stable."""
         shape, omega, family = self._loads(mean, amplitude, frequency)
         out = np.empty((omega.size, 2))
-        rates = (self.damping_rate / omega, _NEGLIGIBLE / omega)
+        rates = (self.damping_rate / omega, NEGLIGIBLE_GROWTH / omega)
         over_chunks(kernels.modes_growth_fill, (*family, *rates), out, workers=workers, chunk=1024)
         growth, mode = out[:, 0] * omega, out[:, 1].astype(np.int64)
         if shape:
@@ -277,8 +254,8 @@ class Rod(RodData):
             shapes = ", ".join(str(array.shape) for array in arrays)
             raise ValueError(f"mean, amplitude and frequency must broadcast to one shape, got {shapes}") from None
         family = self.mode_family(force, size, omega)
-        if omega.size and math.sqrt(max(0.0, float(((family[0] + family[1]) / family[2]).max()))) > _MOST_MODES:
-            raise ValueError(f"mean needs more than {_MOST_MODES} modes: far above the critical force; check its unit")
+        if omega.size and math.sqrt(max(0.0, float(((family[0] + family[1]) / family[2]).max()))) > MOST_MODES:
+            raise ValueError(f"mean needs more than {MOST_MODES} modes: far above the critical force; check its unit")
         return shape, omega, tuple(np.ascontiguousarray(np.broadcast_to(part, omega.shape)) for part in family)
 
     def _warn_unless_uniform(self, load: AxialLoad) -> None:

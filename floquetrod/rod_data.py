@@ -12,7 +12,11 @@ from numpy.typing import NDArray
 
 from floquetrod import _validate
 from floquetrod.equations import Mathieu
+from floquetrod.kernels import mathieu as kernels
 from floquetrod.load import AxialLoad
+
+NEGLIGIBLE_GROWTH = 1e-12  # growth in 1/s that modes left out may have: a doubling in 20,000 years
+MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
 
 
 @dataclass(frozen=True)
@@ -150,3 +154,29 @@ class RodData:
         inertia = self.mass_per_length * frequency * frequency
         a, b = w2 * amplitude / inertia, w2 * mean / inertia
         return a, b, self.flexural_rigidity * w2 * w2 / inertia, (self.pendulum_frequency / frequency) ** 2
+
+    def modes_needed(self, load: AxialLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
+        """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
+
+        High modes sit in resonance tongues that grow, but exponentially slowly: the bound is that of
+        `floquetrod.kernels.mathieu.modes_left_out`, and M is the least for which it is below 1e-12 per second (or
+        ``growth_tolerance``, if larger).  M grows like the length of the rod.
+
+        M never falls as mean force, amplitude or frequency rise, so it serves every load below in each of them: at
+        fixed q and mode a larger mean lowers a, a larger amplitude raises q, and both raise every factor of the bound;
+        a, q and c^2 go like 1 / omega^2, so a higher frequency leaves fewer evanescent factors q / (a - k^2 - q), each
+        larger, before a rate that in 1/s does not depend on it.
+        """
+        family = self.mode_family(load.mean, load.amplitude, load.frequency)
+        c = self.damping_rate / load.frequency
+        a, b, stiffness, d = family
+        d -= c * c
+        target = c + max(growth_tolerance, NEGLIGIBLE_GROWTH) / load.frequency
+        if math.sqrt(max(0.0, a + b) / stiffness) > MOST_MODES:
+            raise ValueError(
+                f"load needs more than {MOST_MODES} modes: mean = {load.mean:g} N is far above the critical force "
+                f"{self.critical_force:g} N of this rod; check units and length"
+            )
+        last = kernels.modes_needed(a, b, stiffness, d, target)
+        bound = kernels.modes_left_out(a, b, stiffness, d, last)
+        return last, max(0.0, bound - c) * load.frequency

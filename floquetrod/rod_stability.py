@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple, TypeAlias
 
@@ -108,45 +108,60 @@ class RodStability:
 
     @cached_property
     def damping_to_stabilise(self) -> float:
-        """Smallest damping rate in 1/s from which every larger one keeps all modes looked at from growing.
+        """Smallest damping rate in 1/s from which every larger one keeps all modes from growing.
 
-        The rate meant is the rod's whole ``damping_rate``.  Infinite when the mean force alone buckles a mode: damping
-        only slows that down.
+        The rate meant is the rod's whole ``damping_rate``, whatever it is now, so all modes that matter without damping
+        are looked at, or those the caller chose.  Infinite when the mean force alone buckles a mode: damping only slows
+        that down.
         """
-        rates = (damping_to_stabilise(equation.alpha, equation.beta) for equation in self.mode_equations)
+        chosen = self._modes_for(self.rod.replace(damping_rate=0.0), self.load, 0.0)
+        alphas, betas = self.rod.mode_parameters(self.load, chosen)
+        rates = (damping_to_stabilise(float(a), float(b)) for a, b in zip(alphas, betas, strict=True))
         return self.load.frequency * max(rates)
 
     @cached_property
     def mean_force_margin(self) -> Margin:
         """Distance in N to the nearest mean forces at which the verdict changes, searched to 8 F_cr either way."""
         here, unit = self.load.mean, self.rod.critical_force
-        return self._margin(here, unstable_mean_forces, [(here - span * unit, here + span * unit) for span in _SPANS])
+        return self._margin("mean", unstable_mean_forces, [(here - span * unit, here + span * unit) for span in _SPANS])
 
     @cached_property
     def amplitude_margin(self) -> Margin:
         """Distance in N to the nearest amplitudes at which the verdict changes, searched to 2 F_cr above."""
         here, unit = self.load.amplitude, self.rod.critical_force
-        return self._margin(here, unstable_amplitudes, [(0.0, here + span * unit) for span in _SPANS[:3]])
+        return self._margin("amplitude", unstable_amplitudes, [(0.0, here + span * unit) for span in _SPANS[:3]])
 
     @cached_property
     def frequency_margin(self) -> Margin:
         """Distance in rad/s to the nearest frequencies at which the verdict changes, searched to 9 times either way."""
         here = self.load.frequency
         reach = [(here / (1.0 + span), here * (1.0 + span)) for span in _SPANS]
-        return self._margin(here, unstable_frequencies, reach)
+        return self._margin("frequency", unstable_frequencies, reach)
 
-    def _margin(self, here: float, search: _Search, reach: list[tuple[float, float]]) -> Margin:
-        """Widen the reach until the verdict changes on both sides."""
+    def _modes_for(self, rod: RodData, load: AxialLoad, growth_tolerance: float) -> tuple[int, ...]:
+        """Return the modes that matter for another rod or load; those the caller chose stay as they are."""
+        if math.isinf(self.left_out_bound):
+            return self.modes
+        last, _ = rod.modes_needed(load, growth_tolerance)
+        return tuple(range(1, max(last, self.modes[-1]) + 1))
+
+    def _margin(self, varied: str, search: _Search, reach: list[tuple[float, float]]) -> Margin:
+        """Widen the reach until the verdict changes on both sides, with the modes that its far end needs."""
+        here: float = getattr(self.load, varied)
         below = above = math.inf
         for low, high in reach:
-            ranges = search(self.rod, self.load, self.modes, self.growth_tolerance, low, high)
+            far = replace(self.load, **{varied: high})
+            modes = self._modes_for(self.rod, far, self.growth_tolerance)
+            ranges = search(self.rod, self.load, modes, self.growth_tolerance, low, high)
             if self.stable:
                 below = min((here - r.high for r in ranges if r.high <= here), default=math.inf)
                 above = min((r.low - here for r in ranges if r.low >= here), default=math.inf)
             else:
                 first, last = _covering(ranges, here)
                 below, above = here - first, last - here
-            below, above = (x if x < y else math.inf for x, y in ((below, here - low), (above, high - here)))
+            # What ends where the search does, but for rounding, is no change of the verdict.
+            limits = ((below, here - low), (above, high - here))
+            below, above = (x if x < y * (1.0 - 1e-9) else math.inf for x, y in limits)
             if max(below, above) < math.inf:
                 break
         return Margin(below, above)

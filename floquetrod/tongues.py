@@ -46,8 +46,11 @@ def unstable_intervals(
         edge = level * level - c2
         return [UnstableInterval(edge, math.inf, 0)] if edge < high else []
     for order in range(_tongue_at(low + c2, q), _tongue_at(high + c2, q) - 1, -1):
-        bottom = -0.25 * characteristic.characteristic_value(order, q, False)
         top = math.inf if order == 0 else -0.25 * characteristic.characteristic_value(order, q, True)
+        # The bound falls as beta does: a tongue whose upper end cannot reach the level need not be searched.
+        if level > 0.0 and -4.0 * top > 2.0 * q and mathieu.growth_bound(-4.0 * top, q) <= level:
+            continue
+        bottom = -0.25 * characteristic.characteristic_value(order, q, False)
         bottom, top = min(bottom, top), max(bottom, top)
         part = _above(alpha, bottom, top, level) if level > 0.0 else (bottom, top)
         if part is not None and part[1] - c2 > low and part[0] - c2 < high:
