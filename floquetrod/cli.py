@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import os
+import re
 import sys
 import time
 import warnings
@@ -65,6 +66,8 @@ examples:
 _KINDS = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
 """Quantities of a load and their kind."""
 
+_LAST_MODE = 20_000  # far beyond any mode that matters: a slip of the keyboard must not fill the memory (a choice)
+
 
 class _Parser(argparse.ArgumentParser):
     """A parser whose errors are one line."""
@@ -76,7 +79,7 @@ class _Parser(argparse.ArgumentParser):
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; return 0 when it answered, 2 for input it cannot use, 130 after Ctrl-C."""
     try:
-        options = _parser().parse_args(argv)
+        options = _parser().parse_args(_attached(sys.argv[1:] if argv is None else argv))
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", fr.UniformForceWarning)
             text = options.run(options)
@@ -86,6 +89,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader, head say, has seen enough; keep the interpreter from writing more at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
+    except ArithmeticError as error:  # extreme numbers over- or underflow on their way
+        print(f"floquetrod: error: numbers too large or too small to work with ({error}); check units", file=sys.stderr)
+        return 2
     except (ValueError, OSError) as error:
         print(f"floquetrod: error: {' '.join(str(error).split())}", file=sys.stderr)
         return 2
@@ -93,6 +99,20 @@ def main(argv: Sequence[str] | None = None) -> int:
         print("floquetrod: interrupted", file=sys.stderr)
         return 130
     return 0
+
+
+def _attached(arguments: Sequence[str]) -> list[str]:
+    """Return the arguments with each negative quantity attached to its option.
+
+    argparse takes -0.2Fcr or -1e-3 for an option of its own; --mean=-0.2Fcr leaves no doubt.
+    """
+    result: list[str] = []
+    for argument in arguments:
+        if re.match(r"-\.?\d", argument) and result and re.fullmatch(r"--[\w-]+", result[-1]):
+            result[-1] += f"={argument}"
+        else:
+            result.append(argument)
+    return result
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -178,14 +198,16 @@ def _check(options: argparse.Namespace) -> str:
 def _modes(text: str | None) -> list[int] | None:
     if text is None:
         return None
-    modes: list[int] = []
-    try:
-        for part in text.split(","):
-            first, _, last = part.partition("-")
-            modes += range(int(first), int(last or first) + 1)
-    except ValueError:
-        raise ValueError(f"--modes must be like 1-25 or 6,7,8, got {text!r}") from None
-    return modes
+    modes: set[int] = set()
+    for part in text.split(","):
+        match = re.fullmatch(r"\s*(\d{1,9})\s*(?:-\s*(\d{1,9})\s*)?", part, re.ASCII)
+        if match is None:
+            raise ValueError(f"--modes must be like 1-25 or 6,7,8, got {text!r}")
+        first, last = int(match[1]), int(match[2] or match[1])
+        if not 1 <= first <= last <= _LAST_MODE:
+            raise ValueError(f"--modes must count upwards between 1 and {_LAST_MODE}, got {part.strip()!r} in {text!r}")
+        modes.update(range(first, last + 1))
+    return sorted(modes)
 
 
 def _report(result: fr.RodStability) -> str:
@@ -424,5 +446,10 @@ def _compare(options: argparse.Namespace) -> str:
         }
         for r, seconds in zip(comparison.results, comparison.seconds, strict=True)
     ]
-    record = {"agree": comparison.agree, "disagreements": list(comparison.disagreements), "methods": rows}
+    record = {
+        "agree": comparison.agree,
+        "disagreements": list(comparison.disagreements),
+        "methods": rows,
+        "version": fr.__version__,
+    }
     return json.dumps(record, indent=2, allow_nan=False)

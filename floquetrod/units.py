@@ -61,7 +61,10 @@ def quantity(value: Any, name: str, kind: str, *, critical_force: float | None =
     if kind == "force" and critical_force is not None:
         units["Fcr"] = critical_force
     if isinstance(value, int | float) and not isinstance(value, bool):
-        return float(value)
+        try:
+            return float(value)
+        except OverflowError:  # an integer of more than 308 digits, which a rod file may hold
+            raise ValueError(f"{name} must be finite, got an integer beyond 1e308") from None
     match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
     unit = (match[2] or next(iter(units))) if match else ""
     if match is None or unit not in units:

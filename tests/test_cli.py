@@ -62,6 +62,21 @@ def test_options_reach_the_library(capsys: pytest.CaptureFixture[str]) -> None:
     out = capsys.readouterr().out
     assert out.startswith("STABLE")
     assert "the 4 modes asked for" in out
+    assert cli.main([*CHECK, "--modes", "7,6-7,7"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("UNSTABLE: mode 7 grows\n")
+    assert "the 2 modes asked for" in out
+
+
+@pytest.mark.parametrize("mean", ["-0.2Fcr", "-1e-1", "-.5", "-2"])
+def test_a_pull_may_follow_its_option(mean: str, capsys: pytest.CaptureFixture[str]) -> None:
+    start = ["check", "--rod", "nitinol", "--amplitude", "0", "--frequency", "24Hz", "--json"]
+    answers = []
+    for arguments in ([*start, "--mean", mean], [*start, f"--mean={mean}"]):
+        assert cli.main(arguments) == 0
+        answers.append(json.loads(capsys.readouterr().out))
+    assert answers[0] == answers[1]
+    assert answers[0]["mean_N"] < 0.0
 
 
 def test_a_rod_from_a_file(capsys: pytest.CaptureFixture[str]) -> None:
@@ -100,7 +115,13 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
         ([*CHECK[:-1], "0"], "frequency must be greater than zero"),
         ([*CHECK[:-1], "24Hx"], "--frequency must be a number with a frequency unit"),
         ([*CHECK, "--modes", "a"], "--modes must be like 1-25"),
-        ([*CHECK, "--modes", "0"], r"modes\[0\] must be 1 or more"),
+        ([*CHECK, "--modes", "0"], "--modes must count upwards between 1 and 20000, got '0'"),
+        ([*CHECK, "--modes", "3,5-3"], "--modes must count upwards between 1 and 20000, got '5-3'"),
+        ([*CHECK, "--modes", "1-999999999"], "--modes must count upwards between 1 and 20000"),
+        ([*CHECK, "--modes", "1-99999999999999999999"], "--modes must be like 1-25"),
+        ([*CHECK, "--modes", "-3"], "--modes must be like 1-25"),
+        ([*CHECK, "--json", "-5"], "ignored explicit argument"),
+        ([*CHECK[:-1], "1e-300"], "numbers too large or too small"),
         ([*CHECK, "--damping-rate", "-1"], "damping_rate must be zero or more"),
         (["compare", "--alpha", "x", "--beta", "0"], "argument --alpha: invalid float value"),
         (["compare", "--alpha", "nan", "--beta", "0"], "alpha must be finite"),
@@ -121,6 +142,7 @@ def test_errors_are_one_line_and_status_2(
     ("text", "message"),
     [
         ("length = ", "cannot be read"),
+        ("{sheet}\nradius = 1" + 400 * "0", "radius must be finite"),
         ("length = 3.0", "missing key 'youngs_modulus'"),
         ("diameter = 1", "unknown key 'diameter'"),
         ('{sheet}\nradius = "0.8 kg"', "radius must be a number with a length unit"),

@@ -44,6 +44,11 @@ def test_anything_else_is_refused_with_what_is_accepted(text: object) -> None:
         quantity(text, "--mean", "force")
 
 
+def test_an_integer_beyond_a_double_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"^length must be finite, got an integer beyond 1e308$"):
+        quantity(10**400, "length", "length")
+
+
 def test_fcr_needs_a_rod() -> None:
     with pytest.raises(ValueError, match="unit 'Fcr' is not understood"):
         quantity("1Fcr", "mean", "force")
