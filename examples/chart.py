@@ -3,7 +3,7 @@
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.plotting import save_figure
+from floquetrod.plotting.charts import save_figure
 
 chart = fr.mathieu.chart((0.0, 3.0, 400), (-4.5, 1.0, 400))
 axes = chart.plot()

@@ -87,7 +87,7 @@ class Chart:
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the chart, grey where unstable (darker the faster, if growth is known); return the matplotlib axes."""
-        from floquetrod.plotting import draw_chart
+        from floquetrod.plotting.charts import draw_chart
 
         return draw_chart(self, ax)
 

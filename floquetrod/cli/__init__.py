@@ -1,0 +1,3 @@
+"""The terminal."""
+
+from floquetrod.cli.main import main as main

@@ -1,0 +1,157 @@
+"""`floquetrod check`: one rod, one load."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import re
+from typing import Any
+
+import floquetrod as fr
+from floquetrod import units
+from floquetrod.cli.common import KINDS, add_command, add_rod, number, read_quantity, read_rod
+
+_HELP = """\
+Judge a rod under an axial load: stable or not, which modes grow, how fast, and how far the load is from a change.
+
+examples:
+  floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
+  floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz
+  floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85 --growth-tolerance 0.7 --json
+
+forces: N, kN, lbf or Fcr (the critical force of the rod).  frequencies: rad/s (none means this), Hz, rpm.
+rod files: TOML with youngs_modulus, density, radius, length, channel_radius and, if you like, gravity and
+damping_rate, as SI numbers or strings such as "68GPa"; radii, not diameters.
+"""
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parser."""
+    check = add_command(commands, "check", "judge a rod under an axial load", _HELP, _check)
+    add_rod(check)
+    check.add_argument("--mean", required=True, help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
+    check.add_argument("--amplitude", required=True, help="amplitude of the force; 0 is the static limit")
+    check.add_argument("--frequency", required=True, help="frequency, such as 150 (rad/s) or 24Hz")
+    check.add_argument("--modes", help="modes to look at, such as 1-25 or 6,7,8 (default: all that can matter)")
+
+
+_LAST_MODE = 20_000  # far beyond any mode that matters: a slip of the keyboard must not fill the memory (a choice)
+
+
+def _check(options: argparse.Namespace) -> str:
+    rod = read_rod(options)
+    load = fr.AxialLoad(**{name: read_quantity(getattr(options, name), name, rod) for name in KINDS})
+    tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
+    result = rod.stability(load, modes=_modes(options.modes), growth_tolerance=tolerance)
+    return json.dumps(_record(result), indent=2, allow_nan=False) if options.json else _report(result)
+
+
+def _modes(text: str | None) -> list[int] | None:
+    if text is None:
+        return None
+    modes: set[int] = set()
+    for part in text.split(","):
+        match = re.fullmatch(r"\s*(\d{1,9})\s*(?:-\s*(\d{1,9})\s*)?", part, re.ASCII)
+        if match is None:
+            raise ValueError(f"--modes must be like 1-25 or 6,7,8, got {text!r}")
+        first, last = int(match[1]), int(match[2] or match[1])
+        if not 1 <= first <= last <= _LAST_MODE:
+            raise ValueError(f"--modes must count upwards between 1 and {_LAST_MODE}, got {part.strip()!r} in {text!r}")
+        modes.update(range(first, last + 1))
+    return sorted(modes)
+
+
+def _report(result: fr.RodStability) -> str:
+    rod, load = result.rod, result.load
+    scale = rod.critical_force
+    headline = result.status.upper()
+    if result.status == "unstable":
+        names = ", ".join(map(str, result.unstable_modes))
+        headline += f": modes {names} grow" if len(result.unstable_modes) > 1 else f": mode {names} grows"
+    lines = [
+        headline,
+        "",
+        f"rod       critical force {scale:.4g} N, critical mode {rod.critical_mode:.3g}",
+        f"load      mean {load.mean:.6g} N ({load.mean / scale:.4g} Fcr), amplitude {load.amplitude:.6g} N "
+        f"({load.amplitude / scale:.4g} Fcr), {load.frequency:.6g} rad/s ({load.frequency / (2.0 * math.pi):.4g} Hz)",
+    ]
+    if result.growth_rate > 0.0:
+        time = f"tenfold in {result.time_to_grow(10.0):.4g} s"
+        lines.append(f"growth    {result.growth_rate:.6g} 1/s in mode {result.fastest_mode}, {time}")
+    lines.append(f"margin    {_margin(result)}")
+    damping = result.damping_to_stabilise
+    if damping > 0.0:
+        enough = "no damping suffices: the mean force alone buckles a mode"
+        lines.append(f"damping   {enough if math.isinf(damping) else f'stable at any rate above {damping:.6g} 1/s'}")
+    worst = max(verdict.error for verdict in result.mode_verdicts)
+    methods = ", ".join(sorted({verdict.method for verdict in result.mode_verdicts}))
+    lines += [
+        f"checked   {result.cutoff}",
+        f"method    {methods}; discriminants good to {worst:.0e} relative",
+        "",
+        "mode       alpha         beta  where                  growth 1/s",
+    ]
+    for mode, equation, verdict, rate in _near_trouble(result):
+        where = str(verdict.interval) if verdict.interval else verdict.status
+        lines.append(f"{mode:4d}  {equation.alpha:10.5g}  {equation.beta:11.6g}  {where:<21}  {rate:10.4g}")
+    return "\n".join(lines)
+
+
+def _margin(result: fr.RodStability) -> str:
+    margin, scale = result.mean_force_margin, result.rod.critical_force
+    sides = [(margin.below, "lower"), (margin.above, "higher")]
+    known = [f"{value:.4g} N ({value / scale:.3g} Fcr) {way}" for value, way in sides if math.isfinite(value)]
+    if not known:
+        return "no change of verdict within 8 Fcr of this mean force"
+    change = {"stable": "unstable", "unstable": "stable"}.get(result.status, "decided")
+    return f"{change} at a mean force {' or '.join(known)}"
+
+
+def _near_trouble(result: fr.RodStability) -> list[tuple[int, fr.Mathieu, fr.Stability, float]]:
+    """Return the unstable modes and the five whose discriminants come nearest to the boundary, in order of mode."""
+    rows = list(zip(result.modes, result.mode_equations, result.mode_verdicts, result.mode_growth_rates, strict=True))
+
+    def room(row: tuple[int, fr.Mathieu, fr.Stability, float]) -> float:
+        return -math.inf if row[2].status != "stable" else 2.0 - abs(row[2].discriminant)
+
+    troubled = sum(row[2].status != "stable" for row in rows)
+    return sorted(sorted(rows, key=room)[: max(5, troubled)])
+
+
+def _record(result: fr.RodStability) -> dict[str, Any]:
+    margin = result.mean_force_margin
+    return {
+        "status": result.status,
+        "unstable_modes": list(result.unstable_modes),
+        "growth_rate_per_s": result.growth_rate,
+        "fastest_mode": result.fastest_mode,
+        "time_to_grow_tenfold_s": number(result.time_to_grow(10.0)),
+        "mean_force_margin_below_N": number(margin.below),
+        "mean_force_margin_above_N": number(margin.above),
+        "damping_to_stabilise_per_s": number(result.damping_to_stabilise),
+        "modes_checked": result.modes_checked,
+        "left_out_growth_bound_per_s": number(result.left_out_bound),
+        "growth_tolerance_per_s": result.growth_tolerance,
+        "critical_force_N": result.rod.critical_force,
+        "mean_N": result.load.mean,
+        "amplitude_N": result.load.amplitude,
+        "frequency_rad_per_s": result.load.frequency,
+        "modes": [
+            {
+                "mode": mode,
+                "alpha": equation.alpha,
+                "beta": equation.beta,
+                "status": verdict.status,
+                "interval": str(verdict.interval) if verdict.interval else None,
+                "growth_rate_per_s": float(rate),
+                "discriminant": number(verdict.discriminant),
+                "discriminant_relative_error": number(verdict.error),
+                "method": verdict.method,
+            }
+            for mode, equation, verdict, rate in zip(
+                result.modes, result.mode_equations, result.mode_verdicts, result.mode_growth_rates, strict=True
+            )
+        ],
+        "version": fr.__version__,
+    }

@@ -1,0 +1,74 @@
+"""What the commands share: their parser, quantities with units, the rod, progress."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+import time
+from typing import Any, NoReturn
+
+import floquetrod as fr
+from floquetrod import units
+
+KINDS = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
+"""Quantities of a load and their kind."""
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Raise ValueError, which the terminal shows as one line."""
+        raise ValueError(f"{message} (see {self.prog} --help)")
+
+
+def add_command(commands: Any, name: str, summary: str, text: str, run: Any) -> argparse.ArgumentParser:
+    """Add a subcommand whose help begins with the first paragraph of ``text`` and ends with the rest."""
+    first, _, rest = text.partition("\n\n")
+    command: argparse.ArgumentParser = commands.add_parser(
+        name, help=summary, description=first, epilog=rest, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    command.add_argument("--json", action="store_true", help="print JSON, units in the names")
+    command.set_defaults(run=run)
+    return command
+
+
+def add_rod(command: argparse.ArgumentParser) -> None:
+    """Add the options that describe a rod and which growth matters."""
+    command.add_argument("--rod", required=True, help="nitinol (the reference rod), or a TOML file")
+    command.add_argument("--damping-rate", help="decay rate of free motion in 1/s (replaces that of the rod)")
+    command.add_argument("--growth-tolerance", default="0", help="growth in 1/s up to which a mode counts as stable")
+
+
+def read_quantity(text: str, name: str, rod: fr.Rod) -> float:
+    """Return a quantity of the load in SI units."""
+    return units.quantity(text, f"--{name}", KINDS[name], critical_force=rod.critical_force)
+
+
+def read_rod(options: argparse.Namespace) -> fr.Rod:
+    """Return the rod that the options describe."""
+    rod = fr.Rod.nitinol() if options.rod == "nitinol" else fr.Rod.from_toml(options.rod)
+    if options.damping_rate is not None:
+        rod = rod.replace(damping_rate=units.quantity(options.damping_rate, "--damping-rate", "rate"))
+    return rod
+
+
+def number(value: float) -> float | None:
+    """Return ``value``, or None where JSON has no number for it: infinite means never, or not within reach."""
+    return value if math.isfinite(value) else None
+
+
+class Progress:
+    """A line on stderr once work has taken a second, when there is a terminal to read it."""
+
+    def __init__(self, what: str) -> None:
+        self.what, self.start = what, time.monotonic()
+
+    def __call__(self, done: int, total: int) -> None:
+        """Report ``done`` of ``total``."""
+        spent = time.monotonic() - self.start
+        if spent > 1.0 and sys.stderr.isatty():
+            left = spent * (total - done) / max(done, 1)
+            end = "\n" if done == total else ""
+            print(f"\r{done} of {total} {self.what}, {left:.0f} s left ", end=end, file=sys.stderr, flush=True)

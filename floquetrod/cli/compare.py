@@ -1,0 +1,55 @@
+"""`floquetrod compare`: one equation, every method."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import Any
+
+import floquetrod as fr
+from floquetrod.cli.common import add_command, number
+
+_HELP = """\
+Judge one equation A'' + 2 c A' = (beta + alpha sin tau) A by every method and show where they agree.
+
+examples:
+  floquetrod compare --alpha 0.5 --beta -0.25
+  floquetrod compare --alpha 0.5 --beta -0.25 --damping 0.1 --wave square
+"""
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parser."""
+    compare = add_command(commands, "compare", "judge one equation by every method", _HELP, _compare)
+    compare.add_argument("--alpha", required=True, type=float, help="amplitude of the coefficient")
+    compare.add_argument("--beta", required=True, type=float, help="mean of the coefficient")
+    compare.add_argument("--damping", type=float, default=0.0, help="c, per unit tau (default 0)")
+    compare.add_argument("--wave", choices=("sine", "square"), default="sine", help="shape of the coefficient")
+
+
+def _compare(options: argparse.Namespace) -> str:
+    kind = fr.SquareWave if options.wave == "square" else fr.Mathieu
+    comparison = fr.compare(kind(options.alpha, options.beta, options.damping))
+    if not options.json:
+        return repr(comparison)
+    rows = [
+        {
+            "method": r.method,
+            "status": r.status,
+            "growth_rate_per_tau": number(r.growth_rate),
+            "discriminant": number(r.discriminant),
+            "log_abs_discriminant": number(r.log_abs_discriminant),
+            "discriminant_relative_error": number(r.error),
+            "cost": str(r.cost),
+            "seconds": seconds,
+            "note": r.note,
+        }
+        for r, seconds in zip(comparison.results, comparison.seconds, strict=True)
+    ]
+    record = {
+        "agree": comparison.agree,
+        "disagreements": list(comparison.disagreements),
+        "methods": rows,
+        "version": fr.__version__,
+    }
+    return json.dumps(record, indent=2, allow_nan=False)

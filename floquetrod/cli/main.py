@@ -1,0 +1,66 @@
+"""The terminal: one command, with one module for each of its subcommands."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import sys
+import warnings
+from collections.abc import Sequence
+
+import floquetrod as fr
+from floquetrod.cli import check, compare, ranges, stability_map
+from floquetrod.cli.common import Parser
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; return 0 when it answered, 2 for input it cannot use, 130 after Ctrl-C."""
+    try:
+        options = _parser().parse_args(_attached(sys.argv[1:] if argv is None else argv))
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always", fr.UniformForceWarning)
+            text = options.run(options)
+        for warning in caught:
+            print(f"floquetrod: warning: {warning.message}", file=sys.stderr)
+        print(text, flush=True)
+    except BrokenPipeError:  # the reader, head say, has seen enough; keep the interpreter from writing more at exit
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
+    except ArithmeticError as error:  # extreme numbers over- or underflow on their way
+        print(f"floquetrod: error: numbers too large or too small to work with ({error}); check units", file=sys.stderr)
+        return 2
+    except (ValueError, OSError) as error:
+        print(f"floquetrod: error: {' '.join(str(error).split())}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("floquetrod: interrupted", file=sys.stderr)
+        return 130
+    return 0
+
+
+def _attached(arguments: Sequence[str]) -> list[str]:
+    """Return the arguments with each negative quantity attached to its option.
+
+    argparse takes -0.2Fcr or -1e-3 for an option of its own; --mean=-0.2Fcr leaves no doubt.
+    """
+    result: list[str] = []
+    for argument in arguments:
+        if re.match(r"-\.?\d", argument) and result and re.fullmatch(r"--[\w-]+", result[-1]):
+            result[-1] += f"={argument}"
+        else:
+            result.append(argument)
+    return result
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = Parser(
+        prog="floquetrod",
+        description="Floquet stability of a rod vibrated in a channel, and of periodically forced equations.",
+        epilog="Try: floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150",
+    )
+    parser.add_argument("--version", action="version", version=f"floquetrod {fr.__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="command", parser_class=Parser)
+    for module in (check, ranges, stability_map, compare):
+        module.add(commands)
+    return parser

@@ -1,0 +1,70 @@
+"""`floquetrod ranges`: every safe interval of one quantity of the load."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from typing import Any
+
+import floquetrod as fr
+from floquetrod import units
+from floquetrod.cli.common import KINDS, add_command, add_rod, read_quantity, read_rod
+
+_HELP = """\
+List every stable interval of one quantity of the load: give the other two, and what to search.
+
+examples:
+  floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150 --mean 0:1.2Fcr
+  floquetrod ranges --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 10Hz:60Hz --growth-tolerance 0.05
+  floquetrod ranges --rod my_rod.toml --mean 12N --frequency 24Hz --amplitude 0:5N
+
+The intervals are complete: their ends are transition curves mapped back, not points of a grid, and resonance tongues
+of any thinness count unless --growth-tolerance (1/s) says from which growth on they matter.
+"""
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parser."""
+    ranges = add_command(commands, "ranges", "list every safe interval of one quantity of the load", _HELP, _ranges)
+    add_rod(ranges)
+    ranges.add_argument("--mean", required=True, help="mean force, or a range from zero such as 0:1.2Fcr")
+    ranges.add_argument("--amplitude", required=True, help="amplitude, or a range from zero such as 0:0.5Fcr")
+    ranges.add_argument("--frequency", required=True, help="frequency, or a range such as 10Hz:60Hz")
+
+
+def _ranges(options: argparse.Namespace) -> str:
+    rod = read_rod(options)
+    texts = {name: getattr(options, name) for name in KINDS}
+    varied = [name for name, text in texts.items() if ":" in text]
+    if len(varied) != 1:
+        raise ValueError(
+            "exactly one of --mean, --amplitude, --frequency must be a range such as 0:1.2Fcr or 10Hz:60Hz, got "
+            f"{len(varied)}"
+        )
+    tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
+    values = {name: [read_quantity(part, name, rod) for part in text.split(":", 1)] for name, text in texts.items()}
+    low, high = values.pop(varied[0])
+    fixed = {name: value for name, (value,) in values.items()}
+    if varied[0] == "frequency":
+        found = rod.stable_frequencies(**fixed, between=(low, high), growth_tolerance=tolerance)
+    elif low != 0.0:
+        raise ValueError(f"--{varied[0]} must be a range from zero, got {texts[varied[0]]!r}")
+    else:
+        search = rod.stable_mean_forces if varied[0] == "mean" else rod.stable_amplitudes
+        found = search(**fixed, upto=high, growth_tolerance=tolerance)
+    if not options.json:
+        return repr(found)
+    unit = "N" if found.unit == "N" else "rad_per_s"
+    record = {
+        "quantity": found.quantity,
+        f"searched_{unit}": list(found.between),
+        "growth_tolerance_per_s": found.growth_tolerance,
+        "modes_checked": found.modes,
+        "stable": [
+            {f"low_{unit}": part.low, f"high_{unit}": part.high, "low_end": part.low_end, "high_end": part.high_end}
+            for part in found
+        ],
+        "ends_are": "[mode, tongue], or null at an end of the search",
+        "version": fr.__version__,
+    }
+    return json.dumps(record, indent=2, allow_nan=False)
