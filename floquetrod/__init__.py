@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from floquetrod.chart import Chart as Chart
     from floquetrod.comparison import Comparison as Comparison
     from floquetrod.comparison import compare as compare
+    from floquetrod.criterion import PaperCriterion as PaperCriterion
     from floquetrod.equations import Hill as Hill
     from floquetrod.equations import Mathieu as Mathieu
     from floquetrod.equations import SquareWave as SquareWave
@@ -38,6 +39,7 @@ _WHERE = {
     "Comparison": "comparison",
     "Hill": "equations",
     "Mathieu": "equations",
+    "PaperCriterion": "criterion",
     "Proof": "proof",
     "Rod": "rod",
     "RodStability": "rod_stability",

@@ -64,22 +64,24 @@ def over_chunks(
     function: Callable[..., Any],
     inputs: Sequence[NDArray[Any]],
     out: NDArray[Any],
-    *,
+    *constants: Any,
     workers: int | None = None,
     chunk: int = _CHUNK,
+    weight: int = 1,
 ) -> None:
-    """Call ``function(*inputs, out)`` on matching pieces of equally long arrays, in threads when there is enough to do.
+    """Call ``function(*inputs, out, *constants)`` on matching pieces of equally long arrays, in threads if it pays.
 
-    Kernels release the GIL, so the threads run side by side, and Ctrl-C is answered between pieces.
+    ``weight`` says how many ordinary elements the work on one amounts to.  Kernels release the GIL, so the threads run
+    side by side, and Ctrl-C is answered between pieces.
     """
     workers = cores() if workers is None else _validate.integer("workers", workers, 1)
     size = len(out)
-    run = fastest(function, size)
+    run = fastest(function, size * weight)
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
-        run(*(array.tolist() for array in inputs), out)
+        run(*(array.tolist() for array in inputs), out, *constants)
         return
     pieces = [
-        (*(array[start : start + chunk] for array in inputs), out[start : start + chunk])
+        (*(array[start : start + chunk] for array in inputs), out[start : start + chunk], *constants)
         for start in range(0, size, chunk)
     ]
     run(*pieces[0])  # alone, so that it is compiled before threads could race to do it

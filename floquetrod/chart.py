@@ -7,7 +7,7 @@ import os
 import tempfile
 import zipfile
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +59,10 @@ class Chart:
         under "rod".
     growth_tolerance : float
         Growth, in ``growth_unit``, up to which a point counts as stable.
+    criterion : str
+        What "stable" means where it is not the equation's own stability; "" where it is.
+    undecided : int
+        Points that no method could decide; they count as not stable.
     version : str
         Version of the package that made it.
     """
@@ -71,6 +75,8 @@ class Chart:
     growth_unit: str
     subject: dict[str, Any]
     growth_tolerance: float
+    criterion: str
+    undecided: int
     version: str
 
     @property
@@ -79,7 +85,9 @@ class Chart:
         fixed = ", ".join(f"{name} {value:.6g} {unit}".strip() for name, value, unit in self.subject["fixed"])
         share = f"{100.0 * self.stable.mean():.1f} % of {self.stable.size} points stable"
         tolerance = f"; growth up to {self.growth_tolerance:g} {self.growth_unit} counts as stable"
-        return f"{self.subject['kind']}, {fixed}: {share}" + (tolerance if self.growth_tolerance else "")
+        text = f"{self.subject['kind']}, {fixed}: {share}" + (tolerance if self.growth_tolerance else "")
+        text += f"; {self.undecided} undecided" if self.undecided else ""
+        return text + (f"; {self.criterion}" if self.criterion else "")
 
     def __repr__(self) -> str:
         """Return the caption, axes included."""
@@ -105,6 +113,8 @@ class Chart:
             "growth_unit": self.growth_unit,
             "subject": self.subject,
             "growth_tolerance": self.growth_tolerance,
+            "criterion": self.criterion,
+            "undecided": self.undecided,
             "version": self.version,
         }
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
@@ -136,6 +146,8 @@ class Chart:
                 meta["growth_unit"],
                 meta["subject"],
                 meta["growth_tolerance"],
+                meta["criterion"],
+                meta["undecided"],
                 meta["version"],
             )
             if chart.stable.shape != (chart.y.values.size, chart.x.values.size):
@@ -151,7 +163,7 @@ class Chart:
         coords = {axis.name: (axis.name, axis.values, {"units": axis.unit}) for axis in (self.x, self.y)}
         names = ("stable", "growth_rate", "first_mode")
         data = {n: ((self.y.name, self.x.name), getattr(self, n)) for n in names if getattr(self, n) is not None}
-        attributes = {k: v for k, v in asdict(self).items() if k in ("growth_unit", "growth_tolerance", "version")}
+        attributes = {n: getattr(self, n) for n in ("growth_unit", "growth_tolerance", "criterion", "version")}
         return xarray.Dataset(data, coords, attributes)
 
 

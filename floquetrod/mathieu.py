@@ -6,17 +6,23 @@ those of the spectral method: exact counts for verdicts, Hill's determinants for
 
 from __future__ import annotations
 
+import functools
+import importlib
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import _validate
+from floquetrod import _validate, equations
 from floquetrod._compile import broadcast, over_chunks
 from floquetrod._version import __version__
 from floquetrod.characteristic import TransitionCurves, characteristic_values, transition_curves
 from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.criterion import PaperCriterion
+from floquetrod.equations import Equation, Mathieu, SquareWave
 from floquetrod.kernels import mathieu as kernels
+from floquetrod.verdict import stability
 
 __all__ = [
     "TransitionCurves",
@@ -117,8 +123,10 @@ def chart(
     beta: Any,
     damping: float = 0.0,
     *,
+    equation: Callable[[float, float, float], Equation] = Mathieu,
     growth: bool = False,
     growth_tolerance: float = 0.0,
+    criterion: PaperCriterion | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Chart:
@@ -130,10 +138,18 @@ def chart(
         Columns and rows.
     damping : float
         c, one value for the whole chart.
+    equation : callable (alpha, beta, damping) -> Equation
+        The family charted: `Mathieu`, `SquareWave`, or any function that returns an equation, such as
+        ``lambda a, b, c: Hill(b, sines=(a, 0.3 * a), damping=c)``.  Mathieu's is a thousand times faster than others,
+        which `floquetrod.stability` judges one by one.
     growth : bool
-        Whether to compute growth rates too, which costs about fifty times a verdict.
+        Whether to compute growth rates too, which costs about fifty times a verdict of Mathieu's equation.
     growth_tolerance : float
         Growth per unit tau up to which a point counts as stable.
+    criterion : PaperCriterion, optional
+        The paper's test in place of stability for ever; Mathieu's equation only.
+    workers : int, optional
+        Threads; by default one for each core when there is enough to do.
     progress : callable, optional
         Called with the numbers of points done and to do.
 
@@ -146,18 +162,66 @@ def chart(
     y = Axis("beta", r"\beta", "", axis_values("beta", beta))
     c = _validate.nonnegative("damping", damping)
     tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
-    rates = growth or tolerance > 0.0
+    if criterion is not None:
+        criterion.require_alone(growth_tolerance=tolerance)
+        equations.require(equation(0.0, 0.0, 0.0), (Mathieu,), by="PaperCriterion")
+    judge = _judge_mathieu if equation is Mathieu else functools.partial(_judge_each, equation)
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
-        if not rates:
-            return (is_stable(x.values, values, c, workers=workers),)
-        rate = growth_rate(x.values, values, c, workers=workers)
-        stable = rate <= tolerance if tolerance > 0.0 else is_stable(x.values, values, c, workers=workers)
-        return stable, rate
+        status, rate = judge(x.values, values, c, tolerance, growth, workers)
+        if criterion is not None:
+            status = criterion.is_stable(x.values, values, c, workers=workers).astype(np.int8)
+        return status, rate
 
-    stable, *rest = fill_rows(rows, y.values, x.values.size, (np.bool_, np.float64)[: 1 + rates], progress)
-    subject = {"kind": "Mathieu's equation", "fixed": [["damping", c, "per unit of tau"]]}
-    return Chart(x, y, stable, rest[0] if growth else None, None, "per tau", subject, tolerance, __version__)
+    status, rate = fill_rows(rows, y.values, x.values.size, (np.int8, np.float64), progress)
+    subject = {"kind": _name(equation(0.0, 0.0, 0.0)), "fixed": [["damping", c, "per unit of tau"]]}
+    return Chart(
+        x,
+        y,
+        status == 1,
+        rate if growth else None,
+        None,
+        "per tau",
+        subject,
+        tolerance,
+        "" if criterion is None else str(criterion),
+        int((status < 0).sum()),
+        __version__,
+    )
+
+
+def _judge_mathieu(
+    alpha: NDArray[np.float64], beta: NDArray[np.float64], c: float, tolerance: float, growth: bool, workers: int | None
+) -> tuple[Any, Any]:
+    """Return 1 where stable and 0 where not, and the growth rate where it was needed."""
+    rate = growth_rate(alpha, beta, c, workers=workers) if growth or tolerance > 0.0 else np.zeros(())
+    return (rate <= tolerance if tolerance > 0.0 else is_stable(alpha, beta, c, workers=workers)), rate
+
+
+def _judge_each(
+    equation: Callable[[float, float, float], Equation],
+    alpha: NDArray[np.float64],
+    beta: NDArray[np.float64],
+    c: float,
+    tolerance: float,
+    *_: Any,
+) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
+    """Return 1 where stable, 0 where not and -1 where undecided, and the growth rate, one equation after another."""
+    importlib.import_module("numba")  # once it is loaded, scalar methods run as machine code
+    status = np.empty((beta.size, alpha.size), dtype=np.int8)
+    rate = np.empty(status.shape)
+    for row, y in enumerate(beta.ravel().tolist()):
+        for column, x in enumerate(alpha.tolist()):
+            result = stability(equation(x, y, c))
+            rate[row, column] = result.growth_rate
+            small = 0.0 < result.growth_rate <= tolerance
+            status[row, column] = -1 if result.status == "undecided" else result.status == "stable" or small
+    return status, rate
+
+
+def _name(equation: Equation) -> str:
+    names = {Mathieu: "Mathieu's equation", SquareWave: "Meissner's equation (square wave)"}
+    return names.get(type(equation), "Hill's equation")
 
 
 def _arguments(alpha: Any, beta: Any, *damping: Any) -> tuple[tuple[int, ...], tuple[NDArray[np.float64], ...]]:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from floquetrod import _validate, units
 from floquetrod._compile import broadcast, over_chunks
+from floquetrod.criterion import PaperCriterion
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.load import AxialLoad
 from floquetrod.rod_data import MOST_MODES, NEGLIGIBLE_GROWTH, RodData
@@ -210,15 +211,22 @@ class Rod(RodData):
         frequency: Any,
         *,
         growth_tolerance: float = 0.0,
+        criterion: PaperCriterion | None = None,
         workers: int | None = None,
     ) -> Any:
         """Return whether the rod is stable, over arrays of loads (N, N, rad/s) that broadcast, all relevant modes.
+
+        A mode counts as stable up to ``growth_tolerance`` (1/s), or when it passes the ``criterion``.
 
         >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
         array([False, False])
         """
         tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
         shape, omega, family = self._loads(mean, amplitude, frequency)
+        if criterion is not None:
+            criterion.require_alone(growth_tolerance=tolerance)
+            out = criterion.modes_are_stable(family, self.damping_rate / omega, workers=workers)
+            return out.reshape(shape) if shape else bool(out[0])
         out = np.empty(omega.size, dtype=np.bool_)
         rates = (self.damping_rate / omega, tolerance / omega, NEGLIGIBLE_GROWTH / omega)
         over_chunks(kernels.modes_stable_fill, (*family, *rates), out, workers=workers, chunk=1024)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from floquetrod import _validate
 from floquetrod._version import __version__
 from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.criterion import PaperCriterion
 from floquetrod.rod import Rod
 
 _AXES = {
@@ -29,6 +30,8 @@ def stability_map(
     frequency: Any,
     growth: bool = False,
     growth_tolerance: float = 0.0,
+    damping: float | None = None,
+    criterion: PaperCriterion | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Chart:
@@ -43,6 +46,12 @@ def stability_map(
         Whether to compute the growth rate (1/s) and the fastest mode too.
     growth_tolerance : float
         Growth rate in 1/s up to which a mode counts as stable.
+    damping : float, optional
+        Decay rate of free motion in 1/s, in place of the rod's.
+    criterion : PaperCriterion, optional
+        The paper's test in place of stability for ever.
+    workers : int, optional
+        Threads; by default one for each core when there is enough to do.
     progress : callable, optional
         Called with the numbers of points done and to do.
 
@@ -62,13 +71,15 @@ def stability_map(
             f"or arrays; single numbers here: {', '.join(fixed) or 'none'}"
         )
     tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+    if damping is not None:
+        rod = rod.replace(damping_rate=damping)
     across, up = (name for name in _AXES if name not in fixed)
     x, y = (Axis(*_AXES[name], axis_values(name, given[name])) for name in (across, up))
     value = _validate.finite(fixed[0], given[fixed[0]])
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
         load = {across: x.values, up: values, fixed[0]: value}
-        stable = rod.is_stable(**load, growth_tolerance=tolerance, workers=workers)
+        stable = rod.is_stable(**load, growth_tolerance=tolerance, criterion=criterion, workers=workers)
         return (stable, *rod.fastest(**load, workers=workers)) if growth else (stable,)
 
     kinds = (np.bool_, np.float64, np.int64)[: 3 if growth else 1]
@@ -80,4 +91,5 @@ def stability_map(
         "rod": asdict(rod),
     }
     rate, mode = rest if growth else (None, None)
-    return Chart(x, y, stable, rate, mode, "1/s", subject, tolerance, __version__)
+    words = "" if criterion is None else str(criterion)
+    return Chart(x, y, stable, rate, mode, "1/s", subject, tolerance, words, 0, __version__)

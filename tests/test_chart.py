@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import matplotlib as mpl
@@ -10,6 +11,7 @@ import pytest
 from matplotlib import pyplot
 
 import floquetrod as fr
+from floquetrod.equations import Equation
 
 mpl.use("Agg")
 
@@ -52,6 +54,47 @@ def test_an_equation_chart_is_its_array_of_verdicts() -> None:
     assert tolerant.growth_rate is None
     assert (tolerant.stable & ~chart.stable).any()
     assert not (chart.stable & ~tolerant.stable).any()
+
+
+@pytest.mark.parametrize(
+    ("family", "kind"),
+    [
+        (fr.SquareWave, "Meissner's equation (square wave)"),
+        (lambda a, b, c: fr.Hill(b, sines=(a, 0.4 * a), cosines=(0.2 * a,), damping=c), "Hill's equation"),
+    ],
+)
+@pytest.mark.parametrize("damping", [0.0, 0.1])
+def test_charts_of_other_equations(
+    family: Callable[[float, float, float], Equation], kind: str, damping: float
+) -> None:
+    chart = fr.mathieu.chart((0.1, 3.0, 9), (-2.0, 0.5, 8), damping, equation=family, growth=True)
+    assert chart.caption.startswith(f"{kind}, damping")
+    assert chart.undecided == 0
+    assert chart.growth_rate is not None
+    for row, beta in enumerate(chart.y.values):
+        for column, alpha in enumerate(chart.x.values):
+            expected = fr.stability(family(float(alpha), float(beta), damping), method="reference", digits=30)
+            assert chart.stable[row, column] == expected.stable
+            assert chart.growth_rate[row, column] == pytest.approx(expected.growth_rate, rel=1e-8, abs=1e-12)
+    tolerant = fr.mathieu.chart((0.1, 3.0, 9), (-2.0, 0.5, 8), damping, equation=family, growth_tolerance=0.3)
+    assert np.array_equal(tolerant.stable, chart.stable | (chart.growth_rate <= 0.3))
+
+
+def test_undecided_points_are_counted_and_not_called_stable() -> None:
+    # alpha = 4, beta = -5: the square wave's discriminant touches 2 without crossing.
+    chart = fr.mathieu.chart((3.0, 4.0, 2), (-5.0, -4.0, 2), equation=fr.SquareWave)
+    decided = fr.stability(fr.SquareWave(4.0, -5.0)).status != "undecided"
+    assert chart.undecided == (0 if decided else 1)
+    assert chart.stable[0, 1] == decided
+    assert ("1 undecided" in chart.caption) != decided
+
+
+def test_a_map_takes_a_damping_rate() -> None:
+    load = {"mean": (0.0, 1.1 * FCR, 12), "amplitude": 0.2 * FCR, "frequency": (20.0, 200.0, 17)}
+    damped = fr.stability_map(ROD, damping=2.0, **load)
+    assert np.array_equal(damped.stable, fr.stability_map(ROD.replace(damping_rate=2.0), **load).stable)
+    assert damped.subject["rod"]["damping_rate"] == 2.0
+    assert damped.stable.sum() > small_map().stable.sum()
 
 
 def test_progress_and_blocks() -> None:
@@ -101,6 +144,15 @@ def test_damaged_and_foreign_files(tmp_path: Path) -> None:
     for name in ("half.npz", "text.npz", "other.npz", "absent.npz"):
         with pytest.raises(ValueError, match=f"{name} is not a chart that can be read"):
             fr.Chart.load(tmp_path / name)
+
+
+def test_a_chart_as_an_xarray_dataset() -> None:
+    chart = small_map()
+    data = chart.to_xarray()
+    assert np.array_equal(data["stable"], chart.stable)
+    assert np.array_equal(data["growth_rate"].sel(frequency=chart.x.values[3]), chart.growth_rate[:, 3])
+    assert data["mean force"].attrs == {"units": "N"}
+    assert data.attrs["growth_unit"] == "1/s"
 
 
 @pytest.mark.parametrize("growth", [True, False])

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 
 import floquetrod as fr
 from floquetrod._compile import compiled
-from floquetrod.kernels.leapfrog import leapfrog_fill, leapfrog_run
+from floquetrod.kernels.leapfrog import leapfrog_run
 from floquetrod.methods.leapfrog import leapfrog
 from strategies import decades, hills, mathieus, square_waves
 
@@ -102,32 +102,6 @@ def test_the_threshold_depends_on_where_the_growing_mode_stands_at_the_end() -> 
     # Without forcing A = sinh(g tau) / g, and 1 / g makes up for growth of less than 0.022.
     assert leapfrog(fr.Mathieu(0.0, 0.02**2)).status == "unstable"
     assert fr.stability(fr.Mathieu(0.0, 0.02**2)).growth_rate < threshold
-
-
-def test_arrays_end_where_stepping_ends(rng: np.random.Generator) -> None:
-    count, periods = 100, 13
-    sine = np.sin(np.arange(count) * (2.0 * math.pi / count))
-    alpha, beta = rng.uniform(-2.0, 2.0, 20), rng.uniform(-1.5, 0.5, 20)
-    damping = rng.choice([0.0, 0.05], 20)
-    out, plain = np.empty(20), [0.0] * 20
-    compiled(leapfrog_fill)(alpha, beta, damping, sine, periods, out)
-    leapfrog_fill(alpha.tolist(), beta.tolist(), damping.tolist(), sine.tolist(), periods, plain)
-    for i in range(20):
-        table = beta[i] + alpha[i] * sine
-        a, v, taken = compiled(leapfrog_run)(table, 1, 2.0 * math.pi / count, damping[i], periods, 0.0, 1.0)
-        # Where A crosses zero its logarithm has no digits: compare A itself, in units of the whole motion.
-        size = math.hypot(a, v)
-        for log10_ratio in (out[i], plain[i]):
-            assert 10.0**log10_ratio == pytest.approx(abs(a) * math.exp(taken), abs=1e-9 * size * math.exp(taken))
-
-
-def test_arrays_survive_huge_growth_and_strong_damping() -> None:
-    sine = np.sin(np.arange(2000) * (2.0 * math.pi / 2000))
-    out = np.empty(2)
-    compiled(leapfrog_fill)(np.zeros(2), np.array([1e4, -0.25]), np.array([0.0, 60.0]), sine, 100, out)
-    assert out[0] == pytest.approx((200.0 * math.pi * 100.0 - math.log(200.0)) / math.log(10.0), rel=1e-2)
-    # Overdamped: the slower exponent is close to -0.25 / (2 c).
-    assert out[1] == pytest.approx((-0.125 / 60.0 * 200.0 * math.pi - math.log(120.0)) / math.log(10.0), rel=1e-2)
 
 
 def test_strong_damping_keeps_its_discriminant() -> None:

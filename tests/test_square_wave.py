@@ -5,13 +5,10 @@ from __future__ import annotations
 import cmath
 import math
 
-import numpy as np
 import pytest
 from hypothesis import given, settings
 
 import floquetrod as fr
-from floquetrod._compile import compiled
-from floquetrod.kernels.square_wave import square_wave_stable_fill
 from floquetrod.methods.monodromy import monodromy
 from floquetrod.methods.square_wave import square_wave
 from strategies import square_waves
@@ -67,20 +64,6 @@ def test_a_degenerate_boundary_is_undecided_by_doubles_and_proved_by_intervals()
     equation = fr.SquareWave(4.0, -5.0)
     assert square_wave(equation).status == "undecided"
     assert fr.certify(equation).status == "stable"
-
-
-@pytest.mark.kernels
-def test_verdicts_over_arrays_are_those_of_the_method(rng: np.random.Generator) -> None:
-    alpha, beta = rng.uniform(-20.0, 20.0, 300), rng.uniform(-20.0, 5.0, 300)
-    out, plain = np.empty(300, dtype=bool), [False] * 300
-    compiled(square_wave_stable_fill)(alpha, beta, out)
-    square_wave_stable_fill(alpha.tolist(), beta.tolist(), plain)
-    for point, verdict, interpreted in zip(zip(alpha, beta, strict=True), out, plain, strict=True):
-        result = square_wave(fr.SquareWave(*point))
-        if result.status != "undecided":
-            assert verdict == interpreted == result.stable
-    assert out.any()
-    assert not out.all()
 
 
 @given(square_waves())

@@ -33,6 +33,11 @@ def add(commands: Any) -> None:
     chart.add_argument("--points", default="400x300", help="columns x rows (default 400x300)")
     chart.add_argument("--growth", action="store_true", help="shade by growth rate")
     chart.add_argument(
+        "--paper-criterion",
+        choices=("exact", "leapfrog"),
+        help="the paper's test (a millionfold growth in 100 periods) in place of stability, computed in this way",
+    )
+    chart.add_argument(
         "--mark", help="a point to mark: both varied quantities, in the order mean, amplitude, frequency"
     )
     chart.add_argument("--out", action="append", required=True, type=Path, help="file to write; may be repeated")
@@ -61,8 +66,9 @@ def _map(options: argparse.Namespace) -> str:
         for name, ends in values.items()
     }
     tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
+    criterion = None if options.paper_criterion is None else fr.PaperCriterion(by=options.paper_criterion)
     chart = fr.stability_map(
-        rod, **load, growth=options.growth, growth_tolerance=tolerance, progress=Progress("points")
+        rod, **load, growth=options.growth, growth_tolerance=tolerance, criterion=criterion, progress=Progress("points")
     )
     point = None
     if options.mark is not None:

@@ -710,6 +710,13 @@ def modes_needed(big_a: float, big_b: float, big_c: float, big_d: float, target:
 
 
 @kernel
+def modes_needed_fill(big_a: Any, big_b: Any, big_c: Any, big_d: Any, target: Any, out: Any) -> None:
+    """Fill ``out`` with `modes_needed`."""
+    for i in range(len(big_a)):
+        out[i] = modes_needed(big_a[i], big_b[i], big_c[i], big_d[i], target[i])
+
+
+@kernel
 def modes_stable_fill(
     big_a: Any, big_b: Any, big_c: Any, big_d: Any, damping: Any, tolerance: Any, smallest: Any, out: Any
 ) -> None:

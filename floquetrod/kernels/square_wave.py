@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from floquetrod._compile import kernel
 
@@ -64,11 +63,3 @@ def square_wave_excess(high: float, low: float, slack: float) -> tuple[int, floa
     x = first * second
     dx = dfirst * abs(second) + dsecond * abs(first) + dfirst * dsecond + 4.0 * _EPS * abs(x)
     return sign, x, e, dx / max(one, abs(x))
-
-
-@kernel
-def square_wave_stable_fill(alpha: Any, beta: Any, out: Any) -> None:
-    """Fill ``out`` with whether every solution is bounded, by the sign of X: within its rounding of zero, a guess."""
-    for i in range(len(alpha)):
-        _, x, _, _ = square_wave_excess(beta[i] + alpha[i], beta[i] - alpha[i], 0.0)
-        out[i] = x < 0.0

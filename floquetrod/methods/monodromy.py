@@ -13,11 +13,9 @@ from numpy.typing import NDArray
 from floquetrod import _validate, equations
 from floquetrod._compile import compiled, fastest
 from floquetrod.equations import Equation, Mathieu, SquareWave
-from floquetrod.kernels.taylor import advance
+from floquetrod.kernels.taylor import ORDER, REACH, advance
 from floquetrod.result import Cost, Stability, judge
 
-ORDER = 24
-_REACH = 1.9  # step times frequency at which the 24th-order remainder is about rounding (measured)
 _MOST_STEPS = 1_000_000
 _EPS = 2.220446049250313e-16
 
@@ -185,7 +183,7 @@ def _frequency(piece: _Piece, period: float) -> float:
 
 def _needed(pieces: list[_Piece], frequency: float) -> float:
     """Return the steps of the first two maps together, possibly infinite."""
-    return 3.0 * frequency * math.fsum(piece.length for piece in pieces) / _REACH
+    return 3.0 * frequency * math.fsum(piece.length for piece in pieces) / REACH
 
 
 def _converged(pieces: list[_Piece], period: float, frequency: float, rtol: float) -> tuple[_Map, float, int]:
