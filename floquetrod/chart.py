@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -15,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate
+from floquetrod._files import whole_file
 
 _FORMAT = "floquetrod chart 1"
 _AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
@@ -117,14 +116,8 @@ class Chart:
             "undecided": self.undecided,
             "version": self.version,
         }
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as file:
-                np.savez_compressed(file, meta=np.array(json.dumps(meta)), **arrays)
-            Path(temporary).replace(path)
-        except BaseException:
-            Path(temporary).unlink(missing_ok=True)
-            raise
+        with whole_file(path) as file:
+            np.savez_compressed(file, meta=np.array(json.dumps(meta)), **arrays)
         return path
 
     @classmethod

@@ -10,7 +10,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import KINDS, add_command, add_rod, number, read_quantity, read_rod
+from floquetrod.cli.common import KINDS, Answer, add_command, add_rod, number, read_quantity, read_rod
 
 _HELP = """\
 Judge a rod under an axial load: stable or not, which modes grow, how fast, and how far the load is from a change.
@@ -39,12 +39,12 @@ def add(commands: Any) -> None:
 _LAST_MODE = 20_000  # far beyond any mode that matters: a slip of the keyboard must not fill the memory (a choice)
 
 
-def _check(options: argparse.Namespace) -> str:
+def _check(options: argparse.Namespace) -> Answer:
     rod = read_rod(options)
     load = fr.AxialLoad(**{name: read_quantity(getattr(options, name), name, rod) for name in KINDS})
     tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
     result = rod.stability(load, modes=_modes(options.modes), growth_tolerance=tolerance)
-    return json.dumps(_record(result), indent=2, allow_nan=False) if options.json else _report(result)
+    return Answer(json.dumps(_record(result), indent=2, allow_nan=False) if options.json else _report(result))
 
 
 def _modes(text: str | None) -> list[int] | None:

@@ -6,13 +6,20 @@ import argparse
 import math
 import sys
 import time
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 import floquetrod as fr
 from floquetrod import units
 
 KINDS = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
 """Quantities of a load and their kind."""
+
+
+class Answer(NamedTuple):
+    """What a command prints, and its exit status."""
+
+    text: str
+    status: int = 0
 
 
 class Parser(argparse.ArgumentParser):

@@ -7,7 +7,7 @@ import json
 from typing import Any
 
 import floquetrod as fr
-from floquetrod.cli.common import add_command, number
+from floquetrod.cli.common import Answer, add_command, number
 
 _HELP = """\
 Judge one equation A'' + 2 c A' = (beta + alpha sin tau) A by every method and show where they agree.
@@ -27,11 +27,11 @@ def add(commands: Any) -> None:
     compare.add_argument("--wave", choices=("sine", "square"), default="sine", help="shape of the coefficient")
 
 
-def _compare(options: argparse.Namespace) -> str:
+def _compare(options: argparse.Namespace) -> Answer:
     kind = fr.SquareWave if options.wave == "square" else fr.Mathieu
     comparison = fr.compare(kind(options.alpha, options.beta, options.damping))
     if not options.json:
-        return repr(comparison)
+        return Answer(repr(comparison))
     rows = [
         {
             "method": r.method,
@@ -52,4 +52,4 @@ def _compare(options: argparse.Namespace) -> str:
         "methods": rows,
         "version": fr.__version__,
     }
-    return json.dumps(record, indent=2, allow_nan=False)
+    return Answer(json.dumps(record, indent=2, allow_nan=False))

@@ -10,20 +10,23 @@ import warnings
 from collections.abc import Sequence
 
 import floquetrod as fr
-from floquetrod.cli import check, compare, ranges, stability_map
+from floquetrod.cli import check, compare, ranges, reproduce, stability_map
 from floquetrod.cli.common import Parser
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command; return 0 when it answered, 2 for input it cannot use, 130 after Ctrl-C."""
+    """Run the command and return the exit status.
+
+    0: it answered; 1: `reproduce` lost a finding; 2: input it cannot use; 130: Ctrl-C.
+    """
     try:
         options = _parser().parse_args(_attached(sys.argv[1:] if argv is None else argv))
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", fr.UniformForceWarning)
-            text = options.run(options)
+            answer = options.run(options)
         for warning in caught:
             print(f"floquetrod: warning: {warning.message}", file=sys.stderr)
-        print(text, flush=True)
+        print(answer.text, flush=True)
     except BrokenPipeError:  # the reader, head say, has seen enough; keep the interpreter from writing more at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
@@ -36,7 +39,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         print("floquetrod: interrupted", file=sys.stderr)
         return 130
-    return 0
+    return int(answer.status)
 
 
 def _attached(arguments: Sequence[str]) -> list[str]:
@@ -61,6 +64,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"floquetrod {fr.__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="command", parser_class=Parser)
-    for module in (check, ranges, stability_map, compare):
+    for module in (check, ranges, stability_map, compare, reproduce):
         module.add(commands)
     return parser

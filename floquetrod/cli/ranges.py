@@ -8,7 +8,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import KINDS, add_command, add_rod, read_quantity, read_rod
+from floquetrod.cli.common import KINDS, Answer, add_command, add_rod, read_quantity, read_rod
 
 _HELP = """\
 List every stable interval of one quantity of the load: give the other two, and what to search.
@@ -32,7 +32,7 @@ def add(commands: Any) -> None:
     ranges.add_argument("--frequency", required=True, help="frequency, or a range such as 10Hz:60Hz")
 
 
-def _ranges(options: argparse.Namespace) -> str:
+def _ranges(options: argparse.Namespace) -> Answer:
     rod = read_rod(options)
     texts = {name: getattr(options, name) for name in KINDS}
     varied = [name for name, text in texts.items() if ":" in text]
@@ -53,7 +53,7 @@ def _ranges(options: argparse.Namespace) -> str:
         search = rod.stable_mean_forces if varied[0] == "mean" else rod.stable_amplitudes
         found = search(**fixed, upto=high, growth_tolerance=tolerance)
     if not options.json:
-        return repr(found)
+        return Answer(repr(found))
     unit = "N" if found.unit == "N" else "rad_per_s"
     record = {
         "quantity": found.quantity,
@@ -67,4 +67,4 @@ def _ranges(options: argparse.Namespace) -> str:
         "ends_are": "[mode, tongue], or null at an end of the search",
         "version": fr.__version__,
     }
-    return json.dumps(record, indent=2, allow_nan=False)
+    return Answer(json.dumps(record, indent=2, allow_nan=False))

@@ -9,7 +9,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import KINDS, Progress, add_command, add_rod, read_quantity, read_rod
+from floquetrod.cli.common import KINDS, Answer, Progress, add_command, add_rod, read_quantity, read_rod
 
 _HELP = """\
 Draw a rod's stability over two of mean force, amplitude and frequency; the third is fixed.
@@ -43,7 +43,7 @@ def add(commands: Any) -> None:
     chart.add_argument("--out", action="append", required=True, type=Path, help="file to write; may be repeated")
 
 
-def _map(options: argparse.Namespace) -> str:
+def _map(options: argparse.Namespace) -> Answer:
     from floquetrod.plotting import charts
 
     rod = read_rod(options)
@@ -95,5 +95,5 @@ def _map(options: argparse.Namespace) -> str:
             "stable_share": share,
             "version": fr.__version__,
         }
-        return json.dumps(record, indent=2, allow_nan=False)
-    return f"{chart.caption}\nwritten: {', '.join(written)}"
+        return Answer(json.dumps(record, indent=2, allow_nan=False))
+    return Answer(f"{chart.caption}\nwritten: {', '.join(written)}")

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod._files import whole_file
+
 
 def draw_chart(chart: Any, ax: Any = None) -> Any:
     """Draw a `floquetrod.chart.Chart`: white where stable, grey where not, darker with growth where it is known."""
@@ -66,7 +68,8 @@ def save_figure(ax: Any, path: str | Path) -> Path:
     from matplotlib import pyplot
 
     path = Path(path)
-    ax.figure.savefig(path, dpi=150)
+    with whole_file(path) as file:
+        ax.figure.savefig(file, dpi=150, format=path.suffix[1:] or "png")
     pyplot.close(ax.figure)
     return path
 

@@ -1,0 +1,135 @@
+"""The study's figures without friction, computed from nothing: Figures 2, 3 and 8 of DOI 10.1115/1.4031710."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import mathieu
+from floquetrod.equations import Mathieu
+from floquetrod.load import AxialLoad
+from floquetrod.methods.determinant import determinant
+from floquetrod.methods.square_wave import square_wave
+from floquetrod.paper.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
+from floquetrod.plotting import paper as drawing
+from floquetrod.plotting.paper import Band, Tongue
+from floquetrod.rod_tongues import unstable_mean_forces
+
+LOADS = (0.288, 85.0), (0.20, 150.0), (0.34, 150.0)
+"""Mean forces in F_cr and frequencies in rad/s of Figure 2(b)-(d), all at 0.2 F_cr: our choice.
+
+The first is unstable in a tongue the 100-period test cannot see, the others are of claim F3-b.
+"""
+
+SHOWN = 1e-4
+"""Growth per unit tau from which Figure 3(a)-(d) shows a tongue: weaker ones, fine as hairs, would cover the page."""
+
+
+def figure_2() -> Any:
+    """Draw the stability chart by leapfrog under the exact curves, and the first ten modes under three loads."""
+    figure, axes = drawing.panels(2, 2, (8.0, 7.4))
+    alpha, beta = window(100)
+    curves = mathieu.transition_curves(np.linspace(*WINDOW[0], 400), range(7))
+    drawing.draw_plane(axes[0], alpha, beta.ravel(), ~LEAPFROG.is_stable(alpha, beta), curves)
+    for ax, (force, frequency) in zip(axes[1:], LOADS, strict=True):
+        load = AxialLoad(force * UNIT, 0.2 * UNIT, frequency)
+        mode_alpha, mode_beta = ROD.mode_parameters(load, range(1, 11))
+        fine_alpha = np.linspace(0.0, 1.25 * mode_alpha[-1], 500)
+        fine_beta = np.linspace(1.1 * mode_beta.min(), -0.3 * mode_beta.min(), 500)
+        exact = ~mathieu.is_stable(fine_alpha, fine_beta[:, None])
+        drawing.draw_plane(ax, fine_alpha, fine_beta, exact, mathieu.transition_curves(fine_alpha, range(4)))
+        drawing.draw_modes(ax, mode_alpha, mode_beta, ~mathieu.is_stable(mode_alpha, mode_beta))
+        words = rf"$F_\mathrm{{ave}} = {force:g}\,F_\mathrm{{cr}}$, $\omega = {frequency:g}$ rad/s"
+        ax.set_title(words, fontsize="medium")
+    drawing.caption(
+        figure,
+        "(a) Unstable points (grey) of a 100 x 100 chart by the 100-period leapfrog test, and the exact transition "
+        "curves of orders 0 to 6. (b)-(d) The first ten modes of the reference rod under three loads of amplitude "
+        "0.2 F_cr on the exact chart (grey: unstable): filled where unstable, which is mode 8 in (b), in a tongue the "
+        "test is blind to, and mode 7 in (c).",
+        112,
+    )
+    return figure
+
+
+def figure_3(points: tuple[int, int]) -> Any:
+    """Draw maps over frequency and mean force at four amplitudes, and the unstable modes at two frequencies."""
+    figure, axes = drawing.panels(3, 2, (8.0, 10.4))
+    omega, force = np.linspace(20.0, 200.0, points[0]), np.linspace(0.0, 1.1, points[1])
+    for ax, amplitude in zip(axes, (0.1, 0.2, 0.3, 0.5), strict=False):
+        failing = ~ROD.is_stable(force[:, None] * UNIT, amplitude * UNIT, omega, criterion=EXACT)
+        drawing.draw_map(ax, omega, force, failing, tongues(amplitude, omega[::2], force[-1]))
+        ax.set_title(rf"$\Delta F = {amplitude}\,F_\mathrm{{cr}}$", fontsize="medium")
+    for ax, frequency in zip(axes[4:], (85.0, 150.0), strict=True):
+        drawing.draw_bands(ax, unstable_bands(0.2, frequency, 1.1), 1.1)
+        ax.set_title(rf"$\Delta F = 0.2\,F_\mathrm{{cr}}$, $\omega = {frequency:g}$ rad/s", fontsize="medium")
+    drawing.caption(
+        figure,
+        "(a)-(d) The reference rod: dark where the 100-period test fails, light where the rod is unstable but grows "
+        f"too slowly for it (between {SHOWN:g} and about {EXACT.threshold:.3f} per unit tau; weaker tongues are left "
+        "out). (e), (f) The unstable modes against the mean force, exact and complete: dark where growth passes that "
+        "threshold.",
+        112,
+    )
+    return figure
+
+
+def unstable_bands(amplitude: float, frequency: float, upto: float) -> list[Band]:
+    """Return every unstable interval of the mean force (all in F_cr), mode by mode, thin ones first."""
+    last = ROD.modes_needed(AxialLoad(upto * UNIT, amplitude * UNIT, frequency))[0]
+    load, modes = AxialLoad(0.0, amplitude * UNIT, frequency), range(1, last + 1)
+    return [
+        Band(r.low / UNIT, r.high / UNIT, r.mode, tolerance > 0.0)
+        for tolerance in (0.0, EXACT.threshold * frequency)
+        for r in unstable_mean_forces(ROD, load, modes, tolerance, 0.0, upto * UNIT)
+    ]
+
+
+def tongues(amplitude: float, omega: NDArray[np.float64], upto: float) -> list[Tongue]:
+    """Return every tongue of every mode that grows by more than `SHOWN` somewhere, as curves over frequency."""
+    found: dict[tuple[int, int], list[tuple[int, float, float]]] = {}
+    for column, frequency in enumerate(omega.tolist()):
+        top = AxialLoad(upto * UNIT, amplitude * UNIT, frequency)
+        modes = range(1, ROD.modes_needed(top, SHOWN * frequency)[0] + 1)
+        bands = unstable_mean_forces(ROD, top, modes, 0.0, 0.0, upto * UNIT)
+        middles = np.array([0.5 * (max(band.low, 0.0) + min(band.high, upto * UNIT)) for band in bands])
+        inertia = ROD.mass_per_length * frequency**2
+        w2 = np.array([ROD.wavenumber(band.mode) ** 2 for band in bands])
+        stiffness = ROD.flexural_rigidity * w2 * w2 / inertia + (ROD.pendulum_frequency / frequency) ** 2
+        growth = mathieu.growth_rate(w2 * amplitude * UNIT / inertia, w2 * middles / inertia - stiffness)
+        for band, rate in zip(bands, growth, strict=True):
+            if rate > SHOWN:
+                found.setdefault((band.mode, band.tongue), []).append((column, band.low / UNIT, band.high / UNIT))
+    result = []
+    for ends in found.values():
+        low, high = np.full(omega.size, np.nan), np.full(omega.size, np.nan)
+        for column, *pair in ends:
+            low[column], high[column] = pair
+        result.append(Tongue(omega, low, np.minimum(high, upto)))
+    return result
+
+
+def figure_8(points: int) -> Any:
+    """Draw the boundaries by Hill's determinants and by the square wave over the leapfrog chart."""
+    figure, axes = drawing.panels(1, 2, (8.0, 4.4))
+    alpha, beta = window(100)
+    unstable = ~LEAPFROG.is_stable(alpha, beta)
+    fine_alpha, fine_beta = window(points)
+    for ax, name, method in (
+        (axes[0], "Hill, 40 and 41 rows", functools.partial(determinant, terms=40)),
+        (axes[1], "square wave", square_wave),
+    ):
+        drawing.draw_plane(ax, alpha, beta.ravel(), unstable)
+        values = [[method(Mathieu(float(x), float(y))).discriminant for x in fine_alpha] for y in fine_beta.ravel()]
+        drawing.draw_boundary(ax, fine_alpha, fine_beta.ravel(), np.array(values))
+        ax.set_title(name, fontsize="medium")
+    drawing.caption(
+        figure,
+        "Unstable points (grey) by the 100-period leapfrog test, and the boundaries (black), where the discriminant is "
+        "2 or -2, by (a) Hill's determinants of 40 and 41 rows and (b) a square wave in place of the sine.",
+        112,
+    )
+    return figure

@@ -1,0 +1,76 @@
+"""Make the study again: every figure, every claim, and the report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from floquetrod._files import whole_file
+from floquetrod.paper import figures
+from floquetrod.paper.claims import Claim, frictionless_claims
+from floquetrod.paper.report import write_report
+
+_DPI = 200
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What was found and what was written."""
+
+    claims: tuple[Claim, ...]
+    written: tuple[Path, ...]
+
+    @property
+    def lost(self) -> tuple[Claim, ...]:
+        """Claims that no longer come out as this package says they do."""
+        return tuple(claim for claim in self.claims if not claim.holds)
+
+
+def reproduce(
+    folder: Path, *, quick: bool = False, progress: Callable[[str, int, int], None] | None = None
+) -> Reproduction:
+    """Compute claims and figures, and write them to a folder, which is made if it is not there.
+
+    Parameters
+    ----------
+    folder : Path
+        Where figure_2.png, figure_3.png, figure_8.png, claims.md, claims.json and report.html go.
+    quick : bool
+        Coarser maps.
+    progress : callable, optional
+        Called before each step with its name, its number and how many there are, and at the end.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    drawings = _drawings(quick)
+    tests = frictionless_claims(50 if quick else 100)
+    total = len(drawings) + len(tests)
+    say = progress or (lambda *_: None)
+    pictures: dict[str, Path] = {}
+    for done, (title, name, draw) in enumerate(drawings):
+        say(title, done, total)
+        pictures[title] = _save(draw(), folder / name)
+    claims = []
+    for done, (name, compute) in enumerate(tests.items(), start=len(drawings)):
+        say(f"Claim {name}", done, total)
+        claims.append(compute())
+    say("Report", total, total)
+    reports = write_report(folder, claims, pictures)
+    return Reproduction(tuple(claims), (*pictures.values(), *reports))
+
+
+def _drawings(quick: bool) -> list[tuple[str, str, Callable[[], Any]]]:
+    """Return title, file and function of each figure."""
+    points, fine = ((120, 100), 60) if quick else ((480, 400), 240)
+    return [
+        ("Figure 2: the stability chart and the modes", "figure_2.png", figures.figure_2),
+        ("Figure 3: stability of the rod", "figure_3.png", lambda: figures.figure_3(points)),
+        ("Figure 8: Hill's determinants and the square wave", "figure_8.png", lambda: figures.figure_8(fine)),
+    ]
+
+
+def _save(figure: Any, path: Path) -> Path:
+    with whole_file(path) as file:
+        figure.savefig(file, dpi=_DPI, format="png")
+    return path

@@ -1,0 +1,134 @@
+"""The study's figures, in its layout: data come ready, this file draws them."""
+
+from __future__ import annotations
+
+import textwrap
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+UNSTABLE, THIN = "0.5", "0.8"
+"""Greys of what the 100-period test sees, and of what only the exact verdict does."""
+
+
+class Band(NamedTuple):
+    """An unstable interval of mean force (F_cr) of one mode; ``seen``: growth passes the test's threshold."""
+
+    low: float
+    high: float
+    mode: int
+    seen: bool
+
+
+class Tongue(NamedTuple):
+    """One tongue of one mode: its ends in mean force (F_cr) over frequency (rad/s), NaN where too weak to show."""
+
+    omega: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+
+
+def draw_plane(
+    ax: Any,
+    alpha: NDArray[np.float64],
+    beta: NDArray[np.float64],
+    unstable: NDArray[np.bool_],
+    curves: Any = None,
+) -> None:
+    """Draw unstable points of the (alpha, beta) plane in grey under the transition curves, if given."""
+    _shade(ax, alpha, beta, unstable, UNSTABLE)
+    if curves is not None:
+        for values in (*curves.even, *curves.odd):
+            ax.plot(curves.alpha, values, color="black", linewidth=0.7)
+    ax.set_xlim(alpha[0], alpha[-1])
+    ax.set_ylim(beta[0], beta[-1])
+    ax.set_xlabel(r"$\alpha$")
+    ax.set_ylabel(r"$\beta$")
+
+
+def draw_boundary(
+    ax: Any, alpha: NDArray[np.float64], beta: NDArray[np.float64], discriminant: NDArray[np.float64]
+) -> None:
+    """Draw where the discriminant is 2 or -2; its inverse hyperbolic sine is smooth enough to interpolate."""
+    level = float(np.arcsinh(2.0))
+    ax.contour(
+        alpha, beta, np.arcsinh(discriminant), levels=[-level, level], colors="black", linewidths=0.8, linestyles="-"
+    )
+
+
+def draw_modes(ax: Any, alpha: NDArray[np.float64], beta: NDArray[np.float64], unstable: NDArray[np.bool_]) -> None:
+    """Mark modes 1, 2, ... at (alpha, beta): filled where unstable, numbered where there is room."""
+    ax.plot(alpha, beta, color="black", linewidth=0.5)
+    for i, (x, y) in enumerate(zip(alpha, beta, strict=True)):
+        ax.plot(x, y, "o", markersize=5, color="black", markerfacecolor="black" if unstable[i] else "white", zorder=3)
+    box = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none"}
+    last = None
+    for i, place in enumerate(zip(alpha, beta, strict=True)):
+        here = ax.transData.transform(place)
+        if last is not None and abs(here - last).max() < 12.0:
+            continue  # no room for its number
+        last = here
+        ax.annotate(
+            str(i + 1),
+            place,
+            xytext=(0, 9),
+            textcoords="offset points",
+            fontsize="x-small",
+            bbox=box,
+            ha="center",
+            va="center",
+        )
+
+
+def draw_map(
+    ax: Any,
+    omega: NDArray[np.float64],
+    force: NDArray[np.float64],
+    failing: NDArray[np.bool_],
+    tongues: list[Tongue],
+) -> None:
+    """Draw a map over frequency (rad/s) and mean force (F_cr): dark where the test fails, light where it is blind."""
+    for tongue in tongues:
+        ax.fill_between(tongue.omega, tongue.low, tongue.high, facecolor=THIN, edgecolor=THIN, linewidth=0.8)
+    _shade(ax, omega, force, failing, UNSTABLE)
+    ax.set_xlim(omega[0], omega[-1])
+    ax.set_ylim(force[0], force[-1])
+    ax.set_xlabel(r"$\omega$ / (rad/s)")
+    ax.set_ylabel(r"$F_\mathrm{ave} / F_\mathrm{cr}$")
+
+
+def draw_bands(ax: Any, bands: list[Band], upto: float) -> None:
+    """Draw the unstable intervals of the mean force, a row for each mode."""
+    for band in bands:
+        grey = UNSTABLE if band.seen else THIN
+        ax.broken_barh([(band.low, band.high - band.low)], (band.mode - 0.4, 0.8), facecolor=grey, edgecolor="none")
+        ax.plot([band.low, band.low], [band.mode - 0.4, band.mode + 0.4], color=grey, linewidth=1.0)  # however thin
+    ax.set_xlim(0.0, upto)
+    ax.set_ylim(0.4, max((band.mode for band in bands), default=1) + 0.6)
+    ax.set_xlabel(r"$F_\mathrm{ave} / F_\mathrm{cr}$")
+    ax.set_ylabel("unstable mode $m$")
+    ax.yaxis.get_major_locator().set_params(integer=True)
+
+
+def panels(rows: int, columns: int, size: tuple[float, float]) -> tuple[Any, list[Any]]:
+    """Return a figure and its axes, lettered (a), (b), ... along the rows."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    axes = list(np.ravel(figure.subplots(rows, columns)))
+    for letter, ax in zip("abcdefgh", axes, strict=False):
+        ax.set_title(f"({letter})", loc="left", fontsize="medium")
+    return figure, axes
+
+
+def caption(figure: Any, text: str, width: int) -> None:
+    """Write the caption under the figure."""
+    figure.supxlabel("\n".join(textwrap.wrap(text, width)), fontsize="small", x=0.01, ha="left")
+
+
+def _shade(ax: Any, x: NDArray[np.float64], y: NDArray[np.float64], where: NDArray[np.bool_], grey: str) -> None:
+    from matplotlib.colors import ListedColormap
+
+    shown = np.ma.masked_where(~where, np.ones(where.shape))
+    ax.pcolormesh(x, y, shown, cmap=ListedColormap([grey]), rasterized=True)

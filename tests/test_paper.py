@@ -1,0 +1,127 @@
+"""The published study made again: every claim comes out as documented, every picture is labelled."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib import pyplot
+
+import floquetrod as fr
+from floquetrod import cli
+from floquetrod.paper import claims, figures, reproduction
+from floquetrod.paper.claims import ROD, UNIT
+from floquetrod.paper.reproduction import reproduce
+
+
+@pytest.fixture(scope="module")
+def made(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> tuple[Path, reproduction.Reproduction, Steps]:
+    """Return a quick reproduction: its folder, its result and the progress it reported."""
+    folder = tmp_path_factory.mktemp("paper") / "new"
+    seen: Steps = []
+    return folder, reproduce(folder, quick=True, progress=lambda *step: seen.append(step)), seen
+
+
+def test_every_claim_comes_out(made: tuple[Path, reproduction.Reproduction, object]) -> None:
+    _, result, _ = made
+    assert not result.lost, [claim.computed for claim in result.lost]
+    assert [claim.id for claim in result.claims] == list(claims.frictionless_claims(10))
+    assert [claim.id for claim in result.claims if not claim.agrees] == ["F3-a", "F3-map"]
+    assert all(claim.why for claim in result.claims if not claim.agrees)
+
+
+def test_progress_ends_at_the_end(made: tuple[Path, reproduction.Reproduction, Steps]) -> None:
+    _, result, seen = made
+    total = seen[-1][2]
+    assert [done for _, done, _ in seen] == list(range(total + 1))
+    assert total == len(result.claims) + 3
+
+
+def test_the_report_is_whole(made: tuple[Path, reproduction.Reproduction, object]) -> None:
+    folder, result, _ = made
+    assert {path.name for path in folder.iterdir()} == {path.name for path in result.written}
+    record = json.loads((folder / "claims.json").read_text())
+    assert [claim["computed"] for claim in record["claims"]] == [claim.computed for claim in result.claims]
+    table = [line for line in (folder / "claims.md").read_text().splitlines() if line.startswith("| F")]
+    assert len(table) == len(result.claims)
+    assert all(line.count(" | ") == 4 for line in table)
+
+    class Page(HTMLParser):
+        rows = images = 0
+        outside: list[str] = []  # noqa: RUF012
+
+        def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+            self.rows += tag == "tr"
+            source = dict(attrs).get("src", "")
+            if tag == "img":
+                self.images += 1
+                if not str(source).startswith("data:image/png;base64,"):
+                    self.outside.append(str(source))
+
+    page = Page()
+    page.feed((folder / "report.html").read_text())
+    assert (page.rows, page.images, page.outside) == (len(result.claims) + 1, 3, [])
+
+
+def test_a_lost_claim_makes_the_command_fail(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    right = claims.f2_c()
+    wrong = dataclasses.replace(right, holds=False)
+    monkeypatch.setattr(reproduction, "_drawings", lambda quick: [])
+    for claim, status in ((right, 0), (wrong, 1)):
+        monkeypatch.setattr(reproduction, "frictionless_claims", lambda points, claim=claim: {"F2-c": lambda: claim})
+        assert cli.main(["reproduce", "--quick", "--out", str(tmp_path / "out")]) == status
+        assert ("NO LONGER FOUND" in capsys.readouterr().out) == bool(status)
+
+
+def test_claims_notice_a_change(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(
+        claims.mathieu, "is_stable", lambda alpha, beta, **_: np.full(np.broadcast(alpha, beta).shape, True)
+    )
+    assert not claims.f2_a().holds
+    assert not claims.f2_c().holds
+
+
+def test_out_must_be_a_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "file").write_text("")
+    assert cli.main(["reproduce", "--quick", "--out", str(tmp_path / "file")]) == 2
+    assert "--out must be a folder" in capsys.readouterr().err
+
+
+def test_bands_and_tongues_are_the_exact_verdict(rng: np.random.Generator) -> None:
+    wide = [band for band in figures.unstable_bands(0.2, 85.0, 0.6) if band.high - band.low > 1e-9]
+    assert len(wide) > 10
+    for band in wide:
+        middle, inside = 0.5 * (band.low + band.high), 0.49 * (band.high - band.low)
+        equations = [
+            ROD.mode_equations(fr.AxialLoad(f * UNIT, 0.2 * UNIT, 85.0), [band.mode])[0]
+            for f in (middle - inside, middle, middle + inside)
+        ]
+        growth = [fr.stability(equation).growth_rate for equation in equations]
+        assert min(growth) > (claims.EXACT.threshold if band.seen else 0.0)
+    omega = np.linspace(84.0, 86.0, 3)
+    tongues = figures.tongues(0.2, omega, 0.6)
+    force = rng.uniform(0.0, 0.6, 300)
+    inside = np.zeros(force.shape, dtype=bool)
+    for tongue in tongues:
+        inside |= (tongue.low[1] <= force) & (force <= tongue.high[1])
+    assert inside[ROD.growth_rate(force * UNIT, 0.2 * UNIT, 85.0) > 2.0 * figures.SHOWN * 85.0].all()
+    assert (ROD.growth_rate(force * UNIT, 0.2 * UNIT, 85.0)[inside] > 0.0).all()
+
+
+@pytest.mark.parametrize("draw", [figures.figure_2, lambda: figures.figure_3((8, 6)), lambda: figures.figure_8(8)])
+def test_figures_are_labelled(draw: object) -> None:
+    figure = draw()  # type: ignore[operator]
+    assert all(ax.get_xlabel() and ax.get_ylabel() for ax in figure.axes)
+    assert [ax.get_title(loc="left") for ax in figure.axes] == [
+        f"({letter})" for letter in "abcdef"[: len(figure.axes)]
+    ]
+    assert len(figure.get_supxlabel()) > 100
+    assert not pyplot.get_fignums()  # no figure is left open behind the user's back
