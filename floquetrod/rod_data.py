@@ -177,6 +177,6 @@ class RodData:
                 f"load needs more than {MOST_MODES} modes: mean = {load.mean:g} N is far above the critical force "
                 f"{self.critical_force:g} N of this rod; check units and length"
             )
-        last = kernels.modes_needed(a, b, stiffness, d, target)
+        last = kernels.modes_needed(a, b, stiffness, d, target, 1)
         bound = kernels.modes_left_out(a, b, stiffness, d, last)
         return last, max(0.0, bound - c) * load.frequency

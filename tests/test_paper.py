@@ -17,11 +17,11 @@ from floquetrod.paper import claims, figures, reproduction
 from floquetrod.paper.claims import ROD, UNIT
 from floquetrod.paper.reproduction import reproduce
 
+Steps = list[tuple[str, int, int]]
+
 
 @pytest.fixture(scope="module")
-def made(
-    tmp_path_factory: pytest.TempPathFactory,
-) -> tuple[Path, reproduction.Reproduction, Steps]:
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, reproduction.Reproduction, Steps]:
     """Return a quick reproduction: its folder, its result and the progress it reported."""
     folder = tmp_path_factory.mktemp("paper") / "new"
     seen: Steps = []

@@ -694,12 +694,23 @@ def modes_left_out(big_a: float, big_b: float, big_c: float, big_d: float, last:
 
 
 @kernel
-def modes_needed(big_a: float, big_b: float, big_c: float, big_d: float, target: float) -> int:
-    """Return the least M such that every mode after M grows at no more than ``target`` per unit tau."""
-    high = 1
-    while modes_left_out(big_a, big_b, big_c, big_d, high) > target:
-        high *= 2
-    low = high // 2
+def modes_needed(big_a: float, big_b: float, big_c: float, big_d: float, target: float, guess: int) -> int:
+    """Return the least M >= 1 such that every mode after M grows at no more than ``target`` per unit tau.
+
+    A good ``guess``, the answer for a load nearby, makes it quick.
+    """
+    low, high = 0, guess
+    step = 1
+    if modes_left_out(big_a, big_b, big_c, big_d, guess) > target:
+        low, high = guess, guess + 1
+        while modes_left_out(big_a, big_b, big_c, big_d, high) > target:
+            step *= 2
+            low, high = high, high + step
+    else:
+        while high > 1 and modes_left_out(big_a, big_b, big_c, big_d, max(1, high - step)) <= target:
+            high = max(1, high - step)
+            step *= 2
+        low = max(0, high - step)
     while high - low > 1:
         middle = (low + high) // 2
         if modes_left_out(big_a, big_b, big_c, big_d, middle) > target:
@@ -712,38 +723,58 @@ def modes_needed(big_a: float, big_b: float, big_c: float, big_d: float, target:
 @kernel
 def modes_needed_fill(big_a: Any, big_b: Any, big_c: Any, big_d: Any, target: Any, out: Any) -> None:
     """Fill ``out`` with `modes_needed`."""
+    last = 1
     for i in range(len(big_a)):
-        out[i] = modes_needed(big_a[i], big_b[i], big_c[i], big_d[i], target[i])
+        last = modes_needed(big_a[i], big_b[i], big_c[i], big_d[i], target[i], last)
+        out[i] = last
+
+
+@kernel
+def _mode_stable(
+    big_a: float, big_b: float, big_c: float, big_d: float, mode: int, damping: float, tolerance: float
+) -> bool:
+    """Return whether one mode of a family grows no faster than ``tolerance``."""
+    m2 = float(mode * mode)
+    alpha = big_a * m2
+    beta = (big_b - big_c * m2) * m2 - big_d
+    if damping == 0.0 and tolerance == 0.0:
+        return is_stable_scalar(alpha, beta)
+    if alpha != 0.0 and count_below(-4.0 * (beta + damping * damping), 2.0 * alpha) % 2 == 1:
+        return True
+    return undamped_growth(alpha, beta, damping) <= damping + tolerance
 
 
 @kernel
 def modes_stable_fill(
     big_a: Any, big_b: Any, big_c: Any, big_d: Any, damping: Any, tolerance: Any, smallest: Any, out: Any
 ) -> None:
-    """Fill ``out`` with whether no mode grows faster than ``tolerance``; rates below ``smallest`` may be left out."""
+    """Fill ``out`` with whether no mode grows faster than ``tolerance``; rates below ``smallest`` may be left out.
+
+    Neighbouring loads need about as many modes and mostly fail in the same one, which is asked first.
+    """
+    last = 1
+    suspect = 1
     for i in range(len(big_a)):
-        c = damping[i]
-        last = modes_needed(big_a[i], big_b[i], big_c[i], big_d[i] - c * c, c + max(tolerance[i], smallest[i]))
-        stable = True
-        for m in range(1, last + 1):
-            m2 = float(m * m)
-            alpha = big_a[i] * m2
-            beta = (big_b[i] - big_c[i] * m2) * m2 - big_d[i]
-            if c == 0.0 and tolerance[i] == 0.0:
-                stable = is_stable_scalar(alpha, beta)
-            elif alpha == 0.0 or count_below(-4.0 * (beta + c * c), 2.0 * alpha) % 2 == 0:
-                stable = undamped_growth(alpha, beta, c) <= c + tolerance[i]
-            if not stable:
-                break
+        a, b, stiffness, d, c = big_a[i], big_b[i], big_c[i], big_d[i], damping[i]
+        last = modes_needed(a, b, stiffness, d - c * c, c + max(tolerance[i], smallest[i]), last)
+        suspect = min(suspect, last)
+        stable = _mode_stable(a, b, stiffness, d, suspect, c, tolerance[i])
+        if stable:
+            for mode in range(1, last + 1):
+                if mode != suspect and not _mode_stable(a, b, stiffness, d, mode, c, tolerance[i]):
+                    stable = False
+                    suspect = mode
+                    break
         out[i] = stable
 
 
 @kernel
 def modes_growth_fill(big_a: Any, big_b: Any, big_c: Any, big_d: Any, damping: Any, smallest: Any, out: Any) -> None:
     """Fill ``out`` (n, 2) with the largest growth rate per unit tau and the mode that has it (0 where none grows)."""
+    last = 1
     for i in range(len(big_a)):
         c = damping[i]
-        last = modes_needed(big_a[i], big_b[i], big_c[i], big_d[i] - c * c, c + smallest[i])
+        last = modes_needed(big_a[i], big_b[i], big_c[i], big_d[i] - c * c, c + smallest[i], last)
         best = 0.0
         mode = 0
         for m in range(1, last + 1):
