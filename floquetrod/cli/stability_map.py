@@ -18,6 +18,7 @@ examples:
   floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --out map.png
   floquetrod map --rod nitinol --frequency 150 --mean 0:1.1Fcr --amplitude 0:0.5Fcr --growth --out map.npz
   floquetrod map --rod my_rod.toml --amplitude 2N --mean 0:12N --frequency 5Hz:60Hz --mark 6N,24Hz
+  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --paper-criterion exact --out m.png
 
 A .png, .pdf or .svg file is a figure, a .npz file all the numbers (floquetrod.Chart.load reads it); give --out twice
 for both.

@@ -224,7 +224,7 @@ def f3_map(points: int) -> Claim:
     missed = leapfrog & ~stable
     return Claim(
         "F3-map",
-        "The 100-period leapfrog test shows which loads are stable",
+        "(Our check) The 100-period leapfrog test shows which loads are stable",
         f"of {stable.size:,} loads at dF = 0.2 F_cr it passes {int(missed.sum())} that are unstable, with growth up to "
         f"{growth[missed].max():.4f} per unit tau, and fails none that are stable.  Against growth above "
         f"{EXACT.threshold:.4f} it differs at {int(sides.sum())}, all within {away:.4f} of it; against the same test "

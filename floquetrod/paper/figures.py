@@ -33,6 +33,7 @@ def figure_2() -> Any:
     figure, axes = drawing.panels(2, 2, (8.0, 7.4))
     alpha, beta = window(100)
     curves = mathieu.transition_curves(np.linspace(*WINDOW[0], 400), range(7))
+    axes[0].set_title("leapfrog and exact curves", fontsize="medium")
     drawing.draw_plane(axes[0], alpha, beta.ravel(), ~LEAPFROG.is_stable(alpha, beta), curves)
     for ax, (force, frequency) in zip(axes[1:], LOADS, strict=True):
         load = AxialLoad(force * UNIT, 0.2 * UNIT, frequency)
@@ -129,7 +130,8 @@ def figure_8(points: int) -> Any:
     drawing.caption(
         figure,
         "Unstable points (grey) by the 100-period leapfrog test, and the boundaries (black), where the discriminant is "
-        "2 or -2, by (a) Hill's determinants of 40 and 41 rows and (b) a square wave in place of the sine.",
+        "2 or -2, by (a) Hill's determinants of 40 and 41 rows and (b) a square wave in place of the sine; tips too "
+        f"thin for a grid of {points} x {points} are cut off.",
         112,
     )
     return figure
