@@ -14,6 +14,7 @@ _UNITS: dict[str, dict[str, float]] = {
     "density": {"kg/m3": 1.0, "kg/m^3": 1.0, "g/cm3": 1e3, "g/cm^3": 1e3},
     "acceleration": {"m/s2": 1.0, "m/s^2": 1.0},
     "rate": {"1/s": 1.0, "/s": 1.0},
+    "speed": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "ft/s": 0.3048},
 }
 """Kinds of quantity: units and their size in the SI unit, which comes first."""
 
@@ -41,7 +42,8 @@ def quantity(value: Any, name: str, kind: str, *, critical_force: float | None =
     name : str
         What it is called in messages.
     kind : str
-        "force", "frequency" (angular, in rad/s), "length", "pressure", "density", "acceleration" or "rate".
+        "force", "frequency" (angular, in rad/s), "length", "pressure", "density", "acceleration", "rate" or
+        "speed".
     critical_force : float, optional
         In N; with it, forces may be given in "Fcr".
 
