@@ -84,14 +84,15 @@ def over_chunks(
         (*(array[start : start + chunk] for array in inputs), out[start : start + chunk], *constants)
         for start in range(0, size, chunk)
     ]
-    run(*pieces[0])  # alone, so that it is compiled before threads could race to do it
-    threads = min(workers, len(pieces) - 1)
+    if not run.signatures:  # compile it before threads could race to do it
+        run(*pieces.pop(0))
+    threads = min(workers, len(pieces))
     if threads <= 1:
-        for piece in pieces[1:]:
+        for piece in pieces:
             run(*piece)
         return
     with ThreadPoolExecutor(threads) as pool:
-        running = [pool.submit(run, *piece) for piece in pieces[1:]]
+        running = [pool.submit(run, *piece) for piece in pieces]
         try:
             for task in running:
                 task.result()

@@ -117,7 +117,7 @@ class PaperCriterion:
         left = np.empty(big_a.size, dtype=np.int64)
         target = damping + 0.5 * self.threshold
         inputs = (big_a, big_b, big_c, big_d - damping * damping, target)
-        over_chunks(modes_needed_fill, inputs, left, workers=workers, chunk=1024)
+        over_chunks(modes_needed_fill, inputs, left, workers=workers, chunk=4096)
         out = np.ones(big_a.size, dtype=np.bool_)
         for mode in range(1, int(left.max(initial=0)) + 1):
             at = np.flatnonzero(out & (mode <= left))

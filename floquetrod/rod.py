@@ -229,7 +229,7 @@ class Rod(RodData):
             return out.reshape(shape) if shape else bool(out[0])
         out = np.empty(omega.size, dtype=np.bool_)
         rates = (self.damping_rate / omega, tolerance / omega, NEGLIGIBLE_GROWTH / omega)
-        over_chunks(kernels.modes_stable_fill, (*family, *rates), out, workers=workers, chunk=1024)
+        over_chunks(kernels.modes_stable_fill, (*family, *rates), out, workers=workers, chunk=4096)
         return out.reshape(shape) if shape else bool(out[0])
 
     def growth_rate(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> Any:
@@ -241,7 +241,7 @@ class Rod(RodData):
         shape, omega, family = self._loads(mean, amplitude, frequency)
         out = np.empty((omega.size, 2))
         rates = (self.damping_rate / omega, NEGLIGIBLE_GROWTH / omega)
-        over_chunks(kernels.modes_growth_fill, (*family, *rates), out, workers=workers, chunk=1024)
+        over_chunks(kernels.modes_growth_fill, (*family, *rates), out, workers=workers, chunk=4096)
         growth, mode = out[:, 0] * omega, out[:, 1].astype(np.int64)
         if shape:
             return growth.reshape(shape), mode.reshape(shape)
