@@ -76,7 +76,7 @@ def over_chunks(
     """
     workers = cores() if workers is None else _validate.integer("workers", workers, 1)
     size = len(out)
-    run = fastest(function, size * weight)
+    run: Any = fastest(function, size * weight)
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
         run(*(array.tolist() for array in inputs), out, *constants)
         return
