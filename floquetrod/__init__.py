@@ -14,11 +14,13 @@ from floquetrod._version import __version__
 
 if TYPE_CHECKING:
     from floquetrod import conventions as conventions
+    from floquetrod import friction as friction
     from floquetrod import mathieu as mathieu
     from floquetrod.chart import Chart as Chart
     from floquetrod.comparison import Comparison as Comparison
     from floquetrod.comparison import compare as compare
     from floquetrod.criterion import PaperCriterion as PaperCriterion
+    from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
     from floquetrod.equations import Hill as Hill
     from floquetrod.equations import Mathieu as Mathieu
     from floquetrod.equations import SquareWave as SquareWave
@@ -37,6 +39,7 @@ _WHERE = {
     "AxialLoad": "load",
     "Chart": "chart",
     "Comparison": "comparison",
+    "FrictionalMathieu": "equations",
     "Hill": "equations",
     "Mathieu": "equations",
     "PaperCriterion": "criterion",
@@ -50,6 +53,7 @@ _WHERE = {
     "certify": "proof",
     "compare": "comparison",
     "conventions": "",
+    "friction": "",
     "mathieu": "",
     "stability": "verdict",
     "stability_map": "rod_map",

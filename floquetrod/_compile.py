@@ -67,16 +67,16 @@ def over_chunks(
     *constants: Any,
     workers: int | None = None,
     chunk: int = _CHUNK,
-    weight: int = 1,
+    interpret_up_to: int = _INTERPRETED_UP_TO,
 ) -> None:
     """Call ``function(*inputs, out, *constants)`` on matching pieces of equally long arrays, in threads if it pays.
 
-    ``weight`` says how many ordinary elements the work on one amounts to.  Kernels release the GIL, so the threads run
-    side by side, and Ctrl-C is answered between pieces.
+    Kernels release the GIL, so the threads run side by side, and Ctrl-C is answered between pieces.  Arrays of up to
+    ``interpret_up_to`` elements are left to the interpreter.
     """
     workers = cores() if workers is None else _validate.integer("workers", workers, 1)
     size = len(out)
-    run: Any = fastest(function, size * weight)
+    run: Any = function if size <= interpret_up_to else compiled(function)
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
         run(*(array.tolist() for array in inputs), out, *constants)
         return

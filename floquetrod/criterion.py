@@ -88,11 +88,11 @@ class PaperCriterion:
         shape, inputs = broadcast(*arrays)
         maps = np.empty((inputs[0].size, 5))
         if self.by == "exact":
-            over_chunks(mathieu_map_fill, inputs, maps, workers=workers, chunk=_CHUNK, weight=10)
+            over_chunks(mathieu_map_fill, inputs, maps, workers=workers, chunk=_CHUNK, interpret_up_to=6)
         else:
             count = 4 * math.ceil(0.5 * math.pi / self.step)
             sine = np.sin(np.arange(count) * (2.0 * math.pi / count))
-            over_chunks(leapfrog_map_fill, inputs, maps, sine, workers=workers, chunk=_CHUNK, weight=100)
+            over_chunks(leapfrog_map_fill, inputs, maps, sine, workers=workers, chunk=_CHUNK, interpret_up_to=0)
         out = np.empty(len(maps))
         over_chunks(displacement_fill, (maps,), out, self.periods, workers=workers)
         return out.reshape(shape) if shape else float(out[0])

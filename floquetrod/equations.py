@@ -159,6 +159,51 @@ class Hill:
         return self
 
 
+@dataclass(frozen=True)
+class FrictionalMathieu:
+    """Mathieu's equation with dry friction, A'' + 2 c A' = (beta + alpha sin tau) A - gamma sign(A').
+
+    sign(0) is any number between -1 and 1, as Coulomb's law has it (Filippov): a motion that comes to rest sticks while
+    abs((beta + alpha sin tau) A) <= gamma.  Judged by `floquetrod.friction`.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        Amplitude and mean of the coefficient (dimensionless, magnitude at most 1e9).
+    gamma : float
+        Friction force over inertia, zero or more.
+    damping : float
+        c, the decay rate per unit tau of the free motion; zero or more.
+
+    Notes
+    -----
+    Eq. (14) of DOI 10.1115/1.4031710.  Only alpha, beta, damping and the kick over gamma matter: with A also k A is a
+    motion, for k gamma.
+
+    Examples
+    --------
+    >>> FrictionalMathieu(alpha=0.5, beta=0.1, gamma=0.01).without_friction
+    Mathieu(alpha=0.5, beta=0.1, damping=0.0)
+    """
+
+    alpha: float
+    beta: float
+    gamma: float
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        _set(self, "alpha", _validate.coefficient("alpha", self.alpha))
+        _set(self, "beta", _validate.coefficient("beta", self.beta))
+        _set(self, "gamma", _validate.nonnegative("gamma", self.gamma, "friction opposes the motion"))
+        _set(self, "damping", _damping(self.damping))
+
+    @property
+    def without_friction(self) -> Mathieu:
+        """The same equation for gamma = 0."""
+        return Mathieu(self.alpha, self.beta, self.damping)
+
+
 Equation: TypeAlias = Mathieu | SquareWave | Hill
 """Any equation a method may be asked about."""
 

@@ -1,0 +1,650 @@
+"""Kernels for A'' + 2 c A' = (beta + alpha sin tau) A - sign(A'), event by event, for ever.
+
+By homogeneity gamma = 1 throughout.  A period is cut into equal cells short against every wave.  Between reversals of
+A' the equation is linear with the forcing -s, s = sign(A'), so a cell is a 2 x 2 matrix and a vector, made once for all
+orbits.  Only a cell that a bound cannot clear of reversals is looked into: the motion in it is one Taylor series, the
+sign changes of its Bernstein coefficients tell whether A' has a zero, and bracketed Newton finds the first.
+
+How an orbit ends for ever (proofs in docs/friction.md; p lies between -P and Q):
+
+*Escape.*  E = A' psi - A (psi' - 2 c psi) obeys E' = -s psi, psi the decaying solution of psi'' - 2 c psi' = p psi.
+Where abs(E) exceeds the integral of abs(psi) over all later time, E keeps its sign for good and the motion grows like
+the growing Floquet solution.  Every motion that does not stay bounded passes this test at some time.
+
+*Caught.*  Stuck where (abs(alpha) + abs(beta)) abs(A) <= 1: for ever.  Stuck where Q abs(A) <= 1, P abs(A) <= 2: it can
+only creep inwards and never reaches zero.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from floquetrod._compile import kernel
+
+# Why a run ended; what is below LIMIT is final.
+NO_GROWTH = 0  # without friction no solution grows
+STUCK = 1  # at rest for ever
+CREEPS = 2  # inwards, a little every period
+ATTRACTED = 3  # to a periodic motion
+GROWS = 4  # the escape test
+LIMIT = 5  # the bound on the number of cells was reached
+SLOW_RELEASE = 6  # stuck, with a force that frees it by less than `_SLOW`: creeps outwards, too slowly to follow
+RETURNED = 7  # to where it was some periods ago
+
+_ORDER = 16  # of Taylor series: with the cells below, what is left out is under 1e-17
+_CELL_WAVE = 0.7  # longest cell times the largest sqrt(abs(p)), and times 2 c
+_FEWEST_CELLS = 32  # a period
+_FINER = 3  # halvings of a step between kicks whose orbits differ in kind (heuristic)
+_SLOW = 5e-3  # relative excess of the freeing force below which creeping outwards is not followed (heuristic)
+_RETURN = 1e-9  # relative distance that counts as having returned (heuristic)
+_HALVINGS = 45  # of a cell in search of a reversal
+_NARROWEST = 2.0**-_HALVINGS
+_EPS = 2.220446049250313e-16
+
+COLUMNS = 11  # of a table: matrix (4), forcing (2), bounds (3), escape test (2)
+
+
+@kernel
+def cell_count(alpha: float, beta: float, damping: float) -> int:
+    """Return the number of cells of a period."""
+    wave = math.sqrt(abs(alpha) + abs(beta))
+    return max(_FEWEST_CELLS, int(2.0 * math.pi * max(wave, 2.0 * damping) / _CELL_WAVE) + 1)
+
+
+@kernel
+def _series(
+    alpha: float, beta: float, c: float, s: float, tau: float, h: float, a0: float, a1: float, p: Any, a: Any
+) -> None:
+    """Fill ``a`` with the Taylor coefficients of A in x = (t - tau) / h, from A = a0 and h A' = a1 at tau."""
+    sine = alpha * math.sin(tau) * h * h
+    cosine = alpha * math.cos(tau) * h * h
+    for i in range(_ORDER + 1):
+        p[i] = sine
+        sine, cosine = cosine * h / (i + 1.0), -sine * h / (i + 1.0)
+    p[0] += beta * h * h
+    a[0] = a0
+    a[1] = a1
+    for j in range(_ORDER):
+        total = -2.0 * c * h * (j + 1.0) * a[j + 1]
+        if j == 0:
+            total -= s * h * h
+        for i in range(j + 1):
+            total += p[i] * a[j - i]
+        a[j + 2] = total / ((j + 1.0) * (j + 2.0))
+
+
+@kernel
+def _value(a: Any, x: float) -> float:
+    """Return A from its series."""
+    total = 0.0
+    for j in range(_ORDER + 1, -1, -1):
+        total = total * x + a[j]
+    return total
+
+
+@kernel
+def _slope(a: Any, x: float) -> float:
+    """Return dA/dx from the series of A."""
+    total = 0.0
+    for j in range(_ORDER + 1, 0, -1):
+        total = total * x + j * a[j]
+    return total
+
+
+@kernel
+def _bracketed_root(q: Any, n: int, low: float, high: float) -> float:
+    """Return the zero of the polynomial q of degree n in [low, high], where it falls from positive to not positive."""
+    x = 0.5 * (low + high)
+    for _ in range(80):
+        f = q[n]
+        d = 0.0
+        for j in range(n - 1, -1, -1):
+            d = d * x + f
+            f = f * x + q[j]
+        if f > 0.0:
+            low = x
+        else:
+            high = x
+        new = x - f / d if d != 0.0 else low
+        if not (low < new < high):
+            new = 0.5 * (low + high)
+        if abs(new - x) <= 2.0 * _EPS * x or high - low <= 2.0 * _EPS * high:
+            return new
+        x = new
+    return x
+
+
+@kernel
+def _first_root(q: Any, n: int, weights: Any, stack: Any) -> float:
+    """Return the first zero in (0, 1] of the polynomial q of degree n, positive at 0; -1 where there is none.
+
+    Bernstein coefficients without a change of sign exclude a zero, one change means one zero, more are halved.  Zeros
+    that `_HALVINGS` do not part are a touch of zero, which is no reversal.
+    """
+    for i in range(n + 1):
+        total = 0.0
+        for j in range(i + 1):
+            total += weights[_ORDER - n, i, j] * q[j]
+        stack[0, i] = total
+    depth = 0
+    low = 0.0
+    width = 1.0
+    # stack[depth] is the piece looked at; below it lie right halves still to be looked at, widest first.
+    while True:
+        changes = 0
+        positive = True
+        for i in range(n + 1):
+            if stack[depth, i] != 0.0 and (stack[depth, i] > 0.0) != positive:
+                changes += 1
+                positive = not positive
+        if changes == 1 and not positive:
+            return _bracketed_root(q, n, low, low + width)
+        if changes == 0 or width < _NARROWEST:
+            # Nothing here: on to the right half that was put by last.
+            low += width
+            if depth == 0 or low >= 1.0:
+                return -1.0
+            depth -= 1
+            width = stack[depth, n + 1]
+            continue
+        # Halve (de Casteljau): the right half replaces the piece, the left is put on top.
+        for i in range(n + 1):
+            stack[depth + 1, i] = stack[depth, i]
+        width *= 0.5
+        for j in range(1, n + 1):
+            for i in range(n + 1 - j):
+                stack[depth, i] = 0.5 * (stack[depth, i] + stack[depth, i + 1])
+            # stack[depth, 0] is the left half's next coefficient; the right half's come out in place, last first.
+            stack[depth + 1, j] = stack[depth, 0]
+        stack[depth, n + 1] = width
+        depth += 1
+        stack[depth, n + 1] = width
+
+
+@kernel
+def _left_vector(table: Any, sign_and_decay: Any) -> tuple[float, float]:
+    """Return the left eigenvector of the period's matrix that belongs to the growing solution, of length 1.
+
+    Rows of M - L I, L the smaller eigenvalue, are multiples of it (Cayley and Hamilton).  ``sign_and_decay`` holds
+    exp(-2 pi (growth + c)), the size of L, and receives the sign of both eigenvalues.
+    """
+    a, b, c, d = 1.0, 0.0, 0.0, 1.0
+    scale = 1.0
+    for k in range(len(table)):
+        m11, m12, m21, m22 = table[k, 0], table[k, 1], table[k, 2], table[k, 3]
+        a, b, c, d = m11 * a + m12 * c, m11 * b + m12 * d, m21 * a + m22 * c, m21 * b + m22 * d
+        size = max(abs(a), abs(b), abs(c), abs(d))
+        if size > 1e100:
+            a, b, c, d, scale = a / size, b / size, c / size, d / size, scale / size
+    sign = 1.0 if a + d >= 0.0 else -1.0
+    small = sign * sign_and_decay[1] * scale
+    sign_and_decay[0] = sign
+    a -= small
+    d -= small
+    first = math.hypot(a, b)
+    second = math.hypot(c, d)
+    if first >= second:
+        return (a / first, b / first) if first > 0.0 else (0.0, 0.0)
+    return c / second, d / second
+
+
+@kernel
+def _integral_of_size(a: Any) -> float:
+    """Return the integral over x in [0, 1] of abs(A), A given by its series, with at most one change of sign."""
+    end = 0.0
+    whole = 0.0
+    for j in range(_ORDER + 1, -1, -1):
+        whole += a[j] / (j + 1.0)
+        end += a[j]
+    if (a[0] >= 0.0) == (end >= 0.0):
+        return abs(whole)
+    low = 0.0
+    high = 1.0
+    for _ in range(60):
+        x = 0.5 * (low + high)
+        if (_value(a, x) >= 0.0) == (a[0] >= 0.0):
+            low = x
+        else:
+            high = x
+    part = 0.0
+    for j in range(_ORDER + 1, -1, -1):
+        part = (part + a[j] / (j + 1.0)) * low
+    return abs(part) + abs(whole - part)
+
+
+@kernel
+def prepare(alpha: float, beta: float, c: float, rate: float, p: Any, a: Any, table: Any) -> None:
+    """Fill ``table`` with the cells of a period; ``rate`` is the growth per unit tau, damping included, or zero.
+
+    Columns: the matrix and the forcing of (A, A') over the cell for s = 1; bounds on what A = 1, A' = 1 and the
+    forcing change in A' anywhere in it; the row (e1, e2) of the escape test abs(e1 A + e2 A') > 1 at its beginning.
+    """
+    count = len(table)
+    h = 2.0 * math.pi / count
+    for k in range(count):
+        for column in range(3):
+            s = 1.0 if column == 2 else 0.0
+            _series(alpha, beta, c, s, k * h, h, 1.0 if column == 0 else 0.0, h if column == 1 else 0.0, p, a)
+            bound = 0.0
+            for j in range(_ORDER + 1, 1, -1):
+                bound += j * abs(a[j])
+            value = _value(a, 1.0)
+            slope = _slope(a, 1.0) / h
+            if column == 2:
+                table[k, 4] = value
+                table[k, 5] = slope
+            else:
+                table[k, column] = value
+                table[k, 2 + column] = slope
+            table[k, 6 + column] = bound / h
+        table[k, 9] = 0.0
+        table[k, 10] = 0.0
+    if rate > 0.0:
+        _prepare_escape(alpha, beta, c, rate, p, a, table)
+
+
+@kernel
+def _prepare_escape(alpha: float, beta: float, c: float, rate: float, p: Any, a: Any, table: Any) -> None:
+    """Fill the columns of the escape test: psi and its derivative over what is left of the integral of abs(psi)."""
+    count = len(table)
+    h = 2.0 * math.pi / count
+    end = np.array([1.0, math.exp(-2.0 * math.pi * (rate + 2.0 * c))])
+    l1, l2 = _left_vector(table, end)
+    left = 0.0
+    for sweep in range(2):
+        for k in range(count - 1, -1, -1):
+            m1 = l1 * table[k, 0] + l2 * table[k, 2]
+            m2 = l1 * table[k, 1] + l2 * table[k, 3]
+            size = math.hypot(m1, m2)
+            l1, l2 = m1 / size, m2 / size
+            _series(alpha, beta, -c, 0.0, k * h, h, l2, (2.0 * c * l2 - l1) * h, p, a)
+            left = h * _integral_of_size(a) + left / size
+            if sweep == 1:
+                table[k, 9] = l1 / left
+                table[k, 10] = l2 / left
+        if sweep == 0:
+            left /= -math.expm1(-2.0 * math.pi * rate)
+
+
+@kernel
+def _wait(theta: float, size: float, alpha: float, beta: float) -> float:
+    """Return how long a stick at abs(A) = size lasts from phase theta; infinite where it is never freed.
+
+    It is freed where abs(p) rises through 1 / size: where p = beta + alpha sin rises through it, or falls through its
+    negative.
+    """
+    turn = 2.0 * math.pi
+    phase = theta if alpha >= 0.0 else theta + math.pi
+    best = math.inf
+    level = 1.0 / size
+    k = (level - beta) / abs(alpha) if alpha != 0.0 else math.inf
+    if abs(k) < 1.0:
+        best = (math.asin(k) - phase) % turn
+    k = -(level + beta) / abs(alpha) if alpha != 0.0 else math.inf
+    if abs(k) < 1.0:
+        best = min(best, (math.pi - math.asin(k) - phase) % turn)
+    return best
+
+
+@kernel
+def run(
+    alpha: float,
+    beta: float,
+    c: float,
+    table: Any,
+    start: Any,
+    most: int,
+    span: int,
+    watch: int,
+    record: Any,
+    work: Any,
+) -> int:
+    """Follow one orbit until its fate is known, over at most ``most`` cells and ``span`` periods; return why it ended.
+
+    ``watch`` says what to look for: 0 rest for ever only, 1 every final fate, 2 returns as well.
+
+    ``start`` holds A, A', the phase in [0, 2 pi), and receives A, A', tau at the end, the sign of E, and the numbers
+    of reversals and sticks.  ``record`` (rows of tau, A, A', state) is filled as far as it reaches; its last row is
+    the one whose tau is infinite.  ``work`` is scratch space from `workspace`.
+    """
+    count = len(table)
+    h = 2.0 * math.pi / count
+    p, a, q, weights, stack = work
+    big = abs(alpha) + abs(beta)
+    outward = beta + abs(alpha)  # Q: the largest p
+    inward = abs(alpha) - beta  # P: the largest -p
+    x, v, phase = start[0], start[1], start[2]
+    k = min(int(phase / h), count - 1)
+    offset = max(0.0, phase - k * h)
+    periods = 0
+    s = 1.0 if v > 0.0 else -1.0
+    event = v == 0.0 or offset > 0.0
+    reversals = 0
+    sticks = 0
+    rows = 0
+    ref_x, ref_v = math.inf, math.inf
+    ref_at = 1
+    decide = watch > 0
+    fate = LIMIT
+    side = 0.0
+    used = 0
+    if rows < len(record):
+        record[0, 0], record[0, 1], record[0, 2], record[0, 3] = phase, x, v, (s if v != 0.0 else 0.0)
+        rows = 1
+    while used < most and periods < span:
+        used += 1
+        if not event:
+            e = table[k, 9] * x + table[k, 10] * v
+            if abs(e) > 1.0 + 1e-13 and decide:
+                side = e
+                fate = GROWS
+                break
+            if abs(v) * (1.0 - table[k, 7]) > abs(x) * table[k, 6] + table[k, 8]:
+                new = table[k, 0] * x + table[k, 1] * v + s * table[k, 4]
+                v = table[k, 2] * x + table[k, 3] * v + s * table[k, 5]
+                x = new
+                k += 1
+            else:
+                _series(alpha, beta, c, s, k * h, h, x, v * h, p, a)
+                for j in range(_ORDER + 1):
+                    q[j] = s * (j + 1.0) * a[j + 1]
+                root = _first_root(q, _ORDER, weights, stack)
+                if root < 0.0:
+                    x = _value(a, 1.0)
+                    v = _slope(a, 1.0) / h
+                    k += 1
+                    if s * v <= 0.0:
+                        v = 0.0
+                        offset = 0.0
+                        event = True
+                        reversals += 1
+                else:
+                    x = _value(a, root)
+                    v = 0.0
+                    offset = root * h
+                    event = True
+                    reversals += 1
+        else:
+            released = False
+            if v == 0.0:
+                tau = k * h + offset
+                force = (beta + alpha * math.sin(tau)) * x
+                if abs(force) <= 1.0:
+                    size = abs(x)
+                    sticks += 1
+                    if rows < len(record):
+                        record[rows, 0] = tau + periods * 2.0 * math.pi
+                        record[rows, 1], record[rows, 2], record[rows, 3] = x, 0.0, 0.0
+                        rows += 1
+                    if size * big <= 1.0:
+                        fate = STUCK
+                        break
+                    if decide:
+                        if outward * size <= 1.0 and inward * size <= 2.0:
+                            fate = CREEPS
+                            break
+                        if outward * size > 1.0 and inward <= 0.0:
+                            side = x
+                            fate = GROWS
+                            break
+                        if 1.0 < outward * size < 1.0 + _SLOW and inward * size <= 1.0:
+                            fate = SLOW_RELEASE
+                            break
+                    wait = _wait(tau, size, alpha, beta)
+                    if wait == math.inf:
+                        fate = STUCK
+                        break
+                    tau += wait
+                    turns = math.floor(tau / (2.0 * math.pi))
+                    if turns > 0.0:
+                        # The state at the beginning of a period, for the comparison below.
+                        periods += int(turns)
+                        tau = max(0.0, tau - turns * 2.0 * math.pi)
+                        if watch > 1 and abs(ref_x - x) <= _RETURN * size and ref_v == 0.0:
+                            fate = RETURNED
+                            break
+                        if periods >= ref_at:
+                            ref_x, ref_v = x, 0.0
+                            ref_at = 2 * periods
+                    k = min(int(tau / h), count - 1)
+                    offset = min(h, max(0.0, tau - k * h))
+                    force = (beta + alpha * math.sin(k * h + offset)) * x
+                    released = True
+                s = 1.0 if force > 0.0 else -1.0
+                if rows < len(record):
+                    record[rows, 0] = k * h + offset + periods * 2.0 * math.pi
+                    record[rows, 1], record[rows, 2], record[rows, 3] = x, 0.0, s
+                    rows += 1
+            # Fly on from inside the cell, from rest (or from where the orbit starts).
+            left = h - offset
+            _series(alpha, beta, c, s, k * h + offset, left, x, v * left, p, a)
+            first = 0 if v != 0.0 else 1
+            if released:
+                a[2] = 0.0  # the force is what holds it: exactly, not to rounding
+                first = 2
+            for j in range(_ORDER + 1 - first):
+                q[j] = s * (j + 1.0 + first) * a[j + 1 + first]
+            root = _first_root(q, _ORDER - first, weights, stack) if left > 0.0 else -1.0
+            if root < 0.0:
+                x = _value(a, 1.0)
+                v = _slope(a, 1.0) / left if left > 0.0 else 0.0
+                k += 1
+                offset = 0.0
+                event = s * v <= 0.0
+                if event:
+                    v = 0.0
+                    reversals += 1
+            else:
+                x = _value(a, root)
+                v = 0.0
+                offset += root * left
+                reversals += 1
+        if k == count:
+            k = 0
+            periods += 1
+            if watch > 1 and abs(ref_x - x) + abs(ref_v - v) <= _RETURN * (abs(x) + abs(v)):
+                fate = RETURNED
+                break
+            if periods >= ref_at:
+                ref_x, ref_v = x, v
+                ref_at = 2 * periods
+        if rows < len(record) and not event:
+            record[rows, 0] = k * h + periods * 2.0 * math.pi
+            record[rows, 1], record[rows, 2], record[rows, 3] = x, v, s
+            rows += 1
+    if rows < len(record):
+        record[rows, 0] = math.inf
+    start[0], start[1] = x, v
+    start[2] = k * h + offset + periods * 2.0 * math.pi
+    start[3], start[4], start[5] = side, reversals, sticks
+    return fate
+
+
+@kernel
+def workspace() -> tuple[Any, Any, Any, Any, Any]:
+    """Return the scratch arrays of `run`, and the matrices that turn coefficients of powers into Bernstein's."""
+    size = _ORDER + 2
+    weights = np.zeros((3, size, size))  # binomial(i, j) / binomial(n, j) for the degrees n that occur
+    for less in range(3):
+        n = _ORDER - less
+        for i in range(n + 1):
+            weight = 1.0
+            for j in range(i + 1):
+                weights[less, i, j] = weight
+                weight *= (i - j) / max(1.0, float(n - j))
+    return np.empty(size), np.empty(size), np.empty(size), weights, np.empty((_HALVINGS + 3, size))
+
+
+@kernel
+def _creeps_out(alpha: float, beta: float, c: float, table: Any, side: float, most: int, start: Any, work: Any) -> int:
+    """Return the fate of an orbit that creeps outwards from where the largest force just frees it.
+
+    A step of it takes the relative excess d to d + (9/2) Q^2 / abs(alpha) d^2 + ..., so every such orbit passes through
+    one step's length beginning at d = `_SLOW`, anywhere in it.  All fates sampled there must agree.
+    """
+    outward = beta + abs(alpha)
+    step = 4.5 * outward * outward / abs(alpha) * _SLOW * _SLOW
+    none = np.empty((0, 4))
+    agreed = LIMIT
+    samples = 8
+    for i in range(samples):
+        excess = _SLOW * (1.0 + 1e-9) + 1.2 * step * i / (samples - 1.0)
+        start[0] = math.copysign((1.0 + excess) / outward, side)
+        start[1] = 0.0
+        start[2] = 1.5 * math.pi if alpha > 0.0 else 0.5 * math.pi
+        fate = run(alpha, beta, c, table, start, most, most, 1, none, work)
+        if fate >= LIMIT or (i > 0 and (fate == GROWS) != (agreed == GROWS)):
+            return LIMIT
+        agreed = fate
+    return agreed
+
+
+@kernel
+def _attracts(alpha: float, beta: float, c: float, table: Any, x: float, v: float, phase: float, work: Any) -> bool:
+    """Return whether orbits a small distance to every side of a periodic one come ten times closer to it."""
+    periods = 64
+    size = 1e-6 * (abs(x) + abs(v))
+    here = np.empty(6)
+    none = np.empty((0, 4))
+    most = (periods + 2) * (len(table) + 64)
+    here[0], here[1], here[2] = x, v, phase
+    if run(alpha, beta, c, table, here, most, periods, 0, none, work) != LIMIT:
+        return False
+    x1, v1 = here[0], here[1]
+    worst = 0.0
+    for i in range(4):
+        here[0] = x + (size if i == 0 else -size if i == 1 else 0.0)
+        here[1] = v + (size if i == 2 else -size if i == 3 else 0.0)
+        here[2] = phase
+        if run(alpha, beta, c, table, here, most, periods, 0, none, work) != LIMIT:
+            return False
+        worst = max(worst, abs(here[0] - x1) + abs(here[1] - v1))
+    return worst <= 0.1 * size
+
+
+@kernel
+def judge(alpha: float, beta: float, c: float, table: Any, kick: float, most: int, start: Any, work: Any) -> int:
+    """Return the fate of the orbit A(0) = 0, A'(0) = ``kick`` >= 0; `LIMIT` where it cannot be told.
+
+    ``start`` receives what `run` leaves there.
+    """
+    none = np.empty((0, 4))
+    start[0], start[1], start[2], start[3], start[4], start[5] = 0.0, kick, 0.0, 0.0, 0.0, 0.0
+    if kick * kick * (abs(alpha) + abs(beta)) <= 1.0:
+        return STUCK  # stops no farther out than where the largest force may act for ever
+    fate = run(alpha, beta, c, table, start, most, most, 2, none, work)
+    if fate == SLOW_RELEASE:
+        return _creeps_out(alpha, beta, c, table, start[0], most, start, work)
+    if fate == RETURNED:
+        x, v, tau = start[0], start[1], start[2]
+        phase = tau - 2.0 * math.pi * math.floor(tau / (2.0 * math.pi) + 1e-12)
+        if _attracts(alpha, beta, c, table, x, v, max(0.0, phase), work):
+            return ATTRACTED
+        start[2] = 0.0
+        fate = run(alpha, beta, c, table, start, most, most, 1, none, work)
+    return fate if fate < LIMIT else LIMIT
+
+
+@kernel
+def outcome_fill(alpha: Any, beta: Any, damping: Any, rate: Any, kick: Any, most: Any, out: Any) -> None:
+    """Fill ``out`` with fates (see `judge`); ``rate`` is the growth rate without friction, negative where none grows.
+
+    The table of a period is kept while alpha, beta and damping stay the same from one point to the next.
+    """
+    work = workspace()
+    start = np.zeros(6)
+    table = np.empty((0, COLUMNS))
+    for i in range(len(alpha)):
+        if rate[i] < 0.0:
+            out[i] = NO_GROWTH
+            continue
+        if (
+            i == 0
+            or len(table) == 0
+            or not (alpha[i] == alpha[i - 1] and beta[i] == beta[i - 1] and damping[i] == damping[i - 1])
+        ):
+            table = np.empty((cell_count(alpha[i], beta[i], damping[i]), COLUMNS))
+            prepare(alpha[i], beta[i], damping[i], rate[i], work[0], work[1], table)
+        out[i] = judge(alpha[i], beta[i], damping[i], table, kick[i], most[i], start, work)
+
+
+@kernel
+def _looks_alike(one: Any, other: Any) -> bool:
+    """Return whether two orbits have the same fate after as many reversals and sticks."""
+    return bool(one[0] == other[0] and one[1] == other[1] and one[2] == other[2])
+
+
+@kernel
+def _look(
+    alpha: float, beta: float, c: float, table: Any, kick: float, most: int, start: Any, work: Any, seen: Any
+) -> int:
+    """Return a fate and note what `_looks_alike` compares."""
+    fate = judge(alpha, beta, c, table, kick, most, start, work)
+    seen[0], seen[1], seen[2] = fate, start[4], start[5]
+    return fate
+
+
+@kernel
+def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int, most: int, work: Any) -> float:
+    """Return the smallest kick that escapes, NaN where that hangs on an orbit whose fate cannot be told.
+
+    Between what provably never and what always escapes, ``samples`` kicks are tried upwards in geometric steps; a step
+    whose ends do not look alike is halved up to `_FINER` times.  The first escape found is bisected to 1e-10.
+    """
+    start = np.zeros(6)
+    low = 1.0 / math.sqrt(abs(alpha) + abs(beta))
+    high = 1.0 / abs(table[0, 10]) if table[0, 10] != 0.0 else math.inf
+    if not high < 1e12 * low:
+        high = 1e12 * low  # the first kick points along the decaying solution: no kick escapes at once
+    if high <= low * (1.0 + 1e-10):
+        return high
+    ends = np.empty((_FINER + 1, 4))  # of pieces still to be looked at, and what was seen there
+    seen = np.empty(3)
+    below = low
+    _look(alpha, beta, c, table, low, most, start, work, seen)
+    before = seen.copy()
+    for i in range(1, samples + 1):
+        top = low * (high / low) ** (i / samples) if i < samples else high * (1.0 + 1e-9)
+        _look(alpha, beta, c, table, top, most, start, work, seen)
+        depth = 0
+        ends[0, 0], ends[0, 1], ends[0, 2], ends[0, 3] = top, seen[0], seen[1], seen[2]
+        while depth >= 0:
+            if depth < _FINER and not _looks_alike(before, ends[depth, 1:]):
+                middle = 0.5 * (below + ends[depth, 0])
+                _look(alpha, beta, c, table, middle, most, start, work, seen)
+                depth += 1
+                ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3] = middle, seen[0], seen[1], seen[2]
+                continue
+            if ends[depth, 1] == GROWS:
+                found = float(ends[depth, 0])
+                while found - below > 1e-10 * found:
+                    middle = 0.5 * (below + found)
+                    fate = judge(alpha, beta, c, table, middle, most, start, work)
+                    if fate == LIMIT:
+                        return math.nan
+                    if fate == GROWS:
+                        found = middle
+                    else:
+                        below = middle
+                return found
+            if ends[depth, 1] == LIMIT:
+                return math.nan
+            below = ends[depth, 0]
+            before[:] = ends[depth, 1:]
+            depth -= 1
+    return math.inf
+
+
+@kernel
+def critical_fill(alpha: Any, beta: Any, damping: Any, rate: Any, samples: Any, most: Any, out: Any) -> None:
+    """Fill ``out`` with critical kicks; infinite where ``rate`` is negative: nothing grows without friction."""
+    work = workspace()
+    for i in range(len(alpha)):
+        out[i] = math.inf
+        if rate[i] >= 0.0 and abs(alpha[i]) + abs(beta[i]) > 0.0:
+            table = np.empty((cell_count(alpha[i], beta[i], damping[i]), COLUMNS))
+            prepare(alpha[i], beta[i], damping[i], rate[i], work[0], work[1], table)
+            out[i] = critical_kick(alpha[i], beta[i], damping[i], table, samples[i], most[i], work)
