@@ -7,14 +7,17 @@ Eq. (14) of DOI 10.1115/1.4031710; derivations and proofs are in docs/friction.m
 
 from __future__ import annotations
 
+import math
 import warnings
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate, mathieu
-from floquetrod._compile import broadcast, over_chunks
+from floquetrod._compile import broadcast, fastest, over_chunks
+from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.kernels import friction as kernels
 
 UNDECIDED, BOUNDED, ESCAPES = -1, 0, 1
@@ -98,6 +101,294 @@ def escapes(
             stacklevel=2,
         )
     return fate == ESCAPES
+
+
+def critical_perturbation(
+    alpha: Any,
+    beta: Any,
+    gamma: Any = 1.0,
+    damping: Any = 0.0,
+    *,
+    samples: int = 48,
+    effort: int = 100_000,
+    workers: int | None = None,
+) -> Any:
+    """Return the smallest kick epsilon that escapes; infinite where none does, NaN where it could not be decided.
+
+    No kick up to gamma / sqrt(abs(alpha) + abs(beta)) escapes, and every kick beyond a bound known in closed form does
+    (docs/friction.md).  In between ``samples`` kicks are tried upwards in geometric steps, closer together where
+    neighbouring orbits differ in kind, and the first escape is bisected to 1e-10.  A range of escaping kicks that lies
+    below it and between two kicks tried is missed.
+
+    Parameters
+    ----------
+    alpha, beta, gamma, damping : array_like
+        Broadcast against each other; the result is proportional to gamma.
+    samples : int
+        Kicks tried.
+    effort, workers : int
+        As in `outcome`.
+
+    Examples
+    --------
+    >>> round(float(critical_perturbation(0.0, 0.25)), 9)
+    2.0
+    """
+    shape, alpha, beta, gamma, _, c = _arguments(alpha, beta, gamma, 0.0, damping)
+    samples = _validate.integer("samples", samples, 1)
+    effort = _validate.integer("effort", effort, 1)
+    rate = _rates(alpha, beta, c, workers)
+    out = np.empty(alpha.size)
+    counts = np.full(alpha.size, samples, dtype=np.int64), np.full(alpha.size, effort, dtype=np.int64)
+    inputs = (alpha, beta, c, rate, *counts)
+    over_chunks(kernels.critical_fill, inputs, out, workers=workers, chunk=64, interpret_up_to=0)
+    out = np.where(gamma > 0.0, gamma * out, np.where(rate < 0.0, math.inf, 0.0))
+    return out.reshape(shape) if shape else float(out[0])
+
+
+class KickRange(NamedTuple):
+    """Kicks between ``low`` and ``high``."""
+
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, repr=False)
+class EscapeRanges:
+    """All ranges of kicks that escape, as finely as kicks were tried.
+
+    Attributes
+    ----------
+    equation : FrictionalMathieu
+    intervals : tuple of KickRange
+        Ranges of kicks that escape, increasing; the last is unbounded.
+    bounded_up_to, escapes_above : float
+        Proved: no kick up to the one escapes, every kick above the other does.
+    step : float
+        Ratio of neighbouring kicks tried less one: ranges and gaps narrower than this may be missed.
+    undecided : int
+        Kicks tried whose fate could not be told; they count as not escaping.
+    """
+
+    equation: FrictionalMathieu
+    intervals: tuple[KickRange, ...]
+    bounded_up_to: float
+    escapes_above: float
+    step: float
+    undecided: int
+
+    def __contains__(self, epsilon: float) -> bool:
+        """Return whether a kick of size ``epsilon`` lies in one of the ranges."""
+        return any(r.low < abs(epsilon) < r.high for r in self.intervals)
+
+    def __repr__(self) -> str:
+        """Return the ranges as a sentence."""
+        shown = [f"({r.low:.6g}, {r.high:.6g})" for r in self.intervals[:6]]
+        more = f" and {len(self.intervals) - 6} more" if len(self.intervals) > 6 else ""
+        what = f"escapes for kicks in {', '.join(shown)}{more}" if shown else "no kick escapes"
+        unknown = f"; {self.undecided} kicks undecided" if self.undecided else ""
+        return f"<{what}; tried in steps of {100.0 * self.step:.2g} %{unknown}>"
+
+
+def escape_ranges(
+    equation: FrictionalMathieu, *, samples: int = 2000, effort: int = _EFFORT, workers: int | None = None
+) -> EscapeRanges:
+    """Return all ranges of kicks that escape: the outcome need not be monotone in the kick.
+
+    ``samples`` kicks in geometric progression between what provably never and what always escapes are followed, and
+    every change of outcome between neighbours is bisected to 1e-10.  The edges may be fractal: more samples then show
+    more and narrower ranges.
+
+    Examples
+    --------
+    >>> escape_ranges(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0)).intervals
+    (KickRange(low=2.0, high=inf),)
+    """
+    require(equation, (FrictionalMathieu,), "escape_ranges")
+    samples = _validate.integer("samples", samples, 2)
+    e = equation
+    low, high = certain_kicks(e)
+    if not high < math.inf:
+        return EscapeRanges(e, (), low, high, 0.0, 0)
+    if high <= low * (1.0 + 1e-10):
+        return EscapeRanges(e, (KickRange(high, math.inf),), low, high, 0.0, 0)
+
+    def fates(kicks: NDArray[np.float64]) -> NDArray[np.int8]:
+        result = outcome(e.alpha, e.beta, e.gamma, kicks, e.damping, effort=effort, workers=workers)
+        return np.asarray(result, dtype=np.int8)
+
+    kicks = low * (high / low) ** np.linspace(0.0, 1.0, samples)
+    kicks[-1] = high * (1.0 + 1e-10)
+    found = fates(kicks)
+    escaped = found == ESCAPES
+    change = np.flatnonzero(escaped[1:] != escaped[:-1])
+    below, above = kicks[change], kicks[change + 1]
+    while (above - below > 1e-10 * above).any():
+        middle = 0.5 * (below + above)
+        same = (fates(middle) == ESCAPES) == escaped[change]
+        below, above = np.where(same, middle, below), np.where(same, above, middle)
+    edges = [*map(float, above), math.inf]
+    intervals = tuple(KickRange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True))
+    return EscapeRanges(e, intervals, low, high, (high / low) ** (1.0 / samples) - 1.0, int((found == UNDECIDED).sum()))
+
+
+def certain_kicks(equation: FrictionalMathieu) -> KickRange:
+    """Return the kick up to which none escapes, and that above which every one does: both proved.
+
+    The second is infinite where nothing grows without friction.  docs/friction.md derives them.
+
+    Examples
+    --------
+    >>> certain_kicks(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0)).low
+    2.0
+    """
+    require(equation, (FrictionalMathieu,), "certain_kicks")
+    alpha, beta, c = equation.alpha, equation.beta, equation.damping
+    largest = abs(alpha) + abs(beta)
+    rate = float(_rates(*(np.array([value]) for value in (alpha, beta, c)), 1)[0])
+    if rate < 0.0:
+        return KickRange(math.inf, math.inf)
+    if largest == 0.0:
+        return KickRange(math.inf, math.inf) if equation.gamma > 0.0 else KickRange(0.0, 0.0)
+    table, _ = _table(equation, rate)
+    first = abs(float(table[0, 10]))
+    high = equation.gamma / first if first > 0.0 else math.inf
+    return KickRange(equation.gamma / math.sqrt(largest), high)
+
+
+@dataclass(frozen=True, repr=False)
+class Fate:
+    """What becomes of one kick.
+
+    Attributes
+    ----------
+    equation, epsilon : FrictionalMathieu, float
+        What was asked.
+    status : {"bounded", "escapes", "undecided"}
+    reason : str
+        How it is known.
+    tau : float
+        Time at which it was known.
+    reversals, sticks : int
+        How often the motion had come to a stop by then, and how often it had stuck.
+    """
+
+    equation: FrictionalMathieu
+    epsilon: float
+    status: Literal["bounded", "escapes", "undecided"]
+    reason: str
+    tau: float
+    reversals: int
+    sticks: int
+
+    def __repr__(self) -> str:
+        """Return the fate as a sentence."""
+        when = f" after {self.tau / (2.0 * math.pi):.3g} periods and {self.reversals} stops" if self.tau > 0.0 else ""
+        return f"<{self.status}: {self.reason}; known{when or ' at once'}>"
+
+
+_REASONS: dict[int, tuple[Literal["bounded", "escapes", "undecided"], str]] = {
+    kernels.NO_GROWTH: ("bounded", "nothing grows without friction"),
+    kernels.STUCK: ("bounded", "sticks for ever"),
+    kernels.CREEPS: ("bounded", "creeps inwards, a little every period"),
+    kernels.TRAPPED: ("bounded", "sticks and slips within bounds, as far as sampling shows"),
+    kernels.GROWS: ("escapes", "the growing Floquet solution has outgrown friction"),
+    kernels.LIMIT: ("undecided", "not decided within the effort allowed"),
+}
+
+
+def fate(equation: FrictionalMathieu, epsilon: float, *, effort: int = _EFFORT) -> Fate:
+    """Return what becomes of one kick A(0) = 0, A'(0) = epsilon, and how that is known.
+
+    Examples
+    --------
+    >>> fate(FrictionalMathieu(alpha=1.0, beta=0.3, gamma=1.0), 2.0).status
+    'escapes'
+    """
+    require(equation, (FrictionalMathieu,), "fate")
+    epsilon = _validate.finite("epsilon", epsilon)
+    effort = _validate.integer("effort", effort, 1)
+    e = equation
+    rate = float(_rates(*(np.array([value]) for value in (e.alpha, e.beta, e.damping)), 1)[0])
+    start = np.zeros(7)
+    if rate < 0.0:
+        code = kernels.NO_GROWTH
+    elif e.gamma == 0.0:
+        code = kernels.GROWS if epsilon != 0.0 else kernels.STUCK
+    else:
+        table, work = _table(e, rate)
+        code = kernels.judge(e.alpha, e.beta, e.damping, table, abs(epsilon) / e.gamma, effort, start, work)
+    status, reason = _REASONS[code]
+    return Fate(e, epsilon, status, reason, float(start[2] + 2.0 * math.pi * start[6]), int(start[4]), int(start[5]))
+
+
+@dataclass(frozen=True, repr=False)
+class Trajectory:
+    """A motion from A(0) = 0, A'(0) = epsilon.
+
+    Attributes
+    ----------
+    equation, epsilon : FrictionalMathieu, float
+    tau, A, velocity : ndarray
+        Times, A and A', at equal steps and at every stop and release.
+    state : ndarray of int8
+        1 or -1, the sign of A', where it moves (at a stop: into which it moves off); 0 where it sticks.
+    """
+
+    equation: FrictionalMathieu
+    epsilon: float
+    tau: NDArray[np.float64]
+    A: NDArray[np.float64]
+    velocity: NDArray[np.float64]
+    state: NDArray[np.int8]
+
+    def __repr__(self) -> str:
+        """Return what was followed."""
+        end = f"A = {self.A[-1]:.6g}, A' = {self.velocity[-1]:.6g}"
+        return f"<motion from A' = {self.epsilon:g} over {self.tau[-1] / (2.0 * math.pi):.4g} periods, to {end}>"
+
+
+def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20) -> Trajectory:
+    """Return the motion from A(0) = 0, A'(0) = epsilon over whole periods, to rounding.
+
+    Examples
+    --------
+    >>> motion = trajectory(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0), 1.9)
+    >>> int(motion.state[-1]), motion.A[-1] < 4.0
+    (0, True)
+    """
+    require(equation, (FrictionalMathieu,), "trajectory")
+    epsilon = _validate.finite("epsilon", epsilon)
+    periods = _validate.integer("periods", periods, 1)
+    e = equation
+    scale = e.gamma if e.gamma > 0.0 else abs(epsilon)
+    table, work = _table(e, 0.0)
+    if e.gamma == 0.0:
+        table[:, 4:6] = 0.0
+    start = np.zeros(7)
+    start[1] = abs(epsilon) / scale if scale > 0.0 else 0.0
+    most = periods * (2 * len(table) + 40)
+    record = np.empty((most + 16, 4))
+    run = fastest(kernels.run, most // 1000)
+    with np.errstate(over="ignore", invalid="ignore"):
+        run(e.alpha, e.beta, e.damping, table, start, most, periods, False, record, work)
+    rows = record[: int(np.argmax(np.isinf(record[:, 0])))]
+    rows[:, 1:3] *= math.copysign(scale, epsilon)
+    rows[:, 3] *= math.copysign(1.0, epsilon)
+    end = 2.0 * math.pi * periods
+    if rows[-1, 0] < end and rows[-1, 3] == 0.0:
+        rows = np.vstack([rows, [end, rows[-1, 1], 0.0, 0.0]])
+    tau, a, v, state = (np.ascontiguousarray(column) for column in rows.T)
+    return Trajectory(e, epsilon, tau, a, v, state.astype(np.int8))
+
+
+def _table(equation: FrictionalMathieu, rate: float) -> tuple[NDArray[np.float64], Any]:
+    """Return the cells of a period and the workspace that goes with them."""
+    e = equation
+    count = kernels.cell_count(e.alpha, e.beta, e.damping)
+    table, work = np.empty((count, kernels.COLUMNS)), kernels.workspace()
+    fastest(kernels.prepare, count // 4)(e.alpha, e.beta, e.damping, rate, table, work)
+    return table, work
 
 
 def _fates(

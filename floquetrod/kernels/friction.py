@@ -28,18 +28,19 @@ from floquetrod._compile import kernel
 NO_GROWTH = 0  # without friction no solution grows
 STUCK = 1  # at rest for ever
 CREEPS = 2  # inwards, a little every period
-ATTRACTED = 3  # to a periodic motion
+TRAPPED = 3  # sticks and slips for ever
 GROWS = 4  # the escape test
 LIMIT = 5  # the bound on the number of cells was reached
 SLOW_RELEASE = 6  # stuck, with a force that frees it by less than `_SLOW`: creeps outwards, too slowly to follow
-RETURNED = 7  # to where it was some periods ago
 
 _ORDER = 16  # of Taylor series: with the cells below, what is left out is under 1e-17
 _CELL_WAVE = 0.7  # longest cell times the largest sqrt(abs(p)), and times 2 c
 _FEWEST_CELLS = 32  # a period
 _FINER = 3  # halvings of a step between kicks whose orbits differ in kind (heuristic)
 _SLOW = 5e-3  # relative excess of the freeing force below which creeping outwards is not followed (heuristic)
-_RETURN = 1e-9  # relative distance that counts as having returned (heuristic)
+_WATCHED = 50  # periods in which sticking and slipping is watched for its range (heuristic)
+_TRIED = 25  # amplitudes of that range tried (heuristic)
+_GROWN = 20  # times that range is grown (heuristic)
 _HALVINGS = 45  # of a cell in search of a reversal
 _NARROWEST = 2.0**-_HALVINGS
 _EPS = 2.220446049250313e-16
@@ -216,14 +217,16 @@ def _integral_of_size(a: Any) -> float:
 
 
 @kernel
-def prepare(alpha: float, beta: float, c: float, rate: float, p: Any, a: Any, table: Any) -> None:
-    """Fill ``table`` with the cells of a period; ``rate`` is the growth per unit tau, damping included, or zero.
+def prepare(alpha: float, beta: float, c: float, rate: float, table: Any, work: Any) -> None:
+    """Fill ``table`` with the cells of a period and forget what was known; ``rate`` is the growth per unit tau, damping included, or zero.
 
     Columns: the matrix and the forcing of (A, A') over the cell for s = 1; bounds on what A = 1, A' = 1 and the
     forcing change in A' anywhere in it; the row (e1, e2) of the escape test abs(e1 A + e2 A') > 1 at its beginning.
     """
     count = len(table)
     h = 2.0 * math.pi / count
+    p, a = work[0], work[1]
+    work[5][:] = -1.0
     for k in range(count):
         for column in range(3):
             s = 1.0 if column == 2 else 0.0
@@ -298,41 +301,35 @@ def run(
     start: Any,
     most: int,
     span: int,
-    watch: int,
+    decide: bool,
     record: Any,
     work: Any,
 ) -> int:
-    """Follow one orbit until its fate is known, over at most ``most`` cells and ``span`` periods; return why it ended.
+    """Follow one orbit until its fate is known, over at most ``most`` cells or to period ``span``; return why it ended.
 
-    ``watch`` says what to look for: 0 rest for ever only, 1 every final fate, 2 returns as well.
-
-    ``start`` holds A, A', the phase in [0, 2 pi), and receives A, A', tau at the end, the sign of E, and the numbers
-    of reversals and sticks.  ``record`` (rows of tau, A, A', state) is filled as far as it reaches; its last row is
-    the one whose tau is infinite.  ``work`` is scratch space from `workspace`.
+    Unless ``decide``, only rest for ever ends it early.  ``start`` holds A, A', the phase in [0, 2 pi), the sign of E
+    once it has escaped, the numbers of reversals and sticks and that of whole periods: as they are and then as they
+    become, so that a run can be resumed.  ``record`` (rows of tau, A, A', state) is filled as far as it reaches; its
+    last row is the one whose tau is infinite.  ``work`` is scratch space from `workspace`.
     """
     count = len(table)
     h = 2.0 * math.pi / count
-    p, a, q, weights, stack = work
+    p, a, q, weights, stack, known = work
     big = abs(alpha) + abs(beta)
     outward = beta + abs(alpha)  # Q: the largest p
     inward = abs(alpha) - beta  # P: the largest -p
     x, v, phase = start[0], start[1], start[2]
     k = min(int(phase / h), count - 1)
     offset = max(0.0, phase - k * h)
-    periods = 0
+    side, reversals, sticks, periods = start[3], start[4], start[5], start[6]
     s = 1.0 if v > 0.0 else -1.0
     event = v == 0.0 or offset > 0.0
-    reversals = 0
-    sticks = 0
     rows = 0
-    ref_x, ref_v = math.inf, math.inf
-    ref_at = 1
-    decide = watch > 0
     fate = LIMIT
-    side = 0.0
     used = 0
     if rows < len(record):
-        record[0, 0], record[0, 1], record[0, 2], record[0, 3] = phase, x, v, (s if v != 0.0 else 0.0)
+        record[0, 0], record[0, 1], record[0, 2] = phase + periods * 2.0 * math.pi, x, v
+        record[0, 3] = s if v != 0.0 else 0.0
         rows = 1
     while used < most and periods < span:
         used += 1
@@ -360,13 +357,13 @@ def run(
                         v = 0.0
                         offset = 0.0
                         event = True
-                        reversals += 1
+                        reversals += 1.0
                 else:
                     x = _value(a, root)
                     v = 0.0
                     offset = root * h
                     event = True
-                    reversals += 1
+                    reversals += 1.0
         else:
             released = False
             if v == 0.0:
@@ -374,7 +371,7 @@ def run(
                 force = (beta + alpha * math.sin(tau)) * x
                 if abs(force) <= 1.0:
                     size = abs(x)
-                    sticks += 1
+                    sticks += 1.0
                     if rows < len(record):
                         record[rows, 0] = tau + periods * 2.0 * math.pi
                         record[rows, 1], record[rows, 2], record[rows, 3] = x, 0.0, 0.0
@@ -397,18 +394,14 @@ def run(
                     if wait == math.inf:
                         fate = STUCK
                         break
+                    if decide and known[2] <= size <= known[3] and (known[1] - tau) % (2.0 * math.pi) <= wait:
+                        fate = TRAPPED
+                        break
                     tau += wait
                     turns = math.floor(tau / (2.0 * math.pi))
                     if turns > 0.0:
-                        # The state at the beginning of a period, for the comparison below.
-                        periods += int(turns)
+                        periods += turns
                         tau = max(0.0, tau - turns * 2.0 * math.pi)
-                        if watch > 1 and abs(ref_x - x) <= _RETURN * size and ref_v == 0.0:
-                            fate = RETURNED
-                            break
-                        if periods >= ref_at:
-                            ref_x, ref_v = x, 0.0
-                            ref_at = 2 * periods
                     k = min(int(tau / h), count - 1)
                     offset = min(h, max(0.0, tau - k * h))
                     force = (beta + alpha * math.sin(k * h + offset)) * x
@@ -429,43 +422,41 @@ def run(
                 q[j] = s * (j + 1.0 + first) * a[j + 1 + first]
             root = _first_root(q, _ORDER - first, weights, stack) if left > 0.0 else -1.0
             if root < 0.0:
-                x = _value(a, 1.0)
-                v = _slope(a, 1.0) / left if left > 0.0 else 0.0
+                if left > 0.0:
+                    x = _value(a, 1.0)
+                    v = _slope(a, 1.0) / left
                 k += 1
                 offset = 0.0
                 event = s * v <= 0.0
                 if event:
                     v = 0.0
-                    reversals += 1
+                    reversals += 1.0
             else:
                 x = _value(a, root)
                 v = 0.0
                 offset += root * left
-                reversals += 1
+                reversals += 1.0
         if k == count:
             k = 0
-            periods += 1
-            if watch > 1 and abs(ref_x - x) + abs(ref_v - v) <= _RETURN * (abs(x) + abs(v)):
-                fate = RETURNED
-                break
-            if periods >= ref_at:
-                ref_x, ref_v = x, v
-                ref_at = 2 * periods
+            periods += 1.0
         if rows < len(record) and not event:
             record[rows, 0] = k * h + periods * 2.0 * math.pi
             record[rows, 1], record[rows, 2], record[rows, 3] = x, v, s
             rows += 1
     if rows < len(record):
         record[rows, 0] = math.inf
-    start[0], start[1] = x, v
-    start[2] = k * h + offset + periods * 2.0 * math.pi
-    start[3], start[4], start[5] = side, reversals, sticks
+    start[0], start[1], start[2] = x, v, k * h + offset
+    start[3], start[4], start[5], start[6] = side, reversals, sticks, periods
     return fate
 
 
 @kernel
-def workspace() -> tuple[Any, Any, Any, Any, Any]:
-    """Return the scratch arrays of `run`, and the matrices that turn coefficients of powers into Bernstein's."""
+def workspace() -> tuple[Any, Any, Any, Any, Any, Any]:
+    """Return scratch arrays, matrices from powers to Bernstein coefficients, and what is known of an equation.
+
+    Known are, from orbits followed before: the fate of creeping outwards, and the phase and the ends of an interval of
+    amplitudes that traps; below zero where not known.
+    """
     size = _ORDER + 2
     weights = np.zeros((3, size, size))  # binomial(i, j) / binomial(n, j) for the degrees n that occur
     for less in range(3):
@@ -475,54 +466,113 @@ def workspace() -> tuple[Any, Any, Any, Any, Any]:
             for j in range(i + 1):
                 weights[less, i, j] = weight
                 weight *= (i - j) / max(1.0, float(n - j))
-    return np.empty(size), np.empty(size), np.empty(size), weights, np.empty((_HALVINGS + 3, size))
+    return np.empty(size), np.empty(size), np.empty(size), weights, np.empty((_HALVINGS + 3, size)), np.full(4, -1.0)
 
 
 @kernel
-def _creeps_out(alpha: float, beta: float, c: float, table: Any, side: float, most: int, start: Any, work: Any) -> int:
+def _stuck_at(record: Any, tau: float) -> float:
+    """Return A where the recorded motion is stuck at ``tau``, zero where it moves or the record ends before."""
+    for i in range(len(record) - 1):
+        if not record[i, 0] <= tau:
+            break
+        if record[i, 3] == 0.0 and record[i + 1, 0] >= tau:
+            return float(record[i, 1])
+    return 0.0
+
+
+@kernel
+def _trapped(alpha: float, beta: float, c: float, table: Any, start: Any, work: Any) -> bool:
+    """Return whether the motion goes on for ever by sticking and slipping, having reached the state in ``start``.
+
+    It is followed for `_WATCHED` periods.  If it is stuck at some phase of each of them, the amplitudes there span an
+    interval, and the period's map of that interval is one of a single variable.  The motion is trapped when the map
+    takes the interval, grown by its images up to `_GROWN` times, into itself: tried at `_TRIED` points of it.
+    """
+    turn = 2.0 * math.pi
+    whole = np.empty((_WATCHED * (len(table) + 40), 4))
+    here = start.copy()
+    here[6] = 0.0
+    run(alpha, beta, c, table, here, len(whole), _WATCHED, False, whole, work)
+    phases = 32
+    best = -1.0
+    phase = 0.0
+    low, high = 0.0, 0.0
+    for j in range(phases):
+        least, most = math.inf, 0.0
+        at = turn * j / phases
+        row = 0
+        for period in range(1, _WATCHED - 1):
+            tau = at + turn * period
+            while row + 1 < len(whole) and whole[row + 1, 0] < tau:
+                row += 1
+            size = abs(whole[row, 1]) if whole[row, 3] == 0.0 and whole[row, 0] <= tau else 0.0
+            least, most = min(least, size), max(most, size)
+        if least > best:
+            best, phase, low, high = least, at, least, most
+    if low <= 0.0:
+        return False
+    short = np.empty((3 * (len(table) + 40), 4))
+    for _ in range(_GROWN):
+        least, most = low, high
+        for i in range(_TRIED):
+            size = low + (high - low) * i / (_TRIED - 1.0)
+            here[0], here[1], here[2], here[6] = size, 0.0, phase, 0.0
+            if abs((beta + alpha * math.sin(phase)) * size) > 1.0:
+                return False
+            if run(alpha, beta, c, table, here, len(short), 2, False, short, work) == LIMIT:
+                after = abs(_stuck_at(short, phase + turn))
+                if after == 0.0:
+                    return False
+                least, most = min(least, after), max(most, after)
+        if most - least <= (high - low) * (1.0 + 1e-6) + 1e-9 * high:
+            work[5][1], work[5][2], work[5][3] = phase, low, high
+            return True
+        low, high = least, most
+    return False
+
+
+@kernel
+def _follow(alpha: float, beta: float, c: float, table: Any, start: Any, most: int, work: Any) -> int:
+    """Follow an orbit like `run`, and from time to time see whether it is trapped."""
+    none = np.empty((0, 4))
+    part = min(most, _WATCHED * len(table))
+    fate = LIMIT
+    while fate == LIMIT and most > 0:
+        fate = run(alpha, beta, c, table, start, part, most, True, none, work)
+        most -= part
+        part = min(most, 8 * part)
+        if fate == LIMIT and start[5] > 0.0 and _trapped(alpha, beta, c, table, start, work):
+            return TRAPPED
+    return fate
+
+
+@kernel
+def _creeps_out(alpha: float, beta: float, c: float, table: Any, most: int, work: Any) -> int:
     """Return the fate of an orbit that creeps outwards from where the largest force just frees it.
 
     A step of it takes the relative excess d to d + (9/2) Q^2 / abs(alpha) d^2 + ..., so every such orbit passes through
     one step's length beginning at d = `_SLOW`, anywhere in it.  All fates sampled there must agree.
     """
+    known = work[5]
+    if known[0] >= 0.0:
+        return int(known[0])
     outward = beta + abs(alpha)
     step = 4.5 * outward * outward / abs(alpha) * _SLOW * _SLOW
-    none = np.empty((0, 4))
+    here = np.empty(7)
     agreed = LIMIT
     samples = 8
     for i in range(samples):
         excess = _SLOW * (1.0 + 1e-9) + 1.2 * step * i / (samples - 1.0)
-        start[0] = math.copysign((1.0 + excess) / outward, side)
-        start[1] = 0.0
-        start[2] = 1.5 * math.pi if alpha > 0.0 else 0.5 * math.pi
-        fate = run(alpha, beta, c, table, start, most, most, 1, none, work)
+        here[:] = 0.0
+        here[0] = (1.0 + excess) / outward
+        here[2] = 1.5 * math.pi if alpha > 0.0 else 0.5 * math.pi
+        fate = _follow(alpha, beta, c, table, here, most, work)
         if fate >= LIMIT or (i > 0 and (fate == GROWS) != (agreed == GROWS)):
-            return LIMIT
+            agreed = LIMIT
+            break
         agreed = fate
+    known[0] = agreed
     return agreed
-
-
-@kernel
-def _attracts(alpha: float, beta: float, c: float, table: Any, x: float, v: float, phase: float, work: Any) -> bool:
-    """Return whether orbits a small distance to every side of a periodic one come ten times closer to it."""
-    periods = 64
-    size = 1e-6 * (abs(x) + abs(v))
-    here = np.empty(6)
-    none = np.empty((0, 4))
-    most = (periods + 2) * (len(table) + 64)
-    here[0], here[1], here[2] = x, v, phase
-    if run(alpha, beta, c, table, here, most, periods, 0, none, work) != LIMIT:
-        return False
-    x1, v1 = here[0], here[1]
-    worst = 0.0
-    for i in range(4):
-        here[0] = x + (size if i == 0 else -size if i == 1 else 0.0)
-        here[1] = v + (size if i == 2 else -size if i == 3 else 0.0)
-        here[2] = phase
-        if run(alpha, beta, c, table, here, most, periods, 0, none, work) != LIMIT:
-            return False
-        worst = max(worst, abs(here[0] - x1) + abs(here[1] - v1))
-    return worst <= 0.1 * size
 
 
 @kernel
@@ -531,21 +581,12 @@ def judge(alpha: float, beta: float, c: float, table: Any, kick: float, most: in
 
     ``start`` receives what `run` leaves there.
     """
-    none = np.empty((0, 4))
-    start[0], start[1], start[2], start[3], start[4], start[5] = 0.0, kick, 0.0, 0.0, 0.0, 0.0
+    start[:] = 0.0
+    start[1] = kick
     if kick * kick * (abs(alpha) + abs(beta)) <= 1.0:
         return STUCK  # stops no farther out than where the largest force may act for ever
-    fate = run(alpha, beta, c, table, start, most, most, 2, none, work)
-    if fate == SLOW_RELEASE:
-        return _creeps_out(alpha, beta, c, table, start[0], most, start, work)
-    if fate == RETURNED:
-        x, v, tau = start[0], start[1], start[2]
-        phase = tau - 2.0 * math.pi * math.floor(tau / (2.0 * math.pi) + 1e-12)
-        if _attracts(alpha, beta, c, table, x, v, max(0.0, phase), work):
-            return ATTRACTED
-        start[2] = 0.0
-        fate = run(alpha, beta, c, table, start, most, most, 1, none, work)
-    return fate if fate < LIMIT else LIMIT
+    fate = _follow(alpha, beta, c, table, start, most, work)
+    return _creeps_out(alpha, beta, c, table, most, work) if fate == SLOW_RELEASE else fate
 
 
 @kernel
@@ -555,7 +596,7 @@ def outcome_fill(alpha: Any, beta: Any, damping: Any, rate: Any, kick: Any, most
     The table of a period is kept while alpha, beta and damping stay the same from one point to the next.
     """
     work = workspace()
-    start = np.zeros(6)
+    start = np.zeros(7)
     table = np.empty((0, COLUMNS))
     for i in range(len(alpha)):
         if rate[i] < 0.0:
@@ -567,7 +608,7 @@ def outcome_fill(alpha: Any, beta: Any, damping: Any, rate: Any, kick: Any, most
             or not (alpha[i] == alpha[i - 1] and beta[i] == beta[i - 1] and damping[i] == damping[i - 1])
         ):
             table = np.empty((cell_count(alpha[i], beta[i], damping[i]), COLUMNS))
-            prepare(alpha[i], beta[i], damping[i], rate[i], work[0], work[1], table)
+            prepare(alpha[i], beta[i], damping[i], rate[i], table, work)
         out[i] = judge(alpha[i], beta[i], damping[i], table, kick[i], most[i], start, work)
 
 
@@ -594,7 +635,7 @@ def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int,
     Between what provably never and what always escapes, ``samples`` kicks are tried upwards in geometric steps; a step
     whose ends do not look alike is halved up to `_FINER` times.  The first escape found is bisected to 1e-10.
     """
-    start = np.zeros(6)
+    start = np.zeros(7)
     low = 1.0 / math.sqrt(abs(alpha) + abs(beta))
     high = 1.0 / abs(table[0, 10]) if table[0, 10] != 0.0 else math.inf
     if not high < 1e12 * low:
@@ -635,7 +676,7 @@ def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int,
             below = ends[depth, 0]
             before[:] = ends[depth, 1:]
             depth -= 1
-    return math.inf
+    return math.nan
 
 
 @kernel
@@ -646,5 +687,5 @@ def critical_fill(alpha: Any, beta: Any, damping: Any, rate: Any, samples: Any, 
         out[i] = math.inf
         if rate[i] >= 0.0 and abs(alpha[i]) + abs(beta[i]) > 0.0:
             table = np.empty((cell_count(alpha[i], beta[i], damping[i]), COLUMNS))
-            prepare(alpha[i], beta[i], damping[i], rate[i], work[0], work[1], table)
+            prepare(alpha[i], beta[i], damping[i], rate[i], table, work)
             out[i] = critical_kick(alpha[i], beta[i], damping[i], table, samples[i], most[i], work)
