@@ -117,7 +117,7 @@ def critical_perturbation(
 
     No kick up to gamma / sqrt(abs(alpha) + abs(beta)) escapes, and every kick beyond a bound known in closed form does
     (docs/friction.md).  In between ``samples`` kicks are tried upwards in geometric steps, closer together where
-    neighbouring orbits differ in kind, and the first escape is bisected to 1e-10.  A range of escaping kicks that lies
+    neighbouring orbits differ in kind, and the first escape is bisected to 1e-9.  A range of escaping kicks that lies
     below it and between two kicks tried is missed.
 
     Parameters
@@ -245,7 +245,7 @@ def certain_kicks(equation: FrictionalMathieu) -> KickRange:
     require(equation, (FrictionalMathieu,), "certain_kicks")
     alpha, beta, c = equation.alpha, equation.beta, equation.damping
     largest = abs(alpha) + abs(beta)
-    rate = float(_rates(*(np.array([value]) for value in (alpha, beta, c)), 1)[0])
+    rate = float(_rates(np.array([alpha]), np.array([beta]), np.array([c]), 1)[0])
     if rate < 0.0:
         return KickRange(math.inf, math.inf)
     if largest == 0.0:
@@ -309,7 +309,7 @@ def fate(equation: FrictionalMathieu, epsilon: float, *, effort: int = _EFFORT) 
     epsilon = _validate.finite("epsilon", epsilon)
     effort = _validate.integer("effort", effort, 1)
     e = equation
-    rate = float(_rates(*(np.array([value]) for value in (e.alpha, e.beta, e.damping)), 1)[0])
+    rate = float(_rates(np.array([e.alpha]), np.array([e.beta]), np.array([e.damping]), 1)[0])
     start = np.zeros(7)
     if rate < 0.0:
         code = kernels.NO_GROWTH

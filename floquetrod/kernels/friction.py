@@ -36,7 +36,7 @@ SLOW_RELEASE = 6  # stuck, with a force that frees it by less than `_SLOW`: cree
 _ORDER = 16  # of Taylor series: with the cells below, what is left out is under 1e-17
 _CELL_WAVE = 0.7  # longest cell times the largest sqrt(abs(p)), and times 2 c
 _FEWEST_CELLS = 32  # a period
-_FINER = 3  # halvings of a step between kicks whose orbits differ in kind (heuristic)
+_FINER = 2  # halvings of a step between kicks whose orbits differ in kind (heuristic)
 _SLOW = 5e-3  # relative excess of the freeing force below which creeping outwards is not followed (heuristic)
 _WATCHED = 50  # periods in which sticking and slipping is watched for its range (heuristic)
 _TRIED = 25  # amplitudes of that range tried (heuristic)
@@ -218,7 +218,9 @@ def _integral_of_size(a: Any) -> float:
 
 @kernel
 def prepare(alpha: float, beta: float, c: float, rate: float, table: Any, work: Any) -> None:
-    """Fill ``table`` with the cells of a period and forget what was known; ``rate`` is the growth per unit tau, damping included, or zero.
+    """Fill ``table`` with the cells of a period and forget what was known.
+
+    ``rate`` is the growth per unit tau, damping included, or zero.
 
     Columns: the matrix and the forcing of (A, A') over the cell for s = 1; bounds on what A = 1, A' = 1 and the
     forcing change in A' anywhere in it; the row (e1, e2) of the escape test abs(e1 A + e2 A') > 1 at its beginning.
@@ -633,7 +635,7 @@ def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int,
     """Return the smallest kick that escapes, NaN where that hangs on an orbit whose fate cannot be told.
 
     Between what provably never and what always escapes, ``samples`` kicks are tried upwards in geometric steps; a step
-    whose ends do not look alike is halved up to `_FINER` times.  The first escape found is bisected to 1e-10.
+    whose ends do not look alike is halved up to `_FINER` times.  The first escape found is bisected to 1e-9.
     """
     start = np.zeros(7)
     low = 1.0 / math.sqrt(abs(alpha) + abs(beta))
@@ -650,10 +652,11 @@ def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int,
     for i in range(1, samples + 1):
         top = low * (high / low) ** (i / samples) if i < samples else high * (1.0 + 1e-9)
         _look(alpha, beta, c, table, top, most, start, work, seen)
+        finest = (top - below) * 0.5**_FINER
         depth = 0
         ends[0, 0], ends[0, 1], ends[0, 2], ends[0, 3] = top, seen[0], seen[1], seen[2]
         while depth >= 0:
-            if depth < _FINER and not _looks_alike(before, ends[depth, 1:]):
+            if ends[depth, 0] - below > 1.5 * finest and not _looks_alike(before, ends[depth, 1:]):
                 middle = 0.5 * (below + ends[depth, 0])
                 _look(alpha, beta, c, table, middle, most, start, work, seen)
                 depth += 1
@@ -661,7 +664,7 @@ def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int,
                 continue
             if ends[depth, 1] == GROWS:
                 found = float(ends[depth, 0])
-                while found - below > 1e-10 * found:
+                while found - below > 1e-9 * found:
                     middle = 0.5 * (below + found)
                     fate = judge(alpha, beta, c, table, middle, most, start, work)
                     if fate == LIMIT:
