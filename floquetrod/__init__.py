@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from floquetrod.chart import Chart as Chart
     from floquetrod.comparison import Comparison as Comparison
     from floquetrod.comparison import compare as compare
+    from floquetrod.coulomb import Coulomb as Coulomb
     from floquetrod.criterion import PaperCriterion as PaperCriterion
     from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
     from floquetrod.equations import Hill as Hill
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from floquetrod.result import Stability as Stability
     from floquetrod.rod import Rod as Rod
     from floquetrod.rod import UniformForceWarning as UniformForceWarning
+    from floquetrod.rod_friction import RodFriction as RodFriction
     from floquetrod.rod_map import stability_map as stability_map
     from floquetrod.rod_ranges import SafeRanges as SafeRanges
     from floquetrod.rod_stability import RodStability as RodStability
@@ -39,12 +41,14 @@ _WHERE = {
     "AxialLoad": "load",
     "Chart": "chart",
     "Comparison": "comparison",
+    "Coulomb": "coulomb",
     "FrictionalMathieu": "equations",
     "Hill": "equations",
     "Mathieu": "equations",
     "PaperCriterion": "criterion",
     "Proof": "proof",
     "Rod": "rod",
+    "RodFriction": "rod_friction",
     "RodStability": "rod_stability",
     "SafeRanges": "rod_ranges",
     "SquareWave": "equations",

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate, mathieu
-from floquetrod._compile import broadcast, fastest, over_chunks
+from floquetrod._compile import broadcast, compiled, fastest, over_chunks
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.kernels import friction as kernels
 
@@ -24,7 +24,7 @@ UNDECIDED, BOUNDED, ESCAPES = -1, 0, 1
 """Values of `outcome`."""
 
 _EFFORT = 500_000  # cells an orbit may take, 32 or more to a period: a few thousandths of a second (a choice)
-_FEW = 4  # orbits that are cheaper interpreted than numba is to load (measured)
+_SHORT = 2000  # cells that are cheaper interpreted than numba is to load (measured)
 
 
 class UndecidedWarning(UserWarning):
@@ -113,7 +113,7 @@ def critical_perturbation(
     effort: int = 100_000,
     workers: int | None = None,
 ) -> Any:
-    """Return the smallest kick epsilon that escapes; infinite where none does, NaN where it could not be decided.
+    """Return the infimum of kicks epsilon that escape; infinite where none does, NaN where it could not be decided.
 
     No kick up to gamma / sqrt(abs(alpha) + abs(beta)) escapes, and every kick beyond a bound known in closed form does
     (docs/friction.md).  In between ``samples`` kicks are tried upwards in geometric steps, closer together where
@@ -311,15 +311,31 @@ def fate(equation: FrictionalMathieu, epsilon: float, *, effort: int = _EFFORT) 
     e = equation
     rate = float(_rates(np.array([e.alpha]), np.array([e.beta]), np.array([e.damping]), 1)[0])
     start = np.zeros(7)
-    if rate < 0.0:
-        code = kernels.NO_GROWTH
-    elif e.gamma == 0.0:
-        code = kernels.GROWS if epsilon != 0.0 else kernels.STUCK
-    else:
-        table, work = _table(e, rate)
-        code = kernels.judge(e.alpha, e.beta, e.damping, table, abs(epsilon) / e.gamma, effort, start, work)
+    code = _code(e, abs(epsilon), rate, effort, start)
     status, reason = _REASONS[code]
     return Fate(e, epsilon, status, reason, float(start[2] + 2.0 * math.pi * start[6]), int(start[4]), int(start[5]))
+
+
+def _code(e: FrictionalMathieu, kick: float, rate: float, effort: int, start: NDArray[np.float64]) -> int:
+    """Return why the run of one kick ended, as the kernels number it."""
+    if rate < 0.0:
+        return kernels.NO_GROWTH
+    if e.gamma == 0.0:
+        return kernels.GROWS if kick > 0.0 else kernels.STUCK
+    return _one(e, rate, kick / e.gamma, effort, start)
+
+
+def _one(e: FrictionalMathieu, rate: float, kick: float, effort: int, start: NDArray[np.float64]) -> int:
+    """Return the fate of one kick: interpreted where that is soon known, else compiled."""
+    table, work = _table(e, rate)
+    if kick * kick * (abs(e.alpha) + abs(e.beta)) > 1.0:
+        start[1] = kick
+        none = np.empty((0, 4))
+        code = int(kernels.run(e.alpha, e.beta, e.damping, table, start, min(effort, _SHORT), effort, True, none, work))
+        if code < kernels.LIMIT:
+            return code
+    judge = compiled(kernels.judge) if effort > _SHORT else kernels.judge
+    return int(judge(e.alpha, e.beta, e.damping, table, kick, effort, True, start, work))
 
 
 @dataclass(frozen=True, repr=False)
@@ -404,13 +420,17 @@ def _fates(
     effort = _validate.integer("effort", effort, 1)
     rate = _rates(alpha, beta, damping, workers)
     out = np.empty(kick.size, dtype=np.int8)
+    if kick.size == 1:
+        one = FrictionalMathieu(float(alpha[0]), float(beta[0]), float(gamma[0]), float(damping[0]))
+        out[0] = _code(one, float(kick[0]), float(rate[0]), effort, np.zeros(7))
+        return out
     free = gamma == 0.0
     with np.errstate(over="ignore"):
         scaled = kick / np.where(free, 1.0, gamma)
     runs = np.where(free, -1.0, rate)
     limit = np.full(kick.size, effort, dtype=np.int64)
     inputs = (alpha, beta, damping, runs, scaled, limit)
-    over_chunks(kernels.outcome_fill, inputs, out, workers=workers, chunk=64, interpret_up_to=_FEW)
+    over_chunks(kernels.outcome_fill, inputs, out, workers=workers, chunk=64, interpret_up_to=0)
     out[free & (rate >= 0.0) & (kick > 0.0)] = kernels.GROWS
     return out
 

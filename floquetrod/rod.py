@@ -8,17 +8,19 @@ import warnings
 from collections.abc import Callable, Iterable
 from dataclasses import MISSING, dataclass, fields
 from pathlib import Path
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate, units
 from floquetrod._compile import broadcast, over_chunks
+from floquetrod.coulomb import Coulomb
 from floquetrod.criterion import PaperCriterion
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.load import AxialLoad
 from floquetrod.rod_data import MOST_MODES, NEGLIGIBLE_GROWTH, RodData
+from floquetrod.rod_friction import CriticalKick, RodFriction, critical_kick, critical_kicks, judge_kick, stable_loads
 from floquetrod.rod_ranges import SafeRanges, safe_ranges
 from floquetrod.rod_stability import RodStability, judge_modes
 from floquetrod.rod_tongues import UnstableRange, unstable_amplitudes, unstable_frequencies, unstable_mean_forces
@@ -82,9 +84,28 @@ class Rod(RodData):
         except (TypeError, ValueError) as error:
             raise ValueError(f"rod file {path}: {error}") from None
 
+    @overload
     def stability(
-        self, load: AxialLoad, modes: Iterable[int] | None = None, growth_tolerance: float = 0.0
-    ) -> RodStability:
+        self, load: AxialLoad, modes: Iterable[int] | None = None, growth_tolerance: float = 0.0, friction: None = None
+    ) -> RodStability: ...
+
+    @overload
+    def stability(
+        self,
+        load: AxialLoad,
+        modes: Iterable[int] | None = None,
+        growth_tolerance: float = 0.0,
+        *,
+        friction: Coulomb,
+    ) -> RodFriction: ...
+
+    def stability(
+        self,
+        load: AxialLoad,
+        modes: Iterable[int] | None = None,
+        growth_tolerance: float = 0.0,
+        friction: Coulomb | None = None,
+    ) -> RodStability | RodFriction:
         """Judge the rod under a load: stable when every mode is.
 
         Parameters
@@ -94,10 +115,12 @@ class Rod(RodData):
             Modes to look at; by default all that can matter, see `modes_needed`.
         growth_tolerance : float
             Growth rate in 1/s up to which a mode counts as stable.
+        friction : Coulomb, optional
+            Friction with the floor, and the kick that every mode is given: stable when it sets off none of them.
 
         Returns
         -------
-        RodStability
+        RodStability, or RodFriction where friction is given
 
         Warns
         -----
@@ -129,7 +152,42 @@ class Rod(RodData):
                 raise ValueError("modes must name at least one mode, got none; leave it out to take all that matter")
             left_out = math.inf
             cutoff = f"the {len(chosen)} modes asked for; nothing is said about others"
-        return judge_modes(self, load, chosen, self.mode_equations(load, chosen), growth_tolerance, left_out, cutoff)
+        equations = self.mode_equations(load, chosen)
+        linear = judge_modes(self, load, chosen, equations, growth_tolerance, left_out, cutoff)
+        return linear if friction is None else judge_kick(linear, _coulomb(friction))
+
+    def critical_velocity(self, load: AxialLoad, mu: float, growth_tolerance: float = 0.0) -> CriticalKick:
+        """Return the smallest transverse velocity in m/s that buckles the rod against friction, and the mode.
+
+        Every mode is taken to be kicked with that amplitude; infinite where nothing grows even without friction.
+
+        Examples
+        --------
+        >>> rod = Rod.nitinol()
+        >>> load = AxialLoad(mean=0.825 * rod.critical_force, amplitude=0.7 * rod.critical_force, frequency=150.0)
+        >>> velocity, mode = rod.critical_velocity(load, mu=0.1)
+        >>> round(1e3 * velocity, 1), mode
+        (32.1, 9)
+        """
+        mu = _validate.nonnegative("mu", mu, "friction opposes the motion")
+        return critical_kick(self.stability(load, None, growth_tolerance), mu)
+
+    def critical_velocities(
+        self,
+        mean: Any,
+        amplitude: Any,
+        frequency: Any,
+        mu: float,
+        *,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+    ) -> tuple[Any, Any]:
+        """Return what `critical_velocity` does over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
+        mu = _validate.nonnegative("mu", mu, "friction opposes the motion")
+        tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+        shape, *loads = self._loads(mean, amplitude, frequency)
+        velocity, mode = critical_kicks(self, loads[:3], mu, tolerance, workers)
+        return velocity.reshape(shape), mode.reshape(shape)
 
     def stable_mean_forces(
         self, amplitude: float, frequency: float, upto: float | None = None, growth_tolerance: float = 0.0
@@ -212,19 +270,26 @@ class Rod(RodData):
         *,
         growth_tolerance: float = 0.0,
         criterion: PaperCriterion | None = None,
+        friction: Coulomb | None = None,
         workers: int | None = None,
     ) -> Any:
         """Return whether the rod is stable, over arrays of loads (N, N, rad/s) that broadcast, all relevant modes.
 
-        A mode counts as stable up to ``growth_tolerance`` (1/s), or when it passes the ``criterion``.
+        A mode counts as stable up to ``growth_tolerance`` (1/s), or when it passes the ``criterion``.  With
+        ``friction``: whether its kick sets off no mode; loads that cannot be decided are warned of and False.
 
         >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
         array([False, False])
         """
         tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
-        shape, omega, family = self._loads(mean, amplitude, frequency)
+        shape, force, size, omega = self._loads(mean, amplitude, frequency)
         if criterion is not None:
-            criterion.require_alone(growth_tolerance=tolerance)
+            criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if friction is None else friction.mu)
+        if friction is not None:
+            kept = stable_loads(self, (force, size, omega), _coulomb(friction), tolerance, workers)
+            return kept.reshape(shape) if shape else bool(kept[0])
+        family = self._families(force, size, omega)
+        if criterion is not None:
             out = criterion.modes_are_stable(family, self.damping_rate / omega, workers=workers)
             return out.reshape(shape) if shape else bool(out[0])
         out = np.empty(omega.size, dtype=np.bool_)
@@ -238,7 +303,8 @@ class Rod(RodData):
 
     def fastest(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> tuple[Any, Any]:
         """Return the growth rate in 1/s and the number of the fastest mode over arrays of loads; 0, 0 where stable."""
-        shape, omega, family = self._loads(mean, amplitude, frequency)
+        shape, force, size, omega = self._loads(mean, amplitude, frequency)
+        family = self._families(force, size, omega)
         out = np.empty((omega.size, 2))
         rates = (self.damping_rate / omega, NEGLIGIBLE_GROWTH / omega)
         over_chunks(kernels.modes_growth_fill, (*family, *rates), out, workers=workers, chunk=4096)
@@ -249,8 +315,8 @@ class Rod(RodData):
 
     def _loads(
         self, mean: Any, amplitude: Any, frequency: Any
-    ) -> tuple[tuple[int, ...], NDArray[np.float64], tuple[NDArray[np.float64], ...]]:
-        """Return the shape, the frequencies and the mode families of loads that broadcast."""
+    ) -> tuple[tuple[int, ...], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return the common shape of loads that broadcast, and their flat arrays."""
         arrays = (
             _validate.array("mean", mean, least=-1e12, largest=1e12),
             _validate.array("amplitude", amplitude, least=0.0, largest=1e12),
@@ -261,10 +327,17 @@ class Rod(RodData):
         except ValueError:
             shapes = ", ".join(str(array.shape) for array in arrays)
             raise ValueError(f"mean, amplitude and frequency must broadcast to one shape, got {shapes}") from None
-        family = self.mode_family(force, size, omega)
-        if omega.size and math.sqrt(max(0.0, float(((family[0] + family[1]) / family[2]).max()))) > MOST_MODES:
+        a, b, stiffness, _ = self.mode_family(force, size, omega)
+        if omega.size and math.sqrt(max(0.0, float(((a + b) / stiffness).max()))) > MOST_MODES:
             raise ValueError(f"mean needs more than {MOST_MODES} modes: far above the critical force; check its unit")
-        return shape, omega, tuple(np.ascontiguousarray(np.broadcast_to(part, omega.shape)) for part in family)
+        return shape, force, size, omega
+
+    def _families(
+        self, force: NDArray[np.float64], size: NDArray[np.float64], omega: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], ...]:
+        """Return the mode families of flat arrays of loads."""
+        family = self.mode_family(force, size, omega)
+        return tuple(np.ascontiguousarray(np.broadcast_to(part, omega.shape)) for part in family)
 
     def _warn_unless_uniform(self, load: AxialLoad) -> None:
         ratio = load.frequency * self.length / (2.0 * math.pi) / self.wave_speed
@@ -275,6 +348,12 @@ class Rod(RodData):
                 UniformForceWarning,
                 stacklevel=3,
             )
+
+
+def _coulomb(friction: Any) -> Coulomb:
+    if not isinstance(friction, Coulomb):
+        raise TypeError(f"friction must be a Coulomb, got {friction!r}; give Coulomb(mu=..., velocity=...)")
+    return friction
 
 
 def _first_unstable(ranges: SafeRanges) -> float:

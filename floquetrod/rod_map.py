@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from floquetrod import _validate
 from floquetrod._version import __version__
 from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.coulomb import Coulomb
 from floquetrod.criterion import PaperCriterion
 from floquetrod.rod import Rod
 
@@ -32,6 +33,7 @@ def stability_map(
     growth_tolerance: float = 0.0,
     damping: float | None = None,
     criterion: PaperCriterion | None = None,
+    friction: Coulomb | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Chart:
@@ -52,6 +54,8 @@ def stability_map(
         The paper's test in place of stability for ever.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
+    friction : Coulomb, optional
+        Friction and the kick every mode is given; not together with ``growth``, which is that without friction.
     progress : callable, optional
         Called with the numbers of points done and to do.
 
@@ -63,6 +67,8 @@ def stability_map(
     """
     if not isinstance(rod, Rod):
         raise TypeError(f"rod must be a Rod, got {rod!r}")
+    if friction is not None and growth:
+        raise ValueError("growth is that of the rod without friction; leave out either growth or friction")
     given = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
     fixed = [name for name, value in given.items() if np.ndim(value) == 0]
     if len(fixed) != 1:
@@ -79,15 +85,20 @@ def stability_map(
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
         load = {across: x.values, up: values, fixed[0]: value}
-        stable = rod.is_stable(**load, growth_tolerance=tolerance, criterion=criterion, workers=workers)
+        stable = rod.is_stable(
+            **load, growth_tolerance=tolerance, criterion=criterion, friction=friction, workers=workers
+        )
         return (stable, *rod.fastest(**load, workers=workers)) if growth else (stable,)
 
     kinds = (np.bool_, np.float64, np.int64)[: 3 if growth else 1]
     stable, *rest = fill_rows(rows, y.values, x.values.size, kinds, progress)
     name, _, unit = _AXES[fixed[0]]
+    fixed_values: list[list[Any]] = [[name, value, unit], ["critical force", rod.critical_force, "N"]]
+    if friction is not None:
+        fixed_values += [["friction", friction.mu, ""], ["kick", friction.velocity, "m/s"]]
     subject = {
         "kind": "rod",
-        "fixed": [[name, value, unit], ["critical force", rod.critical_force, "N"]],
+        "fixed": fixed_values,
         "rod": asdict(rod),
     }
     rate, mode = rest if growth else (None, None)

@@ -33,6 +33,8 @@ GROWS = 4  # the escape test
 LIMIT = 5  # the bound on the number of cells was reached
 SLOW_RELEASE = 6  # stuck, with a force that frees it by less than `_SLOW`: creeps outwards, too slowly to follow
 
+MIXED = 7  # creeps outwards, and such orbits differ in fate: kicks that escape lie arbitrarily close
+
 _ORDER = 16  # of Taylor series: with the cells below, what is left out is under 1e-17
 _CELL_WAVE = 0.7  # longest cell times the largest sqrt(abs(p)), and times 2 c
 _FEWEST_CELLS = 32  # a period
@@ -389,7 +391,7 @@ def run(
                             side = x
                             fate = GROWS
                             break
-                        if 1.0 < outward * size < 1.0 + _SLOW and inward * size <= 1.0:
+                        if 1.0 < outward * size < 1.0 + _SLOW and inward * size <= 1.0 and known[4] <= 0.0:
                             fate = SLOW_RELEASE
                             break
                     wait = _wait(tau, size, alpha, beta)
@@ -457,7 +459,7 @@ def workspace() -> tuple[Any, Any, Any, Any, Any, Any]:
     """Return scratch arrays, matrices from powers to Bernstein coefficients, and what is known of an equation.
 
     Known are, from orbits followed before: the fate of creeping outwards, and the phase and the ends of an interval of
-    amplitudes that traps; below zero where not known.
+    amplitudes that traps; below zero where not known.  The last entry is positive while slow creeping is followed.
     """
     size = _ORDER + 2
     weights = np.zeros((3, size, size))  # binomial(i, j) / binomial(n, j) for the degrees n that occur
@@ -468,7 +470,7 @@ def workspace() -> tuple[Any, Any, Any, Any, Any, Any]:
             for j in range(i + 1):
                 weights[less, i, j] = weight
                 weight *= (i - j) / max(1.0, float(n - j))
-    return np.empty(size), np.empty(size), np.empty(size), weights, np.empty((_HALVINGS + 3, size)), np.full(4, -1.0)
+    return np.empty(size), np.empty(size), np.empty(size), weights, np.empty((_HALVINGS + 3, size)), np.full(5, -1.0)
 
 
 @kernel
@@ -561,34 +563,48 @@ def _creeps_out(alpha: float, beta: float, c: float, table: Any, most: int, work
     outward = beta + abs(alpha)
     step = 4.5 * outward * outward / abs(alpha) * _SLOW * _SLOW
     here = np.empty(7)
-    agreed = LIMIT
+    known[0] = LIMIT  # should one of them come back here
     samples = 8
+    escaped, bounded = 0, 0
     for i in range(samples):
         excess = _SLOW * (1.0 + 1e-9) + 1.2 * step * i / (samples - 1.0)
         here[:] = 0.0
         here[0] = (1.0 + excess) / outward
         here[2] = 1.5 * math.pi if alpha > 0.0 else 0.5 * math.pi
         fate = _follow(alpha, beta, c, table, here, most, work)
-        if fate >= LIMIT or (i > 0 and (fate == GROWS) != (agreed == GROWS)):
-            agreed = LIMIT
-            break
-        agreed = fate
-    known[0] = agreed
-    return agreed
+        escaped += 1 if fate == GROWS else 0
+        bounded += 1 if fate < GROWS else 0
+    if escaped == samples:
+        known[0] = GROWS
+    elif bounded == samples:
+        known[0] = TRAPPED
+    elif escaped > 0 and bounded > 0:
+        known[0] = MIXED
+    return int(known[0])
 
 
 @kernel
-def judge(alpha: float, beta: float, c: float, table: Any, kick: float, most: int, start: Any, work: Any) -> int:
+def judge(
+    alpha: float, beta: float, c: float, table: Any, kick: float, most: int, patient: bool, start: Any, work: Any
+) -> int:
     """Return the fate of the orbit A(0) = 0, A'(0) = ``kick`` >= 0; `LIMIT` where it cannot be told.
 
-    ``start`` receives what `run` leaves there.
+    ``start`` receives what `run` leaves there.  Slow creeping whose end depends on where it began is followed when
+    ``patient``, else it is `MIXED`.
     """
     start[:] = 0.0
     start[1] = kick
     if kick * kick * (abs(alpha) + abs(beta)) <= 1.0:
         return STUCK  # stops no farther out than where the largest force may act for ever
     fate = _follow(alpha, beta, c, table, start, most, work)
-    return _creeps_out(alpha, beta, c, table, most, work) if fate == SLOW_RELEASE else fate
+    if fate != SLOW_RELEASE:
+        return fate
+    fate = _creeps_out(alpha, beta, c, table, most, work)
+    if fate == MIXED and patient:
+        work[5][4] = 1.0
+        fate = _follow(alpha, beta, c, table, start, most, work)
+        work[5][4] = -1.0
+    return fate
 
 
 @kernel
@@ -611,7 +627,7 @@ def outcome_fill(alpha: Any, beta: Any, damping: Any, rate: Any, kick: Any, most
         ):
             table = np.empty((cell_count(alpha[i], beta[i], damping[i]), COLUMNS))
             prepare(alpha[i], beta[i], damping[i], rate[i], table, work)
-        out[i] = judge(alpha[i], beta[i], damping[i], table, kick[i], most[i], start, work)
+        out[i] = judge(alpha[i], beta[i], damping[i], table, kick[i], most[i], True, start, work)
 
 
 @kernel
@@ -625,7 +641,9 @@ def _look(
     alpha: float, beta: float, c: float, table: Any, kick: float, most: int, start: Any, work: Any, seen: Any
 ) -> int:
     """Return a fate and note what `_looks_alike` compares."""
-    fate = judge(alpha, beta, c, table, kick, most, start, work)
+    fate = judge(alpha, beta, c, table, kick, most, False, start, work)
+    if fate == MIXED:
+        fate = GROWS  # the infimum is what is asked for
     seen[0], seen[1], seen[2] = fate, start[4], start[5]
     return fate
 
@@ -666,7 +684,7 @@ def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int,
                 found = float(ends[depth, 0])
                 while found - below > 1e-9 * found:
                     middle = 0.5 * (below + found)
-                    fate = judge(alpha, beta, c, table, middle, most, start, work)
+                    fate = _look(alpha, beta, c, table, middle, most, start, work, seen)
                     if fate == LIMIT:
                         return math.nan
                     if fate == GROWS:

@@ -1,0 +1,198 @@
+"""A rod that has to overcome friction: which modes a kick sets off for good, and the smallest kick that does."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import friction as frictional
+from floquetrod import mathieu
+from floquetrod.coulomb import Coulomb, ModeFriction, critical_velocities
+from floquetrod.equations import FrictionalMathieu
+from floquetrod.friction import ESCAPES, UNDECIDED, Fate, UndecidedWarning
+from floquetrod.load import AxialLoad
+from floquetrod.result import Status
+from floquetrod.rod_data import RodData
+from floquetrod.rod_stability import RodStability
+
+
+class CriticalKick(NamedTuple):
+    """Smallest transverse velocity in m/s that buckles the rod, and the mode it buckles into.
+
+    Infinite and None where no kick does; NaN and None where that could not be decided.
+    """
+
+    velocity: float
+    mode: int | None
+
+
+@dataclass(frozen=True, repr=False)
+class RodFriction:
+    """Verdict on a rod with friction, every mode of which is kicked alike.
+
+    Attributes
+    ----------
+    friction : Coulomb
+        Coefficient of friction and kick.
+    in_modes : ModeFriction
+        What they come to in the mode equations.
+    linear : RodStability
+        Verdict without friction; rod, load and modes are there.
+    fates : tuple of Fate
+        Of the modes in ``modes``.
+    """
+
+    friction: Coulomb
+    in_modes: ModeFriction
+    linear: RodStability
+    fates: tuple[Fate, ...]
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Modes that grow, or may grow, without friction: no kick sets off any other."""
+        return _growing(self.linear)
+
+    @property
+    def unstable_modes(self) -> tuple[int, ...]:
+        """Modes that the kick sets off for good."""
+        return tuple(m for m, fate in zip(self.modes, self.fates, strict=True) if fate.status == "escapes")
+
+    @property
+    def status(self) -> Status:
+        """Verdict: stable when no mode escapes."""
+        found = {fate.status for fate in self.fates}
+        return "unstable" if "escapes" in found else "undecided" if "undecided" in found else "stable"
+
+    @property
+    def stable(self) -> bool | None:
+        """True, False, or None when undecided."""
+        return {"stable": True, "unstable": False}.get(self.status)
+
+    @cached_property
+    def critical_velocities(self) -> dict[int, float]:
+        """Smallest kick in m/s that sets off each of ``modes``."""
+        return _critical_velocities(self.linear, self.friction.mu)
+
+    def __repr__(self) -> str:
+        """Return the verdict as a sentence."""
+        kick = f"a kick of {1e3 * self.friction.velocity:g} mm/s against mu = {self.friction.mu:g}"
+        if self.status == "unstable":
+            what = f"sets off mode{'s' * (len(self.unstable_modes) > 1)} {', '.join(map(str, self.unstable_modes))}"
+        else:
+            what = "sets off no mode" if self.status == "stable" else "could not be decided"
+        growing = f"without friction {', '.join(map(str, self.modes)) or 'none'} would grow"
+        return f"<{self.status}: {kick} {what}; {growing}>"
+
+
+def judge_kick(linear: RodStability, friction: Coulomb) -> RodFriction:
+    """Return the verdict with friction that follows on one without."""
+    inside = friction.in_mode_equation(linear.rod, linear.load)
+    equations = dict(zip(linear.modes, linear.mode_equations, strict=True))
+    fates = tuple(
+        frictional.fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon)
+        for e in (equations[mode] for mode in _growing(linear))
+    )
+    return RodFriction(friction, inside, linear, fates)
+
+
+def critical_kick(linear: RodStability, mu: float) -> CriticalKick:
+    """Return the smallest kick that sets off a mode."""
+    found = _critical_velocities(linear, mu)
+    if not found:
+        return CriticalKick(math.inf, None)
+    mode = min(found, key=lambda m: -math.inf if math.isnan(found[m]) else found[m])
+    velocity = found[mode]
+    return CriticalKick(velocity, mode if math.isfinite(velocity) else None)
+
+
+def _growing(linear: RodStability) -> tuple[int, ...]:
+    unsure = {m for m, v in zip(linear.modes, linear.mode_verdicts, strict=True) if v.status == "undecided"}
+    return tuple(m for m in linear.modes if m in unsure or m in linear.unstable_modes)
+
+
+def _critical_velocities(linear: RodStability, mu: float) -> dict[int, float]:
+    equations = dict(zip(linear.modes, linear.mode_equations, strict=True))
+    chosen = [equations[mode] for mode in _growing(linear)]
+    ratio = frictional.critical_perturbation(
+        np.array([e.alpha for e in chosen]),
+        np.array([e.beta for e in chosen]),
+        1.0,
+        np.array([e.damping for e in chosen]),
+    )
+    speeds = critical_velocities(linear.rod, linear.load, mu, ratio)
+    return dict(zip(_growing(linear), map(float, speeds), strict=True))
+
+
+def growing_modes(
+    rod: RodData, loads: Sequence[NDArray[np.float64]], tolerance: float, workers: int | None
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return index of the load, mode, alpha, beta and damping of all modes that grow without friction.
+
+    ``loads`` are flat arrays of mean force, amplitude and frequency (N, N, rad/s); ``tolerance`` in 1/s.
+    """
+    mean, amplitude, frequency = loads
+    last, _ = rod.modes_needed(AxialLoad(mean.max(), amplitude.max(), frequency.max()), tolerance)
+    modes = np.arange(1, last + 1)
+    m2 = np.square(modes.astype(np.float64))
+    a, b, c, d = (np.reshape(part, (-1, 1)) for part in rod.mode_family(mean, amplitude, frequency))
+    alpha, beta = a * m2, (b - c * m2) * m2 - d
+    damping = np.broadcast_to((rod.damping_rate / frequency)[:, None], alpha.shape)
+    load, column = np.nonzero(~mathieu.is_stable(alpha, beta, damping, workers=workers))
+    chosen = alpha[load, column], beta[load, column], damping[load, column]
+    if tolerance > 0.0:
+        fast = mathieu.growth_rate(*chosen, workers=workers) * frequency[load] > tolerance
+        load, column = load[fast], column[fast]
+        chosen = chosen[0][fast], chosen[1][fast], chosen[2][fast]
+    return load, modes[column], *chosen
+
+
+def stable_loads(
+    rod: RodData,
+    loads: Sequence[NDArray[np.float64]],
+    friction: Coulomb,
+    tolerance: float,
+    workers: int | None,
+) -> NDArray[np.bool_]:
+    """Return whether the kick sets off no mode, for flat arrays of loads; undecided ones are warned of and False."""
+    stable = np.ones(loads[0].size, dtype=np.bool_)
+    if not stable.size:
+        return stable
+    load, _, alpha, beta, damping = growing_modes(rod, loads, tolerance, workers)
+    inside = [friction.in_mode_equation(rod, AxialLoad(*values)) for values in zip(*loads, strict=True)]
+    gamma, epsilon = (np.array([getattr(one, name) for one in inside]) for name in ("gamma", "epsilon"))
+    found = frictional.outcome(alpha, beta, gamma[load], epsilon[load], damping, workers=workers)
+    stable[load[found == ESCAPES]] = False
+    unsure = np.zeros(stable.size, dtype=np.bool_)
+    unsure[load[found == UNDECIDED]] = True
+    unsure &= stable
+    if unsure.any():
+        warnings.warn(
+            f"{int(unsure.sum())} of {stable.size} loads could not be decided and count as unstable",
+            UndecidedWarning,
+            stacklevel=3,
+        )
+    return stable & ~unsure
+
+
+def critical_kicks(
+    rod: RodData, loads: Sequence[NDArray[np.float64]], mu: float, tolerance: float, workers: int | None
+) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return the smallest velocity in m/s that sets off a mode, and the mode (0 for none), for flat arrays of loads."""
+    velocity = np.full(loads[0].size, math.inf)
+    first = np.zeros(loads[0].size, dtype=np.int64)
+    if not velocity.size:
+        return velocity, first
+    load, mode, alpha, beta, damping = growing_modes(rod, loads, tolerance, workers)
+    ratio = frictional.critical_perturbation(alpha, beta, 1.0, damping, workers=workers)
+    for i, m, r in zip(load, mode, ratio, strict=True):
+        speed = float(critical_velocities(rod, AxialLoad(*(part[i] for part in loads)), mu, r))
+        if math.isnan(speed) or speed < velocity[i]:
+            velocity[i], first[i] = speed, 0 if math.isnan(speed) else m
+    return velocity, first
