@@ -33,7 +33,7 @@ class Coulomb:
     >>> rod = RodData.nitinol()
     >>> load = AxialLoad(mean=0.8 * rod.critical_force, amplitude=0.7 * rod.critical_force, frequency=150.0)
     >>> Coulomb(mu=0.1, velocity=0.05).in_mode_equation(rod, load)
-    <friction gamma 0.01423, kick eps 0.08547; mu_theta 0.1 of mu 0.1, axial sliding 0.6426 mm/s>
+    <friction gamma 0.01423, kick eps 0.08547; mu_theta 0.09999 of mu 0.1, axial sliding 0.6426 mm/s>
     """
 
     mu: float
