@@ -110,7 +110,7 @@ def critical_perturbation(
     gamma: Any = 1.0,
     damping: Any = 0.0,
     *,
-    samples: int = 48,
+    samples: int = 32,
     effort: int = 100_000,
     workers: int | None = None,
 ) -> Any:
@@ -118,8 +118,8 @@ def critical_perturbation(
 
     No kick up to gamma / sqrt(abs(alpha) + abs(beta)) escapes, and every kick beyond a bound known in closed form does
     (docs/friction.md).  In between ``samples`` kicks are tried upwards in geometric steps, closer together where
-    neighbouring orbits differ in kind, and the first escape is bisected to 1e-9.  A range of escaping kicks that lies
-    below it and between two kicks tried is missed.
+    neighbouring orbits differ in kind; the first escape is bisected to 1e-9, and kicks below it are tried at distances
+    that halve.  A range of escaping kicks that lies lower and between two kicks tried is missed.
 
     Parameters
     ----------

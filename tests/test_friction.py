@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
-from strategies import decades, numbers
 
 import floquetrod as fr
 from floquetrod.friction import BOUNDED, ESCAPES, UNDECIDED
+from strategies import decades, numbers
 
 FRACTAL = fr.FrictionalMathieu(alpha=1.3817153980732138, beta=0.6107295815800908, gamma=1.0)
 few = settings(max_examples=25)

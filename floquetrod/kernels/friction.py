@@ -649,11 +649,57 @@ def _look(
 
 
 @kernel
+def _edge(
+    alpha: float,
+    beta: float,
+    c: float,
+    table: Any,
+    below: float,
+    found: float,
+    most: int,
+    start: Any,
+    work: Any,
+    seen: Any,
+) -> float:
+    """Return where escapes begin between ``below``, which does not, and ``found``, which does; NaN if undecided.
+
+    A bisection ends at some edge, not always the lowest: kicks below it at distances that halve are tried, and the
+    search goes on from the first that escapes, until none does.
+    """
+    while True:
+        bottom = below
+        while found - below > 1e-9 * found:
+            middle = 0.5 * (below + found)
+            fate = _look(alpha, beta, c, table, middle, most, start, work, seen)
+            if fate == LIMIT:
+                return math.nan
+            if fate == GROWS:
+                found = middle
+            else:
+                below = middle
+        gap = found - bottom
+        lowest = True
+        before = bottom
+        while lowest and gap > 1e-7 * found:
+            gap *= 0.5
+            kick = found - gap
+            fate = _look(alpha, beta, c, table, kick, most, start, work, seen)
+            if fate == LIMIT:
+                return math.nan
+            if fate == GROWS:
+                lowest = False
+                below, found = before, kick
+            before = kick
+        if lowest:
+            return found
+
+
+@kernel
 def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int, most: int, work: Any) -> float:
     """Return the smallest kick that escapes, NaN where that hangs on an orbit whose fate cannot be told.
 
     Between what provably never and what always escapes, ``samples`` kicks are tried upwards in geometric steps; a step
-    whose ends do not look alike is halved up to `_FINER` times.  The first escape found is bisected to 1e-9.
+    whose ends do not look alike is halved up to `_FINER` times.  The first escape found goes to `_edge`.
     """
     start = np.zeros(7)
     low = 1.0 / math.sqrt(abs(alpha) + abs(beta))
@@ -681,17 +727,7 @@ def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int,
                 ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3] = middle, seen[0], seen[1], seen[2]
                 continue
             if ends[depth, 1] == GROWS:
-                found = float(ends[depth, 0])
-                while found - below > 1e-9 * found:
-                    middle = 0.5 * (below + found)
-                    fate = _look(alpha, beta, c, table, middle, most, start, work, seen)
-                    if fate == LIMIT:
-                        return math.nan
-                    if fate == GROWS:
-                        found = middle
-                    else:
-                        below = middle
-                return found
+                return _edge(alpha, beta, c, table, below, float(ends[depth, 0]), most, start, work, seen)
             if ends[depth, 1] == LIMIT:
                 return math.nan
             below = ends[depth, 0]
