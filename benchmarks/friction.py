@@ -1,0 +1,53 @@
+"""Kicks against friction: a map like the paper's Figure 6(a), and a chart of critical kicks.
+
+The map is on one thread; leapfrog is extrapolated from a sample of its mode equations.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+import floquetrod as fr
+from benchmarks.measure import Row, best_of
+
+KICK = fr.Coulomb(mu=0.1, velocity=0.05)
+
+
+def run() -> list[Row]:
+    """Return the time of both, with what was promised."""
+    return [paper_map(), critical_chart()]
+
+
+def paper_map() -> Row:
+    """Time 100 x 100 loads, all relevant modes: event-driven, and leapfrog as the paper runs it."""
+    rod = fr.Rod.nitinol()
+    unit = rod.critical_force
+    mean, frequency = np.linspace(0.0, unit, 100)[:, None], np.linspace(20.0, 200.0, 100)
+    ours = best_of(lambda: rod.is_stable(mean, 0.7 * unit, frequency, friction=KICK, workers=1), repeats=1)
+    alphas, betas, gammas, kicks, orbits = [], [], [], [], 0
+    for share in np.linspace(0.05, 0.95, 5):
+        for omega in np.linspace(25.0, 195.0, 5):
+            load = fr.AxialLoad(share * unit, 0.7 * unit, omega)
+            modes = np.arange(1, rod.modes_needed(load)[0] + 1)
+            alpha, beta = rod.mode_parameters(load, modes)
+            inside = KICK.in_mode_equation(rod, load)
+            orbits += modes.size
+            pick = (int(100.0 * share) + int(omega)) % modes.size
+            alphas.append(alpha[pick])
+            betas.append(beta[pick])
+            gammas.append(inside.gamma)
+            kicks.append(inside.epsilon)
+    leapfrog = best_of(lambda: fr.friction.leapfrog_escapes(alphas, betas, gammas, kicks), repeats=1)
+    whole = leapfrog / len(alphas) * orbits / 25.0 * 1e4
+    return Row("100 x 100 loads with friction", ours, "s", "the paper's leapfrog", whole, ratio_at_least=100.0)
+
+
+def critical_chart() -> Row:
+    """Time the critical kick on 200 x 200 points of the (alpha, beta) plane, on all cores."""
+    alpha, beta = np.linspace(0.01, 2.0, 200), np.linspace(-1.5, 0.5, 200)[:, None]
+    fr.friction.critical_perturbation(0.5, 0.2)
+    start = time.perf_counter()
+    fr.friction.critical_perturbation(alpha, beta)
+    return Row("200 x 200 critical kicks, all cores", time.perf_counter() - start, "s", at_most=60.0)
