@@ -119,7 +119,7 @@ def critical_perturbation(
     No kick up to gamma / sqrt(abs(alpha) + abs(beta)) escapes, and every kick beyond a bound known in closed form does
     (docs/friction.md).  In between ``samples`` kicks are tried upwards in geometric steps, closer together where
     neighbouring orbits differ in kind; the first escape is bisected to 1e-9, and kicks below it are tried at distances
-    that halve.  A range of escaping kicks that lies lower and between two kicks tried is missed.
+    that shrink.  A range of escaping kicks that lies lower and between two kicks tried is missed.
 
     Parameters
     ----------

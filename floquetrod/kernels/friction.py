@@ -663,8 +663,8 @@ def _edge(
 ) -> float:
     """Return where escapes begin between ``below``, which does not, and ``found``, which does; NaN if undecided.
 
-    A bisection ends at some edge, not always the lowest: kicks below it at distances that halve are tried, and the
-    search goes on from the first that escapes, until none does.
+    A bisection ends at some edge, not always the lowest: kicks below it are tried, at distances that shrink
+    geometrically, and the search goes on from the first that escapes, until none does.
     """
     while True:
         bottom = below
@@ -681,7 +681,7 @@ def _edge(
         lowest = True
         before = bottom
         while lowest and gap > 1e-7 * found:
-            gap *= 0.5
+            gap *= 0.3
             kick = found - gap
             fate = _look(alpha, beta, c, table, kick, most, start, work, seen)
             if fate == LIMIT:
