@@ -91,11 +91,14 @@ def axial_velocity(rod: RodData, amplitude: Any, frequency: Any) -> Any:
     return rod.length * amplitude * frequency / (2.0 * math.pi * rod.youngs_modulus * rod.area)
 
 
-def critical_velocities(rod: RodData, load: AxialLoad, mu: float, ratio: Any) -> Any:
-    """Return the velocities in m/s whose kick over friction, epsilon / gamma, is ``ratio``; broadcasts over it.
+def critical_velocities(rod: RodData, amplitude: Any, frequency: Any, mu: float, ratio: Any) -> Any:
+    """Return the velocities in m/s whose kick over friction, epsilon / gamma, is ``ratio``; broadcasts (N, rad/s).
 
-    By (15)-(18) epsilon / gamma = pi omega sqrt(v_a^2 + v^2) / (4 g mu): zero where axial sliding alone is enough.
+    By (15)-(18) epsilon / gamma = pi omega sqrt(v_a^2 + v^2) / (4 g mu): zero where axial sliding alone is enough, and
+    infinite where the ratio is, without friction too.
     """
-    whole = 4.0 * rod.gravity * mu / (math.pi * load.frequency) * np.asarray(ratio, dtype=np.float64)
-    axial = axial_velocity(rod, load.amplitude, load.frequency)
-    return np.sqrt(np.maximum(0.0, (whole - axial) * (whole + axial)))
+    ratio = np.asarray(ratio, dtype=np.float64)
+    whole = 4.0 * rod.gravity * mu / (math.pi * frequency) * np.where(np.isinf(ratio), 1.0, ratio)
+    axial = axial_velocity(rod, amplitude, frequency)
+    velocity = np.sqrt(np.maximum(0.0, (whole - axial) * (whole + axial)))
+    return np.where(np.isinf(ratio), math.inf, velocity)

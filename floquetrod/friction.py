@@ -110,6 +110,7 @@ def critical_perturbation(
     gamma: Any = 1.0,
     damping: Any = 0.0,
     *,
+    upto: Any = math.inf,
     samples: int = 32,
     effort: int = 100_000,
     workers: int | None = None,
@@ -125,6 +126,9 @@ def critical_perturbation(
     ----------
     alpha, beta, gamma, damping : array_like
         Broadcast against each other; the result is proportional to gamma.
+    upto : array_like
+        Kicks beyond it are not looked at: the result is infinite where none up to it escapes.  Quicker, and decided
+        where only large kicks cannot be.
     samples : int
         Kicks tried.
     effort, workers : int
@@ -135,13 +139,19 @@ def critical_perturbation(
     >>> round(float(critical_perturbation(0.0, 0.25)), 9)
     2.0
     """
-    shape, alpha, beta, gamma, _, c = _arguments(alpha, beta, gamma, 0.0, damping)
+    limited = np.asarray(upto, dtype=np.float64)
+    if not (limited > 0.0).all():
+        raise ValueError(f"upto must be greater than zero, got {upto!r}; leave it out to look at every kick")
+    largest = np.finfo(np.float64).max
+    shape, alpha, beta, gamma, limit, c = _arguments(alpha, beta, gamma, np.minimum(limited, largest), damping)
     samples = _validate.integer("samples", samples, 1)
     effort = _validate.integer("effort", effort, 1)
     rate = _rates(alpha, beta, c, workers)
     out = np.empty(alpha.size)
     counts = np.full(alpha.size, samples, dtype=np.int64), np.full(alpha.size, effort, dtype=np.int64)
-    inputs = (alpha, beta, c, rate, *counts)
+    with np.errstate(over="ignore"):
+        limit = np.where(gamma > 0.0, limit / np.where(gamma > 0.0, gamma, 1.0), np.inf)
+    inputs = (alpha, beta, c, rate, *counts, limit)
     over_chunks(kernels.critical_fill, inputs, out, workers=workers, chunk=64, interpret_up_to=0)
     out = np.where(gamma > 0.0, gamma * out, np.where(rate < 0.0, math.inf, 0.0))
     return out.reshape(shape) if shape else float(out[0])
@@ -393,6 +403,7 @@ def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20
     rows[:, 1:3] *= math.copysign(scale, epsilon)
     rows[:, 3] *= math.copysign(1.0, epsilon)
     end = 2.0 * math.pi * periods
+    rows = rows[rows[:, 0] <= end]  # a stick may last beyond it
     if rows[-1, 0] < end and rows[-1, 3] == 0.0:
         rows = np.vstack([rows, [end, rows[-1, 1], 0.0, 0.0]])
     tau, a, v, state = (np.ascontiguousarray(column) for column in rows.T)

@@ -16,11 +16,13 @@ from floquetrod import friction as frictional
 from floquetrod import mathieu
 from floquetrod.coulomb import Coulomb, ModeFriction, critical_velocities
 from floquetrod.equations import FrictionalMathieu
-from floquetrod.friction import ESCAPES, UNDECIDED, Fate, UndecidedWarning
+from floquetrod.friction import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning
 from floquetrod.load import AxialLoad
 from floquetrod.result import Status
 from floquetrod.rod_data import RodData
 from floquetrod.rod_stability import RodStability
+
+_AT_ONCE = 4096  # loads whose modes are held at once (a choice: some megabytes)
 
 
 class CriticalKick(NamedTuple):
@@ -76,6 +78,11 @@ class RodFriction:
         return {"stable": True, "unstable": False}.get(self.status)
 
     @cached_property
+    def critical_kick(self) -> CriticalKick:
+        """Smallest kick that buckles the rod, and the mode it buckles into."""
+        return critical_kick(self.linear, self.friction.mu)
+
+    @cached_property
     def critical_velocities(self) -> dict[int, float]:
         """Smallest kick in m/s that sets off each of ``modes``."""
         return _critical_velocities(self.linear, self.friction.mu)
@@ -103,13 +110,19 @@ def judge_kick(linear: RodStability, friction: Coulomb) -> RodFriction:
 
 
 def critical_kick(linear: RodStability, mu: float) -> CriticalKick:
-    """Return the smallest kick that sets off a mode."""
-    found = _critical_velocities(linear, mu)
-    if not found:
-        return CriticalKick(math.inf, None)
-    mode = min(found, key=lambda m: -math.inf if math.isnan(found[m]) else found[m])
-    velocity = found[mode]
-    return CriticalKick(velocity, mode if math.isfinite(velocity) else None)
+    """Return the smallest kick that sets off a mode, modes that grow fast asked first."""
+    equations = dict(zip(linear.modes, linear.mode_equations, strict=True))
+    rates = dict(zip(linear.modes, linear.mode_growth_rates, strict=True))
+    best, first = math.inf, None
+    for mode in sorted(_growing(linear), key=lambda m: -rates[m]):
+        e = equations[mode]
+        ratio = frictional.critical_perturbation(e.alpha, e.beta, 1.0, e.damping, upto=best)
+        if math.isnan(ratio):
+            return CriticalKick(math.nan, None)
+        if ratio < best:
+            best, first = ratio, mode
+    load = linear.load
+    return CriticalKick(float(critical_velocities(linear.rod, load.amplitude, load.frequency, mu, best)), first)
 
 
 def _growing(linear: RodStability) -> tuple[int, ...]:
@@ -126,7 +139,7 @@ def _critical_velocities(linear: RodStability, mu: float) -> dict[int, float]:
         1.0,
         np.array([e.damping for e in chosen]),
     )
-    speeds = critical_velocities(linear.rod, linear.load, mu, ratio)
+    speeds = critical_velocities(linear.rod, linear.load.amplitude, linear.load.frequency, mu, ratio)
     return dict(zip(_growing(linear), map(float, speeds), strict=True))
 
 
@@ -161,38 +174,59 @@ def stable_loads(
     workers: int | None,
 ) -> NDArray[np.bool_]:
     """Return whether the kick sets off no mode, for flat arrays of loads; undecided ones are warned of and False."""
-    stable = np.ones(loads[0].size, dtype=np.bool_)
-    if not stable.size:
-        return stable
-    load, _, alpha, beta, damping = growing_modes(rod, loads, tolerance, workers)
-    inside = [friction.in_mode_equation(rod, AxialLoad(*values)) for values in zip(*loads, strict=True)]
-    gamma, epsilon = (np.array([getattr(one, name) for one in inside]) for name in ("gamma", "epsilon"))
-    found = frictional.outcome(alpha, beta, gamma[load], epsilon[load], damping, workers=workers)
-    stable[load[found == ESCAPES]] = False
-    unsure = np.zeros(stable.size, dtype=np.bool_)
-    unsure[load[found == UNDECIDED]] = True
-    unsure &= stable
-    if unsure.any():
+    found = np.full(loads[0].size, BOUNDED, dtype=np.int8)
+    for part in _parts(loads[0].size):
+        some = [values[part] for values in loads]
+        load, _, alpha, beta, damping = growing_modes(rod, some, tolerance, workers)
+        inside = [friction.in_mode_equation(rod, AxialLoad(*values)) for values in zip(*some, strict=True)]
+        gamma, epsilon = (np.array([getattr(one, name) for one in inside]) for name in ("gamma", "epsilon"))
+        fates = frictional.outcome(alpha, beta, gamma[load], epsilon[load], damping, workers=workers)
+        found[part][load[fates == UNDECIDED]] = UNDECIDED
+        found[part][load[fates == ESCAPES]] = ESCAPES
+    unsure = int((found == UNDECIDED).sum())
+    if unsure:
         warnings.warn(
-            f"{int(unsure.sum())} of {stable.size} loads could not be decided and count as unstable",
-            UndecidedWarning,
-            stacklevel=3,
+            f"{unsure} of {found.size} loads could not be decided and count as unstable", UndecidedWarning, stacklevel=3
         )
-    return stable & ~unsure
+    return found == BOUNDED
 
 
 def critical_kicks(
     rod: RodData, loads: Sequence[NDArray[np.float64]], mu: float, tolerance: float, workers: int | None
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Return the smallest velocity in m/s that sets off a mode, and the mode (0 for none), for flat arrays of loads."""
-    velocity = np.full(loads[0].size, math.inf)
-    first = np.zeros(loads[0].size, dtype=np.int64)
-    if not velocity.size:
-        return velocity, first
+    ratio = np.full(loads[0].size, math.inf)
+    first = np.zeros(ratio.size, dtype=np.int64)
+    for part in _parts(ratio.size):
+        _least_kicks(rod, [values[part] for values in loads], tolerance, workers, ratio[part], first[part])
+    return critical_velocities(rod, loads[1], loads[2], mu, ratio), first
+
+
+def _least_kicks(
+    rod: RodData,
+    loads: Sequence[NDArray[np.float64]],
+    tolerance: float,
+    workers: int | None,
+    best: NDArray[np.float64],
+    first: NDArray[np.int64],
+) -> None:
+    """Fill ``best`` with the smallest kick over friction that sets off a mode, ``first`` with the mode."""
     load, mode, alpha, beta, damping = growing_modes(rod, loads, tolerance, workers)
-    ratio = frictional.critical_perturbation(alpha, beta, 1.0, damping, workers=workers)
-    for i, m, r in zip(load, mode, ratio, strict=True):
-        speed = float(critical_velocities(rod, AxialLoad(*(part[i] for part in loads)), mu, r))
-        if math.isnan(speed) or speed < velocity[i]:
-            velocity[i], first[i] = speed, 0 if math.isnan(speed) else m
-    return velocity, first
+    # The fastest mode of every load first: what it needs is as far as the others are followed.
+    order = np.lexsort((-mathieu.growth_rate(alpha, beta, damping, workers=workers), load))
+    place = np.arange(load.size) - np.searchsorted(load, load)  # of each mode among those of its load
+    for turn in range(int(place.max(initial=-1)) + 1):
+        now = order[place == turn]
+        now = now[~np.isnan(best[load[now]])]  # where it could not be told, it stays so
+        at = load[now]
+        ratio = frictional.critical_perturbation(
+            alpha[now], beta[now], 1.0, damping[now], upto=best[at], workers=workers
+        )
+        better = ~(ratio >= best[at])
+        best[at[better]] = ratio[better]
+        first[at[better]] = np.where(np.isnan(ratio[better]), 0, mode[now][better])
+
+
+def _parts(size: int) -> list[slice]:
+    """Return slices of up to `_AT_ONCE`, so that memory follows the loads and not their modes."""
+    return [slice(start, start + _AT_ONCE) for start in range(0, size, _AT_ONCE)]

@@ -94,6 +94,45 @@ def test_a_warning_is_one_line_beside_the_answer(capsys: pytest.CaptureFixture[s
     assert captured.out
 
 
+KICK = ["check", "--rod", "nitinol", "--mean", "0.825Fcr", "--amplitude", "0.7Fcr", "--frequency", "150", "--mu", "0.1"]
+
+
+def test_check_with_friction(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*KICK, "--kick", "50mm/s"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("UNSTABLE: the kick sets off modes 9, 10\n")
+    assert "32.1184 mm/s buckles the rod, into mode 9" in out
+    assert "without friction:\nUNSTABLE: modes 8, 9, 10, 12 grow" in out
+    assert cli.main([*KICK, "--kick", "30mm/s", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["with_friction"]["status"] == "stable"
+    assert record["with_friction"]["critical_mode"] == 9
+    assert record["without_friction"]["status"] == "unstable"
+    rod = fr.Rod.nitinol()
+    load = fr.AxialLoad(0.825 * rod.critical_force, 0.7 * rod.critical_force, 150.0)
+    assert record["with_friction"]["critical_kick_m_per_s"] == rod.critical_velocity(load, mu=0.1).velocity
+    assert (
+        cli.main(
+            ["check", "--rod", "nitinol", "--mean", "0.34Fcr", "--amplitude", "0", "--frequency", "150", "--mu", "1"]
+        )
+        == 0
+    )
+    assert "no mode grows even without friction" in capsys.readouterr().out
+
+
+def test_map_with_friction(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "kick.npz"
+    load = ["--mean", "0:1.1Fcr", "--amplitude", "0.7Fcr", "--frequency", "100:200", "--points", "6x5"]
+    assert cli.main(["map", "--rod", "nitinol", *load, "--mu", "0.1", "--kick", "50mm/s", "--out", str(path)]) == 0
+    assert "friction 0.1, kick 0.05 m/s" in capsys.readouterr().out
+    chart = fr.Chart.load(path)
+    rod = fr.Rod.nitinol()
+    for row, mean in enumerate(chart.y.values):
+        for column, omega in enumerate(chart.x.values):
+            judged = rod.stability(fr.AxialLoad(mean, 0.7 * rod.critical_force, omega), friction=fr.Coulomb(0.1, 0.05))
+            assert chart.stable[row, column] == judged.stable
+
+
 def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["compare", "--alpha", "0.5", "--beta", "-0.25"]) == 0
     text = capsys.readouterr().out
@@ -120,6 +159,11 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
         ([*CHECK, "--modes", "1-999999999"], "--modes must count upwards between 1 and 20000"),
         ([*CHECK, "--modes", "1-99999999999999999999"], "--modes must be like 1-25"),
         ([*CHECK, "--modes", "-3"], "--modes must be like 1-25"),
+        ([*CHECK, "--kick", "50mm/s"], "--kick needs --mu"),
+        ([*CHECK, "--mu", "-0.1"], "mu must be zero or more"),
+        ([*CHECK, "--mu", "nan"], "mu must be finite"),
+        ([*CHECK, "--mu", "0.1", "--kick", "-50mm/s"], "velocity must be zero or more"),
+        ([*CHECK, "--mu", "0.1", "--kick", "50mph"], "unit 'mph' is not understood"),
         ([*CHECK, "--json", "-5"], "ignored explicit argument"),
         ([*CHECK[:-1], "1e-300"], "numbers too large or too small"),
         ([*CHECK, "--damping-rate", "-1"], "damping_rate must be zero or more"),

@@ -13,7 +13,7 @@ from matplotlib import pyplot
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.paper import claims, figures, reproduction
+from floquetrod.paper import claims, figures, friction_claims, friction_figures, reproduction
 from floquetrod.paper.claims import ROD, UNIT
 from floquetrod.paper.reproduction import reproduce
 
@@ -31,8 +31,11 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, reproduction.R
 def test_every_claim_comes_out(made: tuple[Path, reproduction.Reproduction, object]) -> None:
     _, result, _ = made
     assert not result.lost, [claim.computed for claim in result.lost]
-    assert [claim.id for claim in result.claims] == list(claims.frictionless_claims(10))
-    assert [claim.id for claim in result.claims if not claim.agrees] == ["F3-a", "F3-map"]
+    assert [claim.id for claim in result.claims] == [
+        *claims.frictionless_claims(10),
+        *friction_claims.friction_claims(10),
+    ]
+    assert [claim.id for claim in result.claims if not claim.agrees] == ["F3-a", "F3-map", "F6-b"]
     assert all(claim.why for claim in result.claims if not claim.agrees)
 
 
@@ -40,7 +43,7 @@ def test_progress_ends_at_the_end(made: tuple[Path, reproduction.Reproduction, S
     _, result, seen = made
     total = seen[-1][2]
     assert [done for _, done, _ in seen] == list(range(total + 1))
-    assert total == len(result.claims) + 3
+    assert total == len(result.claims) + 6
 
 
 def test_the_report_is_whole(made: tuple[Path, reproduction.Reproduction, object]) -> None:
@@ -66,7 +69,7 @@ def test_the_report_is_whole(made: tuple[Path, reproduction.Reproduction, object
 
     page = Page()
     page.feed((folder / "report.html").read_text())
-    assert (page.rows, page.images, page.outside) == (len(result.claims) + 1, 3, [])
+    assert (page.rows, page.images, page.outside) == (len(result.claims) + 1, 6, [])
 
 
 def test_a_lost_claim_makes_the_command_fail(
@@ -76,6 +79,7 @@ def test_a_lost_claim_makes_the_command_fail(
     wrong = dataclasses.replace(right, holds=False)
     monkeypatch.setattr(reproduction, "_drawings", lambda quick: [])
     for claim, status in ((right, 0), (wrong, 1)):
+        monkeypatch.setattr(reproduction, "friction_claims", lambda points: {})
         monkeypatch.setattr(reproduction, "frictionless_claims", lambda points, claim=claim: {"F2-c": lambda: claim})
         assert cli.main(["reproduce", "--quick", "--out", str(tmp_path / "out")]) == status
         assert ("NO LONGER FOUND" in capsys.readouterr().out) == bool(status)
@@ -116,12 +120,22 @@ def test_bands_and_tongues_are_the_exact_verdict(rng: np.random.Generator) -> No
     assert (ROD.growth_rate(force * UNIT, 0.2 * UNIT, 85.0)[inside] > 0.0).all()
 
 
-@pytest.mark.parametrize("draw", [figures.figure_2, lambda: figures.figure_3((8, 6)), lambda: figures.figure_8(8)])
+@pytest.mark.parametrize(
+    "draw",
+    [
+        figures.figure_2,
+        lambda: figures.figure_3((8, 6)),
+        lambda: figures.figure_8(8),
+        lambda: friction_figures.figure_5(12),
+        lambda: friction_figures.figure_6(8),
+        lambda: friction_figures.figure_kick(8),
+    ],
+)
 def test_figures_are_labelled(draw: object) -> None:
     figure = draw()  # type: ignore[operator]
-    assert all(ax.get_xlabel() and ax.get_ylabel() for ax in figure.axes)
-    assert [ax.get_title(loc="left") for ax in figure.axes] == [
-        f"({letter})" for letter in "abcdef"[: len(figure.axes)]
-    ]
+    assert all((ax.get_xlabel() or ax.get_label() == "<colorbar>") and ax.get_ylabel() for ax in figure.axes)
+    panels = [ax for ax in figure.axes if ax.get_label() != "<colorbar>"]
+    letters = "abcdef"[: len(panels)] if len(panels) > 1 else ""
+    assert "".join(ax.get_title(loc="left").strip("()") for ax in panels) == letters
     assert len(figure.get_supxlabel()) > 100
     assert not pyplot.get_fignums()  # no figure is left open behind the user's back

@@ -10,7 +10,18 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import KINDS, Answer, add_command, add_rod, number, read_quantity, read_rod
+from floquetrod.cli import kick
+from floquetrod.cli.common import (
+    KINDS,
+    Answer,
+    add_command,
+    add_friction,
+    add_rod,
+    number,
+    read_friction,
+    read_quantity,
+    read_rod,
+)
 
 _HELP = """\
 Judge a rod under an axial load: stable or not, which modes grow, how fast, and how far the load is from a change.
@@ -19,8 +30,10 @@ examples:
   floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz
   floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85 --growth-tolerance 0.7 --json
+  floquetrod check --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150 --mu 0.1 --kick 50mm/s
 
 forces: N, kN, lbf or Fcr (the critical force of the rod).  frequencies: rad/s (none means this), Hz, rpm.
+kicks: m/s, mm/s, cm/s, ft/s.
 rod files: TOML with youngs_modulus, density, radius, length, channel_radius and, if you like, gravity and
 damping_rate, as SI numbers or strings such as "68GPa"; radii, not diameters.
 """
@@ -30,6 +43,7 @@ def add(commands: Any) -> None:
     """Add the command to the parser."""
     check = add_command(commands, "check", "judge a rod under an axial load", _HELP, _check)
     add_rod(check)
+    add_friction(check)
     check.add_argument("--mean", required=True, help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
     check.add_argument("--amplitude", required=True, help="amplitude of the force; 0 is the static limit")
     check.add_argument("--frequency", required=True, help="frequency, such as 150 (rad/s) or 24Hz")
@@ -43,7 +57,14 @@ def _check(options: argparse.Namespace) -> Answer:
     rod = read_rod(options)
     load = fr.AxialLoad(**{name: read_quantity(getattr(options, name), name, rod) for name in KINDS})
     tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
-    result = rod.stability(load, modes=_modes(options.modes), growth_tolerance=tolerance)
+    friction, modes = read_friction(options), _modes(options.modes)
+    if friction is not None:
+        judged = rod.stability(load, modes=modes, growth_tolerance=tolerance, friction=friction)
+        if options.json:
+            both = {"with_friction": kick.record(judged), "without_friction": _record(judged.linear)}
+            return Answer(json.dumps(both, indent=2, allow_nan=False))
+        return Answer("\n".join([*kick.report(judged), "", "without friction:", _report(judged.linear)]))
+    result = rod.stability(load, modes=modes, growth_tolerance=tolerance)
     return Answer(json.dumps(_record(result), indent=2, allow_nan=False) if options.json else _report(result))
 
 

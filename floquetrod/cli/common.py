@@ -48,6 +48,21 @@ def add_rod(command: argparse.ArgumentParser) -> None:
     command.add_argument("--growth-tolerance", default="0", help="growth in 1/s up to which a mode counts as stable")
 
 
+def add_friction(command: argparse.ArgumentParser) -> None:
+    """Add the options that describe friction and a kick."""
+    command.add_argument("--mu", type=float, help="coefficient of friction between rod and channel")
+    command.add_argument("--kick", help="transverse speed each mode is disturbed with, such as 50mm/s (needs --mu)")
+
+
+def read_friction(options: argparse.Namespace) -> fr.Coulomb | None:
+    """Return friction and kick, None where there is none; a kick left out is zero."""
+    if options.mu is None:
+        if options.kick is not None:
+            raise ValueError("--kick needs --mu: without friction every kick sets off what is unstable")
+        return None
+    return fr.Coulomb(options.mu, 0.0 if options.kick is None else units.quantity(options.kick, "--kick", "speed"))
+
+
 def read_quantity(text: str, name: str, rod: fr.Rod) -> float:
     """Return a quantity of the load in SI units."""
     return units.quantity(text, f"--{name}", KINDS[name], critical_force=rod.critical_force)

@@ -9,7 +9,17 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import KINDS, Answer, Progress, add_command, add_rod, read_quantity, read_rod
+from floquetrod.cli.common import (
+    KINDS,
+    Answer,
+    Progress,
+    add_command,
+    add_friction,
+    add_rod,
+    read_friction,
+    read_quantity,
+    read_rod,
+)
 
 _HELP = """\
 Draw a rod's stability over two of mean force, amplitude and frequency; the third is fixed.
@@ -19,6 +29,7 @@ examples:
   floquetrod map --rod nitinol --frequency 150 --mean 0:1.1Fcr --amplitude 0:0.5Fcr --growth --out map.npz
   floquetrod map --rod my_rod.toml --amplitude 2N --mean 0:12N --frequency 5Hz:60Hz --mark 6N,24Hz
   floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --paper-criterion exact --out m.png
+  floquetrod map --rod nitinol --amplitude 0.7Fcr --mean 0:1.1Fcr --frequency 20:200 --mu 0.1 --kick 50mm/s --out k.png
 
 A .png, .pdf or .svg file is a figure, a .npz file all the numbers (floquetrod.Chart.load reads it); give --out twice
 for both.
@@ -29,6 +40,7 @@ def add(commands: Any) -> None:
     """Add the command to the parser."""
     chart = add_command(commands, "map", "draw stability over two quantities of the load", _HELP, _map)
     add_rod(chart)
+    add_friction(chart)
     for name in KINDS:
         chart.add_argument(f"--{name}", required=True, help="a range such as 0:1.1Fcr or 5Hz:60Hz, or one value")
     chart.add_argument("--points", default="400x300", help="columns x rows (default 400x300)")
@@ -69,7 +81,13 @@ def _map(options: argparse.Namespace) -> Answer:
     tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
     criterion = None if options.paper_criterion is None else fr.PaperCriterion(by=options.paper_criterion)
     chart = fr.stability_map(
-        rod, **load, growth=options.growth, growth_tolerance=tolerance, criterion=criterion, progress=Progress("points")
+        rod,
+        **load,
+        growth=options.growth,
+        growth_tolerance=tolerance,
+        criterion=criterion,
+        friction=read_friction(options),
+        progress=Progress("points"),
     )
     point = None
     if options.mark is not None:

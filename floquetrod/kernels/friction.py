@@ -695,8 +695,12 @@ def _edge(
 
 
 @kernel
-def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int, most: int, work: Any) -> float:
+def critical_kick(
+    alpha: float, beta: float, c: float, table: Any, samples: int, most: int, upto: float, work: Any
+) -> float:
     """Return the smallest kick that escapes, NaN where that hangs on an orbit whose fate cannot be told.
+
+    Kicks above ``upto`` are not looked at: infinite then says that none below it escapes.
 
     Between what provably never and what always escapes, ``samples`` kicks are tried upwards in geometric steps; a step
     whose ends do not look alike is halved up to `_FINER` times.  The first escape found goes to `_edge`.
@@ -706,8 +710,13 @@ def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int,
     high = 1.0 / abs(table[0, 10]) if table[0, 10] != 0.0 else math.inf
     if not high < 1e12 * low:
         high = 1e12 * low  # the first kick points along the decaying solution: no kick escapes at once
+    if upto <= low:
+        return math.inf
     if high <= low * (1.0 + 1e-10):
         return high
+    limited = upto < high
+    if limited:
+        high = upto
     ends = np.empty((_FINER + 1, 4))  # of pieces still to be looked at, and what was seen there
     seen = np.empty(3)
     below = low
@@ -733,11 +742,11 @@ def critical_kick(alpha: float, beta: float, c: float, table: Any, samples: int,
             below = ends[depth, 0]
             before[:] = ends[depth, 1:]
             depth -= 1
-    return math.nan
+    return math.inf if limited else math.nan
 
 
 @kernel
-def critical_fill(alpha: Any, beta: Any, damping: Any, rate: Any, samples: Any, most: Any, out: Any) -> None:
+def critical_fill(alpha: Any, beta: Any, damping: Any, rate: Any, samples: Any, most: Any, upto: Any, out: Any) -> None:
     """Fill ``out`` with critical kicks; infinite where ``rate`` is negative: nothing grows without friction."""
     work = workspace()
     for i in range(len(alpha)):
@@ -745,4 +754,4 @@ def critical_fill(alpha: Any, beta: Any, damping: Any, rate: Any, samples: Any, 
         if rate[i] >= 0.0 and abs(alpha[i]) + abs(beta[i]) > 0.0:
             table = np.empty((cell_count(alpha[i], beta[i], damping[i]), COLUMNS))
             prepare(alpha[i], beta[i], damping[i], rate[i], table, work)
-            out[i] = critical_kick(alpha[i], beta[i], damping[i], table, samples[i], most[i], work)
+            out[i] = critical_kick(alpha[i], beta[i], damping[i], table, samples[i], most[i], upto[i], work)

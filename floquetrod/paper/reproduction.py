@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from floquetrod._files import whole_file
-from floquetrod.paper import figures
+from floquetrod.paper import figures, friction_figures
 from floquetrod.paper.claims import Claim, frictionless_claims
+from floquetrod.paper.friction_claims import friction_claims
 from floquetrod.paper.report import write_report
 
 _DPI = 200
@@ -36,7 +37,7 @@ def reproduce(
     Parameters
     ----------
     folder : Path
-        Where figure_2.png, figure_3.png, figure_8.png, claims.md, claims.json and report.html go.
+        Where the figures (PNG), claims.md, claims.json and report.html go.
     quick : bool
         Coarser maps.
     progress : callable, optional
@@ -44,7 +45,8 @@ def reproduce(
     """
     folder.mkdir(parents=True, exist_ok=True)
     drawings = _drawings(quick)
-    tests = frictionless_claims(50 if quick else 100)
+    points = 50 if quick else 100
+    tests = frictionless_claims(points) | friction_claims(points)
     total = len(drawings) + len(tests)
     say = progress or (lambda *_: None)
     pictures: dict[str, Path] = {}
@@ -62,10 +64,13 @@ def reproduce(
 
 def _drawings(quick: bool) -> list[tuple[str, str, Callable[[], Any]]]:
     """Return title, file and function of each figure."""
-    points, fine = ((120, 100), 60) if quick else ((480, 400), 240)
+    points, fine, kicks = ((120, 100), 60, 24) if quick else ((480, 400), 240, 100)
     return [
         ("Figure 2: the stability chart and the modes", "figure_2.png", figures.figure_2),
         ("Figure 3: stability of the rod", "figure_3.png", lambda: figures.figure_3(points)),
+        ("Figure 5: friction in the mode equation", "figure_5.png", lambda: friction_figures.figure_5(100)),
+        ("Figure 6: friction on the rod", "figure_6.png", lambda: friction_figures.figure_6(2 * kicks)),
+        ("The critical kick", "figure_kick.png", lambda: friction_figures.figure_kick(kicks)),
         ("Figure 8: Hill's determinants and the square wave", "figure_8.png", lambda: figures.figure_8(fine)),
     ]
 

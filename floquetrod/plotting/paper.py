@@ -111,13 +111,52 @@ def draw_bands(ax: Any, bands: list[Band], upto: float) -> None:
     ax.yaxis.get_major_locator().set_params(integer=True)
 
 
+def draw_kicks(ax: Any, force: NDArray[np.float64], kicks: dict[int, NDArray[np.float64]], applied: float) -> None:
+    """Draw the kick (mm/s) that each mode needs over the mean force (F_cr), numbered about where it needs least."""
+    ax.set_yscale("log")
+    ax.set_xlim(force[0], force[-1])
+    ax.set_ylim(10.0, 1000.0)
+    inner = (force > 0.04 * force[-1]) & (force < 0.96 * force[-1])
+    taken: list[Any] = []
+    for mode, values in kicks.items():
+        ax.plot(force, np.where(np.isfinite(values), values, np.nan), color="black", linewidth=0.9)
+        seen = np.where(inner & np.isfinite(values) & (values < 900.0), values, np.inf)
+        at = int(seen.argmin())
+        here = ax.transData.transform((force[at], seen[at]))
+        if seen[at] == np.inf or any(abs(here - other).max() < 10.0 for other in taken):
+            continue
+        taken.append(here)
+        where = {"xytext": (0, -6), "textcoords": "offset points", "ha": "center", "va": "center"}
+        ax.annotate(str(mode), (force[at], seen[at]), fontsize="x-small", **where)
+    ax.axhline(applied, color="0.4", linestyle="--", linewidth=0.9)
+    ax.set_xlabel(r"$F_\mathrm{ave} / F_\mathrm{cr}$")
+    ax.set_ylabel("critical kick $v_c$ / (mm/s)")
+
+
+def draw_kick_map(ax: Any, omega: NDArray[np.float64], force: NDArray[np.float64], kick: NDArray[np.float64]) -> None:
+    """Draw the critical kick (mm/s) over frequency and mean force: dark where small, hatched where there is none."""
+    from matplotlib.colors import LogNorm
+
+    ax.patch.set(hatch="////", edgecolor="0.7")
+    shown = np.ma.masked_where(~np.isfinite(kick), kick)
+    mesh = ax.pcolormesh(omega, force, shown, cmap="gray", norm=LogNorm(15.0, 300.0), rasterized=True)
+    ticks = [20.0, 50.0, 100.0, 200.0]
+    bar = ax.figure.colorbar(mesh, ax=ax, label="critical kick $v_c$ / (mm/s)", extend="both", ticks=ticks, format="%g")
+    bar.minorticks_off()
+    levels = [30.0, 40.0, 50.0, 70.0, 100.0, 200.0]
+    lines = ax.contour(omega, force, shown, levels=levels, colors="black", linewidths=0.6)
+    ax.clabel(lines, fontsize="x-small")
+    ax.set_xlabel(r"$\omega$ / (rad/s)")
+    ax.set_ylabel(r"$F_\mathrm{ave} / F_\mathrm{cr}$")
+
+
 def panels(rows: int, columns: int, size: tuple[float, float]) -> tuple[Any, list[Any]]:
     """Return a figure and its axes, lettered (a), (b), ... along the rows."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=size, layout="constrained")
     axes = list(np.ravel(figure.subplots(rows, columns)))
-    for letter, ax in zip("abcdefgh", axes, strict=False):
+    for letter, ax in zip("abcdefgh" if len(axes) > 1 else "", axes, strict=False):
         ax.set_title(f"({letter})", loc="left", fontsize="medium")
     return figure, axes
 

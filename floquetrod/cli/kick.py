@@ -1,0 +1,60 @@
+"""What `floquetrod check` says of a kick against friction."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import floquetrod as fr
+from floquetrod.cli.common import number
+
+
+def report(result: fr.RodFriction) -> list[str]:
+    """Return the lines about friction: the verdict first, a table of the modes that grow without it last."""
+    headline = result.status.upper()
+    if result.unstable_modes:
+        names = ", ".join(map(str, result.unstable_modes))
+        headline += f": the kick sets off mode{'s' if len(result.unstable_modes) > 1 else ''} {names}"
+    inside = result.in_modes
+    lines = [
+        headline,
+        "",
+        f"friction  mu {inside.mu:g}: gamma {inside.gamma:.4g}; the rod slides axially at {1e3 * inside.v_a:.3g} mm/s",
+        f"kick      {1e3 * result.friction.velocity:g} mm/s in each mode: eps {inside.epsilon:.4g}",
+        f"needed    {_needed(result)}",
+    ]
+    if result.modes:
+        lines += ["", "mode  kick needed mm/s  this kick"]
+    for mode, fate in zip(result.modes, result.fates, strict=True):
+        lines.append(f"{mode:4d}  {1e3 * result.critical_velocities[mode]:16.6g}  {fate.status}: {fate.reason}")
+    return lines
+
+
+def _needed(result: fr.RodFriction) -> str:
+    kick = result.critical_kick
+    if math.isinf(kick.velocity):
+        return "no kick buckles the rod: no mode grows even without friction"
+    if kick.mode is None:
+        return "the smallest kick that buckles the rod could not be decided"
+    return f"{1e3 * kick.velocity:.6g} mm/s buckles the rod, into mode {kick.mode}"
+
+
+def record(result: fr.RodFriction) -> dict[str, Any]:
+    """Return the same as numbers for JSON."""
+    inside, kick = result.in_modes, result.critical_kick
+    return {
+        "status": result.status,
+        "unstable_modes": list(result.unstable_modes),
+        "mu": inside.mu,
+        "mu_theta": inside.mu_theta,
+        "kick_m_per_s": result.friction.velocity,
+        "axial_velocity_m_per_s": inside.v_a,
+        "gamma": inside.gamma,
+        "epsilon": inside.epsilon,
+        "critical_kick_m_per_s": number(kick.velocity),
+        "critical_mode": kick.mode,
+        "modes": [
+            {"mode": mode, "critical_kick_m_per_s": number(result.critical_velocities[mode]), "fate": fate.status}
+            for mode, fate in zip(result.modes, result.fates, strict=True)
+        ],
+    }
