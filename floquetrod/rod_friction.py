@@ -188,7 +188,8 @@ def stable_loads(
         warnings.warn(
             f"{unsure} of {found.size} loads could not be decided and count as unstable", UndecidedWarning, stacklevel=3
         )
-    return found == BOUNDED
+    stable: NDArray[np.bool_] = found == BOUNDED
+    return stable
 
 
 def critical_kicks(

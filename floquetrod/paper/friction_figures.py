@@ -87,7 +87,8 @@ def figure_kick(points: int) -> Any:
     drawing.caption(
         figure,
         f"The smallest transverse kick that buckles the reference rod for good, at an amplitude of {AMPLITUDE:g} F_cr "
-        f"and mu = {FRICTION.mu:g}; hatched: no mode grows by more than {SLOWEST:g} 1/s (at isolated points: undecided). The paper has no such figure.",
+        f"and mu = {FRICTION.mu:g}; hatched: no mode grows by more than {SLOWEST:g} 1/s (at isolated points: "
+        "undecided). The paper has no such figure.",
         100,
     )
     return figure
