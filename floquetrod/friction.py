@@ -403,7 +403,7 @@ def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20
     rows[:, 1:3] *= math.copysign(scale, epsilon)
     rows[:, 3] *= math.copysign(1.0, epsilon)
     end = 2.0 * math.pi * periods
-    rows = rows[rows[:, 0] <= end]  # a stick may last beyond it
+    rows = rows[rows[:, 0] <= end * (1.0 + 1e-12)]  # a stick may last beyond
     if rows[-1, 0] < end and rows[-1, 3] == 0.0:
         rows = np.vstack([rows, [end, rows[-1, 1], 0.0, 0.0]])
     tau, a, v, state = (np.ascontiguousarray(column) for column in rows.T)
