@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from floquetrod.equations import Mathieu as Mathieu
     from floquetrod.equations import SquareWave as SquareWave
     from floquetrod.load import AxialLoad as AxialLoad
+    from floquetrod.perturbation import Perturbation as Perturbation
     from floquetrod.proof import Proof as Proof
     from floquetrod.proof import certify as certify
     from floquetrod.result import Stability as Stability
@@ -30,6 +31,9 @@ if TYPE_CHECKING:
     from floquetrod.rod_map import stability_map as stability_map
     from floquetrod.rod_ranges import SafeRanges as SafeRanges
     from floquetrod.rod_stability import RodStability as RodStability
+    from floquetrod.simulation import Simulation as Simulation
+    from floquetrod.simulator import SimulationDiverged as SimulationDiverged
+    from floquetrod.simulator import simulate as simulate
     from floquetrod.verdict import stability as stability
 
 _WHERE = {
@@ -38,10 +42,13 @@ _WHERE = {
     "Comparison": "comparison",
     "Hill": "equations",
     "Mathieu": "equations",
+    "Perturbation": "perturbation",
     "Proof": "proof",
     "Rod": "rod",
     "RodStability": "rod_stability",
     "SafeRanges": "rod_ranges",
+    "Simulation": "simulation",
+    "SimulationDiverged": "simulator",
     "SquareWave": "equations",
     "Stability": "result",
     "UniformForceWarning": "rod",
@@ -49,6 +56,7 @@ _WHERE = {
     "compare": "comparison",
     "conventions": "",
     "mathieu": "",
+    "simulate": "simulator",
     "stability": "verdict",
     "stability_map": "rod_map",
 }
