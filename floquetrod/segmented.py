@@ -63,7 +63,7 @@ class SegmentedRod:
     rod: RodData
     segments: int
     poisson_ratio: float = 0.33
-    indentation: float = 1e-3
+    indentation: float = 1e-4
     contact_damping: float = 0.3
 
     def __post_init__(self) -> None:
@@ -72,7 +72,7 @@ class SegmentedRod:
         ratio = _validate.finite("poisson_ratio", self.poisson_ratio)
         if not -1.0 < ratio <= 0.5:
             raise ValueError(f"poisson_ratio must be above -1 and at most 0.5, got {ratio!r}; metals have 0.25 to 0.45")
-        indentation = _validate.positive("indentation", self.indentation, "it is a part of the gap R, such as 1e-3")
+        indentation = _validate.positive("indentation", self.indentation, "it is a part of the gap R, such as 1e-4")
         if indentation > 0.1:
             raise ValueError(f"indentation must be at most 0.1 of the gap R, got {indentation!r}")
         damping = _validate.nonnegative("contact_damping", self.contact_damping)
@@ -223,7 +223,7 @@ class SegmentedRod:
         """
         n, mass = self.segments, np.full(self.segments + 1, self.segment_mass)
         mass[0] = mass[n] = 0.5 * self.segment_mass
-        node = {name: rod[name][: n + 1] for name in cosserat.NODE}
+        node = {name: rod[name][: n + 1] for name in (*cosserat.NODE, *cosserat.LOST)}
         seg = {name: rod[name][:n] for name in cosserat.SEGMENT}
         moving = node["vx"] ** 2 + node["vy"] ** 2 + node["vz"] ** 2
         turning = self.inertia * seg["w1"] ** 2 + self.cross_inertia * (seg["w2"] ** 2 + seg["w3"] ** 2)

@@ -51,7 +51,7 @@ def simulate(
     progress: Progress | None = None,
     checkpoint: str | Path | None = None,
     poisson_ratio: float = 0.33,
-    indentation: float = 1e-3,
+    indentation: float = 1e-4,
     contact_damping: float = 0.3,
 ) -> Simulation:
     """Simulate a rod in its channel: stretch, shear, bending and twist, contact with the wall, Coulomb friction.

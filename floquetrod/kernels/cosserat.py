@@ -22,9 +22,12 @@ import numpy as np
 
 from floquetrod._compile import kernel
 
-NODE = ("x", "y", "z", "vx", "vy", "vz", "px", "pt", "lost_contact", "lost_friction", "lost_damping")
-"""Of nodes 0..n: position, velocity; impulse of friction in the last step, axial and circumferential, and the energy
-lost so far to each cause, all five per mass of a node."""
+NODE = ("x", "y", "z", "vx", "vy", "vz", "px", "pt", "slip_x", "slip_t")
+"""Of nodes 0..n: position, velocity; impulse of friction in the last step, axial and circumferential, and the velocity
+of the rod's surface after it; impulses per mass of a node."""
+
+LOST = ("lost_contact", "lost_friction", "lost_damping")
+"""Of nodes: energy lost so far to each cause, per mass of a node."""
 
 SEGMENT = ("q0", "q1", "q2", "q3", "w1", "w2", "w3", "lost_turning")
 """Of segments 0..n-1: quaternion, angular velocity in material axes, energy that damping took from their turning."""
@@ -32,9 +35,9 @@ SEGMENT = ("q0", "q1", "q2", "q3", "w1", "w2", "w3", "lost_turning")
 SCRATCH = ("fx", "fy", "fz", "h1", "h2", "h3", "c2", "c3")
 """Forces, of segment i at i + 1, between two pads; moments at nodes."""
 
-FRICTION_SCRATCH = ("t1", "t2", "t3", "spin", "ey", "ez", "roll_x", "roll_t", "cap", "old_x", "old_t", "turn")
+FRICTION_SCRATCH = ("t1", "t2", "t3", "spin", "ey", "ez", "roll_x", "roll_t", "cap", "turn")
 """Tangents and spins, of segment i at i + 1, between two pads.  At nodes: the circumferential direction, surface speeds
-that unit surface speed of spinning makes, largest impulse, surface velocity before the step, impulse that spins."""
+that unit surface speed of spinning makes, largest impulse, impulse that spins."""
 
 ONCE = ("home", "work", "clock")
 """Where held nodes stay: x, y, z of the first, of the second, of the last.  In their first places: work done by the end
@@ -51,7 +54,7 @@ def rod_type(segments: int) -> np.dtype[np.void]:
     size = 256
     while size + 6 < segments:
         size *= 2
-    fields = (*NODE, *SEGMENT, *ONCE, *SCRATCH, *FRICTION_SCRATCH)
+    fields = (*NODE, *LOST, *SEGMENT, *ONCE, *SCRATCH, *FRICTION_SCRATCH)
     return np.dtype([(name, np.float64, (size + 8,)) for name in fields])
 
 
@@ -108,7 +111,7 @@ def _curve(rod: Any, p: Physics) -> None:
 
 
 @kernel
-def _segments(rod: Any, p: Physics) -> None:
+def _segments(rod: Any, rubs: bool, p: Physics) -> None:
     """Write the force in every segment, and give the segments their new angular velocities.
 
     Half a step of torque, a turn about the rod's own axis that stands for the gyroscopic torque of a body with two
@@ -117,7 +120,7 @@ def _segments(rod: Any, p: Physics) -> None:
     x, y, z = rod["x"], rod["y"], rod["z"]
     q0, q1, q2, q3 = rod["q0"], rod["q1"], rod["q2"], rod["q3"]
     w1, w2, w3 = rod["w1"], rod["w2"], rod["w3"]
-    fx, fy, fz = rod["fx"], rod["fy"], rod["fz"]
+    fx, fy, fz, t1s, t2s, t3s = rod["fx"], rod["fy"], rod["fz"], rod["t1"], rod["t2"], rod["t3"]
     h1, h2, h3, c2, c3 = rod["h1"], rod["h2"], rod["h3"], rod["c2"], rod["c3"]
     rest, stretch, shear = p.stretch, p.stretch / p.segment, p.shear / p.segment
     half1, half2 = 0.5 * p.step / p.inertia, 0.5 * p.step / p.cross_inertia
@@ -139,6 +142,8 @@ def _segments(rod: Any, p: Physics) -> None:
         fx[i + 1] = r11 * n1 + r12 * n2 + r13 * n3
         fy[i + 1] = r21 * n1 + r22 * n2 + r23 * n3
         fz[i + 1] = r31 * n1 + r32 * n2 + r33 * n3
+        if rubs:
+            t1s[i + 1], t2s[i + 1], t3s[i + 1] = r11, r21, r31
         a1 = half1 * (h1[i + 1] - h1[i])
         a2 = half2 * (t3 * n1 - t1 * n3 + h2[i + 1] - h2[i] - c2[i + 1] - c2[i])
         a3 = half2 * (t1 * n2 - t2 * n1 + h3[i + 1] - h3[i] - c3[i + 1] - c3[i])
@@ -180,7 +185,12 @@ def _nodes(rod: Any, p: Physics) -> None:
 
 @kernel
 def _pads(rod: Any, n: int, force: float) -> None:
-    """Close the rows of forces so that end nodes, which have half a mass, feel their segment and ``force`` doubly."""
+    """Close the rows of forces so that end nodes, which have half a mass, feel their segment and ``force`` doubly.
+
+    Tangents are repeated beyond the ends.
+    """
+    t1, t2, t3 = rod["t1"], rod["t2"], rod["t3"]
+    t1[0], t2[0], t3[0], t1[n + 1], t2[n + 1], t3[n + 1] = t1[1], t2[1], t3[1], t1[n], t2[n], t3[n]
     fx, fy, fz = rod["fx"], rod["fy"], rod["fz"]
     fx[0], fy[0], fz[0] = -2.0 * force - fx[1], -fy[1], -fz[1]
     fx[n + 1], fy[n + 1], fz[n + 1] = -2.0 * force - fx[n], -fy[n], -fz[n]
@@ -219,37 +229,22 @@ def _turn(rod: Any, n: int, time: float) -> None:
 
 
 @kernel
-def _tangents(rod: Any, n: int) -> None:
-    """Write the tangent and the spin of every segment, and repeat the outer ones in the pads."""
-    q0, q1, q2, q3, w1 = rod["q0"], rod["q1"], rod["q2"], rod["q3"], rod["w1"]
-    t1, t2, t3, spin = rod["t1"], rod["t2"], rod["t3"], rod["spin"]
-    for i in range(n):
-        a, b, c, d = q0[i], q1[i], q2[i], q3[i]
-        t1[i + 1] = 1.0 - 2.0 * (c * c + d * d)
-        t2[i + 1] = 2.0 * (b * c + a * d)
-        t3[i + 1] = 2.0 * (b * d - a * c)
-        spin[i + 1] = w1[i]
-    t1[0], t2[0], t3[0], spin[0] = t1[1], t2[1], t3[1], spin[1]
-    t1[n + 1], t2[n + 1], t3[n + 1], spin[n + 1] = t1[n], t2[n], t3[n], spin[n]
-
-
-@kernel
 def _press(rod: Any, p: Physics) -> None:
     """Give the nodes of a rubbing rod the velocities they would have if friction were what it was a step ago.
 
-    Besides, write for every node what friction needs to know: directions, largest impulse, surface velocity before.
+    Besides, write for every node what friction needs to know: directions and the largest impulse.
     """
     y, z, vx, vy, vz, lost = rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["lost_contact"]
     fx, fy, fz, px, pt, turn = rod["fx"], rod["fy"], rod["fz"], rod["px"], rod["pt"], rod["turn"]
-    t1, t2, t3, spin, ey, ez = rod["t1"], rod["t2"], rod["t3"], rod["spin"], rod["ey"], rod["ez"]
-    roll_x, roll_t, cap, old_x, old_t = rod["roll_x"], rod["roll_t"], rod["cap"], rod["old_x"], rod["old_t"]
+    t1, t2, t3, ey, ez = rod["t1"], rod["t2"], rod["t3"], rod["ey"], rod["ez"]
+    roll_x, roll_t, cap = rod["roll_x"], rod["roll_t"], rod["cap"]
     stiffness, damping = p.step * p.contact, p.contact_damping
     kick, fall = p.step / p.mass, p.step * p.gravity
-    inverse, half_gap, half_radius = 1.0 / p.gap, 0.5 * p.gap, 0.5 * p.radius
+    inverse, gap = 1.0 / p.gap, p.gap
     for i in range(p.segments + 1):
         ny, nz = inverse * y[i], inverse * z[i]
         beyond = max(0.5 * (ny * ny + nz * nz - 1.0), 0.0)
-        depth = 2.0 * half_gap * beyond
+        depth = gap * beyond
         root = stiffness * math.sqrt(depth)
         before = vy[i] * ny + vz[i] * nz
         push = max(root * (depth + damping * before), 0.0)
@@ -257,16 +252,13 @@ def _press(rod: Any, p: Physics) -> None:
         e, f = -unit * nz, unit * ny
         along = -0.5 * ((t2[i] + t2[i + 1]) * e + (t3[i] + t3[i + 1]) * f)
         around = 0.5 * (t1[i] + t1[i + 1])
-        surface = half_radius * (spin[i] + spin[i + 1])
-        old_x[i] = vx[i] + surface * along
-        old_t[i] = vy[i] * e + vz[i] * f + surface * around
         u = vx[i] + kick * (fx[i + 1] - fx[i])
         v = vy[i] + kick * (fy[i + 1] - fy[i]) - push * ny
         w = vz[i] + kick * (fz[i + 1] - fz[i]) - push * nz - fall
         lost[i] += 0.5 * (push - root * depth) * (before + v * ny + w * nz)
         vx[i], vy[i], vz[i] = u + px[i], v + pt[i] * e, w + pt[i] * f
         ey[i], ez[i], roll_x[i], roll_t[i] = e, f, along, around
-        cap[i] = p.friction * push
+        cap[i] = p.friction * push * (1.0 + beyond)  # |(y, z)| / R, to second order
         turn[i] = px[i] * along + pt[i] * around
 
 
@@ -292,22 +284,26 @@ def _rub(rod: Any, p: Physics) -> None:
     """
     x, y, z, vx, vy, vz, lost = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["lost_friction"]
     px, pt, turn, spin, ey, ez = rod["px"], rod["pt"], rod["turn"], rod["spin"], rod["ey"], rod["ez"]
-    roll_x, roll_t, cap, old_x, old_t = rod["roll_x"], rod["roll_t"], rod["cap"], rod["old_x"], rod["old_t"]
+    roll_x, roll_t, cap, old_x, old_t = rod["roll_x"], rod["roll_t"], rod["cap"], rod["slip_x"], rod["slip_t"]
     step, half_radius = p.step, 0.5 * p.radius
     ease = 1.0 + p.mass * p.radius * p.radius / p.inertia  # speed an impulse gives a surface that spins, too
+    share, bend = 1.0 / ease, 3.0 * ease * ease
     for i in range(p.segments + 1):
         surface = half_radius * (spin[i] + spin[i + 1])
         across = vy[i] * ey[i] + vz[i] * ez[i]
         free_x = vx[i] + surface * roll_x[i] - px[i]
         free_t = across + surface * roll_t[i] - ease * pt[i]
-        stop_x, stop_t = -free_x, -free_t / ease
-        slip = max(math.sqrt(free_x * free_x + free_t * free_t) - ease * cap[i], 0.0)
-        slip_x, slip_t = -free_x / (slip + cap[i] + _TINY), -free_t / (slip + ease * cap[i] + _TINY)
+        stop_x, stop_t = -free_x, -share * free_t
+        # Fast slip is opposed along itself; what is about to stick, along the impulse that stops it; smoothly between.
+        square, limit = free_x * free_x + free_t * free_t, cap[i] * cap[i]
+        slip_x, slip_t = -free_x * (square + ease * bend * limit), -free_t * (square + bend * limit)
         scale = cap[i] / (math.sqrt(slip_x * slip_x + slip_t * slip_t) + _TINY)
-        sticks = stop_x * stop_x + stop_t * stop_t <= cap[i] * cap[i]
+        sticks = stop_x * stop_x + stop_t * stop_t <= limit
         new_x = stop_x if sticks else scale * slip_x
         new_t = stop_t if sticks else scale * slip_t
-        lost[i] -= 0.5 * (new_x * (old_x[i] + free_x + new_x) + new_t * (old_t[i] + free_t + ease * new_t))
+        left_x, left_t = free_x + new_x, free_t + ease * new_t
+        lost[i] -= 0.5 * (new_x * (old_x[i] + left_x) + new_t * (old_t[i] + left_t))
+        old_x[i], old_t[i] = left_x, left_t
         dx, dt = new_x - px[i], new_t - pt[i]
         px[i], pt[i] = new_x, new_t
         turn[i] = dx * roll_x[i] + dt * roll_t[i]
@@ -361,8 +357,7 @@ def advance(rod: Any, steps: int, p: Physics) -> None:
         speed = vx[0] - vx[n]
         _curve(rod, p)
         if p.friction > 0.0:
-            _tangents(rod, n)
-            _segments(rod, p)
+            _segments(rod, True, p)
             _pads(rod, n, force)
             _press(rod, p)
             if p.ends == HINGED:  # what bears the ends is the hinge
@@ -371,7 +366,7 @@ def advance(rod: Any, steps: int, p: Physics) -> None:
             _rub(rod, p)
             _spin(rod, p)
         else:
-            _segments(rod, p)
+            _segments(rod, False, p)
             _pads(rod, n, force)
             _nodes(rod, p)
         if p.ends != FREE:
