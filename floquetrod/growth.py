@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-LEAST_PER_PERIOD = 8  # frames in a forcing period: interpolation between them is then good to about 1e-5
+LEAST_PER_PERIOD = 8  # frames in a forcing period: interpolation between them costs the rate less than 1e-4
+_MARGIN = 4  # frames at both ends to which the recurrence does not reach (heuristic)
 
 
 class GrowthFit(NamedTuple):
@@ -38,8 +39,8 @@ def fit_growth(
     step = float(time[1] - time[0])
     shift = period / step
     curve = make_interp_spline(np.arange(len(time)), amplitude, k=7)
-    first, last = math.ceil(shift), math.floor(len(time) - 1 - shift)
-    places = np.arange(first, last + 1)
+    # The ends of an interpolating spline are its worst part.
+    places = np.arange(math.ceil(shift) + _MARGIN, math.floor(len(time) - 1 - shift) - _MARGIN + 1)
     before, after = curve(places - shift), curve(places + shift)
     middle, total = amplitude[places], after + math.exp(-2.0 * damping_rate * period) * before
     weight = 1.0 / np.maximum(before**2 + middle**2 + after**2, 1e-300)

@@ -208,13 +208,17 @@ class SegmentedRod:
         rod["x"][: n + 1] = (np.arange(n + 1) / n - 0.5) * (self.rod.length * squeezed)
         rod["z"][: n + 1] = -(self.rod.gap + self.depth_at_rest)
         rod["q0"][:n] = 1.0
-        self.hold(rod)
         return rod
 
-    def hold(self, rod: Any) -> None:
-        """Let held ends be held where they are."""
+    def set_off(self, rod: Any) -> None:
+        """Prepare a record of positions and velocities for its first step: held ends, surface velocities."""
         for place, node in enumerate((0, 1, self.segments)):
             rod["home"][3 * place : 3 * place + 3] = [rod[axis][node] for axis in "xyz"]
+        n = self.segments
+        y, z, spin = rod["y"][: n + 1], rod["z"][: n + 1], np.pad(rod["w1"][:n], 1, mode="edge")
+        around = (y * rod["vz"][: n + 1] - z * rod["vy"][: n + 1]) / np.maximum(np.hypot(y, z), 1e-300)
+        rod["slip_x"][: n + 1] = rod["vx"][: n + 1]
+        rod["slip_t"][: n + 1] = around + 0.5 * self.rod.radius * (spin[1:] + spin[:-1])
 
     def energies(self, rod: Any) -> dict[str, float]:
         """Return the energies in J of a record whose positions are those of its velocities' time; see `ENERGIES`.

@@ -252,6 +252,7 @@ class _Course:
         rod = cut.at_rest(self.setting.load.mean)
         rod["vy"][: n + 1] = self.setting.perturbation.velocities(n)
         rod["w3"][:n] = np.diff(rod["vy"][: n + 1]) / cut.segment_length
+        cut.set_off(rod)
         compiled(cosserat.drift)(rod, n, 0.5 * self.setting.time_step)
         return rod
 

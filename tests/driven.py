@@ -39,7 +39,7 @@ def drive(
     step = seconds / samples / count
     rod = cut.at_rest(load.mean)
     start(rod)
-    cut.hold(rod)
+    cut.set_off(rod)
     physics = cut.physics(load, step, friction, ends)._replace(**changes)
     advance, drift = compiled(cosserat.advance), compiled(cosserat.drift)
     drift(rod, cut.segments, 0.5 * step)

@@ -300,7 +300,7 @@ def test_braking_distance_along_the_channel() -> None:
     assert distance == pytest.approx(speed**2 / (2 * friction * SHORT.gravity), rel=1e-6)
     assert np.abs(records[-1]["vx"][:11]).max() == 0.0
     lost = cut.energies(records[-1])["dissipated_friction"]
-    assert lost == pytest.approx(cut.energies(records[0])["kinetic"], rel=1e-3)
+    assert lost == pytest.approx(cut.energies(records[0])["kinetic"], rel=1e-6)
 
 
 @pytest.mark.kernels
