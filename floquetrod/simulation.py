@@ -131,8 +131,9 @@ class Simulation:
         """Return the growth rate of a mode in 1/s with the times it was fitted to; zero when it does not grow.
 
         Fitted up to the time at which any node's angle passes 0.05 rad, beyond which the motion is no longer linear, by
-        `floquetrod.growth.fit_growth`.  Raises ValueError when there is too little to fit: fewer than three forcing
-        periods or 8 frames a period, or friction, with which nothing grows exponentially.
+        `floquetrod.growth.fit_growth`; best when frames fall on equal parts of the forcing period.  Raises ValueError
+        when there is too little to fit: fewer than three forcing periods or 8 frames a period, or friction, with which
+        nothing grows exponentially.
 
         Examples
         --------

@@ -40,9 +40,10 @@ def simulated(rod: fr.Rod, mean: float, amplitude: float, frequency: float, segm
     load = fr.AxialLoad(mean * force, amplitude * force, frequency)
     rate, mode = rod.fastest(load.mean, load.amplitude, load.frequency)
     period = 2 * math.pi / frequency
-    duration = max(6 * period, min(2.0, 6.0 / rate))
+    periods = math.ceil(max(6.0, min(2.0, 6.0 / rate) / period))
     kick = fr.Perturbation.modes({mode: 1e-5})
-    run = fr.simulate(rod, load, duration, 0.0, kick, segments, frames=math.ceil(16 * duration / period))
+    # Frames at equal parts of a period: the recurrence that the rate is fitted to then needs no interpolation.
+    run = fr.simulate(rod, load, periods * period, 0.0, kick, segments, frames=16 * periods + 1)
     sunk = rod.replace(channel_radius=rod.channel_radius + run.setting.indentation * rod.gap)
     x = frequency * rod.length / (2 * rod.wave_speed)
     larger = fr.AxialLoad(load.mean, load.amplitude * math.tan(x) / x, frequency)
@@ -52,12 +53,12 @@ def simulated(rod: fr.Rod, mean: float, amplitude: float, frequency: float, segm
 
 @pytest.mark.parametrize(("rod", "mean", "amplitude", "frequency"), UNSTABLE)
 def test_growth_rates(rod: fr.Rod, mean: float, amplitude: float, frequency: float) -> None:
-    """Within 1 % at 250 segments; in the limit of many, within 1e-3 of what the differences between the models say."""
+    """Within 1 % at 250 segments; in the limit of many, within 5e-4 of what the differences between the models say."""
     coarse, _ = simulated(rod, mean, amplitude, frequency, 250)
     fine, known = simulated(rod, mean, amplitude, frequency, 500)
     assert coarse == pytest.approx(1.0, abs=0.01)
     limit = (4 * fine - coarse) / 3
-    assert limit == pytest.approx(known, abs=1.5e-3)
+    assert limit == pytest.approx(known, abs=5e-4)
 
 
 def test_second_order_in_segments() -> None:
