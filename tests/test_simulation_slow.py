@@ -93,6 +93,17 @@ def test_figure_7() -> None:
         assert outcome.agrees, outcome
 
 
+def test_the_kick_that_friction_stops() -> None:
+    """The mode equation with friction lets mode 9 escape from 32.1 mm/s on; docs/simulator.md on where they part."""
+    load = fr.AxialLoad(0.825 * NITINOL.critical_force, 0.7 * NITINOL.critical_force, 150.0)
+    for part, escapes in ((0.97, False), (1.07, True)):
+        kick = fr.Perturbation.modes({9: part * 0.0321})
+        run = fr.simulate(NITINOL, load, 2.0, 0.1, kick)
+        assert run.buckled == escapes
+        if escapes:
+            assert run.dominant_mode == 9
+
+
 @pytest.mark.parametrize("segments", [125, 250])
 def test_million_steps_with_contact_keep_the_balance(segments: int) -> None:
     load = fr.AxialLoad(0.52 * NITINOL.critical_force, 0.2 * NITINOL.critical_force, 150.0)
