@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from floquetrod.chart import Chart as Chart
     from floquetrod.comparison import Comparison as Comparison
     from floquetrod.comparison import compare as compare
+    from floquetrod.course import SimulationDiverged as SimulationDiverged
     from floquetrod.equations import Hill as Hill
     from floquetrod.equations import Mathieu as Mathieu
     from floquetrod.equations import SquareWave as SquareWave
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
     from floquetrod.rod_ranges import SafeRanges as SafeRanges
     from floquetrod.rod_stability import RodStability as RodStability
     from floquetrod.simulation import Simulation as Simulation
-    from floquetrod.simulator import SimulationDiverged as SimulationDiverged
     from floquetrod.simulator import simulate as simulate
     from floquetrod.verdict import stability as stability
 
@@ -48,7 +48,7 @@ _WHERE = {
     "RodStability": "rod_stability",
     "SafeRanges": "rod_ranges",
     "Simulation": "simulation",
-    "SimulationDiverged": "simulator",
+    "SimulationDiverged": "course",
     "SquareWave": "equations",
     "Stability": "result",
     "UniformForceWarning": "rod",

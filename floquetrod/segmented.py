@@ -57,7 +57,7 @@ class SegmentedRod:
     >>> cut = SegmentedRod(RodData.nitinol(), 250)
     >>> step, limit = cut.safe_step()
     >>> f"{1e6 * step:.2f} us, set by {limit}"
-    '2.97 us, set by shear'
+    '2.91 us, set by shear'
     """
 
     rod: RodData

