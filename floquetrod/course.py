@@ -119,14 +119,14 @@ class Course:
         rod["vy"][: n + 1] = self.setting.perturbation.velocities(n)
         rod["w3"][:n] = np.diff(rod["vy"][: n + 1]) / cut.segment_length
         cut.set_off(rod)
-        compiled(cosserat.drift)(rod, n, 0.5 * self.setting.time_step)
+        compiled(cosserat.drift)(rod, 0.5 * self.setting.time_step, self.physics)
         return rod
 
     def _keep_frame(self) -> None:
         """Keep the frame that the clock has reached, with positions taken back to the time of the velocities."""
         n, place = self.setting.segments, self.done // self.setting.steps_per_frame
         rod = self.rod.copy()
-        compiled(cosserat.drift)(rod, n, -0.5 * self.setting.time_step)
+        compiled(cosserat.drift)(rod, -0.5 * self.setting.time_step, self.physics)
         for axis, name in enumerate("xyz"):
             self.frames["positions"][place, :, axis] = rod[name][: n + 1]
             self.frames["velocities"][place, :, axis] = rod[f"v{name}"][: n + 1]

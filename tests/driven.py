@@ -42,11 +42,11 @@ def drive(
     cut.set_off(rod)
     physics = cut.physics(load, step, friction, ends)._replace(**changes)
     advance, drift = compiled(cosserat.advance), compiled(cosserat.drift)
-    drift(rod, cut.segments, 0.5 * step)
+    drift(rod, 0.5 * step, physics)
     records = []
     for sample in range(samples + 1):
         record = rod.copy()
-        drift(record, cut.segments, -0.5 * step)
+        drift(record, -0.5 * step, physics)
         records.append(record)
         if sample < samples:
             advance(rod, count, physics)

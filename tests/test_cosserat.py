@@ -75,7 +75,7 @@ def test_forces_and_torques_are_the_gradient_of_the_energy(rng: np.random.Genera
 
             def turn(r: Any, angle: float, name: str = name, i: int = i) -> None:
                 r[name][i] = angle
-                cosserat.drift(r, n, 1.0)
+                cosserat.drift(r, 1.0, physics)
 
             found = moment * moved[name][i] / step
             assert found == pytest.approx(-slope(turn, 1e-6), abs=1e-6 * scale * cut.segment_length)

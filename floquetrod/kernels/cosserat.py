@@ -22,9 +22,9 @@ import numpy as np
 
 from floquetrod._compile import kernel
 
-NODE = ("x", "y", "z", "vx", "vy", "vz", "px", "pt", "slip_x", "slip_t")
-"""Of nodes 0..n: position, velocity; impulse of friction in the last step, axial and circumferential, and the velocity
-of the rod's surface after it; impulses per mass of a node."""
+NODE = ("x", "y", "z", "vx", "vy", "vz", "px", "pt", "turn", "slip_x", "slip_t")
+"""Of nodes 0..n: position, velocity; impulse of friction in the last step, axial, circumferential and that which spins;
+velocity of the rod's surface after it.  Impulses per mass of a node."""
 
 LOST = ("lost_contact", "lost_friction", "lost_damping")
 """Of nodes: energy lost so far to each cause, per mass of a node."""
@@ -35,9 +35,9 @@ SEGMENT = ("q0", "q1", "q2", "q3", "w1", "w2", "w3", "lost_turning")
 SCRATCH = ("fx", "fy", "fz", "h1", "h2", "h3", "c2", "c3")
 """Forces, of segment i at i + 1, between two pads; moments at nodes."""
 
-FRICTION_SCRATCH = ("t1", "t2", "t3", "spin", "ey", "ez", "roll_x", "roll_t", "cap", "turn")
+FRICTION_SCRATCH = ("t1", "t2", "t3", "spin", "ey", "ez", "roll_x", "roll_t", "cap", "more")
 """Tangents and spins, of segment i at i + 1, between two pads.  At nodes: the circumferential direction, surface speeds
-that unit surface speed of spinning makes, largest impulse, impulse that spins."""
+that unit surface speed of spinning makes, largest impulse, change of the impulse that spins."""
 
 ONCE = ("home", "work", "clock")
 """Where held nodes stay: x, y, z of the first, of the second, of the last.  In their first places: work done by the end
@@ -115,12 +115,14 @@ def _segments(rod: Any, rubs: bool, p: Physics) -> None:
     """Write the force in every segment, and give the segments their new angular velocities.
 
     Half a step of torque, a turn about the rod's own axis that stands for the gyroscopic torque of a body with two
-    equal inertias (it keeps the energy), half a step of torque.
+    equal inertias (it keeps the energy), half a step of torque.  A rod that ``rubs`` also spins by last step's impulses
+    of friction, and leaves its tangents and spins for those of this step.
     """
     x, y, z = rod["x"], rod["y"], rod["z"]
     q0, q1, q2, q3 = rod["q0"], rod["q1"], rod["q2"], rod["q3"]
     w1, w2, w3 = rod["w1"], rod["w2"], rod["w3"]
     fx, fy, fz, t1s, t2s, t3s = rod["fx"], rod["fy"], rod["fz"], rod["t1"], rod["t2"], rod["t3"]
+    spin, turn, rolling = rod["spin"], rod["turn"], 0.5 * p.mass * p.radius / p.inertia
     h1, h2, h3, c2, c3 = rod["h1"], rod["h2"], rod["h3"], rod["c2"], rod["c3"]
     rest, stretch, shear = p.stretch, p.stretch / p.segment, p.shear / p.segment
     half1, half2 = 0.5 * p.step / p.inertia, 0.5 * p.step / p.cross_inertia
@@ -142,15 +144,18 @@ def _segments(rod: Any, rubs: bool, p: Physics) -> None:
         fx[i + 1] = r11 * n1 + r12 * n2 + r13 * n3
         fy[i + 1] = r21 * n1 + r22 * n2 + r23 * n3
         fz[i + 1] = r31 * n1 + r32 * n2 + r33 * n3
-        if rubs:
-            t1s[i + 1], t2s[i + 1], t3s[i + 1] = r11, r21, r31
         a1 = half1 * (h1[i + 1] - h1[i])
         a2 = half2 * (t3 * n1 - t1 * n3 + h2[i + 1] - h2[i] - c2[i + 1] - c2[i])
         a3 = half2 * (t1 * n2 - t2 * n1 + h3[i + 1] - h3[i] - c3[i + 1] - c3[i])
         u, v, w = w1[i] + a1, w2[i] + a2, w3[i] + a3
         g = gyro * u
         scale = 1.0 - g * g * (1.0 - g * g)  # 1 / (1 + g^2): g is the turn in half a step, far below 0.01
-        w1[i] = u + a1
+        a = u + a1
+        if rubs:
+            t1s[i + 1], t2s[i + 1], t3s[i + 1] = r11, r21, r31
+            a += rolling * (turn[i] + turn[i + 1])
+            spin[i + 1] = a
+        w1[i] = a
         w2[i] = scale * ((1.0 - g * g) * v + 2.0 * g * w) + a2
         w3[i] = scale * ((1.0 - g * g) * w - 2.0 * g * v) + a3
 
@@ -187,9 +192,10 @@ def _nodes(rod: Any, p: Physics) -> None:
 def _pads(rod: Any, n: int, force: float) -> None:
     """Close the rows of forces so that end nodes, which have half a mass, feel their segment and ``force`` doubly.
 
-    Tangents are repeated beyond the ends.
+    Tangents and spins are repeated beyond the ends.
     """
-    t1, t2, t3 = rod["t1"], rod["t2"], rod["t3"]
+    t1, t2, t3, spin = rod["t1"], rod["t2"], rod["t3"], rod["spin"]
+    spin[0], spin[n + 1] = spin[1], spin[n]
     t1[0], t2[0], t3[0], t1[n + 1], t2[n + 1], t3[n + 1] = t1[1], t2[1], t3[1], t1[n], t2[n], t3[n]
     fx, fy, fz = rod["fx"], rod["fy"], rod["fz"]
     fx[0], fy[0], fz[0] = -2.0 * force - fx[1], -fy[1], -fz[1]
@@ -211,12 +217,15 @@ def _hold(rod: Any, p: Physics) -> None:
 
 
 @kernel
-def _turn(rod: Any, n: int, time: float) -> None:
-    """Turn the segments with their angular velocities: Cayley's form of a small rotation."""
+def _turn(rod: Any, rubs: bool, time: float, p: Physics) -> None:
+    """Turn the segments with their angular velocities, to which friction adds: Cayley's form of a small rotation."""
+    more, rolling = rod["more"], 0.5 * p.mass * p.radius / p.inertia
     q0, q1, q2, q3 = rod["q0"], rod["q1"], rod["q2"], rod["q3"]
     w1, w2, w3 = rod["w1"], rod["w2"], rod["w3"]
     half = 0.5 * time
-    for i in range(n):
+    for i in range(p.segments):
+        if rubs:
+            w1[i] += rolling * (more[i] + more[i + 1])
         a, b, c, d = q0[i], q1[i], q2[i], q3[i]
         u, v, w = half * w1[i], half * w2[i], half * w3[i]
         e0 = a - b * u - c * v - d * w
@@ -235,7 +244,7 @@ def _press(rod: Any, p: Physics) -> None:
     Besides, write for every node what friction needs to know: directions and the largest impulse.
     """
     y, z, vx, vy, vz, lost = rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["lost_contact"]
-    fx, fy, fz, px, pt, turn = rod["fx"], rod["fy"], rod["fz"], rod["px"], rod["pt"], rod["turn"]
+    fx, fy, fz, px, pt = rod["fx"], rod["fy"], rod["fz"], rod["px"], rod["pt"]
     t1, t2, t3, ey, ez = rod["t1"], rod["t2"], rod["t3"], rod["ey"], rod["ez"]
     roll_x, roll_t, cap = rod["roll_x"], rod["roll_t"], rod["cap"]
     stiffness, damping = p.step * p.contact, p.contact_damping
@@ -259,19 +268,6 @@ def _press(rod: Any, p: Physics) -> None:
         vx[i], vy[i], vz[i] = u + px[i], v + pt[i] * e, w + pt[i] * f
         ey[i], ez[i], roll_x[i], roll_t[i] = e, f, along, around
         cap[i] = p.friction * push * (1.0 + beyond)  # |(y, z)| / R, to second order
-        turn[i] = px[i] * along + pt[i] * around
-
-
-@kernel
-def _spin(rod: Any, p: Physics) -> None:
-    """Let impulses of friction spin the segments."""
-    w1, spin, turn = rod["w1"], rod["spin"], rod["turn"]
-    n = p.segments
-    factor = 0.5 * p.mass * p.radius / p.inertia
-    for i in range(n):
-        w1[i] += factor * (turn[i] + turn[i + 1])
-        spin[i + 1] = w1[i]
-    spin[0], spin[n + 1] = spin[1], spin[n]
 
 
 @kernel
@@ -283,7 +279,8 @@ def _rub(rod: Any, p: Physics) -> None:
     step late; where the rod sticks these corrections die out geometrically and nothing creeps.
     """
     x, y, z, vx, vy, vz, lost = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["lost_friction"]
-    px, pt, turn, spin, ey, ez = rod["px"], rod["pt"], rod["turn"], rod["spin"], rod["ey"], rod["ez"]
+    px, pt, spin, ey, ez = rod["px"], rod["pt"], rod["spin"], rod["ey"], rod["ez"]
+    turn, more = rod["turn"], rod["more"]
     roll_x, roll_t, cap, old_x, old_t = rod["roll_x"], rod["roll_t"], rod["cap"], rod["slip_x"], rod["slip_t"]
     step, half_radius = p.step, 0.5 * p.radius
     ease = 1.0 + p.mass * p.radius * p.radius / p.inertia  # speed an impulse gives a surface that spins, too
@@ -306,7 +303,9 @@ def _rub(rod: Any, p: Physics) -> None:
         old_x[i], old_t[i] = left_x, left_t
         dx, dt = new_x - px[i], new_t - pt[i]
         px[i], pt[i] = new_x, new_t
-        turn[i] = dx * roll_x[i] + dt * roll_t[i]
+        new = new_x * roll_x[i] + new_t * roll_t[i]
+        more[i] = new - turn[i]
+        turn[i] = new
         u, v, w = vx[i] + dx, vy[i] + dt * ey[i], vz[i] + dt * ez[i]
         vx[i], vy[i], vz[i] = u, v, w
         x[i] += step * u
@@ -335,14 +334,14 @@ def _decay(rod: Any, p: Physics) -> None:
 
 
 @kernel
-def drift(rod: Any, segments: int, time: float) -> None:
+def drift(rod: Any, time: float, p: Physics) -> None:
     """Move nodes and turn segments with their velocities for ``time``, which may be negative."""
     x, y, z, vx, vy, vz = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"]
-    for i in range(segments + 1):
+    for i in range(p.segments + 1):
         x[i] += time * vx[i]
         y[i] += time * vy[i]
         z[i] += time * vz[i]
-    _turn(rod, segments, time)
+    _turn(rod, False, time, p)
 
 
 @kernel
@@ -362,9 +361,7 @@ def advance(rod: Any, steps: int, p: Physics) -> None:
             _press(rod, p)
             if p.ends == HINGED:  # what bears the ends is the hinge
                 rod["cap"][0] = rod["cap"][n] = 0.0
-            _spin(rod, p)
             _rub(rod, p)
-            _spin(rod, p)
         else:
             _segments(rod, False, p)
             _pads(rod, n, force)
@@ -374,5 +371,5 @@ def advance(rod: Any, steps: int, p: Physics) -> None:
         rod["work"][0] += 0.5 * p.step * force * (speed + vx[0] - vx[n])
         if p.decay != 1.0:
             _decay(rod, p)
-        _turn(rod, n, p.step)
+        _turn(rod, p.friction > 0.0, p.step, p)
     rod["clock"][0] = first + steps
