@@ -36,13 +36,15 @@ def draw_top_view(run: Any, ax: Any = None, pictures: int = 5) -> Any:
 
 
 def draw_energy(run: Any, ax: Any = None) -> Any:
-    """Draw the energies of a `floquetrod.simulation.Simulation` over time."""
+    """Draw the sizes of the energies of a `floquetrod.simulation.Simulation` over time, seven decades of them."""
     ax = _new_axes() if ax is None else ax
     for name, (colour, line) in _LINES.items():
-        ax.plot(run.time, run.energy[name], color=colour, linestyle=line, linewidth=1.0, label=name)
+        ax.plot(run.time, np.abs(run.energy[name]), color=colour, linestyle=line, linewidth=1.0, label=name)
+    largest = max(1e-12, *(float(np.abs(run.energy[name]).max()) for name in _LINES))
+    ax.set_yscale("log")
+    ax.set_ylim(1e-7 * largest, 10.0 * largest)
     ax.set_xlabel("time $t$ / s")
-    ax.set_ylabel("energy / J")
-    ax.set_yscale("symlog", linthresh=max(1e-12, 1e-6 * float(np.abs(run.energy["work"]).max())))
+    ax.set_ylabel("size of the energy / J")
     ax.legend(fontsize="x-small", ncols=3)
     return ax
 

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
+import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -111,3 +115,33 @@ def test_million_steps_with_contact_keep_the_balance(segments: int) -> None:
     run = fr.simulate(NITINOL, load, 3.0, perturbation=fr.Perturbation.random(1e-3, seed=1), segments=segments)
     assert run.buckled
     assert np.abs(run.energy_error).max() < 1e-3 * np.abs(run.energy["work"]).max()
+
+
+def test_killed_at_any_moment_a_run_goes_on(tmp_path: Path, rng: np.random.Generator) -> None:
+    path = tmp_path / "run.ckpt"
+    code = f"""
+import floquetrod as fr
+from floquetrod import course
+course._BETWEEN_CHECKPOINTS = course._AT_ONCE = 0
+rod = fr.Rod.nitinol()
+run = fr.simulate(rod, fr.AxialLoad(0.3, 0.3, 150.0), 4.0, 0.1, segments=60, frames=30, checkpoint={str(path)!r})
+"""
+    kills = 0
+    while kills < 4:
+        process = subprocess.Popen([sys.executable, "-c", code], cwd=Path(__file__).parent.parent)
+        while not path.exists() and process.poll() is None:
+            time.sleep(0.01)
+        try:
+            process.wait(timeout=0.8 + 0.5 * rng.random())
+            break  # it came to its end first
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+            kills += 1
+    arguments = (NITINOL, fr.AxialLoad(0.3, 0.3, 150.0), 4.0, 0.1)
+    resumed = fr.simulate(*arguments, segments=60, frames=30, checkpoint=path)
+    whole = fr.simulate(*arguments, segments=60, frames=30)
+    assert kills > 0
+    assert resumed.complete
+    assert np.array_equal(resumed.positions, whole.positions)
+    assert np.array_equal(resumed.velocities, whole.velocities)
