@@ -20,12 +20,14 @@ if TYPE_CHECKING:
     from floquetrod.comparison import Comparison as Comparison
     from floquetrod.comparison import compare as compare
     from floquetrod.coulomb import Coulomb as Coulomb
+    from floquetrod.course import SimulationDiverged as SimulationDiverged
     from floquetrod.criterion import PaperCriterion as PaperCriterion
     from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
     from floquetrod.equations import Hill as Hill
     from floquetrod.equations import Mathieu as Mathieu
     from floquetrod.equations import SquareWave as SquareWave
     from floquetrod.load import AxialLoad as AxialLoad
+    from floquetrod.perturbation import Perturbation as Perturbation
     from floquetrod.proof import Proof as Proof
     from floquetrod.proof import certify as certify
     from floquetrod.result import Stability as Stability
@@ -35,6 +37,8 @@ if TYPE_CHECKING:
     from floquetrod.rod_map import stability_map as stability_map
     from floquetrod.rod_ranges import SafeRanges as SafeRanges
     from floquetrod.rod_stability import RodStability as RodStability
+    from floquetrod.simulation import Simulation as Simulation
+    from floquetrod.simulator import simulate as simulate
     from floquetrod.verdict import stability as stability
 
 _WHERE = {
@@ -46,11 +50,14 @@ _WHERE = {
     "Hill": "equations",
     "Mathieu": "equations",
     "PaperCriterion": "criterion",
+    "Perturbation": "perturbation",
     "Proof": "proof",
     "Rod": "rod",
     "RodFriction": "rod_friction",
     "RodStability": "rod_stability",
     "SafeRanges": "rod_ranges",
+    "Simulation": "simulation",
+    "SimulationDiverged": "course",
     "SquareWave": "equations",
     "Stability": "result",
     "UniformForceWarning": "rod",
@@ -59,6 +66,7 @@ _WHERE = {
     "conventions": "",
     "friction": "",
     "mathieu": "",
+    "simulate": "simulator",
     "stability": "verdict",
     "stability_map": "rod_map",
 }

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import zipfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import _validate
-from floquetrod._files import whole_file
+from floquetrod import _files, _validate
 
 _FORMAT = "floquetrod chart 1"
 _AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
@@ -100,7 +97,6 @@ class Chart:
 
     def save(self, path: str | Path) -> Path:
         """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""
-        path = Path(path)
         arrays: dict[str, Any] = {"x": self.x.values, "y": self.y.values, "stable": self.stable}
         for name in ("growth_rate", "first_mode"):
             if getattr(self, name) is not None:
@@ -116,20 +112,13 @@ class Chart:
             "undecided": self.undecided,
             "version": self.version,
         }
-        with whole_file(path) as file:
-            np.savez_compressed(file, meta=np.array(json.dumps(meta)), **arrays)
-        return path
+        return _files.write_npz(path, meta, arrays, compress=True)
 
     @classmethod
     def load(cls, path: str | Path) -> Chart:
         """Read a chart that `save` wrote; ValueError for a damaged or foreign file."""
-        path = Path(path)
+        meta, arrays = _files.read_npz(path, _FORMAT, "a chart")
         try:
-            with path.open("rb") as stream, np.load(stream, allow_pickle=False) as file:
-                arrays = {name: file[name] for name in file.files}
-            meta = json.loads(str(arrays.pop("meta")))
-            if meta["format"] != _FORMAT:
-                raise ValueError(f"format {meta['format']!r}, expected {_FORMAT!r}")
             chart = cls(
                 _axis(meta["x"], arrays["x"]),
                 _axis(meta["y"], arrays["y"]),
@@ -145,7 +134,7 @@ class Chart:
             )
             if chart.stable.shape != (chart.y.values.size, chart.x.values.size):
                 raise ValueError("its arrays do not fit its axes")
-        except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, EOFError) as error:
+        except (ValueError, KeyError, TypeError) as error:
             raise ValueError(f"{path} is not a chart that can be read: {error}") from None
         return chart
 

@@ -15,7 +15,7 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
     """Draw a `floquetrod.chart.Chart`: white where stable, grey where not, darker with growth where it is known."""
     from matplotlib.colors import ListedColormap
 
-    ax = _new_axes() if ax is None else ax
+    ax = new_axes() if ax is None else ax
     x, y = chart.x.values, chart.y.values
     if chart.growth_rate is None:
         shades = np.where(chart.stable, 0.0, 1.0)
@@ -36,7 +36,7 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
 
 def draw_curves(curves: Any, ax: Any = None) -> Any:
     """Draw `floquetrod.characteristic.TransitionCurves`: solid where a solution has period 4 pi, dashed where 2 pi."""
-    ax = _new_axes() if ax is None else ax
+    ax = new_axes() if ax is None else ax
     step = max(1, curves.alpha.size // 3)
     for row, order in enumerate(curves.orders):
         for values, name, place in ((curves.even[row], "a", 3 * step // 2), (curves.odd[row], "b", step)):
@@ -74,7 +74,8 @@ def save_figure(ax: Any, path: str | Path) -> Path:
     return path
 
 
-def _new_axes() -> Any:
+def new_axes() -> Any:
+    """Return the axes of a new figure."""
     from matplotlib import pyplot
 
     return pyplot.subplots(figsize=(7.0, 5.0), layout="constrained")[1]

@@ -1,0 +1,375 @@
+"""Kernels for the simulated rod: one fused, explicit, symplectic loop over the segments of one rod.
+
+The rod is n segments between n + 1 nodes.  Nodes carry position and velocity, segments a unit quaternion (material axes
+to space; the first material axis points along the rod) and an angular velocity in material axes.  With t the vector
+between a segment's nodes, l its unstrained length and Q its rotation, the elastic energy is
+
+    sum over segments  (l / 2) [EA (s1)^2 + kGA (s2^2 + s3^2)],   s = Q^T t / l - e1                 (stretch, shear)
+  + sum over inner nodes (2 / l) [GJ b1^2 + EI (b2^2 + b3^2)],    b = vector part of conj(q_left) q_right  (twist, bend)
+
+and forces and torques are its exact gradient, so that without contact nothing but rounding makes energy drift.
+
+Positions and quaternions are kept half a step ahead of velocities (position Verlet with its half drifts merged), so the
+result does not depend on how a run is cut into calls.  Loops touch few arrays each, so that compilers vectorise them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._compile import kernel
+
+NODE = ("x", "y", "z", "vx", "vy", "vz", "px", "pt", "turn", "slip_x", "slip_t")
+"""Of nodes 0..n: position, velocity; impulse of friction in the last step, axial, circumferential and that which spins;
+velocity of the rod's surface after it.  Impulses per mass of a node."""
+
+LOST = ("lost_contact", "lost_friction", "lost_damping")
+"""Of nodes: energy lost so far to each cause, per mass of a node."""
+
+SEGMENT = ("q0", "q1", "q2", "q3", "w1", "w2", "w3", "lost_turning")
+"""Of segments 0..n-1: quaternion, angular velocity in material axes, energy that damping took from their turning."""
+
+SCRATCH = ("fx", "fy", "fz", "h1", "h2", "h3", "c2", "c3")
+"""Forces, of segment i at i + 1, between two pads; moments at nodes."""
+
+FRICTION_SCRATCH = ("t1", "t2", "t3", "spin", "ey", "ez", "roll_x", "roll_t", "cap", "more")
+"""Tangents and spins, of segment i at i + 1, between two pads.  At nodes: the circumferential direction, surface speeds
+that unit surface speed of spinning makes, largest impulse, change of the impulse that spins."""
+
+ONCE = ("home", "work", "clock")
+"""Where held nodes stay: x, y, z of the first, of the second, of the last.  In their first places: work done by the end
+forces so far, steps done so far."""
+
+
+def rod_type(segments: int) -> np.dtype[np.void]:
+    """Return the record that holds a rod of so many segments.
+
+    The lengths of its fields are part of its type: compilers then know that fields do not overlap, and vectorise loops
+    over any number of them.  They come in few sizes because each is compiled anew, and are odd multiples of 64 bytes
+    because rows at powers of two would fight for the same places in the cache.
+    """
+    size = 256
+    while size + 6 < segments:
+        size *= 2
+    fields = (*NODE, *LOST, *SEGMENT, *ONCE, *SCRATCH, *FRICTION_SCRATCH)
+    return np.dtype([(name, np.float64, (size + 8,)) for name in fields])
+
+
+HINGED, FREE, CLAMPED = range(3)
+"""Ends held across the channel; ends that move; left end clamped (the first segment held), right end free."""
+
+_TINY = 1e-300  # keeps 0 / 0 out of quotients whose value is not used
+
+
+class Physics(NamedTuple):
+    """What the loop needs to know of a rod, its channel, its ends and its load, in SI units."""
+
+    segments: int
+    ends: int  # HINGED, FREE or CLAMPED
+    step: float
+    segment: float  # unstrained length of a segment
+    mass: float  # of a segment and an inner node; an end node has half of it
+    inertia: float  # of a segment about its own axis
+    cross_inertia: float  # and across it
+    stretch: float  # EA
+    shear: float  # kGA
+    bend: float  # EI
+    twist: float  # GJ
+    radius: float
+    gap: float  # R, where contact begins
+    gravity: float
+    contact: float  # k in the contact acceleration k sqrt(d) (d + C v)
+    contact_damping: float  # C
+    friction: float
+    decay: float  # factor on every velocity in half a step
+    mean: float
+    amplitude: float
+    frequency: float
+
+
+@kernel
+def _curve(rod: Any, p: Physics) -> None:
+    """Write the moment of twist and bending at every inner node: h on the left, -h on the right, -c on both."""
+    q0, q1, q2, q3 = rod["q0"], rod["q1"], rod["q2"], rod["q3"]
+    h1, h2, h3, c2, c3 = rod["h1"], rod["h2"], rod["h3"], rod["c2"], rod["c3"]
+    twist, bend = 2.0 * p.twist / p.segment, 2.0 * p.bend / p.segment
+    for i in range(1, p.segments):
+        a, b, c, d = q0[i - 1], q1[i - 1], q2[i - 1], q3[i - 1]
+        e, f, g, h = q0[i], q1[i], q2[i], q3[i]
+        r0 = a * e + b * f + c * g + d * h
+        r1 = a * f - b * e - c * h + d * g
+        r2 = a * g + b * h - c * e - d * f
+        r3 = a * h - b * g + c * f - d * e
+        h1[i] = twist * r0 * r1
+        h2[i] = bend * r0 * r2
+        h3[i] = bend * r0 * r3
+        c2[i] = (bend - twist) * r1 * r3
+        c3[i] = (twist - bend) * r1 * r2
+
+
+@kernel
+def _segments(rod: Any, rubs: bool, p: Physics) -> None:
+    """Write the force in every segment, and give the segments their new angular velocities.
+
+    Half a step of torque, a turn about the rod's own axis that stands for the gyroscopic torque of a body with two
+    equal inertias (it keeps the energy), half a step of torque.  A rod that ``rubs`` also spins by last step's impulses
+    of friction, and leaves its tangents and spins for those of this step.
+    """
+    x, y, z = rod["x"], rod["y"], rod["z"]
+    q0, q1, q2, q3 = rod["q0"], rod["q1"], rod["q2"], rod["q3"]
+    w1, w2, w3 = rod["w1"], rod["w2"], rod["w3"]
+    fx, fy, fz, t1s, t2s, t3s = rod["fx"], rod["fy"], rod["fz"], rod["t1"], rod["t2"], rod["t3"]
+    spin, turn, rolling = rod["spin"], rod["turn"], 0.5 * p.mass * p.radius / p.inertia
+    h1, h2, h3, c2, c3 = rod["h1"], rod["h2"], rod["h3"], rod["c2"], rod["c3"]
+    rest, stretch, shear = p.stretch, p.stretch / p.segment, p.shear / p.segment
+    half1, half2 = 0.5 * p.step / p.inertia, 0.5 * p.step / p.cross_inertia
+    gyro = 0.5 * p.step * (p.cross_inertia - p.inertia) / p.cross_inertia
+    for i in range(p.segments):
+        a, b, c, d = q0[i], q1[i], q2[i], q3[i]
+        dx, dy, dz = x[i + 1] - x[i], y[i + 1] - y[i], z[i + 1] - z[i]
+        twice_b, twice_c, twice_d = b + b, c + c, d + d
+        bb, cc, dd = b * twice_b, c * twice_c, d * twice_d
+        bc, bd, cd = b * twice_c, b * twice_d, c * twice_d
+        ab, ac, ad = a * twice_b, a * twice_c, a * twice_d
+        r11, r12, r13 = 1.0 - cc - dd, bc - ad, bd + ac
+        r21, r22, r23 = bc + ad, 1.0 - bb - dd, cd - ab
+        r31, r32, r33 = bd - ac, cd + ab, 1.0 - bb - cc
+        t1 = r11 * dx + r21 * dy + r31 * dz
+        t2 = r12 * dx + r22 * dy + r32 * dz
+        t3 = r13 * dx + r23 * dy + r33 * dz
+        n1, n2, n3 = stretch * t1 - rest, shear * t2, shear * t3
+        fx[i + 1] = r11 * n1 + r12 * n2 + r13 * n3
+        fy[i + 1] = r21 * n1 + r22 * n2 + r23 * n3
+        fz[i + 1] = r31 * n1 + r32 * n2 + r33 * n3
+        a1 = half1 * (h1[i + 1] - h1[i])
+        a2 = half2 * (t3 * n1 - t1 * n3 + h2[i + 1] - h2[i] - c2[i + 1] - c2[i])
+        a3 = half2 * (t1 * n2 - t2 * n1 + h3[i + 1] - h3[i] - c3[i + 1] - c3[i])
+        u, v, w = w1[i] + a1, w2[i] + a2, w3[i] + a3
+        g = gyro * u
+        scale = 1.0 - g * g * (1.0 - g * g)  # 1 / (1 + g^2): g is the turn in half a step, far below 0.01
+        a = u + a1
+        if rubs:
+            t1s[i + 1], t2s[i + 1], t3s[i + 1] = r11, r21, r31
+            a += rolling * (turn[i] + turn[i + 1])
+            spin[i + 1] = a
+        w1[i] = a
+        w2[i] = scale * ((1.0 - g * g) * v + 2.0 * g * w) + a2
+        w3[i] = scale * ((1.0 - g * g) * w - 2.0 * g * v) + a3
+
+
+@kernel
+def _nodes(rod: Any, p: Physics) -> None:
+    """Give the nodes of a frictionless rod their new velocities, and move them.
+
+    The indentation is taken as d = (y^2 + z^2 - R^2) / (2 R), the distance beyond R but for a relative d / (2 R): its
+    gradient (y, z) / R costs neither a root nor a quotient.
+    """
+    x, y, z, vx, vy, vz, lost = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["lost_contact"]
+    fx, fy, fz = rod["fx"], rod["fy"], rod["fz"]
+    step, stiffness, damping = p.step, p.step * p.contact, p.contact_damping
+    kick, fall = p.step / p.mass, p.step * p.gravity
+    inverse, half_gap = 1.0 / p.gap, 0.5 * p.gap
+    for i in range(p.segments + 1):
+        ny, nz = inverse * y[i], inverse * z[i]
+        depth = max(half_gap * (ny * ny + nz * nz - 1.0), 0.0)
+        root = stiffness * math.sqrt(depth)
+        before = vy[i] * ny + vz[i] * nz
+        push = max(root * (depth + damping * before), 0.0)
+        u = vx[i] + kick * (fx[i + 1] - fx[i])
+        v = vy[i] + kick * (fy[i + 1] - fy[i]) - push * ny
+        w = vz[i] + kick * (fz[i + 1] - fz[i]) - push * nz - fall
+        lost[i] += 0.5 * (push - root * depth) * (before + v * ny + w * nz)
+        vx[i], vy[i], vz[i] = u, v, w
+        x[i] += step * u
+        y[i] += step * v
+        z[i] += step * w
+
+
+@kernel
+def _pads(rod: Any, n: int, force: float) -> None:
+    """Close the rows of forces so that end nodes, which have half a mass, feel their segment and ``force`` doubly.
+
+    Tangents and spins are repeated beyond the ends.
+    """
+    t1, t2, t3, spin = rod["t1"], rod["t2"], rod["t3"], rod["spin"]
+    spin[0], spin[n + 1] = spin[1], spin[n]
+    t1[0], t2[0], t3[0], t1[n + 1], t2[n + 1], t3[n + 1] = t1[1], t2[1], t3[1], t1[n], t2[n], t3[n]
+    fx, fy, fz = rod["fx"], rod["fy"], rod["fz"]
+    fx[0], fy[0], fz[0] = -2.0 * force - fx[1], -fy[1], -fz[1]
+    fx[n + 1], fy[n + 1], fz[n + 1] = -2.0 * force - fx[n], -fy[n], -fz[n]
+
+
+@kernel
+def _hold(rod: Any, p: Physics) -> None:
+    """Put held ends back where they belong."""
+    n, home = p.segments, rod["home"]
+    if p.ends == HINGED:
+        rod["y"][0], rod["z"][0], rod["y"][n], rod["z"][n] = home[1], home[2], home[7], home[8]
+        rod["vy"][0] = rod["vz"][0] = rod["vy"][n] = rod["vz"][n] = 0.0
+    elif p.ends == CLAMPED:
+        rod["x"][0], rod["y"][0], rod["z"][0] = home[0], home[1], home[2]
+        rod["x"][1], rod["y"][1], rod["z"][1] = home[3], home[4], home[5]
+        rod["vx"][0] = rod["vy"][0] = rod["vz"][0] = rod["vx"][1] = rod["vy"][1] = rod["vz"][1] = 0.0
+        rod["w1"][0] = rod["w2"][0] = rod["w3"][0] = 0.0
+
+
+@kernel
+def _turn(rod: Any, rubs: bool, time: float, p: Physics) -> None:
+    """Turn the segments with their angular velocities, to which friction adds: Cayley's form of a small rotation."""
+    more, rolling = rod["more"], 0.5 * p.mass * p.radius / p.inertia
+    q0, q1, q2, q3 = rod["q0"], rod["q1"], rod["q2"], rod["q3"]
+    w1, w2, w3 = rod["w1"], rod["w2"], rod["w3"]
+    half = 0.5 * time
+    for i in range(p.segments):
+        if rubs:
+            w1[i] += rolling * (more[i] + more[i + 1])
+        a, b, c, d = q0[i], q1[i], q2[i], q3[i]
+        u, v, w = half * w1[i], half * w2[i], half * w3[i]
+        e0 = a - b * u - c * v - d * w
+        e1 = b + a * u + c * w - d * v
+        e2 = c + a * v + d * u - b * w
+        e3 = d + a * w + b * v - c * u
+        size = e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3
+        scale = 1.875 - size * (1.25 - 0.375 * size)  # 1 / sqrt(size) near 1; what it leaves, the next step mends
+        q0[i], q1[i], q2[i], q3[i] = scale * e0, scale * e1, scale * e2, scale * e3
+
+
+@kernel
+def _press(rod: Any, p: Physics) -> None:
+    """Give the nodes of a rubbing rod the velocities they would have if friction were what it was a step ago.
+
+    Besides, write for every node what friction needs to know: directions and the largest impulse.
+    """
+    y, z, vx, vy, vz, lost = rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["lost_contact"]
+    fx, fy, fz, px, pt = rod["fx"], rod["fy"], rod["fz"], rod["px"], rod["pt"]
+    t1, t2, t3, ey, ez = rod["t1"], rod["t2"], rod["t3"], rod["ey"], rod["ez"]
+    roll_x, roll_t, cap = rod["roll_x"], rod["roll_t"], rod["cap"]
+    stiffness, damping = p.step * p.contact, p.contact_damping
+    kick, fall = p.step / p.mass, p.step * p.gravity
+    inverse, gap = 1.0 / p.gap, p.gap
+    for i in range(p.segments + 1):
+        ny, nz = inverse * y[i], inverse * z[i]
+        beyond = max(0.5 * (ny * ny + nz * nz - 1.0), 0.0)
+        depth = gap * beyond
+        root = stiffness * math.sqrt(depth)
+        before = vy[i] * ny + vz[i] * nz
+        push = max(root * (depth + damping * before), 0.0)
+        unit = 1.0 - beyond * (1.0 - beyond * (1.5 - 2.5 * beyond))  # 1 / sqrt(1 + 2 beyond): R / distance
+        e, f = -unit * nz, unit * ny
+        along = -0.5 * ((t2[i] + t2[i + 1]) * e + (t3[i] + t3[i + 1]) * f)
+        around = 0.5 * (t1[i] + t1[i + 1])
+        u = vx[i] + kick * (fx[i + 1] - fx[i])
+        v = vy[i] + kick * (fy[i + 1] - fy[i]) - push * ny
+        w = vz[i] + kick * (fz[i + 1] - fz[i]) - push * nz - fall
+        lost[i] += 0.5 * (push - root * depth) * (before + v * ny + w * nz)
+        vx[i], vy[i], vz[i] = u + px[i], v + pt[i] * e, w + pt[i] * f
+        ey[i], ez[i], roll_x[i], roll_t[i] = e, f, along, around
+        cap[i] = p.friction * push * (1.0 + beyond)  # |(y, z)| / R, to second order
+
+
+@kernel
+def _rub(rod: Any, p: Physics) -> None:
+    """Replace last step's impulses of friction by those of Coulomb's law, static = kinetic, and move the nodes.
+
+    Each node is asked for the impulse that would stop its surface; when that exceeds mu N dt the surface slips, and the
+    impulse opposes its slip.  A neighbour's change of impulse reaches a node through their common segment's spin, one
+    step late; where the rod sticks these corrections die out geometrically and nothing creeps.
+    """
+    x, y, z, vx, vy, vz, lost = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["lost_friction"]
+    px, pt, spin, ey, ez = rod["px"], rod["pt"], rod["spin"], rod["ey"], rod["ez"]
+    turn, more = rod["turn"], rod["more"]
+    roll_x, roll_t, cap, old_x, old_t = rod["roll_x"], rod["roll_t"], rod["cap"], rod["slip_x"], rod["slip_t"]
+    step, half_radius = p.step, 0.5 * p.radius
+    ease = 1.0 + p.mass * p.radius * p.radius / p.inertia  # speed an impulse gives a surface that spins, too
+    share, bend = 1.0 / ease, 3.0 * ease * ease
+    for i in range(p.segments + 1):
+        surface = half_radius * (spin[i] + spin[i + 1])
+        across = vy[i] * ey[i] + vz[i] * ez[i]
+        free_x = vx[i] + surface * roll_x[i] - px[i]
+        free_t = across + surface * roll_t[i] - ease * pt[i]
+        stop_x, stop_t = -free_x, -share * free_t
+        # Fast slip is opposed along itself; what is about to stick, along the impulse that stops it; smoothly between.
+        square, limit = free_x * free_x + free_t * free_t, cap[i] * cap[i]
+        slip_x, slip_t = -free_x * (square + ease * bend * limit), -free_t * (square + bend * limit)
+        scale = cap[i] / (math.sqrt(slip_x * slip_x + slip_t * slip_t) + _TINY)
+        sticks = stop_x * stop_x + stop_t * stop_t <= limit
+        new_x = stop_x if sticks else scale * slip_x
+        new_t = stop_t if sticks else scale * slip_t
+        left_x, left_t = free_x + new_x, free_t + ease * new_t
+        lost[i] -= 0.5 * (new_x * (old_x[i] + left_x) + new_t * (old_t[i] + left_t))
+        old_x[i], old_t[i] = left_x, left_t
+        dx, dt = new_x - px[i], new_t - pt[i]
+        px[i], pt[i] = new_x, new_t
+        new = new_x * roll_x[i] + new_t * roll_t[i]
+        more[i] = new - turn[i]
+        turn[i] = new
+        u, v, w = vx[i] + dx, vy[i] + dt * ey[i], vz[i] + dt * ez[i]
+        vx[i], vy[i], vz[i] = u, v, w
+        x[i] += step * u
+        y[i] += step * v
+        z[i] += step * w
+
+
+@kernel
+def _decay(rod: Any, p: Physics) -> None:
+    """Damp every velocity for half a step and book what is lost."""
+    vx, vy, vz, lost = rod["vx"], rod["vy"], rod["vz"], rod["lost_damping"]
+    w1, w2, w3, lost_turning = rod["w1"], rod["w2"], rod["w3"], rod["lost_turning"]
+    factor = p.decay
+    share = 0.5 * (1.0 - factor * factor)
+    for i in range(p.segments + 1):
+        lost[i] += share * (vx[i] * vx[i] + vy[i] * vy[i] + vz[i] * vz[i])
+        vx[i] *= factor
+        vy[i] *= factor
+        vz[i] *= factor
+    for i in range(p.segments):
+        square = w2[i] * w2[i] + w3[i] * w3[i]
+        lost_turning[i] += share * (p.inertia * w1[i] * w1[i] + p.cross_inertia * square)
+        w1[i] *= factor
+        w2[i] *= factor
+        w3[i] *= factor
+
+
+@kernel
+def drift(rod: Any, time: float, p: Physics) -> None:
+    """Move nodes and turn segments with their velocities for ``time``, which may be negative."""
+    x, y, z, vx, vy, vz = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"]
+    for i in range(p.segments + 1):
+        x[i] += time * vx[i]
+        y[i] += time * vy[i]
+        z[i] += time * vz[i]
+    _turn(rod, False, time, p)
+
+
+@kernel
+def advance(rod: Any, steps: int, p: Physics) -> None:
+    """Carry a rod whose positions are half a step ahead through ``steps`` steps, and count them on its clock."""
+    n, vx = p.segments, rod["vx"]
+    first = int(rod["clock"][0])
+    for number in range(first, first + steps):
+        force = p.mean + p.amplitude * math.sin(p.frequency * (number + 0.5) * p.step)
+        if p.decay != 1.0:
+            _decay(rod, p)
+        speed = vx[0] - vx[n]
+        _curve(rod, p)
+        if p.friction > 0.0:
+            _segments(rod, True, p)
+            _pads(rod, n, force)
+            _press(rod, p)
+            if p.ends == HINGED:  # what bears the ends is the hinge
+                rod["cap"][0] = rod["cap"][n] = 0.0
+            _rub(rod, p)
+        else:
+            _segments(rod, False, p)
+            _pads(rod, n, force)
+            _nodes(rod, p)
+        if p.ends != FREE:
+            _hold(rod, p)
+        rod["work"][0] += 0.5 * p.step * force * (speed + vx[0] - vx[n])
+        if p.decay != 1.0:
+            _decay(rod, p)
+        _turn(rod, p.friction > 0.0, p.step, p)
+    rod["clock"][0] = first + steps

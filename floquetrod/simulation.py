@@ -1,0 +1,243 @@
+"""What a simulated rod did: frames, energies, modes, growth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import _files, _validate
+from floquetrod.growth import LEAST_PER_PERIOD, GrowthFit, fit_growth
+from floquetrod.load import AxialLoad
+from floquetrod.perturbation import LEAST_SEGMENTS, Perturbation
+from floquetrod.rod import Rod
+from floquetrod.segmented import ENERGIES, SegmentedRod
+
+BUCKLED_ANGLE = math.radians(5.0)
+"""Angle beyond which a rod counts as buckled, that of the paper (section 4.3 of DOI 10.1115/1.4031710)."""
+
+_LINEAR_UP_TO = 0.05  # rad: up to here sin(theta) is theta to 4e-4 (a choice)
+_FORMAT = "floquetrod simulation 1"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Everything a simulation's course depends on, in SI units; see `floquetrod.simulate.simulate`."""
+
+    rod: Rod
+    load: AxialLoad
+    perturbation: Perturbation
+    duration: float
+    friction: float
+    segments: int
+    frames: int
+    steps_per_frame: int
+    poisson_ratio: float
+    indentation: float
+    contact_damping: float
+    step_limit: str
+
+    @property
+    def time_step(self) -> float:
+        """Length of a time step in s."""
+        return self.duration / ((self.frames - 1) * self.steps_per_frame)
+
+    @property
+    def steps(self) -> int:
+        """Number of time steps."""
+        return (self.frames - 1) * self.steps_per_frame
+
+    @property
+    def segmented(self) -> SegmentedRod:
+        """The rod as it is cut into segments."""
+        return SegmentedRod(self.rod, self.segments, self.poisson_ratio, self.indentation, self.contact_damping)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it as plain data, for files."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Setting:
+        """Return the setting that `as_dict` wrote."""
+        kick = Perturbation(*(tuple((a, b) for a, b in data["perturbation"][name]) for name in ("speeds", "noises")))
+        rest = {name: value for name, value in data.items() if name not in ("rod", "load", "perturbation")}
+        return cls(rod=Rod(**data["rod"]), load=AxialLoad(**data["load"]), perturbation=kick, **rest)
+
+
+@dataclass(frozen=True, repr=False)
+class Simulation:
+    """The course of a simulated rod.
+
+    Attributes
+    ----------
+    setting : Setting
+        What was simulated: rod, load, perturbation, friction, segments and so on.
+    time : ndarray (frames,)
+        s.
+    positions, velocities : ndarray (frames, nodes, 3)
+        m and m/s; x along the channel, z up, the axis of the channel at y = z = 0.
+    energy : dict of ndarray (frames,)
+        J: kinetic, stretch, shear, bend, twist, gravity, contact (the latter two from rest on the floor), dissipated by
+        contact, friction and damping together and apart ("dissipated_contact", ...), and the work of the end forces.
+    complete : bool
+        Whether it reached its end; False when it was interrupted.
+    seconds : float
+        Wall time it took.
+    """
+
+    setting: Setting
+    time: NDArray[np.float64]
+    positions: NDArray[np.float64]
+    velocities: NDArray[np.float64]
+    energy: dict[str, NDArray[np.float64]]
+    complete: bool
+    seconds: float = field(compare=False)
+
+    @property
+    def rod(self) -> Rod:
+        """The rod simulated."""
+        return self.setting.rod
+
+    @cached_property
+    def angle(self) -> NDArray[np.float64]:
+        """Angle theta of every node around the channel's axis in rad, 0 on the floor, (frames, nodes)."""
+        return np.arctan2(self.positions[:, :, 1], -self.positions[:, :, 2])
+
+    @property
+    def largest_angle(self) -> NDArray[np.float64]:
+        """Largest abs(theta) of any node in rad, (frames,)."""
+        return np.asarray(np.abs(self.angle).max(axis=1))
+
+    def mode_amplitudes(self, modes: Iterable[int]) -> NDArray[np.float64]:
+        """Return A_m of theta = sum_m A_m sin(m pi s / L) in rad, (frames, modes).
+
+        Raises ValueError for a mode that has fewer than 6 segments in half a wave.
+        """
+        chosen = [_validate.integer(f"modes[{i}]", mode, 1) for i, mode in enumerate(modes)]
+        most = self.setting.segments // LEAST_SEGMENTS
+        if chosen and max(chosen) > most:
+            raise ValueError(f"modes must be at most {most} with {self.setting.segments} segments, got {max(chosen)}")
+        nodes = np.arange(self.setting.segments + 1) * (math.pi / self.setting.segments)
+        shapes = np.sin(np.multiply.outer(nodes, np.asarray(chosen, dtype=np.float64)))
+        return np.asarray(self.angle @ shapes * (2.0 / self.setting.segments))
+
+    def growth_rate(self, mode: int) -> GrowthFit:
+        """Return the growth rate of a mode in 1/s with the times it was fitted to; zero when it does not grow.
+
+        Fitted up to the time at which any node's angle passes 0.05 rad, beyond which the motion is no longer linear, by
+        `floquetrod.growth.fit_growth`; best when frames fall on equal parts of the forcing period.  Raises ValueError
+        when there is too little to fit: fewer than three forcing periods or 8 frames a period, or friction, with which
+        nothing grows exponentially.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> rod = fr.Rod.nitinol()
+        >>> load = fr.AxialLoad(mean=0.2 * rod.critical_force, amplitude=0.2 * rod.critical_force, frequency=150.0)
+        >>> run = fr.simulate(rod, load, 0.4, perturbation=fr.Perturbation.modes({7: 1e-4}), segments=80)
+        >>> 3.9 < run.growth_rate(7).rate < 4.1
+        True
+        """
+        if self.setting.friction > 0.0:
+            raise ValueError("growth_rate asks for a frictionless run; with friction look at mode_amplitudes")
+        beyond = np.flatnonzero(self.largest_angle > _LINEAR_UP_TO)
+        count = int(beyond[0]) if beyond.size else self.time.size
+        step = self.setting.duration / (self.setting.frames - 1)
+        load = self.setting.load
+        # Under a constant force any period will do.
+        period = 2.0 * math.pi / load.frequency if load.amplitude > 0.0 else max(count, 9) * step / 4.0
+        if period < LEAST_PER_PERIOD * step:
+            frames = math.ceil(LEAST_PER_PERIOD * self.setting.duration / period) + 1
+            raise ValueError(f"growth_rate needs {LEAST_PER_PERIOD} frames a forcing period: ask for {frames} frames")
+        if (count - 1) * step < 3.0 * period:
+            raise ValueError(
+                f"growth_rate needs three forcing periods of motion below {_LINEAR_UP_TO:g} rad, got "
+                f"{max(0, count - 1) * step / period:.2g}; simulate longer, or from a smaller perturbation"
+            )
+        amplitude = self.mode_amplitudes([mode])[:count, 0]
+        return fit_growth(self.time[:count], amplitude, period, self.rod.damping_rate)
+
+    @property
+    def buckled(self) -> bool:
+        """Whether any node was beyond 5 degrees in the last quarter of the time simulated.
+
+        The paper asks for 5 degrees at any time after 1 s, which the dying motion after a strong kick passes too.
+        """
+        return bool(self.largest_angle[-self._last_quarter :].max() > BUCKLED_ANGLE)
+
+    @property
+    def dominant_mode(self) -> int:
+        """Mode with the largest root mean square amplitude over the last quarter of the time simulated."""
+        modes = range(1, self.setting.segments // LEAST_SEGMENTS + 1)
+        amplitudes = self.mode_amplitudes(modes)[-self._last_quarter :]
+        return 1 + int(np.argmax(np.sum(amplitudes**2, axis=0)))
+
+    @property
+    def energy_error(self) -> NDArray[np.float64]:
+        """Change in J of kinetic + potential + dissipated - work since the start: what the simulation gets wrong."""
+        names = ("kinetic", "stretch", "shear", "bend", "twist", "gravity", "contact", "dissipated")
+        balance = np.sum([self.energy[name] for name in names], axis=0) - self.energy["work"]
+        return np.asarray(balance - balance[0])
+
+    @property
+    def _last_quarter(self) -> int:
+        return max(1, math.ceil(self.time.size / 4))
+
+    def __repr__(self) -> str:
+        """Return what was simulated, and what came of it."""
+        setting = self.setting
+        end = "" if self.complete else f", interrupted at {self.time[-1]:.4g} s"
+        what = f"buckled in mode {self.dominant_mode}" if self.buckled else "not buckled"
+        return (
+            f"<{what}, largest angle {math.degrees(self.largest_angle.max()):.3g} degrees; {setting.duration:g} s of a "
+            f"rod of {setting.segments} segments, friction {setting.friction:g}{end}; {setting.steps} steps of "
+            f"{1e6 * setting.time_step:.3g} us, set by {setting.step_limit}>"
+        )
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the rod from above at five times of the last quarter, the last one black; return the axes."""
+        from floquetrod.plotting.rod import draw_top_view
+
+        return draw_top_view(self, ax)
+
+    def plot_energy(self, ax: Any = None) -> Any:
+        """Draw the energies over time; return the axes."""
+        from floquetrod.plotting.rod import draw_energy
+
+        return draw_energy(self, ax)
+
+    def animate(self) -> Any:
+        """Return a matplotlib animation of the rod from above, one picture a frame."""
+        from floquetrod.plotting.rod import animate_top_view
+
+        return animate_top_view(self)
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""
+        meta = {
+            "format": _FORMAT,
+            "setting": self.setting.as_dict(),
+            "complete": self.complete,
+            "seconds": self.seconds,
+        }
+        arrays = {"time": self.time, "positions": self.positions, "velocities": self.velocities}
+        energy = {f"energy_{name}": values for name, values in self.energy.items()}
+        return _files.write_npz(path, meta, {**arrays, **energy}, compress=True)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Simulation:
+        """Read a simulation that `save` wrote; ValueError for a damaged or foreign file."""
+        meta, arrays = _files.read_npz(path, _FORMAT, "a simulation")
+        try:
+            energy = {name: arrays[f"energy_{name}"] for name in ("dissipated", *ENERGIES)}
+            setting = Setting.from_dict(meta["setting"])
+            time, positions, velocities = (arrays[name] for name in ("time", "positions", "velocities"))
+            return cls(setting, time, positions, velocities, energy, meta["complete"], meta["seconds"])
+        except (KeyError, TypeError, ValueError) as error:
+            raise ValueError(f"{path} is not a simulation that can be read: {error}") from None
