@@ -20,7 +20,7 @@ _LARGEST_REACH = 1e50  # step^2 times coefficient: what one step multiplies by, 
 
 
 def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limit: float = 1e6) -> Stability:
-    """Judge as the paper does, its test (6): stable when |A(end)| / A'(0) stays below a limit.
+    """Judge as the paper does, its test (6): stable when abs(A(end)) / A'(0) stays below a limit.
 
     A(0) = 0, A'(0) = 1; kick-drift-kick leapfrog (second order, symplectic); DOI 10.1115/1.4031710, section 3.2.
 

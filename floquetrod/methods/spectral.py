@@ -30,7 +30,7 @@ def spectral(equation: Mathieu | Hill) -> Stability:
     pivot whose enclosure contains zero makes the verdict "undecided", so a verdict given is a proof.
 
     *Hill.*  In the basis exp(i k W tau) the matrix H is Hermitian and banded.  Cut it as [[H_K, C], [C*, T]] with
-    T >= delta = ((K + 1) W)^2 + mean - sum |z_k| > 0.  By Sylvester's law N(H) = N(H_K - C T^-1 C*), and since
+    T >= delta = ((K + 1) W)^2 + mean - sum abs(z_k) > 0.  By Sylvester's law N(H) = N(H_K - C T^-1 C*), and since
     0 <= C T^-1 C* <= C C* / delta, N(H_K) <= N(H) <= N(H_K - C C* / delta).  K grows until both ends agree; an
     eigenvalue within rounding of zero makes the verdict "undecided".
 
