@@ -36,7 +36,7 @@ slow: $(DOCS_READY)
 
 # Sphinx takes a warning for an error, and every page and example is run; then all links of the site are followed.
 docs: $(DOCS_READY)
-	$(BIN)/python -m sphinx -W --keep-going -b html -d docs/_build/doctrees docs docs/_build/html
+	$(BIN)/python -m sphinx -W --keep-going -T -b html -d docs/_build/doctrees docs docs/_build/html
 	$(BIN)/python docs/check_site.py docs/_build/html
 
 bench: $(READY)
