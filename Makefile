@@ -13,7 +13,7 @@ PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 KERNEL_TESTS := -m kernels
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint slow bench docs clean
+.PHONY: demo test lint slow bench agreement docs clean
 
 demo: $(READY)
 	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
@@ -41,6 +41,9 @@ docs: $(DOCS_READY)
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks
+
+agreement: $(READY)
+	$(BIN)/python -m benchmarks.agreement
 
 clean:
 	rm -f demo_map.png
