@@ -15,6 +15,7 @@ HERE = Path(__file__).parent
 project = "floquetrod"
 author = "The floquetrod developers"
 project_copyright = author
+smartquotes = False  # the primes of A'' are no quotation marks
 version = release = floquetrod.__version__
 
 extensions = [

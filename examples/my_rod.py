@@ -49,5 +49,5 @@ chart = fr.stability_map(
 )
 axes = chart.plot()
 axes.plot([choice], [mean], "o", markersize=8, markerfacecolor="white", markeredgecolor="black")
-axes.annotate(f"{choice / hertz:.2f} Hz", (choice, mean), xytext=(10, 10), textcoords="offset points")
+axes.annotate(f"{choice / hertz:.2f} Hz", (choice, mean), xytext=(-6, 8), textcoords="offset points", ha="right")
 plt.show()

@@ -49,10 +49,10 @@ names = {
     "frequency": r"frequency $\omega$ / rad/s",
 }
 for axes, (name, label) in zip(panels, names.items(), strict=True):
-    edges = np.quantile(drawn[name], np.linspace(0.002, 0.998, 60))
+    edges = nominal[name] * (1.0 + spread[name] * np.linspace(-2.5, 2.5, 51))
     count, _ = np.histogram(drawn[name], edges)
     bad, _ = np.histogram(drawn[name][~stable], edges)
-    axes.stairs(bad / count, edges, color="black")
+    axes.stairs(bad / count, edges, baseline=None, color="black")
     axes.axvline(nominal[name], color="black", linestyle="--", linewidth=0.8)
     axes.set_xlabel(label)
 panels[0].set(ylabel="probability of instability", ylim=(0.0, 1.0))
