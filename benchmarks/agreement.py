@@ -15,6 +15,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
+from statistics import fmean, median
 from typing import Any
 
 import floquetrod as fr
@@ -54,11 +55,10 @@ class Pair:
 
 @dataclass
 class Matrix:
-    """Pairs of methods, and the mean time in seconds and number of verdicts of each method."""
+    """Pairs of methods, and the seconds that each method took for each of its verdicts."""
 
     pairs: dict[tuple[str, str], Pair]
-    seconds: dict[str, float]
-    verdicts: dict[str, int]
+    seconds: dict[str, list[float]]
 
     @property
     def faults(self) -> list[tuple[fr.Stability, fr.Stability]]:
@@ -71,8 +71,10 @@ class Matrix:
         for (one, other), pair in self.pairs.items():
             counts = (pair.total, pair.agree, pair.undecided, pair.stated, len(pair.faults))
             rows.append((one, other, *map(str, counts), f"{pair.largest:.1e}" if pair.largest else ""))
-        times = [("method", "verdicts", "ms per verdict")]
-        times += [(name, str(self.verdicts[name]), f"{1e3 * self.seconds[name]:.3g}") for name in self.seconds]
+        times = [("method", "verdicts", "median ms", "mean ms")]
+        for name, taken in self.seconds.items():
+            middle, mean = (1e3 * average(taken or [0.0]) for average in (median, fmean))
+            times.append((name, str(len(taken)), f"{middle:.3g}", f"{mean:.3g}"))
         return f"{_table(rows)}\n\n{_table(times)}"
 
 
@@ -115,17 +117,16 @@ def _examples(strategy: Any, number: int, seed: int) -> Iterator[Any]:
 def matrix(equations: Sequence[Any]) -> Matrix:
     """Judge every equation by every method that applies and compare the results pair by pair."""
     pairs = {pair: Pair() for pair in combinations(METHODS, 2) if set(METHODS[pair[0]]) & set(METHODS[pair[1]])}
-    seconds, verdicts = dict.fromkeys(METHODS, 0.0), dict.fromkeys(METHODS, 0)
+    seconds: dict[str, list[float]] = {name: [] for name in METHODS}
     for kind in (fr.Mathieu(0.5, -0.3), fr.SquareWave(0.5, -0.3), fr.Hill(-0.3, (0.5,), (0.1,))):
         fr.compare(kind)  # machine code is loaded before anything is timed
     for equation in equations:
         comparison = fr.compare(equation)
         for result, time in zip(comparison.results, comparison.seconds, strict=True):
-            seconds[result.method] += time
-            verdicts[result.method] += 1
+            seconds[result.method].append(time)
         for one, other in combinations(comparison.results, 2):
             count(pairs[one.method, other.method], one, other)
-    return Matrix(pairs, {name: seconds[name] / max(1, verdicts[name]) for name in METHODS}, verdicts)
+    return Matrix(pairs, seconds)
 
 
 def count(pair: Pair, one: fr.Stability, other: fr.Stability) -> None:

@@ -25,7 +25,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
 ]
-exclude_patterns = ["_build", "**/*.ipynb", "**/*.py.md5"]
+exclude_patterns = ["_build", "gallery/*.ipynb"]  # the gallery offers its notebooks for download
 
 # --- look -------------------------------------------------------------------------------------------------------------
 # Furo: one column that fits a phone, light and dark, search on the spot, no fonts or scripts from elsewhere.
@@ -34,6 +34,7 @@ html_title = f"floquetrod {version}"
 html_theme_options = {"footer_icons": [], "top_of_page_buttons": []}
 html_copy_source = False
 html_show_sourcelink = False
+html_show_search_summary = False  # summaries are fetched page by page, which a browser refuses to do from disk
 
 
 def mathjax() -> Path:
