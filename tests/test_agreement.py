@@ -57,3 +57,10 @@ def test_huge_discriminants_are_compared_by_their_logarithms() -> None:
 def test_the_command_reports_and_passes(capsys: pytest.CaptureFixture[str]) -> None:
     assert agreement.main(["200", "7"]) == 0
     assert "200 equations, seed 7" in capsys.readouterr().out
+
+
+def test_growth_of_the_scheme_itself_is_stated() -> None:
+    equation = fr.Mathieu(11.543376869548903, 9.205212903474198)  # grows and shrinks a billion times within a period
+    exact, scheme = fr.stability(equation), fr.stability(equation, method="leapfrog")
+    assert (exact.status, scheme.status) == ("stable", "unstable")
+    assert pair_of(exact, scheme).stated == 1

@@ -246,4 +246,7 @@ def _excess_of_exponent(exponent: complex, turn: float, status: Status) -> tuple
         whole = math.floor(power)
         return sign, 0.25 * 2.0 ** (power - whole), whole
     angle = exponent.imag * half
-    return sign, -(math.sin(angle) ** 2 if sign > 0 else math.cos(angle) ** 2), 0
+    turned = math.sin(angle) ** 2 if sign > 0 else math.cos(angle) ** 2
+    if status == "undecided":  # either part may be rounding: both count
+        return sign, math.sinh(min(exponent.real * half, 300.0)) ** 2 - turned, 0
+    return sign, -turned, 0
