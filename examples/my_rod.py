@@ -49,5 +49,8 @@ chart = fr.stability_map(
 )
 axes = chart.plot()
 axes.plot([choice], [mean], "o", markersize=8, markerfacecolor="white", markeredgecolor="black")
-axes.annotate(f"{choice / hertz:.2f} Hz", (choice, mean), xytext=(-6, 8), textcoords="offset points", ha="right")
+white = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+axes.annotate(
+    f"{choice / hertz:.2f} Hz", (choice, mean), xytext=(-6, 8), textcoords="offset points", ha="right", bbox=white
+)
 plt.show()
