@@ -5,6 +5,7 @@ WORKERS ?= 2
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+DOCS_READY := $(VENV)/.docs-ready
 # Hypothesis and pytest write their own caches; worksteal keeps both workers busy to the end.
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 # Tests that reach every kernel.  They run twice more: interpreted, so that a kernel is seen to be the Python it is
@@ -12,7 +13,7 @@ PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 KERNEL_TESTS := -m kernels
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint slow bench clean
+.PHONY: demo test lint slow bench agreement docs clean
 
 demo: $(READY)
 	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
@@ -30,14 +31,23 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-slow: $(READY)
+slow: $(DOCS_READY)
 	$(PYTEST) -m slow
+
+# Sphinx takes a warning for an error, and every page and example is run; then all links of the site are followed.
+docs: $(DOCS_READY)
+	$(BIN)/python -m sphinx -W --keep-going -T -b html -d docs/_build/doctrees docs docs/_build/html
+	$(BIN)/python docs/check_site.py docs/_build/html
 
 bench: $(READY)
 	$(BIN)/python -m benchmarks
 
+agreement: $(READY)
+	$(BIN)/python -m benchmarks.agreement
+
 clean:
 	rm -f demo_map.png
+	rm -rf docs/_build docs/gallery
 	rm -rf $(VENV) .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache build dist
 	find floquetrod tests benchmarks examples -name __pycache__ -prune -exec rm -rf {} +
 
@@ -45,4 +55,8 @@ clean:
 $(READY): pyproject.toml constraints.txt
 	$(PYTHON) -m venv --clear $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test]"
+	@touch $@
+
+$(DOCS_READY): $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test,docs]"
 	@touch $@

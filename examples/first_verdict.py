@@ -1,4 +1,12 @@
-"""A first verdict: one equation, one rod, one load."""
+"""
+A first verdict
+===============
+
+One equation, one rod, five loads.  Every verdict says how it was found and how well it is known.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
 
 import floquetrod as fr
 
@@ -6,7 +14,25 @@ equation = fr.Mathieu(alpha=0.5, beta=-0.25)
 print(fr.stability(equation))
 print(fr.certify(equation))
 
+# %%
+# A rod is stable when all its modes are.  Here the mean force rises while the vibration stays as it is.
 rod = fr.Rod.nitinol()
+amplitude = 0.2 * rod.critical_force
+verdicts = {}
 for share in (0.05, 0.20, 0.34, 0.52, 0.63):
-    load = fr.AxialLoad(mean=share * rod.critical_force, amplitude=0.2 * rod.critical_force, frequency=150.0)
-    print(f"mean force {share:.2f} F_cr:", rod.stability(load))
+    verdicts[share] = rod.stability(fr.AxialLoad(share * rod.critical_force, amplitude, frequency=150.0))
+    print(f"mean force {share:.2f} F_cr:", verdicts[share])
+
+# %%
+# Why stability comes and goes: each mode is a point on the chart of Mathieu's equation, and a mean force lifts all.
+# Mode 7 has passed through the first tongue when mode 8 enters it, and so on.
+axes = fr.mathieu.chart((0.0, 0.2, 300), (-0.8, 0.1, 300)).plot()
+for (share, verdict), marker in zip(verdicts.items(), "os^Dv", strict=True):
+    alpha, beta = np.array([(mode.alpha, mode.beta) for mode in verdict.mode_equations]).T
+    label = f"{share:.2f} $F_{{cr}}$, {verdict.status}"
+    face = "white" if verdict.stable else "black"
+    axes.plot(alpha, beta, marker, markersize=5, markerfacecolor=face, markeredgecolor="black", label=label)
+axes.set(xlim=(0.0, 0.2), ylim=(-0.8, 0.1))
+axes.set_title("modes of the rod on the chart (unstable where grey), for five mean forces", fontsize="small")
+axes.legend(fontsize="small", loc="lower right")
+plt.show()

@@ -1,15 +1,33 @@
-"""Your own rod, from a TOML file: which frequencies of a vibration tool keep it straight?"""
+"""
+Your own rod, from a TOML file
+==============================
+
+A data sheet of six lines, and the question that matters with a vibration tool: which frequencies keep the rod straight?
+The file is `rod.toml`, beside this script::
+
+    # A steel rod in a laboratory pipe.  Numbers are SI; strings may carry a unit.  Radii, not diameters.
+    youngs_modulus = "200GPa"
+    density = 7850.0
+    radius = "1.5mm"
+    length = "6m"
+    channel_radius = "12mm"
+    damping_rate = 0.05  # 1/s
+"""
 
 import math
+import sys
 from pathlib import Path
+
+import matplotlib.pyplot as plt
 
 import floquetrod as fr
 
-rod = fr.Rod.from_toml(Path(__file__).with_name("rod.toml"))
+rod = fr.Rod.from_toml(Path(sys.argv[0]).with_name("rod.toml"))
 mean, amplitude = 0.3 * rod.critical_force, 0.15 * rod.critical_force
 print(f"critical force {rod.critical_force:.3g} N, critical mode {rod.critical_mode:.3g}")
 
-# Complete: no window is missed, and nothing inside one grows by more than the tolerance.
+# %%
+# The answer is complete: no window is missed, and nothing inside one grows by more than the tolerance.
 hertz = 2.0 * math.pi
 windows = rod.stable_frequencies(mean, amplitude, between=(5.0 * hertz, 30.0 * hertz), growth_tolerance=0.01)
 for window in windows:
@@ -19,3 +37,20 @@ widest = max(windows, key=lambda window: window.high - window.low)
 choice = 0.5 * (widest.low + widest.high)
 verdict = rod.stability(fr.AxialLoad(mean, amplitude, choice), growth_tolerance=0.01)
 print(f"choose {choice / hertz:.2f} Hz: {verdict}")
+
+# %%
+# The same load at every frequency and mean force, the choice marked.
+chart = fr.stability_map(
+    rod,
+    mean=(0.0, 0.6 * rod.critical_force, 200),
+    amplitude=amplitude,
+    frequency=(5.0 * hertz, 30.0 * hertz, 300),
+    growth_tolerance=0.01,
+)
+axes = chart.plot()
+axes.plot([choice], [mean], "o", markersize=8, markerfacecolor="white", markeredgecolor="black")
+white = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+axes.annotate(
+    f"{choice / hertz:.2f} Hz", (choice, mean), xytext=(-6, 8), textcoords="offset points", ha="right", bbox=white
+)
+plt.show()

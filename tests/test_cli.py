@@ -250,6 +250,7 @@ def test_a_cold_check_loads_no_compiler() -> None:
 @pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
 def test_examples_run(path: Path, tmp_path: Path) -> None:
     code = f"import os, runpy, sys; sys.path.insert(0, {str(ROOT)!r}); os.chdir({str(tmp_path)!r})"
+    code += f"; sys.argv = [{str(path)!r}]"
     run = python("-c", f"{code}; os.environ['MPLBACKEND'] = 'Agg'; runpy.run_path({str(path)!r})")
     assert run.returncode == 0, run.stderr
     assert run.stdout

@@ -114,6 +114,12 @@ def test_a_boundary_within_rounding_is_undecided_by_doubles_and_decided_by_more_
     assert fr.stability(equation).method == "reference"
 
 
+@pytest.mark.parametrize("mean", [1e-200, 0.0, -1e-200])
+def test_damping_does_not_hide_a_boundary_within_rounding(mean: float) -> None:
+    # Undamped motion u then grows at the damping rate, to all digits of a double.
+    assert spectral(fr.Hill(mean, damping=4e-7)).status == "undecided"
+
+
 def test_intervals_are_numbered_as_in_the_field() -> None:
     assert spectral(fr.Mathieu(0.1, 0.3)).interval == Interval("tongue", 0)
     assert spectral(fr.Mathieu(0.1, -0.1)).interval == Interval("stability", 0)

@@ -16,11 +16,12 @@ from floquetrod.result import Cost, Stability, Status, excess_of_trace, judge
 
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
 _STEPS_A_WAVE = 16  # fewest steps to a wave of the highest harmonic, a multiple of four (heuristic)
+_EPS = 2.220446049250313e-16
 _LARGEST_REACH = 1e50  # step^2 times coefficient: what one step multiplies by, far past sense but within range
 
 
 def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limit: float = 1e6) -> Stability:
-    """Judge as the paper does, its test (6): stable when |A(end)| / A'(0) stays below a limit.
+    """Judge as the paper does, its test (6): stable when abs(A(end)) / A'(0) stays below a limit.
 
     A(0) = 0, A'(0) = 1; kick-drift-kick leapfrog (second order, symplectic); DOI 10.1115/1.4031710, section 3.2.
 
@@ -84,11 +85,11 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     time = periods * equation.period
     fine, coarse = (_trace(table, stride, step, equation.damping) for stride in (1, 2))
     trace, shift = fine
-    # Second order: the fine map is off by a third of its difference from the coarse one, and by what that difference
-    # hides where the motion lags so far behind that the maps may meet again by chance.
+    # Second order: the fine map is off by a third of its difference from the coarse one, by what that difference hides
+    # where the motion lags so far behind that the maps may meet again by chance, and by a rounding at every step.
     other = coarse[0] * math.exp(max(-700.0, min(700.0, coarse[1] - shift)))
     size = math.exp(-min(700.0, shift))
-    error = abs(other - trace) / 3.0 / max(size, abs(trace)) + _lag(table, step, equation) ** 2
+    error = abs(other - trace) / 3.0 / max(size, abs(trace)) + _lag(table, step, equation) ** 2 + count * _EPS
     sign, excess, exponent = _excess(trace, shift + equation.damping * equation.period)
     judged = judge(
         equation,

@@ -30,7 +30,7 @@ def spectral(equation: Mathieu | Hill) -> Stability:
     pivot whose enclosure contains zero makes the verdict "undecided", so a verdict given is a proof.
 
     *Hill.*  In the basis exp(i k W tau) the matrix H is Hermitian and banded.  Cut it as [[H_K, C], [C*, T]] with
-    T >= delta = ((K + 1) W)^2 + mean - sum |z_k| > 0.  By Sylvester's law N(H) = N(H_K - C T^-1 C*), and since
+    T >= delta = ((K + 1) W)^2 + mean - sum abs(z_k) > 0.  By Sylvester's law N(H) = N(H_K - C T^-1 C*), and since
     0 <= C T^-1 C* <= C C* / delta, N(H_K) <= N(H) <= N(H_K - C C* / delta).  K grows until both ends agree; an
     eigenvalue within rounding of zero makes the verdict "undecided".
 
@@ -246,4 +246,7 @@ def _excess_of_exponent(exponent: complex, turn: float, status: Status) -> tuple
         whole = math.floor(power)
         return sign, 0.25 * 2.0 ** (power - whole), whole
     angle = exponent.imag * half
-    return sign, -(math.sin(angle) ** 2 if sign > 0 else math.cos(angle) ** 2), 0
+    turned = math.sin(angle) ** 2 if sign > 0 else math.cos(angle) ** 2
+    if status == "undecided":  # either part may be rounding: both count
+        return sign, math.sinh(min(exponent.real * half, 300.0)) ** 2 - turned, 0
+    return sign, -turned, 0

@@ -1,0 +1,93 @@
+"""How the site is built: every page executed, warnings made errors by `make docs`, nothing fetched when it is read."""
+
+from __future__ import annotations
+
+from importlib import metadata
+from pathlib import Path
+
+import sphinx
+from pygments.lexers.special import TextLexer
+
+import floquetrod
+
+HERE = Path(__file__).parent
+
+project = "floquetrod"
+author = "The floquetrod developers"
+project_copyright = author
+smartquotes = False  # the primes of A'' are no quotation marks
+version = release = floquetrod.__version__
+
+extensions = [
+    "myst_nb",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.mathjax",
+    "sphinx.ext.napoleon",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["_build", "gallery/*.ipynb"]  # the gallery offers its notebooks for download
+
+# --- look -------------------------------------------------------------------------------------------------------------
+# Furo: one column that fits a phone, light and dark, search on the spot, no fonts or scripts from elsewhere.
+html_theme = "furo"
+html_title = f"floquetrod {version}"
+html_theme_options = {"footer_icons": [], "top_of_page_buttons": []}
+html_copy_source = False
+html_show_sourcelink = False
+html_show_search_summary = False  # summaries are fetched page by page, which a browser refuses to do from disk
+
+
+def mathjax() -> Path:
+    """Return the one file that renders all mathematics (as SVG, so that it needs no fonts either)."""
+    for file in metadata.files("sphinx-mathjax-offline") or ():
+        if file.name == "tex-svg-full.js":
+            return Path(str(file.locate()))
+    raise FileNotFoundError("sphinx-mathjax-offline holds no tex-svg-full.js; install the docs extra: .[docs]")
+
+
+html_static_path = [str(mathjax()), "custom.css"]
+html_css_files = ["custom.css"]
+mathjax_path = "tex-svg-full.js"
+mathjax3_config = {"svg": {"fontCache": "global"}, "options": {"enableMenu": False}}
+
+# --- pages that execute -----------------------------------------------------------------------------------------------
+myst_enable_extensions = ["dollarmath", "amsmath", "deflist"]
+myst_heading_anchors = 3
+nb_execution_mode = "force"  # "cache" would serve what an older package computed
+nb_execution_raise_on_error = True
+nb_execution_timeout = 300
+nb_execution_in_temp = True
+nb_merge_streams = True
+nb_number_source_lines = False
+
+# --- reference --------------------------------------------------------------------------------------------------------
+default_role = "py:obj"  # `Rod` in a docstring is a link where there is something to link to
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # the docstrings name the types, in words
+autodoc_preserve_defaults = True
+napoleon_google_docstring = False
+napoleon_use_rtype = False
+napoleon_use_ivar = True
+
+# --- gallery ----------------------------------------------------------------------------------------------------------
+sphinx_gallery_conf = {
+    "examples_dirs": str(HERE.parent / "examples"),
+    "gallery_dirs": "gallery",
+    "within_subsection_order": "ExampleTitleSortKey",
+    "filename_pattern": r"\.py$",
+    "run_stale_examples": True,  # an example unchanged is not a package unchanged
+    "abort_on_example_error": True,
+    "only_warn_on_example_error": False,
+    "download_all_examples": False,
+    "remove_config_comments": True,
+    "show_memory": False,
+    "show_signature": False,
+    "write_computation_times": False,
+    "copyfile_regex": r".*\.toml",
+    "matplotlib_animations": False,
+}
+
+
+def setup(app: sphinx.application.Sphinx) -> None:
+    """Let the drawing of the layers be shown as it is."""
+    app.add_lexer("layers", TextLexer)

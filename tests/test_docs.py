@@ -1,0 +1,127 @@
+"""The pages of the site: what they state is checked, a false statement stops the build, and links lead somewhere."""
+
+from __future__ import annotations
+
+import re
+import runpy
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PAGES = [path.name for path in sorted(DOCS.glob("*.md")) if "{code-cell}" in path.read_text(encoding="utf-8")]
+# One sign or factor wrong in each derivation.
+MISTAKES = {
+    "rod.md": ("(-1, height)", "(1, height)"),
+    "floquet.md": ("u.diff(tau, 2) - (p + c**2) * u", "u.diff(tau, 2) - (p - c**2) * u"),
+    "hill.md": ("chain(1, 5, shift=-q)", "chain(1, 5, shift=q)"),
+    "square_wave.md": ("(p / q - q / p)", "(p / q + q / p)"),
+    "leapfrog.md": ("w + w**3 * h**2 / 24", "w - w**3 * h**2 / 24"),
+}
+
+
+def cells(text: str) -> Iterator[str]:
+    """Yield the code of a page, cell by cell, without the options that begin with a colon."""
+    for cell in re.findall(r"^```\{code-cell\}.*?\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
+        yield "".join(line for line in cell.splitlines(keepends=True) if not line.startswith(":"))
+
+
+def execute(text: str) -> None:
+    """Run all cells of a page in one namespace, as its notebook would."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    names: dict[str, object] = {"__name__": "__main__"}
+    try:
+        for number, cell in enumerate(cells(text)):
+            exec(compile(cell, f"cell {number}", "exec"), names)
+    finally:
+        pyplot.close("all")
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page != "agreement.md"])  # that is test_agreement's
+def test_pages_execute(page: str) -> None:
+    execute((DOCS / page).read_text(encoding="utf-8"))
+
+
+def with_mistake(page: str) -> str:
+    """Return the text of a page with one thing wrong."""
+    right, wrong = MISTAKES[page]
+    text = (DOCS / page).read_text(encoding="utf-8")
+    assert text.count(right) == 1, f"{page} says {right!r} {text.count(right)} times"
+    return text.replace(right, wrong)
+
+
+@pytest.mark.parametrize("page", MISTAKES)
+def test_a_mistake_in_a_derivation_is_found(page: str) -> None:
+    with pytest.raises(AssertionError):
+        execute(with_mistake(page))
+
+
+def build(site: Path, page: str, example: str) -> subprocess.CompletedProcess[str]:
+    """Build a site of one page and one example with the real configuration, as `make docs` does."""
+    docs, examples = site / "docs", site / "examples"
+    docs.mkdir()
+    examples.mkdir()
+    for name in ("conf.py", "custom.css"):
+        shutil.copy(DOCS / name, docs)
+    shutil.copy(ROOT / "examples/GALLERY_HEADER.rst", examples)
+    (examples / "one.py").write_text(f'"""\nOne\n===\n\nAn example.\n"""\n\n{example}\n', encoding="utf-8")
+    (docs / "page.md").write_text(page, encoding="utf-8")
+    (docs / "index.md").write_text("# Site\n\n```{toctree}\npage\ngallery/index\n```\n", encoding="utf-8")
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-T", "-q", "docs", "html"]
+    return subprocess.run(command, capture_output=True, text=True, cwd=site)
+
+
+@pytest.mark.slow
+def test_the_site_builds_and_its_links_resolve(tmp_path: Path) -> None:
+    run = build(tmp_path, (DOCS / "leapfrog.md").read_text(encoding="utf-8"), "assert 1 + 1 == 2")
+    assert run.returncode == 0, run.stderr
+    assert faults(tmp_path / "html") == []
+    page = (tmp_path / "html/page.html").read_text(encoding="utf-8")
+    assert "tex-svg-full.js" in page
+    assert (tmp_path / "html/_static/tex-svg-full.js").stat().st_size > 1_000_000
+    (tmp_path / "html/_static/tex-svg-full.js").unlink()
+    assert {fault.why for fault in faults(tmp_path / "html")} == {"no such file"}
+
+
+@pytest.mark.slow
+def test_a_mistake_in_a_derivation_fails_the_build(tmp_path: Path) -> None:
+    run = build(tmp_path, with_mistake("leapfrog.md"), "assert 1 + 1 == 2")
+    assert run.returncode != 0
+    assert "AssertionError" in run.stdout + run.stderr
+
+
+@pytest.mark.slow
+def test_a_mistake_in_an_example_fails_the_build(tmp_path: Path) -> None:
+    run = build(tmp_path, "# Page\n", "assert 1 + 1 == 3")
+    assert run.returncode != 0
+    assert "AssertionError" in run.stdout + run.stderr
+
+
+def faults(site: Path) -> list:
+    return runpy.run_path(str(DOCS / "check_site.py"))["faults"](site)
+
+
+def test_broken_and_remote_references_are_found(tmp_path: Path) -> None:
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "index.html").write_text(
+        """<h1 id="top">Here</h1> <a href="#top">a</a> <a href="sub/">b</a> <a href="https://example.org">c</a>
+        <a href="#nowhere">d</a> <img src="absent.png"> <script src="https://example.org/x.js"></script>
+        <link rel="canonical" href="https://example.org/">""",
+        encoding="utf-8",
+    )
+    (tmp_path / "sub/index.html").write_text('<a href="../index.html#top">a</a> <a href="../index.html#no">b</a>')
+    assert [tuple(fault) for fault in faults(tmp_path)] == [
+        ("index.html", "absent.png", "no such file"),
+        ("index.html", "https://example.org/x.js", "would be fetched from elsewhere"),
+        ("index.html", "#nowhere", "no such anchor"),
+        ("sub/index.html", "../index.html#no", "no such anchor"),
+    ]
