@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from floquetrod.equations import Hill as Hill
     from floquetrod.equations import Mathieu as Mathieu
     from floquetrod.equations import SquareWave as SquareWave
+    from floquetrod.explorer import Explorer as Explorer
     from floquetrod.load import AxialLoad as AxialLoad
     from floquetrod.proof import Proof as Proof
     from floquetrod.proof import certify as certify
@@ -37,6 +38,7 @@ _WHERE = {
     "AxialLoad": "load",
     "Chart": "chart",
     "Comparison": "comparison",
+    "Explorer": "explorer",
     "Hill": "equations",
     "Mathieu": "equations",
     "PaperCriterion": "criterion",
