@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from floquetrod.equations import Hill as Hill
     from floquetrod.equations import Mathieu as Mathieu
     from floquetrod.equations import SquareWave as SquareWave
+    from floquetrod.explorer import Explorer as Explorer
     from floquetrod.load import AxialLoad as AxialLoad
     from floquetrod.perturbation import Perturbation as Perturbation
     from floquetrod.proof import Proof as Proof
@@ -47,6 +48,7 @@ _WHERE = {
     "Comparison": "comparison",
     "Coulomb": "coulomb",
     "FrictionalMathieu": "equations",
+    "Explorer": "explorer",
     "Hill": "equations",
     "Mathieu": "equations",
     "PaperCriterion": "criterion",

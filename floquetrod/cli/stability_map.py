@@ -60,9 +60,8 @@ def _map(options: argparse.Namespace) -> Answer:
     from floquetrod.plotting import charts
 
     rod = read_rod(options)
-    figures = (".png", ".pdf", ".svg")
     for path in options.out:
-        if path.suffix not in (*figures, ".npz"):
+        if path.suffix not in (*charts.FIGURES, ".npz"):
             raise ValueError(f"--out must end in .png, .pdf, .svg or .npz, got {str(path)!r}")
         if not path.parent.is_dir():
             raise ValueError(f"--out: there is no folder {str(path.parent)!r}")

@@ -10,6 +10,9 @@ import numpy as np
 
 from floquetrod._files import whole_file
 
+FIGURES = (".png", ".pdf", ".svg")
+"""Kinds of file a figure is written to."""
+
 
 def draw_chart(chart: Any, ax: Any = None) -> Any:
     """Draw a `floquetrod.chart.Chart`: white where stable, grey where not, darker with growth where it is known."""
@@ -63,15 +66,29 @@ def mark(ax: Any, x: float, y: float, text: str) -> None:
     ax.annotate(text, (x, y), xytext=(10, 10), textcoords="offset points", fontsize="small", bbox=box)
 
 
-def save_figure(ax: Any, path: str | Path) -> Path:
-    """Write the figure of ``ax`` to a file, of the kind its name tells, and close it."""
+def save_figure(drawn: Any, path: str | Path) -> Path:
+    """Write a figure, or the one that axes belong to, to a file of the kind its name tells, and close it."""
     from matplotlib import pyplot
 
     path = Path(path)
+    figure = getattr(drawn, "figure", drawn)
     with whole_file(path) as file:
-        ax.figure.savefig(file, dpi=150, format=path.suffix[1:] or "png")
-    pyplot.close(ax.figure)
+        figure.savefig(file, dpi=150, format=path.suffix[1:] or "png")
+    pyplot.close(figure)
     return path
+
+
+def show() -> None:
+    """Show the open figures and wait until they are closed; ValueError where there is no screen."""
+    import matplotlib as mpl
+    from matplotlib import pyplot
+
+    if mpl.get_backend().lower() in ("agg", "pdf", "svg", "ps", "cairo", "template"):
+        raise ValueError(
+            f"no window can be opened: matplotlib's backend here is {mpl.get_backend()!r}; "
+            "write the picture to a file with --out, or install one with a window, PyQt6 say"
+        )
+    pyplot.show()
 
 
 def new_axes() -> Any:

@@ -1,0 +1,73 @@
+"""The explorer: a load moved by sliders, its map, modes, growth rates and verdict following live."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from floquetrod import mathieu
+from floquetrod.load import AxialLoad
+from floquetrod.plotting.explorer import View, Window
+from floquetrod.rod import Rod
+from floquetrod.rod_map import stability_map
+
+_MAP = 120, 90  # columns and rows of the map: a few milliseconds
+_CHART = 160, 120
+_MODES = 14  # shown on the chart and as bars; the verdict looks at all that matter
+
+
+class Explorer:
+    """A rod under a load that can be moved.
+
+    Parameters
+    ----------
+    rod : Rod
+    load : AxialLoad, optional
+        Where to begin; by default 0.2 critical forces of both kinds at twice the pendulum frequency times 1.5.
+
+    Attributes
+    ----------
+    window : floquetrod.plotting.explorer.Window
+        The figure and its sliders.
+    load : AxialLoad
+        The load shown.
+    """
+
+    def __init__(self, rod: Rod, load: AxialLoad | None = None) -> None:
+        """Open the window."""
+        unit, pendulum = rod.critical_force, rod.pendulum_frequency
+        self.rod = rod
+        self.load = load or AxialLoad(0.2 * unit, 0.2 * unit, 3.0 * pendulum)
+        self._limits = {
+            "mean": (0.0, max(1.1 * unit, self.load.mean)),
+            "amplitude": (0.0, max(0.7 * unit, self.load.amplitude)),
+            "frequency": (min(0.4 * pendulum, self.load.frequency), max(5.0 * pendulum, self.load.frequency)),
+        }
+        start = {"mean": self.load.mean, "amplitude": self.load.amplitude, "frequency": self.load.frequency}
+        self._amplitude = float("nan")
+        self.window = Window(self._limits, self.view(start), self.view)
+
+    def view(self, quantities: dict[str, float]) -> View:
+        """Return what the window shows for a load: mean and amplitude in N, frequency in rad/s."""
+        self.load = AxialLoad(**quantities)
+        if self.load.amplitude != self._amplitude:
+            self._amplitude = self.load.amplitude
+            self._unstable = ~stability_map(
+                self.rod,
+                mean=(*self._limits["mean"], _MAP[1]),
+                amplitude=self._amplitude,
+                frequency=(*self._limits["frequency"], _MAP[0]),
+            ).stable
+        alpha, beta = self.rod.mode_parameters(self.load, range(1, _MODES + 1))
+        damping = self.rod.damping_rate / self.load.frequency
+        growth = mathieu.growth_rate(alpha, beta, damping) * self.load.frequency
+        # In steps, so that the axes stay as they are for most moves.
+        right = 0.1 * 2.0 ** math.ceil(math.log2(max(12.0 * float(alpha[-1]), 1.0)))
+        bottom = -1.1 * 1.5 ** math.ceil(math.log(max(-float(beta.min()), 1.0)) / math.log(1.5))
+        top = 0.3 * 2.0 ** math.ceil(math.log2(max(4.0 * float(beta.max()), 1.0)))
+        chart_alpha, chart_beta = np.linspace(0.0, right, _CHART[0]), np.linspace(bottom, top, _CHART[1])
+        chart = ~mathieu.is_stable(chart_alpha, chart_beta[:, None], damping)
+        rate, mode = self.rod.fastest(self.load.mean, self.load.amplitude, self.load.frequency)
+        verdict = f"unstable: mode {mode} grows at {rate:.3g} 1/s" if rate > 0.0 else "stable"
+        return View(quantities, self._unstable, chart, (0.0, right), (bottom, top), alpha, beta, growth, verdict)
