@@ -288,13 +288,14 @@ class Rod(RodData):
         if friction is not None:
             kept = stable_loads(self, (force, size, omega), _coulomb(friction), tolerance, workers)
             return kept.reshape(shape) if shape else bool(kept[0])
-        family = self._families(force, size, omega)
         if criterion is not None:
+            family = tuple(np.broadcast_to(part, omega.shape) for part in self.mode_family(force, size, omega))
             out = criterion.modes_are_stable(family, self.damping_rate / omega, workers=workers)
             return out.reshape(shape) if shape else bool(out[0])
         out = np.empty(omega.size, dtype=np.bool_)
-        rates = (self.damping_rate / omega, tolerance / omega, NEGLIGIBLE_GROWTH / omega)
-        over_chunks(kernels.modes_stable_fill, (*family, *rates), out, workers=workers, chunk=4096)
+        constants = (*self.mode_constants, self.damping_rate, tolerance, NEGLIGIBLE_GROWTH)
+        loads = (force, size, omega)
+        over_chunks(kernels.modes_stable_fill, loads, out, *constants, workers=workers, chunk=4096)
         return out.reshape(shape) if shape else bool(out[0])
 
     def growth_rate(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> Any:
@@ -304,11 +305,11 @@ class Rod(RodData):
     def fastest(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> tuple[Any, Any]:
         """Return the growth rate in 1/s and the number of the fastest mode over arrays of loads; 0, 0 where stable."""
         shape, force, size, omega = self._loads(mean, amplitude, frequency)
-        family = self._families(force, size, omega)
         out = np.empty((omega.size, 2))
-        rates = (self.damping_rate / omega, NEGLIGIBLE_GROWTH / omega)
-        over_chunks(kernels.modes_growth_fill, (*family, *rates), out, workers=workers, chunk=4096)
-        growth, mode = out[:, 0] * omega, out[:, 1].astype(np.int64)
+        constants = (*self.mode_constants, self.damping_rate, NEGLIGIBLE_GROWTH)
+        loads = (force, size, omega)
+        over_chunks(kernels.modes_growth_fill, loads, out, *constants, workers=workers, chunk=4096)
+        growth, mode = out[:, 0], out[:, 1].astype(np.int64)
         if shape:
             return growth.reshape(shape), mode.reshape(shape)
         return float(growth[0]), int(mode[0])
@@ -327,17 +328,10 @@ class Rod(RodData):
         except ValueError:
             shapes = ", ".join(str(array.shape) for array in arrays)
             raise ValueError(f"mean, amplitude and frequency must broadcast to one shape, got {shapes}") from None
-        a, b, stiffness, _ = self.mode_family(force, size, omega)
-        if omega.size and math.sqrt(max(0.0, float(((a + b) / stiffness).max()))) > MOST_MODES:
+        largest = float((force + size).max(initial=0.0))  # a + b over the stiffness, for the first mode
+        if largest > MOST_MODES**2 * self.flexural_rigidity * self.wavenumber(1) ** 2:
             raise ValueError(f"mean needs more than {MOST_MODES} modes: far above the critical force; check its unit")
         return shape, force, size, omega
-
-    def _families(
-        self, force: NDArray[np.float64], size: NDArray[np.float64], omega: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], ...]:
-        """Return the mode families of flat arrays of loads."""
-        family = self.mode_family(force, size, omega)
-        return tuple(np.ascontiguousarray(np.broadcast_to(part, omega.shape)) for part in family)
 
     def _warn_unless_uniform(self, load: AxialLoad) -> None:
         ratio = load.frequency * self.length / (2.0 * math.pi) / self.wave_speed

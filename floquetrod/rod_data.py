@@ -145,15 +145,18 @@ class RodData:
         damping = self.damping_rate / load.frequency
         return tuple(Mathieu(float(a), float(b), damping) for a, b in zip(alpha, beta, strict=True))
 
+    @property
+    def mode_constants(self) -> tuple[float, float, float, float]:
+        """What mode equations need of the rod: w_1^2 (1/m^2), mass per length, E I and the pendulum frequency."""
+        w2 = (math.pi / self.length) ** 2
+        return w2, self.mass_per_length, self.flexural_rigidity, self.pendulum_frequency
+
     def mode_family(self, mean: Any, amplitude: Any, frequency: Any) -> tuple[Any, Any, Any, Any]:
         """Return A, B, C, D of alpha_m = A m^2, beta_m = B m^2 - C m^4 - D: Eq. (4), for every use of it.
 
         Broadcasts over arrays of mean force (N), amplitude (N) and frequency (rad/s).
         """
-        w2 = (math.pi / self.length) ** 2
-        inertia = self.mass_per_length * frequency * frequency
-        a, b = w2 * amplitude / inertia, w2 * mean / inertia
-        return a, b, self.flexural_rigidity * w2 * w2 / inertia, (self.pendulum_frequency / frequency) ** 2
+        return kernels.mode_family(*self.mode_constants, mean, amplitude, frequency)
 
     def modes_needed(self, load: AxialLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.

@@ -649,6 +649,20 @@ def multipliers_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
 
 
 @kernel
+def mode_family(
+    w2: Any, mass: Any, rigidity: Any, pendulum: Any, mean: Any, amplitude: Any, frequency: Any
+) -> tuple[Any, Any, Any, Any]:
+    """Return A, B, C, D of a rod's modes, Eq. (4) of DOI 10.1115/1.4031710.
+
+    ``w2`` is the square of the first mode's wavenumber, ``mass`` per length, ``rigidity`` E I, ``pendulum`` the
+    frequency of swinging in the channel; all in SI units.
+    """
+    inertia = mass * frequency * frequency
+    swing = pendulum / frequency
+    return w2 * amplitude / inertia, w2 * mean / inertia, rigidity * w2 * w2 / inertia, swing * swing
+
+
+@kernel
 def growth_bound(a: float, q: float) -> float:
     """Return a bound on the growth per unit tau where a > 2 q: q P P' / (4 k1), exponentially small in sqrt(a).
 
@@ -746,22 +760,36 @@ def _mode_stable(
 
 @kernel
 def modes_stable_fill(
-    big_a: Any, big_b: Any, big_c: Any, big_d: Any, damping: Any, tolerance: Any, smallest: Any, out: Any
+    mean: Any,
+    amplitude: Any,
+    frequency: Any,
+    out: Any,
+    w2: float,
+    mass: float,
+    rigidity: float,
+    pendulum: float,
+    damping_rate: float,
+    tolerance: float,
+    smallest: float,
 ) -> None:
-    """Fill ``out`` with whether no mode grows faster than ``tolerance``; rates below ``smallest`` may be left out.
+    """Fill ``out`` with whether no mode of a rod grows faster than ``tolerance`` under each load (rates per second).
 
-    Neighbouring loads need about as many modes and mostly fail in the same one, which is asked first.
+    Rates below ``smallest`` may be left out.  Neighbouring loads need about as many modes and mostly fail in the same
+    one, which is asked first.
     """
     last = 1
     suspect = 1
-    for i in range(len(big_a)):
-        a, b, stiffness, d, c = big_a[i], big_b[i], big_c[i], big_d[i], damping[i]
-        last = modes_needed(a, b, stiffness, d - c * c, c + max(tolerance[i], smallest[i]), last)
+    for i in range(len(mean)):
+        omega = frequency[i]
+        c = damping_rate / omega
+        level = tolerance / omega
+        a, b, stiffness, d = mode_family(w2, mass, rigidity, pendulum, mean[i], amplitude[i], omega)
+        last = modes_needed(a, b, stiffness, d - c * c, c + max(level, smallest / omega), last)
         suspect = min(suspect, last)
-        stable = _mode_stable(a, b, stiffness, d, suspect, c, tolerance[i])
+        stable = _mode_stable(a, b, stiffness, d, suspect, c, level)
         if stable:
             for mode in range(1, last + 1):
-                if mode != suspect and not _mode_stable(a, b, stiffness, d, mode, c, tolerance[i]):
+                if mode != suspect and not _mode_stable(a, b, stiffness, d, mode, c, level):
                     stable = False
                     suspect = mode
                     break
@@ -769,22 +797,35 @@ def modes_stable_fill(
 
 
 @kernel
-def modes_growth_fill(big_a: Any, big_b: Any, big_c: Any, big_d: Any, damping: Any, smallest: Any, out: Any) -> None:
-    """Fill ``out`` (n, 2) with the largest growth rate per unit tau and the mode that has it (0 where none grows)."""
+def modes_growth_fill(
+    mean: Any,
+    amplitude: Any,
+    frequency: Any,
+    out: Any,
+    w2: float,
+    mass: float,
+    rigidity: float,
+    pendulum: float,
+    damping_rate: float,
+    smallest: float,
+) -> None:
+    """Fill ``out`` (n, 2) with the largest growth rate per second and the mode that has it (0 where none grows)."""
     last = 1
-    for i in range(len(big_a)):
-        c = damping[i]
-        last = modes_needed(big_a[i], big_b[i], big_c[i], big_d[i] - c * c, c + smallest[i], last)
+    for i in range(len(mean)):
+        omega = frequency[i]
+        c = damping_rate / omega
+        a, b, stiffness, d = mode_family(w2, mass, rigidity, pendulum, mean[i], amplitude[i], omega)
+        last = modes_needed(a, b, stiffness, d - c * c, c + smallest / omega, last)
         best = 0.0
-        mode = 0
-        for m in range(1, last + 1):
-            m2 = float(m * m)
-            alpha = big_a[i] * m2
-            beta = (big_b[i] - big_c[i] * m2) * m2 - big_d[i]
+        first = 0
+        for mode in range(1, last + 1):
+            m2 = float(mode * mode)
+            alpha = a * m2
+            beta = (b - stiffness * m2) * m2 - d
             if alpha == 0.0 or count_below(-4.0 * (beta + c * c), 2.0 * alpha) % 2 == 0:
                 rate = growth(alpha, beta, c)
                 if rate > best:
                     best = rate
-                    mode = m
-        out[i, 0] = best
-        out[i, 1] = mode
+                    first = mode
+        out[i, 0] = best * omega
+        out[i, 1] = first
