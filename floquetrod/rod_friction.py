@@ -12,11 +12,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import friction as frictional
 from floquetrod import mathieu
 from floquetrod.coulomb import Coulomb, ModeFriction, critical_velocities
 from floquetrod.equations import FrictionalMathieu
-from floquetrod.friction import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning
+from floquetrod.friction.critical import critical_perturbation
+from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning, fate, outcome
 from floquetrod.load import AxialLoad
 from floquetrod.result import Status
 from floquetrod.rod_data import RodData
@@ -103,7 +103,7 @@ def judge_kick(linear: RodStability, friction: Coulomb) -> RodFriction:
     inside = friction.in_mode_equation(linear.rod, linear.load)
     equations = dict(zip(linear.modes, linear.mode_equations, strict=True))
     fates = tuple(
-        frictional.fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon)
+        fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon)
         for e in (equations[mode] for mode in _growing(linear))
     )
     return RodFriction(friction, inside, linear, fates)
@@ -116,7 +116,7 @@ def critical_kick(linear: RodStability, mu: float) -> CriticalKick:
     best, first = math.inf, None
     for mode in sorted(_growing(linear), key=lambda m: -rates[m]):
         e = equations[mode]
-        ratio = frictional.critical_perturbation(e.alpha, e.beta, 1.0, e.damping, upto=best)
+        ratio = critical_perturbation(e.alpha, e.beta, 1.0, e.damping, upto=best)
         if math.isnan(ratio):
             return CriticalKick(math.nan, None)
         if ratio < best:
@@ -133,7 +133,7 @@ def _growing(linear: RodStability) -> tuple[int, ...]:
 def _critical_velocities(linear: RodStability, mu: float) -> dict[int, float]:
     equations = dict(zip(linear.modes, linear.mode_equations, strict=True))
     chosen = [equations[mode] for mode in _growing(linear)]
-    ratio = frictional.critical_perturbation(
+    ratio = critical_perturbation(
         np.array([e.alpha for e in chosen]),
         np.array([e.beta for e in chosen]),
         1.0,
@@ -180,7 +180,7 @@ def stable_loads(
         load, _, alpha, beta, damping = growing_modes(rod, some, tolerance, workers)
         inside = [friction.in_mode_equation(rod, AxialLoad(*values)) for values in zip(*some, strict=True)]
         gamma, epsilon = (np.array([getattr(one, name) for one in inside]) for name in ("gamma", "epsilon"))
-        fates = frictional.outcome(alpha, beta, gamma[load], epsilon[load], damping, workers=workers)
+        fates = outcome(alpha, beta, gamma[load], epsilon[load], damping, workers=workers)
         found[part][load[fates == UNDECIDED]] = UNDECIDED
         found[part][load[fates == ESCAPES]] = ESCAPES
     unsure = int((found == UNDECIDED).sum())
@@ -220,9 +220,7 @@ def _least_kicks(
         now = order[place == turn]
         now = now[~np.isnan(best[load[now]])]  # where it could not be told, it stays so
         at = load[now]
-        ratio = frictional.critical_perturbation(
-            alpha[now], beta[now], 1.0, damping[now], upto=best[at], workers=workers
-        )
+        ratio = critical_perturbation(alpha[now], beta[now], 1.0, damping[now], upto=best[at], workers=workers)
         better = ~(ratio >= best[at])
         best[at[better]] = ratio[better]
         first[at[better]] = np.where(np.isnan(ratio[better]), 0, mode[now][better])

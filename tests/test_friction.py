@@ -239,12 +239,63 @@ def test_a_fate_and_a_trajectory_interpreted() -> None:
         ("gamma", {"gamma": math.nan}),
         ("epsilon", {"epsilon": math.nan}),
         ("alpha", {"alpha": "x"}),
+        ("epsilon", {"epsilon": [1.0, 2.0], "gamma": [1.0, 2.0, 3.0]}),
     ],
 )
 def test_bad_input_is_named(name: str, change: dict[str, float]) -> None:
     values = {"alpha": 1.0, "beta": 0.3, "gamma": 1.0, "epsilon": 1.0} | change
     with pytest.raises((ValueError, TypeError), match=name):
         fr.friction.escapes(**values)
+
+
+@pytest.mark.parametrize("upto", [0.0, -1.0, math.nan, "x", [1.0, 2.0, 3.0]])
+def test_a_bad_limit_is_named(upto: object) -> None:
+    with pytest.raises((ValueError, TypeError), match="upto"):
+        fr.friction.critical_perturbation([1.0, 1.1], 0.3, upto=upto)
+
+
+@few
+@given(numbers(-3.0, 3.0), numbers(-3.0, 1.0), numbers(0.3, 3.0))
+def test_a_limited_search_finds_an_edge_below_its_limit(alpha: float, beta: float, share: float) -> None:
+    whole = fr.friction.critical_perturbation(alpha, beta)
+    if math.isfinite(whole):
+        floor = fr.friction.certain_kicks(fr.FrictionalMathieu(alpha, beta, 1.0)).low
+        found = fr.friction.critical_perturbation(alpha, beta, upto=share * whole)
+        if math.isfinite(found):
+            assert floor * (1.0 - 1e-9) <= found <= share * whole * (1.0 + 2e-9)
+            above = found * (1.0 + np.geomspace(1e-12, 1e-4, 60))
+            assert (fr.friction.outcome(alpha, beta, 1.0, above) == ESCAPES).any()
+
+
+def test_without_friction_the_slightest_kick_is_critical_or_none_is() -> None:
+    found = fr.friction.critical_perturbation([1.0, 1.0, 0.0, 0.0], [0.3, -0.7, 0.0, 0.0], 0.0, [0.0, 0.0, 0.0, 0.1])
+    assert found.tolist() == [0.0, math.inf, 0.0, math.inf]
+
+
+@pytest.mark.parametrize("above", [1e-8, 1e-7, 1e-6, 3e-6])
+def test_creeping_outwards_however_slowly_is_not_being_trapped(above: float) -> None:
+    # Comes to rest just beyond where the largest force holds it, and creeps out by less than 1e-9 a period.
+    equation = fr.FrictionalMathieu(2.5122443597386983, 0.6057077990479693, 1.0)
+    kick = 0.6675718023393393 * (1.0 + above)
+    rest = fr.friction.trajectory(equation, kick, periods=6)
+    sizes = np.unique(np.abs(rest.A[rest.state == 0]))
+    assert ((equation.alpha + equation.beta) * sizes > 1.0).all()
+    assert (np.diff(sizes) > 0.0).sum() >= 4
+    found = fr.friction.fate(equation, kick)
+    assert found.status in (("undecided",) if above < 5e-8 else ("escapes",))
+
+
+def test_a_motion_ends_before_it_outgrows_a_double() -> None:
+    for equation, kick in ((fr.FrictionalMathieu(0.0, 1e4, 1.0), 1.0), (fr.FrictionalMathieu(1.0, 0.3, 0.0), 1e308)):
+        motion = fr.friction.trajectory(equation, kick)
+        assert np.isfinite(motion.A).all()
+        assert np.isfinite(motion.velocity).all()
+        assert len(motion.tau) > 2
+        assert motion.state[-1] != 0
+
+
+def test_the_paper_s_test_takes_any_kick() -> None:
+    assert fr.friction.leapfrog_escapes(1.0, 0.3, [1.0, 1e-308], 1e308, step=0.05).tolist() == [True, True]
 
 
 def test_undecided_is_said_and_does_not_count() -> None:

@@ -106,6 +106,25 @@ def test_damping_can_destabilise() -> None:
     assert fr.mathieu.is_stable(0.1, -0.25, damping=0.06)
 
 
+@pytest.mark.kernels
+@pytest.mark.parametrize("size", [1, 100])
+def test_a_coefficient_of_zero_is_the_same_however_it_is_asked(size: int) -> None:
+    # A'' = 0 grows linearly; with damping A' + 2 c A is constant, and any push, however small, grows.
+    zero = np.zeros(size)
+    assert not fr.mathieu.is_stable(zero, 0.0).any()
+    assert not fr.mathieu.is_stable(zero, 0.0, zero).any()
+    assert fr.mathieu.is_stable(zero, 0.0, zero + 0.1).all()
+    assert not fr.mathieu.is_stable(zero, 1e-30, zero + 0.1).any()
+    assert fr.mathieu.is_stable(zero, -1e-30, zero).all()
+    assert fr.stability(fr.Mathieu(0.0, 0.0)).status == "unstable"
+    assert fr.stability(fr.Mathieu(0.0, 0.0, 0.1)).status == "stable"
+
+
+def test_undamped_is_damped_by_nothing(rng: np.random.Generator) -> None:
+    alpha, beta = rng.uniform(-20.0, 20.0, 5000), rng.uniform(-30.0, 5.0, 5000)
+    assert (fr.mathieu.is_stable(alpha, beta) == fr.mathieu.is_stable(alpha, beta, np.zeros(5000))).all()
+
+
 def test_damping_is_a_substitution() -> None:
     alpha, beta, c = 1.3, -0.4, 0.07
     undamped = fr.mathieu.growth_rate(alpha, beta + c * c)

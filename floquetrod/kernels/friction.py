@@ -1,5 +1,7 @@
 """Kernels for A'' + 2 c A' = (beta + alpha sin tau) A - sign(A'), event by event, for ever.
 
+They call each other, so they share this file: the cached code of a caller does not see that a callee elsewhere changed.
+
 By homogeneity gamma = 1 throughout.  A period is cut into equal cells short against every wave.  Between reversals of
 A' the equation is linear with the forcing -s, s = sign(A'), so a cell is a 2 x 2 matrix and a vector, made once for all
 orbits.  Only a cell that a bound cannot clear of reversals is looked into: the motion in it is one Taylor series, the
@@ -43,6 +45,7 @@ _SLOW = 5e-3  # relative excess of the freeing force below which creeping outwar
 _WATCHED = 50  # periods in which sticking and slipping is watched for its range (heuristic)
 _TRIED = 25  # amplitudes of that range tried (heuristic)
 _GROWN = 20  # times that range is grown (heuristic)
+_ROUNDING = 1e-12  # relative, in amplitudes a period apart (heuristic): what drifts by more is not at rest
 _HALVINGS = 45  # of a cell in search of a reversal
 _NARROWEST = 2.0**-_HALVINGS
 _EPS = 2.220446049250313e-16
@@ -493,6 +496,8 @@ def _trapped(alpha: float, beta: float, c: float, table: Any, start: Any, work: 
     takes the interval, grown by its images up to `_GROWN` times, into itself: tried at `_TRIED` points of it.
     """
     turn = 2.0 * math.pi
+    outward = beta + abs(alpha)
+    inward = abs(alpha) - beta
     whole = np.empty((_WATCHED * (len(table) + 40), 4))
     here = start.copy()
     here[6] = 0.0
@@ -513,8 +518,8 @@ def _trapped(alpha: float, beta: float, c: float, table: Any, start: Any, work: 
             least, most = min(least, size), max(most, size)
         if least > best:
             best, phase, low, high = least, at, least, most
-    if low <= 0.0:
-        return False
+    if low <= 0.0 or (outward * low > 1.0 and outward * high < 1.0 + _SLOW and inward * high <= 1.0):
+        return False  # never held, or creeping outwards, which may be too slow to show but has no end
     short = np.empty((3 * (len(table) + 40), 4))
     for _ in range(_GROWN):
         least, most = low, high
@@ -528,7 +533,7 @@ def _trapped(alpha: float, beta: float, c: float, table: Any, start: Any, work: 
                 if after == 0.0:
                     return False
                 least, most = min(least, after), max(most, after)
-        if most - least <= (high - low) * (1.0 + 1e-6) + 1e-9 * high:
+        if most - least <= (high - low) * (1.0 + 1e-6) + _ROUNDING * high:
             work[5][1], work[5][2], work[5][3] = phase, low, high
             return True
         low, high = least, most

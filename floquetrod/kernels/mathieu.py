@@ -606,12 +606,20 @@ def growth_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
 
 
 @kernel
+def is_stable_damped(alpha: float, beta: float, c: float) -> bool:
+    """Return whether every solution of A'' + 2 c A' = (beta + alpha sin tau) A is bounded, c >= 0."""
+    if c == 0.0:
+        return is_stable_scalar(alpha, beta)
+    if alpha == 0.0:
+        return beta <= 0.0  # at beta = 0 what is left is A' + 2 c A = const
+    return bool(count_below(-4.0 * (beta + c * c), 2.0 * alpha) % 2 == 1 or undamped_growth(alpha, beta, c) <= c)
+
+
+@kernel
 def damped_stable_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
-    """Fill ``out`` with the verdicts on damped equations: stable where the undamped growth is no more than c."""
+    """Fill ``out`` with the verdicts on equations with damping, or without."""
     for i in range(len(alpha)):
-        c = damping[i]
-        count = count_below(-4.0 * (beta[i] + c * c), 2.0 * alpha[i]) if alpha[i] != 0.0 else 0
-        out[i] = count % 2 == 1 or undamped_growth(alpha[i], beta[i], c) <= c
+        out[i] = is_stable_damped(alpha[i], beta[i], damping[i])
 
 
 @kernel
@@ -751,8 +759,8 @@ def _mode_stable(
     m2 = float(mode * mode)
     alpha = big_a * m2
     beta = (big_b - big_c * m2) * m2 - big_d
-    if damping == 0.0 and tolerance == 0.0:
-        return is_stable_scalar(alpha, beta)
+    if tolerance == 0.0:
+        return is_stable_damped(alpha, beta, damping)
     if alpha != 0.0 and count_below(-4.0 * (beta + damping * damping), 2.0 * alpha) % 2 == 1:
         return True
     return undamped_growth(alpha, beta, damping) <= damping + tolerance

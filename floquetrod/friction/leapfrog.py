@@ -1,0 +1,51 @@
+"""The paper's test with friction: a hundred periods of leapfrog."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from floquetrod import _validate
+from floquetrod._compile import fastest
+from floquetrod.friction.preparation import arguments, over_friction, size_of
+from floquetrod.kernels.frictional_leapfrog import frictional_leapfrog_fill
+
+_HARDEST = 1e100  # kick over friction; beyond it friction is lost in rounding, and the ratio makes no difference
+
+
+def leapfrog_escapes(
+    alpha: Any,
+    beta: Any,
+    gamma: Any,
+    epsilon: Any,
+    damping: Any = 0.0,
+    *,
+    periods: int = 100,
+    step: float = 5e-4,
+    limit: float = 1e6,
+) -> Any:
+    """Return what the paper's test says: whether abs(A) / epsilon reaches ``limit`` after 100 periods of leapfrog.
+
+    Kick, drift, kick; friction is an impulse that stops a motion without turning it, so that it sticks.  Motions that
+    grow more slowly than ln(limit) over the time followed pass for stable.  gamma must be positive; other arguments
+    as in `outcome`.
+
+    Examples
+    --------
+    >>> leapfrog_escapes(1.0, 0.3, 1.0, [0.5, 2.0], step=0.01).tolist()
+    [False, True]
+    """
+    shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, epsilon=size_of(epsilon))
+    if not (gamma > 0.0).all():
+        raise ValueError("gamma must be greater than zero here; without friction use method='leapfrog' of stability")
+    periods = _validate.integer("periods", periods, 1)
+    count = math.ceil(2.0 * math.pi / _validate.positive("step", step))
+    limit = _validate.positive("limit", limit)
+    sine = np.sin(2.0 * math.pi * np.arange(count) / count)
+    out = np.empty(alpha.size, dtype=np.bool_)
+
+    run = fastest(frictional_leapfrog_fill, alpha.size * periods * count // 1000)
+    run(alpha, beta, c, np.minimum(over_friction(kick, gamma), _HARDEST), sine, periods, limit, out)
+    return out.reshape(shape) if shape else bool(out[0])

@@ -1,0 +1,94 @@
+"""All ranges of kicks that escape."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import _validate
+from floquetrod.equations import FrictionalMathieu, require
+from floquetrod.friction.critical import KickRange, certain_kicks
+from floquetrod.friction.fates import ESCAPES, UNDECIDED, outcome
+from floquetrod.friction.preparation import EFFORT
+
+
+@dataclass(frozen=True, repr=False)
+class EscapeRanges:
+    """All ranges of kicks that escape, as finely as kicks were tried.
+
+    Attributes
+    ----------
+    equation : FrictionalMathieu
+    intervals : tuple of KickRange
+        Ranges of kicks that escape, increasing; the last is unbounded.
+    bounded_up_to, escapes_above : float
+        Proved: no kick up to the one escapes, every kick above the other does.
+    step : float
+        Ratio of neighbouring kicks tried less one: ranges and gaps narrower than this may be missed.
+    undecided : int
+        Kicks tried whose fate could not be told; they count as not escaping.
+    """
+
+    equation: FrictionalMathieu
+    intervals: tuple[KickRange, ...]
+    bounded_up_to: float
+    escapes_above: float
+    step: float
+    undecided: int
+
+    def __contains__(self, epsilon: float) -> bool:
+        """Return whether a kick of size ``epsilon`` lies in one of the ranges."""
+        return any(r.low < abs(epsilon) < r.high for r in self.intervals)
+
+    def __repr__(self) -> str:
+        """Return the ranges as a sentence."""
+        shown = [f"({r.low:.6g}, {r.high:.6g})" for r in self.intervals[:6]]
+        more = f" and {len(self.intervals) - 6} more" if len(self.intervals) > 6 else ""
+        what = f"escapes for kicks in {', '.join(shown)}{more}" if shown else "no kick escapes"
+        unknown = f"; {self.undecided} kicks undecided" if self.undecided else ""
+        return f"<{what}; tried in steps of {100.0 * self.step:.2g} %{unknown}>"
+
+
+def escape_ranges(
+    equation: FrictionalMathieu, *, samples: int = 2000, effort: int = EFFORT, workers: int | None = None
+) -> EscapeRanges:
+    """Return all ranges of kicks that escape: the outcome need not be monotone in the kick.
+
+    ``samples`` kicks in geometric progression between what provably never and what always escapes are followed, and
+    every change of outcome between neighbours is bisected to 1e-10.  The edges may be fractal: more samples then show
+    more and narrower ranges.
+
+    Examples
+    --------
+    >>> escape_ranges(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0))
+    <escapes for kicks in (2, inf); tried in steps of 0 %>
+    """
+    require(equation, (FrictionalMathieu,), "escape_ranges")
+    samples = _validate.integer("samples", samples, 2)
+    e = equation
+    low, high = certain_kicks(e)
+    if not high < math.inf:
+        return EscapeRanges(e, (), low, high, 0.0, 0)
+    if high <= low * (1.0 + 1e-10):
+        return EscapeRanges(e, (KickRange(high, math.inf),), low, high, 0.0, 0)
+
+    def fates(kicks: NDArray[np.float64]) -> NDArray[np.int8]:
+        result = outcome(e.alpha, e.beta, e.gamma, kicks, e.damping, effort=effort, workers=workers)
+        return np.asarray(result, dtype=np.int8)
+
+    kicks = low * (high / low) ** np.linspace(0.0, 1.0, samples)
+    kicks[-1] = high * (1.0 + 1e-10)
+    found = fates(kicks)
+    escaped = found == ESCAPES
+    change = np.flatnonzero(escaped[1:] != escaped[:-1])
+    below, above = kicks[change], kicks[change + 1]
+    while (above - below > 1e-10 * above).any():
+        middle = 0.5 * (below + above)
+        same = (fates(middle) == ESCAPES) == escaped[change]
+        below, above = np.where(same, middle, below), np.where(same, above, middle)
+    edges = [*map(float, above), math.inf]
+    intervals = tuple(KickRange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True))
+    return EscapeRanges(e, intervals, low, high, (high / low) ** (1.0 / samples) - 1.0, int((found == UNDECIDED).sum()))
