@@ -25,7 +25,8 @@ def figure_4(study: Study) -> Any:
         figure,
         f"Simulated rods without friction from above, {trial.segments} segments, amplitude {trial.amplitude:g} F_cr, "
         f"started with random speeds ({trial.case}): four times of the last quarter of {trial.duration:g} s, black "
-        "where farthest out. The scale across is stretched; the paper does not tell its forces at 85 rad/s, which are ours.",
+        "where farthest out. The scale across is stretched; the forces at 85 rad/s, which the paper does not tell, are "
+        "ours.",
         112,
     )
     return figure
