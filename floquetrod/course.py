@@ -149,8 +149,7 @@ class Course:
         )
         raise SimulationDiverged(
             f"the simulation diverged before t = {when:.6g} s; likely cause: {cause}; check perturbation and load, or "
-            f"set time_step below {self.setting.time_step:.3g} s. The {kept.time.size} frames before are in "
-            "error.simulation",
+            f"set time_step below {self.setting.time_step:.3g} s; the {kept.time.size} frames before are kept",
             kept,
         )
 

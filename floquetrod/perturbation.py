@@ -97,6 +97,15 @@ class Perturbation:
         drawn = np.random.default_rng(_validate.integer("seed", seed, 0)).uniform(-speed, speed, highest)
         return cls.modes({k: speed if k == mode else float(drawn[k - 1]) for k in range(1, highest + 1)})
 
+    def __str__(self) -> str:
+        """Return, say, "8 mm/s in mode 3, random speeds up to 1 mm/s (seed 1)"."""
+        modes = [f"{1e3 * speed:.3g} mm/s in mode {mode}" for mode, speed in self.speeds]
+        if len(modes) > 4:
+            strongest = max(self.speeds, key=lambda pair: abs(pair[1]))
+            modes = [f"{len(modes)} modes kicked, mode {strongest[0]} most, by {1e3 * strongest[1]:.3g} mm/s"]
+        noises = [f"random speeds up to {1e3 * speed:.3g} mm/s (seed {seed})" for speed, seed in self.noises]
+        return ", ".join([*modes, *noises]) or "no perturbation"
+
     def __add__(self, other: Perturbation) -> Perturbation:
         """Return both at once."""
         if not isinstance(other, Perturbation):

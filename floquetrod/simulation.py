@@ -174,9 +174,7 @@ class Simulation:
     @property
     def dominant_mode(self) -> int:
         """Mode with the largest root mean square amplitude over the last quarter of the time simulated."""
-        modes = range(1, self.setting.segments // LEAST_SEGMENTS + 1)
-        amplitudes = self.mode_amplitudes(modes)[-self._last_quarter :]
-        return 1 + int(np.argmax(np.sum(amplitudes**2, axis=0)))
+        return self.leading_modes[0]
 
     @property
     def energy_error(self) -> NDArray[np.float64]:
@@ -184,6 +182,19 @@ class Simulation:
         names = ("kinetic", "stretch", "shear", "bend", "twist", "gravity", "contact", "dissipated")
         balance = np.sum([self.energy[name] for name in names], axis=0) - self.energy["work"]
         return np.asarray(balance - balance[0])
+
+    @property
+    def _power(self) -> NDArray[np.float64]:
+        """Sum of squares of every mode's amplitude over the last quarter, from mode 1 on."""
+        modes = range(1, self.setting.segments // LEAST_SEGMENTS + 1)
+        return np.asarray(np.sum(self.mode_amplitudes(modes)[-self._last_quarter :] ** 2, axis=0))
+
+    @property
+    def _predicted_rates(self) -> tuple[float, ...]:
+        """Growth in 1/s that the mode equations predict the leading modes, zero with friction."""
+        if self.setting.friction > 0.0:
+            return (0.0,) * len(self.leading_modes)
+        return tuple(map(float, self.rod.stability(self.setting.load, self.leading_modes).mode_growth_rates))
 
     @property
     def _last_quarter(self) -> int:
@@ -212,8 +223,38 @@ class Simulation:
 
         return draw_energy(self, ax)
 
+    @property
+    def leading_modes(self) -> tuple[int, ...]:
+        """The three modes of largest root mean square amplitude over the last quarter, the largest first."""
+        return tuple(int(place) + 1 for place in np.argsort(-self._power)[:3])
+
+    @property
+    def caption(self) -> str:
+        """What was simulated, in a line."""
+        setting, scale = self.setting, self.rod.critical_force
+        load = setting.load
+        return (
+            f"mean {load.mean / scale:.3g} Fcr, amplitude {load.amplitude / scale:.3g} Fcr, "
+            f"{load.frequency:.4g} rad/s, friction {setting.friction:g}, {setting.perturbation}"
+        )
+
+    def plot_growth(self, ax: Any = None) -> Any:
+        """Draw the leading modes over time, dashed the growth `Rod.stability` predicts them; return the axes.
+
+        With friction nothing is predicted: what grows is not exponential.
+        """
+        from floquetrod.plotting.rod import draw_growth
+
+        return draw_growth(self, self.leading_modes, self._predicted_rates, ax)
+
+    def plot_run(self) -> Any:
+        """Draw the rod from above over the growth of its leading modes; return the figure."""
+        from floquetrod.plotting.rod import draw_run
+
+        return draw_run(self, self.leading_modes, self._predicted_rates)
+
     def animate(self) -> Any:
-        """Return a matplotlib animation of the rod from above, one picture a frame."""
+        """Return a matplotlib animation of the rod from above, of at most 200 pictures."""
         from floquetrod.plotting.rod import animate_top_view
 
         return animate_top_view(self)

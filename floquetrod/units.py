@@ -9,6 +9,7 @@ from typing import Any
 _UNITS: dict[str, dict[str, float]] = {
     "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": 4.4482216152605},
     "frequency": {"rad/s": 1.0, "1/s": 1.0, "Hz": 2.0 * math.pi, "rpm": math.pi / 30.0},
+    "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048},
     "pressure": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168},
     "density": {"kg/m3": 1.0, "kg/m^3": 1.0, "g/cm3": 1e3, "g/cm^3": 1e3},
@@ -42,8 +43,8 @@ def quantity(value: Any, name: str, kind: str, *, critical_force: float | None =
     name : str
         What it is called in messages.
     kind : str
-        "force", "frequency" (angular, in rad/s), "length", "pressure", "density", "acceleration", "rate" or
-        "speed".
+        "force", "frequency" (angular, in rad/s), "length", "pressure", "density", "acceleration", "rate",
+        "speed" or "time".
     critical_force : float, optional
         In N; with it, forces may be given in "Fcr".
 

@@ -82,19 +82,19 @@ def test_constant_force_below_and_above_the_critical_one() -> None:
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_claim_f3_b_and_figure_4(seed: int) -> None:
-    for outcome in paper_simulations.figure_4(seed=seed):
+    for outcome in paper_simulations.carry_out(paper_simulations.figure_4(seed=seed)):
         assert outcome.agrees, outcome
         if outcome.buckled:
             modes = outcome.run.mode_amplitudes(range(1, 21))[-50:]
             power = np.sort(np.sum(modes**2, axis=0))
             # One mode dominates, though less where several grow and meet at large angles.
-            assert power[-1] > (4.0 if len(outcome.expected_modes) == 1 else 1.5) * power[-2]
+            assert power[-1] > (4.0 if len(outcome.trial.expected_modes) == 1 else 1.5) * power[-2]
             assert paper_simulations.torsion_and_shear_share(outcome.run) < 0.02
 
 
 def test_figure_7() -> None:
     """Cases A, B and D; of C the outcome depends on the speeds drawn, see docs/simulator.md."""
-    for outcome in paper_simulations.figure_7(cases=("A", "B", "D")):
+    for outcome in paper_simulations.carry_out(paper_simulations.figure_7(cases=("A", "B", "D"))):
         assert outcome.agrees, outcome
 
 

@@ -30,6 +30,7 @@ def test_a_number_alone_is_in_the_si_unit(value: float) -> None:
         ("-.5e-1N", "force", -0.05),
         ("0.2Fcr", "force", 0.4),
         ("3/s", "rate", 3.0),
+        ("2.5us", "time", 2.5e-6),
     ],
 )
 def test_units(text: str, kind: str, value: float) -> None:

@@ -41,11 +41,14 @@ def add_command(commands: Any, name: str, summary: str, text: str, run: Any) -> 
     return command
 
 
-def add_rod(command: argparse.ArgumentParser) -> None:
-    """Add the options that describe a rod and which growth matters."""
+def add_rod(command: argparse.ArgumentParser, *, judged: bool = True) -> None:
+    """Add the options that describe a rod and, where it is to be judged, which growth matters."""
     command.add_argument("--rod", required=True, help="nitinol (the reference rod), or a TOML file")
     command.add_argument("--damping-rate", help="decay rate of free motion in 1/s (replaces that of the rod)")
-    command.add_argument("--growth-tolerance", default="0", help="growth in 1/s up to which a mode counts as stable")
+    if judged:
+        command.add_argument(
+            "--growth-tolerance", default="0", help="growth in 1/s up to which a mode counts as stable"
+        )
 
 
 def add_friction(command: argparse.ArgumentParser) -> None:
@@ -82,15 +85,30 @@ def number(value: float) -> float | None:
 
 
 class Progress:
-    """A line on stderr once work has taken a second, when there is a terminal to read it."""
+    """A line on stderr once work has taken a second, when there is a terminal to read it.
+
+    The rate is that since the first report: what was done before it may have been done in an earlier run.
+    """
 
     def __init__(self, what: str) -> None:
         self.what, self.start = what, time.monotonic()
+        self.first: tuple[float, int] | None = None
+        self.open = False
 
     def __call__(self, done: int, total: int) -> None:
         """Report ``done`` of ``total``."""
-        spent = time.monotonic() - self.start
-        if spent > 1.0 and sys.stderr.isatty():
-            left = spent * (total - done) / max(done, 1)
-            end = "\n" if done == total else ""
-            print(f"\r{done} of {total} {self.what}, {left:.0f} s left ", end=end, file=sys.stderr, flush=True)
+        now = time.monotonic()
+        self.first = self.first or (now, done)
+        if now - self.start < 1.0 or not sys.stderr.isatty():
+            return
+        rate = (done - self.first[1]) / max(now - self.first[0], 1e-9)
+        speed = f", {rate:,.0f} a second, {(total - done) / rate:.0f} s left" if rate > 0.0 else ""
+        line = f"{done:,} of {total:,} {self.what}{speed}"
+        print(f"\r{line:<78}", end="\n" if done == total else "", file=sys.stderr, flush=True)
+        self.open = done != total
+
+    def close(self) -> None:
+        """End the line where work was cut short."""
+        if self.open:
+            print(file=sys.stderr, flush=True)
+            self.open = False

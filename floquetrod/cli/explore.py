@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import floquetrod as fr
-from floquetrod.cli.common import KINDS, Answer, add_command, read_quantity, read_rod
+from floquetrod.cli.common import KINDS, Answer, add_command, add_rod, read_quantity, read_rod
 from floquetrod.plotting import charts
 
 _HELP = """\
@@ -26,8 +26,7 @@ With --out the picture is written and no window opened, which needs no screen.
 def add(commands: Any) -> None:
     """Add the command to the parser."""
     explore = add_command(commands, "explore", "move a load by sliders and watch", _HELP, _explore)
-    explore.add_argument("--rod", required=True, help="nitinol (the reference rod), or a TOML file")
-    explore.add_argument("--damping-rate", help="decay rate of free motion in 1/s (replaces that of the rod)")
+    add_rod(explore, judged=False)
     for name in KINDS:
         explore.add_argument(f"--{name}", help=f"{name} to begin with; give all three or none")
     explore.add_argument("--out", type=Path, help="write the picture (.png, .pdf, .svg) and open no window")

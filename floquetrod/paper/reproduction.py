@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from floquetrod._files import whole_file
-from floquetrod.paper import figures, friction_figures
+from floquetrod.paper import figures, friction_figures, simulation_claims, simulation_figures
 from floquetrod.paper.claims import Claim, frictionless_claims
 from floquetrod.paper.friction_claims import friction_claims
 from floquetrod.paper.report import write_report
@@ -30,7 +31,11 @@ class Reproduction:
 
 
 def reproduce(
-    folder: Path, *, quick: bool = False, progress: Callable[[str, int, int], None] | None = None
+    folder: Path,
+    *,
+    quick: bool = False,
+    simulations: bool = False,
+    progress: Callable[[str, int, int], None] | None = None,
 ) -> Reproduction:
     """Compute claims and figures, and write them to a folder, which is made if it is not there.
 
@@ -39,25 +44,41 @@ def reproduce(
     folder : Path
         Where the figures (PNG), claims.md, claims.json and report.html go.
     quick : bool
-        Coarser maps.
+        Coarser maps, and coarser and fewer simulations.
+    simulations : bool
+        Also simulate whole rods, for Figures 4 and 7 and the claims on them: some seven minutes of processor time, in
+        as many threads as there are processors; a minute with ``quick``.
     progress : callable, optional
         Called before each step with its name, its number and how many there are, and at the end.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    done = 0
+
+    def say(what: str) -> None:
+        nonlocal done
+        if progress is not None:
+            progress(what, done, total)
+        done += 1
+
+    study = functools.cache(lambda: simulation_claims.make_study(quick, say))
     drawings = _drawings(quick)
     points = 50 if quick else 100
     tests = frictionless_claims(points) | friction_claims(points)
     total = len(drawings) + len(tests)
-    say = progress or (lambda *_: None)
+    if simulations:
+        drawings = sorted([*drawings, *_simulated(study)])  # by title
+        tests |= simulation_claims.simulation_claims(study)
+        total = len(drawings) + len(tests) + sum(map(len, simulation_claims.trials(quick)))
+        study()
     pictures: dict[str, Path] = {}
-    for done, (title, name, draw) in enumerate(drawings):
-        say(title, done, total)
+    for title, name, draw in drawings:
+        say(title)
         pictures[title] = _save(draw(), folder / name)
     claims = []
-    for done, (name, compute) in enumerate(tests.items(), start=len(drawings)):
-        say(f"Claim {name}", done, total)
+    for name, compute in tests.items():
+        say(f"Claim {name}")
         claims.append(compute())
-    say("Report", total, total)
+    say("Report")
     reports = write_report(folder, claims, pictures)
     return Reproduction(tuple(claims), (*pictures.values(), *reports))
 
@@ -72,6 +93,14 @@ def _drawings(quick: bool) -> list[tuple[str, str, Callable[[], Any]]]:
         ("Figure 6: friction on the rod", "figure_6.png", lambda: friction_figures.figure_6(2 * kicks)),
         ("The critical kick", "figure_kick.png", lambda: friction_figures.figure_kick(kicks)),
         ("Figure 8: Hill's determinants and the square wave", "figure_8.png", lambda: figures.figure_8(fine)),
+    ]
+
+
+def _simulated(study: Callable[[], simulation_claims.Study]) -> list[tuple[str, str, Callable[[], Any]]]:
+    """Return the same of the figures of simulated rods."""
+    return [
+        ("Figure 4: simulated rods", "figure_4.png", lambda: simulation_figures.figure_4(study())),
+        ("Figure 7: simulated rods with friction", "figure_7.png", lambda: simulation_figures.figure_7(study())),
     ]
 
 

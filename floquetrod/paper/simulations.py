@@ -5,19 +5,24 @@ Forces are parts of the critical force of the reference rod.  What the paper lea
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from floquetrod._compile import cores
+from floquetrod.course import Progress
 from floquetrod.load import AxialLoad
 from floquetrod.perturbation import Perturbation
 from floquetrod.rod import Rod
 from floquetrod.simulation import Simulation
 from floquetrod.simulator import simulate
 
-Report = Callable[[str], None]
-"""Called with what is about to be simulated."""
+ROD = Rod.nitinol()
+SPEED, HIGHEST = 0.05, 20
+"""Of the perturbations with friction: v_0 in m/s, and the last mode that case C kicks, which the paper leaves open."""
 
 FIGURE_4 = {85.0: (0.10, 0.25, 0.40, 0.55, 0.70), 150.0: (0.05, 0.20, 0.34, 0.52, 0.63)}
 """Mean forces at each frequency (rad/s); those at 85 rad/s are ours, on both sides of the 0.45 of claim F3-a."""
@@ -34,28 +39,56 @@ FIGURE_7 = {
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What one simulation found, beside what was expected of it.
+class Trial:
+    """One simulation to be made, and what is expected of it.
 
     Attributes
     ----------
     mean, amplitude, frequency : float
         The load: parts of the critical force, and rad/s.
+    friction : float
     case : str
-        The perturbation.
+        The perturbation in a word.
+    perturbation : Perturbation
     expected_modes : tuple of int
-        The modes one of which was expected to win; none when the rod was expected to stay.
-    buckled : bool
-    mode : int
-        The dominant mode where it buckled, 0 otherwise.
-    run : Simulation
+        The modes one of which is expected to win; none when the rod is expected to stay.
+    duration : float
+        s.
+    segments : int
     """
 
     mean: float
     amplitude: float
     frequency: float
+    friction: float
     case: str
+    perturbation: Perturbation
     expected_modes: tuple[int, ...]
+    duration: float
+    segments: int
+
+    @property
+    def load(self) -> AxialLoad:
+        """The load in N and rad/s."""
+        force = ROD.critical_force
+        return AxialLoad(self.mean * force, self.amplitude * force, self.frequency)
+
+    def carry_out(self, progress: Progress | None = None) -> Outcome:
+        """Simulate it; ``progress`` is called with the steps done and to do."""
+        load, kick = self.load, self.perturbation
+        run = simulate(ROD, load, self.duration, self.friction, kick, self.segments, progress=progress)
+        return Outcome(self, run.buckled, run.dominant_mode if run.buckled else 0, run)
+
+    def __str__(self) -> str:
+        """Return what tells it from the others."""
+        return f"{self.frequency:g} rad/s, mean {self.mean:g} Fcr, friction {self.friction:g}, {self.case}"
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a simulation found: whether the rod buckled, and into which mode (0 where it did not)."""
+
+    trial: Trial
     buckled: bool
     mode: int
     run: Simulation = field(repr=False, compare=False)
@@ -63,62 +96,74 @@ class Outcome:
     @property
     def agrees(self) -> bool:
         """Whether it stayed or buckled as expected, into a mode expected."""
-        return self.mode in self.expected_modes if self.expected_modes else not self.buckled
+        expected = self.trial.expected_modes
+        return self.mode in expected if expected else not self.buckled
 
 
-def figure_4(
-    seed: int = 1,
-    speed: float = 1e-3,
-    duration: float = 2.0,
-    segments: int = 250,
-    loads: dict[float, Sequence[float]] | None = None,
-    report: Report | None = None,
-) -> Iterator[Outcome]:
-    """Yield the ten frictionless simulations, dF = 0.2 F_cr, against the verdict on the mode equations.
+def figure_4(seed: int = 1, speed: float = 1e-3, duration: float = 2.0, segments: int = 250) -> list[Trial]:
+    """Return the ten frictionless simulations, dF = 0.2 F_cr, with the verdict on the mode equations as expectation.
 
     Random speeds up to ``speed`` (m/s) set the rod moving.  Expected is buckling where a mode grows by a factor of 100
     within ``duration``; what grows more slowly does not leave the linear regime in that time.
     """
-    rod = Rod.nitinol()
-    force = rod.critical_force
-    for frequency, means in (loads or FIGURE_4).items():
+    kick, trials = Perturbation.random(speed, seed), []
+    for frequency, means in FIGURE_4.items():
         for mean in means:
-            load = AxialLoad(mean * force, 0.2 * force, frequency)
-            if report is not None:
-                report(f"{frequency:g} rad/s, mean {mean:g} Fcr, no friction")
-            verdict = rod.stability(load)
+            verdict = ROD.stability(AxialLoad(mean * ROD.critical_force, 0.2 * ROD.critical_force, frequency))
             rates = zip(verdict.modes, verdict.mode_growth_rates, strict=True)
             grow = tuple(mode for mode, rate in rates if rate * duration > np.log(100.0))
-            run = simulate(rod, load, duration, 0.0, Perturbation.random(speed, seed), segments)
-            yield _outcome(run, (mean, 0.2, frequency), f"random, seed {seed}", grow)
+            name = f"random, seed {seed}"
+            trials.append(Trial(mean, 0.2, frequency, 0.0, name, kick, grow, duration, segments))
+    return trials
 
 
 def figure_7(
     cases: Sequence[str] = ("A", "B", "C first", "C 10", "D"),
     seed: int = 1,
-    highest: int = 20,
     duration: float = 4.0,
     segments: int = 250,
-    report: Report | None = None,
-) -> Iterator[Outcome]:
-    """Yield the simulations with friction, dF = 0.7 F_cr, mu = 0.1, kicks of 50 mm/s, against the paper's table.
+) -> list[Trial]:
+    """Return the simulations with friction, dF = 0.7 F_cr, mu = 0.1, kicks of 50 mm/s, with the paper's table.
 
-    ``seed`` draws the speeds of cases C and D, ``highest`` is the last mode that C kicks, which the paper leaves open;
-    "C first" is C with the mode of A: 6 at 85 rad/s, 8 at 150 rad/s.
+    ``seed`` draws the speeds of cases C and D; "C first" is C with the mode of A: 6 at 85 rad/s, 8 at 150 rad/s.
     """
-    rod = Rod.nitinol()
-    force = rod.critical_force
+    trials = []
     for (frequency, mean), expected in FIGURE_7.items():
         first = 6 if frequency < 100.0 else 8
         for case in cases:
             name = case.replace("first", str(first))
             letter, _, mode = name.partition(" ")
-            kick = Perturbation.case(letter, 0.05, int(mode or first), seed, highest)
-            if report is not None:
-                report(f"{frequency:g} rad/s, mean {mean:g} Fcr, friction 0.1, case {name}")
-            run = simulate(rod, AxialLoad(mean * force, 0.7 * force, frequency), duration, 0.1, kick, segments)
+            kick = Perturbation.case(letter, SPEED, int(mode or first), seed, HIGHEST)
             modes = (expected[name],) if expected[name] else ()
-            yield _outcome(run, (mean, 0.7, frequency), name, modes)
+            trials.append(Trial(mean, 0.7, frequency, 0.1, name, kick, modes, duration, segments))
+    return trials
+
+
+def carry_out(
+    trials: Sequence[Trial], workers: int | None = None, progress: Callable[[Trial, int], None] | None = None
+) -> list[Outcome]:
+    """Simulate in threads, by default as many as there are processors; return the outcomes in the order of the trials.
+
+    ``progress`` is called after each with the trial and the number done.  Ctrl-C ends the runs under way, too.
+    """
+    stopped = threading.Event()
+
+    def heed(done: int, total: int) -> None:
+        if stopped.is_set():
+            raise KeyboardInterrupt  # which ends a run as Ctrl-C would in the main thread
+
+    with ThreadPoolExecutor(workers or cores()) as pool:
+        running = {pool.submit(trial.carry_out, heed): trial for trial in trials}
+        try:
+            for done, task in enumerate(as_completed(running), start=1):
+                task.result()
+                if progress is not None:
+                    progress(running[task], done)
+        except BaseException:
+            stopped.set()
+            pool.shutdown(cancel_futures=True)
+            raise
+    return [task.result() for task in running]
 
 
 def torsion_and_shear_share(run: Simulation) -> float:
@@ -131,17 +176,3 @@ def torsion_and_shear_share(run: Simulation) -> float:
     minor, bend = energy["twist"] + energy["shear"], energy["bend"]
     held = bend > 0.01 * bend.max()
     return float((minor[held] / (minor[held] + bend[held])).max())
-
-
-def _outcome(run: Simulation, load: tuple[float, float, float], case: str, modes: tuple[int, ...]) -> Outcome:
-    mean, amplitude, frequency = load
-    return Outcome(
-        mean=mean,
-        amplitude=amplitude,
-        frequency=frequency,
-        case=case,
-        expected_modes=modes,
-        buckled=run.buckled,
-        mode=run.dominant_mode if run.buckled else 0,
-        run=run,
-    )

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+import tempfile
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from floquetrod.plotting.charts import new_axes
+
+ANIMATIONS = (".gif", ".mp4")
+"""Kinds of file an animation is written to."""
 
 _LINES = {
     "work": ("black", "-"),
@@ -35,6 +41,35 @@ def draw_top_view(run: Any, ax: Any = None, pictures: int = 5) -> Any:
     return ax
 
 
+def draw_strip(run: Any, ax: Any, title: str) -> None:
+    """Draw a run from above as one small panel of many: four times of its last quarter, farthest out in black."""
+    last = run.time.size - 1
+    quarter = np.arange(last - last // 4, last + 1)
+    widest = int(quarter[run.largest_angle[quarter].argmax()])
+    for frame in (*np.linspace(quarter[0], last, 4).astype(int), widest):
+        x, y = run.positions[frame, :, 0], 1e3 * run.positions[frame, :, 1]
+        ax.plot(x, y, color="black" if frame == widest else "0.7", linewidth=1.0 if frame == widest else 0.6)
+    ax.set_title(title, fontsize="x-small", pad=2.0)
+
+
+def strips(rows: Sequence[str], columns: Sequence[str], size: tuple[float, float], gap: float) -> tuple[Any, Any]:
+    """Return a figure of panels that share their axes, and these in rows and columns; ``gap`` is R in m."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.subplots(len(rows), len(columns), sharex=True, sharey=True, squeeze=False)
+    for row, name in zip(axes, rows, strict=True):
+        row[0].set_ylabel(name, fontsize="x-small")
+    for ax in axes.flat:
+        ax.set_ylim(-1.05e3 * gap, 1.05e3 * gap)
+        ax.tick_params(labelsize="xx-small")
+    for ax, name in zip(axes[0], columns, strict=True):
+        ax.annotate(name, (0.5, 1.25), xycoords="axes fraction", ha="center", va="bottom", fontsize="small")
+    for ax in axes[-1]:
+        ax.set_xlabel("$x$ / m", fontsize="x-small")
+    return figure, axes
+
+
 def draw_energy(run: Any, ax: Any = None) -> Any:
     """Draw the sizes of the energies of a `floquetrod.simulation.Simulation` over time, seven decades of them."""
     ax = new_axes() if ax is None else ax
@@ -49,21 +84,85 @@ def draw_energy(run: Any, ax: Any = None) -> Any:
     return ax
 
 
-def animate_top_view(run: Any) -> Any:
-    """Return a matplotlib animation of the rod from above."""
+def draw_growth(run: Any, modes: Sequence[int], rates: Sequence[float], ax: Any = None) -> Any:
+    """Draw the size of some modes of a run over time on a logarithmic scale, dashed the growth each is predicted.
+
+    A prediction passes through the mode's largest amplitude of the first half of the time below 0.05 rad, beyond which
+    motion is not linear; ``rates`` in 1/s, those of zero are not drawn.
+    """
+    ax = new_axes() if ax is None else ax
+    sizes = np.degrees(np.abs(run.mode_amplitudes(modes)))
+    top = max(1e-9, float(sizes.max()))
+    beyond = np.flatnonzero(run.largest_angle > 0.05)
+    linear = int(beyond[0]) if beyond.size else run.time.size
+    for place, (mode, rate, size) in enumerate(zip(modes, rates, sizes.T, strict=True)):
+        shade = str(0.65 * place / max(1, len(modes) - 1))
+        ax.plot(run.time, size, color=shade, linewidth=1.2 - 0.2 * place, label=f"mode {mode}", zorder=3 - 0.1 * place)
+        if rate > 0.0:
+            at = int(size[: max(1, linear // 2)].argmax())
+            line = size[at] * np.exp(rate * (run.time[:linear] - run.time[at]))
+            label = f"mode {mode}, predicted {rate:.3g} 1/s"
+            ax.plot(run.time[:linear], line, color=shade, linestyle="--", linewidth=1.2, label=label, zorder=4)
+    ax.set_yscale("log")
+    ax.set_ylim(1e-6 * top, 3.0 * top)
+    ax.set_xlabel("time $t$ / s")
+    ax.set_ylabel(r"amplitude $|A_m|$ / degree")
+    ax.legend(fontsize="x-small", loc="lower right")
+    return ax
+
+
+def draw_run(run: Any, modes: Sequence[int], rates: Sequence[float]) -> Any:
+    """Return a figure of the rod from above and of the growth of its modes, with what was simulated as its title."""
+    from matplotlib import pyplot
+
+    figure, (above, below) = pyplot.subplots(2, 1, figsize=(7.0, 7.0), layout="constrained")
+    draw_top_view(run, above)
+    draw_growth(run, modes, rates, below)
+    figure.suptitle(run.caption, fontsize="small")
+    return figure
+
+
+def animate_top_view(run: Any, pictures: int = 200) -> Any:
+    """Return a matplotlib animation of the rod from above, of at most so many pictures."""
     from matplotlib.animation import FuncAnimation
 
+    chosen = np.unique(np.linspace(0, run.time.size - 1, pictures).astype(int))
     ax = new_axes()
     (line,) = ax.plot([], [], color="black", linewidth=1.2)
     clock = ax.text(0.99, 0.95, "", transform=ax.transAxes, ha="right", va="top", fontsize="small")
     _frame_axes(ax, run)
+    ax.figure.draw_without_rendering()
+    ax.figure.set_layout_engine("none")  # it is laid out: once for all pictures
 
     def show(frame: int) -> tuple[Any, Any]:
         line.set_data(run.positions[frame, :, 0], 1e3 * run.positions[frame, :, 1])
         clock.set_text(f"{run.time[frame]:.3f} s")
         return line, clock
 
-    return FuncAnimation(ax.figure, show, frames=run.time.size, interval=40, blit=True)
+    return FuncAnimation(ax.figure, show, frames=chosen.tolist(), interval=40, blit=True)
+
+
+def require_writer(path: Path) -> None:
+    """Raise ValueError when no animation can be written to a file of this kind here."""
+    from matplotlib import animation
+
+    if path.suffix == ".mp4" and not animation.writers.is_available("ffmpeg"):
+        raise ValueError(f"{path.name} needs the program ffmpeg, which is not installed; a .gif needs none")
+
+
+def save_animation(animation: Any, path: Path, progress: Callable[[int, int], None] | None = None) -> Path:
+    """Write an animation to a .gif or .mp4 file, which is whole or not there, and close its figure."""
+    from matplotlib import pyplot
+
+    require_writer(path)
+    # A writer opens its file by name, and tells the kind from it: so a folder beside, not a temporary name.
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+        part = Path(folder) / path.name
+        writer = "pillow" if path.suffix == ".gif" else "ffmpeg"
+        animation.save(part, writer=writer, dpi=100, progress_callback=progress)
+        part.replace(path)
+    pyplot.close(animation._fig)
+    return path
 
 
 def _frame_axes(ax: Any, run: Any) -> None:

@@ -1,0 +1,209 @@
+"""`floquetrod simulate`: what it answers, what it writes, what Ctrl-C and divergence leave, what it refuses."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from floquetrod import cli, segmented
+from floquetrod.cli import common
+
+LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
+SHORT = ["simulate", "--rod", "nitinol", *LOAD, "--segments", "60", "--duration", "0.2s"]
+
+
+@pytest.fixture(autouse=True)
+def no_window(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+
+
+def answer(capsys: pytest.CaptureFixture[str], *arguments: str, status: int = 0) -> Any:
+    """Return the answer as JSON."""
+    assert cli.main([*SHORT, *arguments, "--json"]) == status
+    return json.loads(capsys.readouterr().out, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+
+
+def test_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*SHORT, "--kick", "7:0.1mm/s"]) == 0
+    text = capsys.readouterr().out
+    assert text.startswith("NOT BUCKLED: largest angle 0.0")
+    for line in (
+        r"start     0\.1 mm/s in mode 7; friction 0",
+        r"growth    3\.\d+ \+- \S+ 1/s in mode 7 up to 0\.2 s; predicted 4\.2357 1/s \(-10\.\d\d %\)",
+        r"theory    unstable: mode 7 grows",
+        r"step      10\.9 us, set by shear: ",
+        r"cost      \S+ s of wall time for 0\.2 s of 60 segments",
+        r"written   nothing: name files with --out",
+    ):
+        assert re.search(line, text), line
+
+
+def test_json_says_what_the_library_finds(capsys: pytest.CaptureFixture[str]) -> None:
+    record = answer(capsys, "--kick", "7:0.1mm/s")
+    rod = fr.Rod.nitinol()
+    load = fr.AxialLoad(0.2 * rod.critical_force, 0.2 * rod.critical_force, 150.0)
+    run = fr.simulate(rod, load, 0.2, perturbation=fr.Perturbation.modes({7: 1e-4}), segments=60)
+    assert record["growth_rate_per_s"] == run.growth_rate(7).rate
+    assert record["predicted_growth_rate_per_s"] == rod.stability(load).growth_rate
+    assert (record["buckled"], record["dominant_mode"], record["complete"]) == (False, 7, True)
+    assert record["time_step_s"] == run.setting.time_step
+    assert record["time_step_set_by"] == "shear"
+
+
+def test_a_rod_that_buckles_and_one_that_friction_holds(capsys: pytest.CaptureFixture[str]) -> None:
+    load = ["--mean", "1.1Fcr", "--amplitude", "0", "--duration", "0.6s"]
+    free = answer(capsys, *load)
+    assert free["buckled"]
+    assert free["dominant_mode"] in free["predicted_unstable_modes"]
+    held = answer(capsys, *load, "--mu", "0.1", "--kick", "6:1mm/s")
+    assert not held["buckled"]
+    assert held["growth_rate_per_s"] is None
+    assert held["critical_kick_m_per_s"] > 1e-3
+    assert cli.main([*SHORT, *load, "--mu", "0.1", "--duration", "0.01s"]) == 0
+    out = capsys.readouterr().out
+    assert "growth    not fitted: with friction nothing grows exponentially" in out
+    assert "against friction the smallest kick that buckles it is" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        ([], fr.Perturbation.random(1e-3, 1)),
+        (["--seed", "5"], fr.Perturbation.random(1e-3, 5)),
+        (["--kick", "8:50mm/s", "--kick", "6:-1cm/s"], fr.Perturbation.modes({8: 0.05, 6: -0.01})),
+        (["--kick", "8:5cm/s", "--random", "2mm/s"], fr.Perturbation(speeds=((8, 0.05),), noises=((2e-3, 1),))),
+        (["--case", "A:6"], fr.Perturbation.case("A", mode=6)),
+        (["--case", "B"], fr.Perturbation.case("B")),
+        (["--case", "C", "--seed", "3"], fr.Perturbation.case("C", seed=3)),
+        (["--case", "D", "--seed", "3"], fr.Perturbation.case("D", seed=3)),
+    ],
+)
+def test_perturbations(
+    arguments: list[str], expected: fr.Perturbation, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    path = tmp_path / "run.npz"
+    size = ["--segments", "120", "--duration", "1ms", "--frames", "2", "--out", str(path)]
+    assert cli.main([*SHORT, *size, *arguments]) == 0
+    assert fr.Simulation.load(path).setting.perturbation == expected
+
+
+def test_writes_every_kind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    paths = [tmp_path / name for name in ("run.npz", "run.png", "run.gif")]
+    out = [word for path in paths for word in ("--out", str(path))]
+    record = answer(capsys, "--frames", "4", "--duration", "10ms", "--kick", "7:1mm/s", *out)
+    assert record["written"] == list(map(str, paths))
+    assert sorted(tmp_path.iterdir()) == sorted(paths)  # nothing half-written is left
+    assert fr.Simulation.load(paths[0]).time.size == 4
+    assert paths[1].read_bytes().startswith(b"\x89PNG")
+    assert paths[2].read_bytes().startswith(b"GIF8")
+
+
+def test_enough_frames_for_the_growth_rate(capsys: pytest.CaptureFixture[str]) -> None:
+    fast = answer(capsys, "--mean", "0.3Fcr", "--amplitude", "0.1Fcr", "--frequency", "1400", "--kick", "7:0.1mm/s")
+    assert fast["frames"] == 447  # 44.6 periods, ten frames each
+    assert fast["growth_rate_per_s"] is not None
+
+
+def interrupt_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Press Ctrl-C after so many reports of progress."""
+    left = [calls]
+
+    def stop(self: object, done: int, total: int) -> None:
+        left[0] -= 1
+        if left[0] == 0:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(common.Progress, "__call__", stop)
+
+
+def test_control_c_keeps_what_there_is(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, checkpoint = tmp_path / "run.npz", tmp_path / "run.ckpt"
+    arguments = [*SHORT, "--frames", "41", "--out", str(path), "--checkpoint", str(checkpoint)]
+    with monkeypatch.context() as patch:
+        interrupt_after(10, patch)
+        assert cli.main(arguments) == 130
+    out = capsys.readouterr().out
+    assert out.startswith("INTERRUPTED at 0.05 s of 0.2 s; so far NOT BUCKLED")
+    assert "kept      11 of 41 frames; the same command goes on from the checkpoint" in out
+    assert fr.Simulation.load(path).time.size == 11
+    assert cli.main(arguments) == 0
+    assert fr.Simulation.load(path).complete
+    whole = tmp_path / "whole.npz"
+    assert cli.main([*SHORT, "--frames", "41", "--out", str(whole)]) == 0
+    assert np.array_equal(fr.Simulation.load(path).positions, fr.Simulation.load(whole).positions)
+
+
+def test_divergence_keeps_the_frames_before(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(segmented, "SAFETY", 1.3)
+    path = tmp_path / "run.npz"
+    assert cli.main([*SHORT, "--out", str(path)]) == 2
+    error = capsys.readouterr().err
+    assert re.search(
+        r"error: the simulation diverged before t = .* the \d+ frames before are kept, in .*run.npz", error
+    )
+    assert not fr.Simulation.load(path).complete
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--kick", "8"], "--kick must be a mode and a speed such as 8:50mm/s, got '8'"),
+        (["--kick", "0:50mm/s"], "mode 0 must be 1 or more"),
+        (["--kick", "11:50mm/s"], "names mode 11, which 60 segments cannot carry"),
+        (["--kick", "8:50mph"], "unit 'mph' is not understood"),
+        (["--case", "E"], "--case must be A, B, C or D"),
+        (["--case", "B:4"], "--case must be A, B, C or D, A and C with a mode"),
+        (["--case", "A", "--seed", "2"], "--seed draws nothing here"),
+        (["--seed", "-2"], "seed must be 0 or more"),
+        (["--duration", "2 weeks"], "--duration must be a number with a time unit"),
+        (["--mu", "-1"], "friction must be zero or more"),
+        (["--segments", "20"], "segments must be at least 37"),
+        (["--time-step", "1ms"], "time_step must be at most"),
+        (["--out", "run.doc"], r"--out must end in \.png"),
+        (["--out", "no/run.png"], "there is no folder 'no' to write run.png to"),
+        (["--checkpoint", "no/run.ckpt"], "there is no folder 'no' to write run.ckpt to"),
+    ],
+)
+def test_refuses_in_a_line(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*SHORT, *arguments]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert re.search(message, captured.err)
+
+
+def test_mp4_needs_ffmpeg(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    from matplotlib import animation
+
+    monkeypatch.setattr(animation.writers, "is_available", lambda name: False)
+    assert cli.main([*SHORT, "--out", "run.mp4"]) == 2
+    assert "run.mp4 needs the program ffmpeg" in capsys.readouterr().err
+
+
+def test_progress_tells_rate_and_time_left(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = iter([0.0, 1.0, 3.0, 5.0])
+    monkeypatch.setattr(common.time, "monotonic", lambda: next(clock))
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    progress = common.Progress("steps")
+    progress(1000, 9000)  # done by an earlier run
+    progress(5000, 9000)
+    progress.close()
+    progress(9000, 9000)
+    told = [line.rstrip() for line in re.split(r"[\r\n]+", capsys.readouterr().err)]
+    assert told == [
+        "",
+        "1,000 of 9,000 steps",
+        "5,000 of 9,000 steps, 2,000 a second, 2 s left",
+        "9,000 of 9,000 steps, 2,000 a second, 0 s left",
+        "",
+    ]
