@@ -49,8 +49,8 @@ def figure_2(chart: int) -> Any:
         figure,
         f"(a) Unstable points (grey) of a {chart} x {chart} chart by the 100-period leapfrog test, and the exact "
         "transition curves of orders 0 to 6. (b)-(d) The first ten modes of the reference rod under three loads of "
-        "amplitude 0.2 F_cr on the exact chart (grey: unstable): filled where unstable, which is mode 8 in (b), in a tongue the "
-        "test is blind to, and mode 7 in (c).",
+        "amplitude 0.2 F_cr on the exact chart (grey: unstable): filled where unstable, which is mode 8 in (b), in a "
+        "tongue the test is blind to, and mode 7 in (c).",
         112,
     )
     return figure
