@@ -15,14 +15,18 @@ import pytest
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 PAGES = [path.name for path in sorted(DOCS.glob("*.md")) if "{code-cell}" in path.read_text(encoding="utf-8")]
-# One sign or factor wrong in each derivation.
-MISTAKES = {
-    "rod.md": ("(-1, height)", "(1, height)"),
-    "floquet.md": ("u.diff(tau, 2) - (p + c**2) * u", "u.diff(tau, 2) - (p - c**2) * u"),
-    "hill.md": ("chain(1, 5, shift=-q)", "chain(1, 5, shift=q)"),
-    "square_wave.md": ("(p / q - q / p)", "(p / q + q / p)"),
-    "leapfrog.md": ("w + w**3 * h**2 / 24", "w - w**3 * h**2 / 24"),
-}
+# Signs and factors wrong, one at a time, in each derivation: page, what it says, what it must not.
+MISTAKES = [
+    ("rod.md", "(-1, height)", "(1, height)"),
+    ("floquet.md", "u.diff(tau, 2) - (p + c**2) * u", "u.diff(tau, 2) - (p - c**2) * u"),
+    ("hill.md", "chain(1, 5, shift=-q)", "chain(1, 5, shift=q)"),
+    ("square_wave.md", "(p / q - q / p)", "(p / q + q / p)"),
+    ("leapfrog.md", "w + w**3 * h**2 / 24", "w - w**3 * h**2 / 24"),
+    ("friction.md", "A * (psi.diff(tau) - 2 * c * psi)", "A * (psi.diff(tau) + 2 * c * psi)"),
+    ("friction.md", "excess = d - a * t**2", "excess = d + a * t**2"),
+    ("friction.md", "2 / sp.pi * sp.sin(u)", "4 / sp.pi * sp.sin(u)"),
+    ("friction.md", "found[dz] - sp.I * sigma", "found[dz] + sp.I * sigma"),
+]
 
 
 def cells(text: str) -> Iterator[str]:
@@ -51,18 +55,17 @@ def test_pages_execute(page: str) -> None:
     execute((DOCS / page).read_text(encoding="utf-8"))
 
 
-def with_mistake(page: str) -> str:
+def with_mistake(page: str, right: str, wrong: str) -> str:
     """Return the text of a page with one thing wrong."""
-    right, wrong = MISTAKES[page]
     text = (DOCS / page).read_text(encoding="utf-8")
     assert text.count(right) == 1, f"{page} says {right!r} {text.count(right)} times"
     return text.replace(right, wrong)
 
 
-@pytest.mark.parametrize("page", MISTAKES)
-def test_a_mistake_in_a_derivation_is_found(page: str) -> None:
+@pytest.mark.parametrize(("page", "right", "wrong"), MISTAKES)
+def test_a_mistake_in_a_derivation_is_found(page: str, right: str, wrong: str) -> None:
     with pytest.raises(AssertionError):
-        execute(with_mistake(page))
+        execute(with_mistake(page, right, wrong))
 
 
 def build(site: Path, page: str, example: str) -> subprocess.CompletedProcess[str]:
@@ -94,7 +97,8 @@ def test_the_site_builds_and_its_links_resolve(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_mistake_in_a_derivation_fails_the_build(tmp_path: Path) -> None:
-    run = build(tmp_path, with_mistake("leapfrog.md"), "assert 1 + 1 == 2")
+    mistake = next(mistake for mistake in MISTAKES if mistake[0] == "leapfrog.md")
+    run = build(tmp_path, with_mistake(*mistake), "assert 1 + 1 == 2")
     assert run.returncode != 0
     assert "AssertionError" in run.stdout + run.stderr
 

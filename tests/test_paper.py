@@ -18,18 +18,22 @@ from floquetrod.paper.claims import ROD, UNIT
 from floquetrod.paper.reproduction import reproduce
 
 Steps = list[tuple[str, int, int]]
+COARSE = reproduction.QUICK._replace(chart=12, rod=(8, 6), hill=8, friction=8, kicks=8)
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, reproduction.Reproduction, Steps]:
-    """Return a quick reproduction: its folder, its result and the progress it reported."""
-    folder = tmp_path_factory.mktemp("paper") / "new"
+def test_the_study_is_made_again(tmp_path: Path) -> None:
+    # One test for all that rests on it, so that it is computed once, however many workers share the suite.  Claims are
+    # as fine as --quick has them; figures coarser, since no claim rests on them.
+    folder = tmp_path / "new"
     seen: Steps = []
-    return folder, reproduce(folder, quick=True, progress=lambda *step: seen.append(step)), seen
+    result = reproduce(folder, detail=COARSE, progress=lambda *step: seen.append(step))
+    check_claims(result)
+    check_progress(result, seen)
+    check_report(folder, result)
 
 
-def test_every_claim_comes_out(made: tuple[Path, reproduction.Reproduction, object]) -> None:
-    _, result, _ = made
+def check_claims(result: reproduction.Reproduction) -> None:
+    """Every claim comes out as documented."""
     assert not result.lost, [claim.computed for claim in result.lost]
     assert [claim.id for claim in result.claims] == [
         *claims.frictionless_claims(10),
@@ -39,15 +43,15 @@ def test_every_claim_comes_out(made: tuple[Path, reproduction.Reproduction, obje
     assert all(claim.why for claim in result.claims if not claim.agrees)
 
 
-def test_progress_ends_at_the_end(made: tuple[Path, reproduction.Reproduction, Steps]) -> None:
-    _, result, seen = made
+def check_progress(result: reproduction.Reproduction, seen: Steps) -> None:
+    """Progress is told step by step and ends at the end."""
     total = seen[-1][2]
     assert [done for _, done, _ in seen] == list(range(total + 1))
     assert total == len(result.claims) + 6
 
 
-def test_the_report_is_whole(made: tuple[Path, reproduction.Reproduction, object]) -> None:
-    folder, result, _ = made
+def check_report(folder: Path, result: reproduction.Reproduction) -> None:
+    """All that was written is there, and the report holds every claim and picture."""
     assert {path.name for path in folder.iterdir()} == {path.name for path in result.written}
     record = json.loads((folder / "claims.json").read_text())
     assert [claim["computed"] for claim in record["claims"]] == [claim.computed for claim in result.claims]
@@ -77,7 +81,7 @@ def test_a_lost_claim_makes_the_command_fail(
 ) -> None:
     right = claims.f2_c()
     wrong = dataclasses.replace(right, holds=False)
-    monkeypatch.setattr(reproduction, "_drawings", lambda quick: [])
+    monkeypatch.setattr(reproduction, "_drawings", lambda detail: [])
     for claim, status in ((right, 0), (wrong, 1)):
         monkeypatch.setattr(reproduction, "friction_claims", lambda points: {})
         monkeypatch.setattr(reproduction, "frictionless_claims", lambda points, claim=claim: {"F2-c": lambda: claim})
@@ -123,9 +127,9 @@ def test_bands_and_tongues_are_the_exact_verdict(rng: np.random.Generator) -> No
 @pytest.mark.parametrize(
     "draw",
     [
-        figures.figure_2,
+        lambda: figures.figure_2(12),
         lambda: figures.figure_3((8, 6)),
-        lambda: figures.figure_8(8),
+        lambda: figures.figure_8(8, 12),
         lambda: friction_figures.figure_5(12),
         lambda: friction_figures.figure_6(8),
         lambda: friction_figures.figure_kick(8),

@@ -36,11 +36,12 @@ def add(commands: Any) -> None:
 
 def _reproduce(options: argparse.Namespace) -> Answer:
     from floquetrod.paper.report import verdict
-    from floquetrod.paper.reproduction import reproduce
+    from floquetrod.paper.reproduction import FULL, QUICK, reproduce
 
     if options.out.exists() and not options.out.is_dir():
         raise ValueError(f"--out must be a folder, and {str(options.out)!r} is a file")
-    result = reproduce(options.out, quick=options.quick, simulations=options.simulations, progress=_say())
+    detail = QUICK if options.quick else FULL
+    result = reproduce(options.out, detail=detail, simulations=options.simulations, progress=_say())
     status = 1 if result.lost else 0
     written = [str(path) for path in result.written]
     if options.json:

@@ -28,10 +28,10 @@ SHOWN = 1e-4
 """Growth per unit tau from which Figure 3(a)-(d) shows a tongue: weaker ones, fine as hairs, would cover the page."""
 
 
-def figure_2() -> Any:
+def figure_2(chart: int) -> Any:
     """Draw the stability chart by leapfrog under the exact curves, and the first ten modes under three loads."""
     figure, axes = drawing.panels(2, 2, (8.0, 7.4))
-    alpha, beta = window(100)
+    alpha, beta = window(chart)
     curves = mathieu.transition_curves(np.linspace(*WINDOW[0], 400), range(7))
     axes[0].set_title("leapfrog and exact curves", fontsize="medium")
     drawing.draw_plane(axes[0], alpha, beta.ravel(), ~LEAPFROG.is_stable(alpha, beta), curves)
@@ -47,10 +47,10 @@ def figure_2() -> Any:
         ax.set_title(words, fontsize="medium")
     drawing.caption(
         figure,
-        "(a) Unstable points (grey) of a 100 x 100 chart by the 100-period leapfrog test, and the exact transition "
-        "curves of orders 0 to 6. (b)-(d) The first ten modes of the reference rod under three loads of amplitude "
-        "0.2 F_cr on the exact chart (grey: unstable): filled where unstable, which is mode 8 in (b), in a tongue the "
-        "test is blind to, and mode 7 in (c).",
+        f"(a) Unstable points (grey) of a {chart} x {chart} chart by the 100-period leapfrog test, and the exact "
+        "transition curves of orders 0 to 6. (b)-(d) The first ten modes of the reference rod under three loads of "
+        "amplitude 0.2 F_cr on the exact chart (grey: unstable): filled where unstable, which is mode 8 in (b), in a "
+        "tongue the test is blind to, and mode 7 in (c).",
         112,
     )
     return figure
@@ -113,10 +113,10 @@ def tongues(amplitude: float, omega: NDArray[np.float64], upto: float) -> list[T
     return result
 
 
-def figure_8(points: int) -> Any:
+def figure_8(points: int, chart: int) -> Any:
     """Draw the boundaries by Hill's determinants and by the square wave over the leapfrog chart."""
     figure, axes = drawing.panels(1, 2, (8.0, 4.4))
-    alpha, beta = window(100)
+    alpha, beta = window(chart)
     unstable = ~LEAPFROG.is_stable(alpha, beta)
     fine_alpha, fine_beta = window(points)
     for ax, name, method in (

@@ -6,7 +6,7 @@ import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from floquetrod._files import whole_file
 from floquetrod.paper import figures, friction_figures, simulation_claims, simulation_figures
@@ -15,6 +15,38 @@ from floquetrod.paper.friction_claims import friction_claims
 from floquetrod.paper.report import write_report
 
 _DPI = 200
+
+
+class Detail(NamedTuple):
+    """How finely the study is made again: numbers of points along each side.
+
+    Attributes
+    ----------
+    maps : int
+        Of the maps and charts that claims rest on.
+    chart : int
+        Of the charts of Figures 2, 5 and 8.
+    rod : tuple of int
+        Of the maps of Figure 3, over frequency and mean force.
+    hill : int
+        Of the boundaries of Figure 8.
+    friction, kicks : int
+        Of the maps of Figure 6 and of the critical kick.
+    few_runs : bool
+        Whether to simulate half the segments and half the random draws.
+    """
+
+    maps: int = 100
+    chart: int = 100
+    rod: tuple[int, int] = (480, 400)
+    hill: int = 240
+    friction: int = 200
+    kicks: int = 100
+    few_runs: bool = False
+
+
+FULL = Detail()
+QUICK = Detail(maps=50, rod=(120, 100), hill=60, friction=48, kicks=24, few_runs=True)
 
 
 @dataclass(frozen=True)
@@ -33,7 +65,7 @@ class Reproduction:
 def reproduce(
     folder: Path,
     *,
-    quick: bool = False,
+    detail: Detail = FULL,
     simulations: bool = False,
     progress: Callable[[str, int, int], None] | None = None,
 ) -> Reproduction:
@@ -43,11 +75,11 @@ def reproduce(
     ----------
     folder : Path
         Where the figures (PNG), claims.md, claims.json and report.html go.
-    quick : bool
-        Coarser maps, and coarser and fewer simulations.
+    detail : Detail
+        How finely: `FULL`, `QUICK` or your own.
     simulations : bool
         Also simulate whole rods, for Figures 4 and 7 and the claims on them: some seven minutes of processor time, in
-        as many threads as there are processors; a minute with ``quick``.
+        as many threads as there are processors; a minute with `QUICK`.
     progress : callable, optional
         Called before each step with its name, its number and how many there are, and at the end.
     """
@@ -60,15 +92,14 @@ def reproduce(
             progress(what, done, total)
         done += 1
 
-    study = functools.cache(lambda: simulation_claims.make_study(quick, say))
-    drawings = _drawings(quick)
-    points = 50 if quick else 100
-    tests = frictionless_claims(points) | friction_claims(points)
+    study = functools.cache(lambda: simulation_claims.make_study(detail.few_runs, say))
+    drawings = _drawings(detail)
+    tests = frictionless_claims(detail.maps) | friction_claims(detail.maps)
     total = len(drawings) + len(tests)
     if simulations:
         drawings = sorted([*drawings, *_simulated(study)])  # by title
         tests |= simulation_claims.simulation_claims(study)
-        total = len(drawings) + len(tests) + sum(map(len, simulation_claims.trials(quick)))
+        total = len(drawings) + len(tests) + sum(map(len, simulation_claims.trials(detail.few_runs)))
         study()
     pictures: dict[str, Path] = {}
     for title, name, draw in drawings:
@@ -83,16 +114,20 @@ def reproduce(
     return Reproduction(tuple(claims), (*pictures.values(), *reports))
 
 
-def _drawings(quick: bool) -> list[tuple[str, str, Callable[[], Any]]]:
+def _drawings(detail: Detail) -> list[tuple[str, str, Callable[[], Any]]]:
     """Return title, file and function of each figure."""
-    points, fine, kicks = ((120, 100), 60, 24) if quick else ((480, 400), 240, 100)
+    chart = detail.chart
     return [
-        ("Figure 2: the stability chart and the modes", "figure_2.png", figures.figure_2),
-        ("Figure 3: stability of the rod", "figure_3.png", lambda: figures.figure_3(points)),
-        ("Figure 5: friction in the mode equation", "figure_5.png", lambda: friction_figures.figure_5(100)),
-        ("Figure 6: friction on the rod", "figure_6.png", lambda: friction_figures.figure_6(2 * kicks)),
-        ("The critical kick", "figure_kick.png", lambda: friction_figures.figure_kick(kicks)),
-        ("Figure 8: Hill's determinants and the square wave", "figure_8.png", lambda: figures.figure_8(fine)),
+        ("Figure 2: the stability chart and the modes", "figure_2.png", lambda: figures.figure_2(chart)),
+        ("Figure 3: stability of the rod", "figure_3.png", lambda: figures.figure_3(detail.rod)),
+        ("Figure 5: friction in the mode equation", "figure_5.png", lambda: friction_figures.figure_5(chart)),
+        ("Figure 6: friction on the rod", "figure_6.png", lambda: friction_figures.figure_6(detail.friction)),
+        ("The critical kick", "figure_kick.png", lambda: friction_figures.figure_kick(detail.kicks)),
+        (
+            "Figure 8: Hill's determinants and the square wave",
+            "figure_8.png",
+            lambda: figures.figure_8(detail.hill, chart),
+        ),
     ]
 
 

@@ -1,0 +1,54 @@
+"""
+Which kick buckles a rod that rubs?
+===================================
+
+Dry friction holds a rod that would buckle without it, until it is kicked hard enough.  How hard is hard enough depends
+on the load; between the tongues of two modes it takes most.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import floquetrod as fr
+
+rod, mu, omega = fr.Rod.nitinol(), 0.1, 150.0
+amplitude = 0.7 * rod.critical_force
+
+# %%
+# One load.  Without friction four modes grow; a kick of 50 mm/s sets off two of them.
+load = fr.AxialLoad(0.825 * rod.critical_force, amplitude, omega)
+verdict = rod.stability(load, friction=fr.Coulomb(mu, velocity=0.05))
+print(verdict)
+for mode, velocity in verdict.critical_velocities.items():
+    print(f"mode {mode:2d} is set off by {1e3 * velocity:.1f} mm/s")
+smallest, first = verdict.critical_kick
+print(f"the rod buckles from {1e3 * smallest:.2f} mm/s on, into mode {first}")
+
+# %%
+# The same over the mean force, at this amplitude and at a smaller one.  Modes that grow by less than 0.01 per second
+# are left out: no kick in reach sets them off.
+share = np.linspace(0.0, 1.0, 101)
+_, panels = plt.subplots(2, 1, figsize=(8.0, 5.6), sharex=True, layout="constrained")
+for axes, part in zip(panels, (0.7, 0.3), strict=True):
+    velocity, mode = rod.critical_velocities(
+        share * rod.critical_force, part * rod.critical_force, omega, mu, growth_tolerance=0.01
+    )
+    often, never = 100.0 * (velocity < 0.05).mean(), 100.0 * np.isinf(velocity).mean()
+    print(
+        f"amplitude {part} F_cr: 50 mm/s buckle it at {often:.0f} % of the mean forces, no kick does at {never:.0f} %"
+    )
+    for number, marker in zip(np.unique(mode[mode > 0]), "os^Dv<>pPX*", strict=False):
+        here = mode == number
+        axes.plot(share[here], 1e3 * velocity[here], marker, color="black", markersize=3)
+        lowest = np.flatnonzero(here)[np.argmin(velocity[here])]
+        offset = {"xytext": (0, -12), "textcoords": "offset points", "ha": "center", "fontsize": "small"}
+        axes.annotate(f"{number}", (share[lowest], 1e3 * velocity[lowest]), **offset)
+    for calm in share[np.isinf(velocity)]:
+        axes.axvspan(calm - 0.005, calm + 0.005, color="0.88", linewidth=0.0)
+    axes.axhline(50.0, color="black", linestyle="--", linewidth=0.9)
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 150.0), ylabel="critical kick / mm/s")
+    axes.set_title(f"amplitude {part:g} $F_{{cr}}$, {omega:g} rad/s, friction {mu:g}", fontsize="small")
+panels[1].set_xlabel(
+    r"mean force $F_\mathrm{ave} / F_\mathrm{cr}$ (numbers: modes; dashed: 50 mm/s; shaded: no kick buckles it)"
+)
+plt.show()
