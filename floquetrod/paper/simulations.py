@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -166,13 +167,27 @@ def carry_out(
     return [task.result() for task in running]
 
 
-def torsion_and_shear_share(run: Simulation) -> float:
-    """Return the part of the elastic energy of bending, twist and shear that twist and shear hold (claim E).
+class MinorShare(NamedTuple):
+    """What twist and shear hold of the elastic energy of bending, twist and shear (claim E).
 
-    The largest over the frames in which the rod holds more than a hundredth of its largest energy of bending.  Stretch
-    is left out, which would only make the part smaller.
+    Stretch is left out, which would only make it smaller.  ``overall``: of the energy summed over all frames; ``most``:
+    at the instant at which it is most, of those with more than a hundredth of the largest energy of bending; ``bend``:
+    the energy of bending at that instant, of its largest; ``twist``: what twist alone holds of twist and shear,
+    overall.
     """
-    energy = run.energy
-    minor, bend = energy["twist"] + energy["shear"], energy["bend"]
-    held = bend > 0.01 * bend.max()
-    return float((minor[held] / (minor[held] + bend[held])).max())
+
+    overall: float
+    most: float
+    bend: float
+    twist: float
+
+
+def torsion_and_shear_share(run: Simulation) -> MinorShare:
+    """Return what twist and shear hold of the elastic energy of a run."""
+    minor, bend = run.energy["twist"] + run.energy["shear"], run.energy["bend"]
+    held = np.flatnonzero(bend > 0.01 * bend.max())
+    shares = minor[held] / (minor[held] + bend[held])
+    at = held[shares.argmax()]
+    overall = minor.sum() / (minor.sum() + bend.sum())
+    twist = run.energy["twist"].sum() / minor.sum()
+    return MinorShare(float(overall), float(shares.max()), float(bend[at] / bend.max()), float(twist))
