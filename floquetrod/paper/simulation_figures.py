@@ -44,8 +44,8 @@ def figure_7(study: Study) -> Any:
         figure,
         f"Simulated rods with friction {trial.friction:g} from above, {trial.segments} segments, amplitude "
         f"{trial.amplitude:g} F_cr, kicks of {1e3 * SPEED:g} mm/s (columns), y in mm: four times of the last quarter "
-        f"of {trial.duration:g} s, black where farthest out. The first mode of C is that of A: 6 at 85, 8 at 150 rad/s. "
-        "Where the paper found something else, the title says what.",
+        f"of {trial.duration:g} s, black where farthest out. The first mode of C is that of A: 6 at 85, 8 at 150 "
+        "rad/s. Where the paper found something else, the title says what.",
         112,
     )
     return figure

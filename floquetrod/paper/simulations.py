@@ -55,7 +55,7 @@ class Trial:
         The modes one of which is expected to win; none when the rod is expected to stay.
     duration : float
         s.
-    segments : int
+    segments, frames : int
     """
 
     mean: float
@@ -67,6 +67,7 @@ class Trial:
     expected_modes: tuple[int, ...]
     duration: float
     segments: int
+    frames: int = 400
 
     @property
     def load(self) -> AxialLoad:
@@ -76,8 +77,16 @@ class Trial:
 
     def carry_out(self, progress: Progress | None = None) -> Outcome:
         """Simulate it; ``progress`` is called with the steps done and to do."""
-        load, kick = self.load, self.perturbation
-        run = simulate(ROD, load, self.duration, self.friction, kick, self.segments, progress=progress)
+        run = simulate(
+            ROD,
+            self.load,
+            self.duration,
+            self.friction,
+            self.perturbation,
+            self.segments,
+            frames=self.frames,
+            progress=progress,
+        )
         return Outcome(self, run.buckled, run.dominant_mode if run.buckled else 0, run)
 
     def __str__(self) -> str:
