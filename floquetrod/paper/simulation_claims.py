@@ -152,7 +152,7 @@ def f4(study: Study) -> Claim:
         "predicted one",
         not wrong,
         "; ".join(f"{o.trial}: {_found(o)}, predicted modes {_and(o.trial.expected_modes)}" for o in wrong),
-        not wrong and lead > 1.5 and off < 0.03,
+        not wrong and lead > 1.5 and off < 0.01 * (250.0 / outcomes[0].trial.segments) ** 2,
     )
 
 
