@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from floquetrod.paper import simulation_claims
 from floquetrod.paper import simulations as paper_simulations
 
 pytestmark = pytest.mark.slow
@@ -89,7 +90,7 @@ def test_claim_f3_b_and_figure_4(seed: int) -> None:
             power = np.sort(np.sum(modes**2, axis=0))
             # One mode dominates, though less where several grow and meet at large angles.
             assert power[-1] > (4.0 if len(outcome.trial.expected_modes) == 1 else 1.5) * power[-2]
-            assert paper_simulations.torsion_and_shear_share(outcome.run) < 0.02
+            assert paper_simulations.torsion_and_shear_share(outcome.run).most < 0.02
 
 
 def test_figure_7() -> None:
@@ -98,15 +99,53 @@ def test_figure_7() -> None:
         assert outcome.agrees, outcome
 
 
-def test_the_kick_that_friction_stops() -> None:
-    """The mode equation with friction lets mode 9 escape from 32.1 mm/s on; docs/simulator.md on where they part."""
-    load = fr.AxialLoad(0.825 * NITINOL.critical_force, 0.7 * NITINOL.critical_force, 150.0)
-    for part, escapes in ((0.97, False), (1.07, True)):
-        kick = fr.Perturbation.modes({9: part * 0.0321})
-        run = fr.simulate(NITINOL, load, 2.0, 0.1, kick)
-        assert run.buckled == escapes
-        if escapes:
-            assert run.dominant_mode == 9
+THRESHOLDS = [(0.825, 150.0, 9, 1.02), (0.424, 150.0, 8, 1.05), (0.825, 85.0, 7, 1.02)]
+"""Mean force (F_cr), frequency, the mode that needs the least kick, and the kick it needs over the predicted one."""
+
+
+@pytest.mark.parametrize(("mean", "frequency", "mode", "ratio"), THRESHOLDS)
+def test_the_kick_that_friction_stops(mean: float, frequency: float, mode: int, ratio: float) -> None:
+    """The simulated rod needs 2 to 5 % more than the mode equation with friction says; docs/simulator.md says why."""
+    load = fr.AxialLoad(mean * NITINOL.critical_force, 0.7 * NITINOL.critical_force, frequency)
+    predicted, expected = NITINOL.critical_velocity(load, 0.1)
+    assert expected == mode
+    for part, escapes in ((ratio - 0.02, False), (ratio + 0.02, True)):
+        kick = fr.Perturbation.modes({mode: part * predicted})
+        assert fr.simulate(NITINOL, load, 2.5, 0.1, kick).buckled == escapes
+
+
+def stiffer(rod: fr.Rod, factor: float) -> fr.Rod:
+    """Return a rod of the same mass, bending stiffness and gap, EA larger by a factor: it hardly slides along."""
+    radius = rod.radius / math.sqrt(factor)
+    return rod.replace(
+        youngs_modulus=rod.youngs_modulus * factor**2,
+        density=rod.density * factor,
+        radius=radius,
+        channel_radius=rod.gap + radius,
+    )
+
+
+def test_sliding_along_the_channel_eases_small_kicks() -> None:
+    """At a tenth of the friction and the kick the rod escapes earlier; not once it is too stiff to slide."""
+    mean, frequency, mode, _ = THRESHOLDS[0]
+    load = fr.AxialLoad(mean * NITINOL.critical_force, 0.7 * NITINOL.critical_force, frequency)
+    predicted, _ = NITINOL.critical_velocity(load, 0.01)
+    for rod, segments, ratio in ((NITINOL, 250, 0.90), (stiffer(NITINOL, 25.0), 125, 1.02)):
+        for part, escapes in ((ratio - 0.025, False), (ratio + 0.025, True)):
+            kick = fr.Perturbation.modes({mode: part * predicted})
+            assert fr.simulate(rod, load, 3.0, 0.01, kick, segments).buckled == escapes
+
+
+def test_case_c_needs_all_its_modes() -> None:
+    """What friction holds alone escapes among others: parts of one draw, as `floquetrod reproduce` finds for more."""
+    groups = simulation_claims.trials(quick=False)
+    whole, without, *alone = paper_simulations.carry_out(
+        next(g for g in groups if g[0].case == "C 10, seed 3" and g[0].mean == 0.424)
+    )
+    assert whole.buckled
+    assert whole.mode in (7, 8)
+    assert not without.buckled
+    assert not any(outcome.buckled for outcome in alone)
 
 
 @pytest.mark.parametrize("segments", [125, 250])

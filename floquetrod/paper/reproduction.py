@@ -78,7 +78,7 @@ def reproduce(
     detail : Detail
         How finely: `FULL`, `QUICK` or your own.
     simulations : bool
-        Also simulate whole rods, for Figures 4 and 7 and the claims on them: some seven minutes of processor time, in
+        Also simulate whole rods, for Figures 4 and 7 and the claims on them: some six minutes of processor time, in
         as many threads as there are processors; a minute with `QUICK`.
     progress : callable, optional
         Called before each step with its name, its number and how many there are, and at the end.

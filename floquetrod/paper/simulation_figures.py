@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from floquetrod.paper.simulation_claims import Study
-from floquetrod.paper.simulations import FIGURE_4, FIGURE_7, ROD, Outcome
+from floquetrod.paper.simulations import FIGURE_4, FIGURE_7, ROD, SPEED, Outcome
 from floquetrod.plotting import paper as drawing
 from floquetrod.plotting import rod as strips
 
@@ -43,8 +43,9 @@ def figure_7(study: Study) -> Any:
     drawing.caption(
         figure,
         f"Simulated rods with friction {trial.friction:g} from above, {trial.segments} segments, amplitude "
-        f"{trial.amplitude:g} F_cr, kicks of 50 mm/s (columns), y in mm: four times of the last quarter of "
-        f"{trial.duration:g} s, black where farthest out. The first mode of C is that of A: 6 at 85, 8 @ found something else, the title says what.",
+        f"{trial.amplitude:g} F_cr, kicks of {1e3 * SPEED:g} mm/s (columns), y in mm: four times of the last quarter "
+        f"of {trial.duration:g} s, black where farthest out. The first mode of C is that of A: 6 at 85, 8 at 150 "
+        "rad/s. Where the paper found something else, the title says what.",
         112,
     )
     return figure

@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -54,7 +55,7 @@ class Trial:
         The modes one of which is expected to win; none when the rod is expected to stay.
     duration : float
         s.
-    segments : int
+    segments, frames : int
     """
 
     mean: float
@@ -66,6 +67,7 @@ class Trial:
     expected_modes: tuple[int, ...]
     duration: float
     segments: int
+    frames: int = 400
 
     @property
     def load(self) -> AxialLoad:
@@ -75,8 +77,16 @@ class Trial:
 
     def carry_out(self, progress: Progress | None = None) -> Outcome:
         """Simulate it; ``progress`` is called with the steps done and to do."""
-        load, kick = self.load, self.perturbation
-        run = simulate(ROD, load, self.duration, self.friction, kick, self.segments, progress=progress)
+        run = simulate(
+            ROD,
+            self.load,
+            self.duration,
+            self.friction,
+            self.perturbation,
+            self.segments,
+            frames=self.frames,
+            progress=progress,
+        )
         return Outcome(self, run.buckled, run.dominant_mode if run.buckled else 0, run)
 
     def __str__(self) -> str:
@@ -166,13 +176,27 @@ def carry_out(
     return [task.result() for task in running]
 
 
-def torsion_and_shear_share(run: Simulation) -> float:
-    """Return the part of the elastic energy of bending, twist and shear that twist and shear hold (claim E).
+class MinorShare(NamedTuple):
+    """What twist and shear hold of the elastic energy of bending, twist and shear (claim E).
 
-    The largest over the frames in which the rod holds more than a hundredth of its largest energy of bending.  Stretch
-    is left out, which would only make the part smaller.
+    Stretch is left out, which would only make it smaller.  ``overall``: of the energy summed over all frames; ``most``:
+    at the instant at which it is most, of those with more than a hundredth of the largest energy of bending; ``bend``:
+    the energy of bending at that instant, of its largest; ``twist``: what twist alone holds of twist and shear,
+    overall.
     """
-    energy = run.energy
-    minor, bend = energy["twist"] + energy["shear"], energy["bend"]
-    held = bend > 0.01 * bend.max()
-    return float((minor[held] / (minor[held] + bend[held])).max())
+
+    overall: float
+    most: float
+    bend: float
+    twist: float
+
+
+def torsion_and_shear_share(run: Simulation) -> MinorShare:
+    """Return what twist and shear hold of the elastic energy of a run."""
+    minor, bend = run.energy["twist"] + run.energy["shear"], run.energy["bend"]
+    held = np.flatnonzero(bend > 0.01 * bend.max())
+    shares = minor[held] / (minor[held] + bend[held])
+    at = held[shares.argmax()]
+    overall = minor.sum() / (minor.sum() + bend.sum())
+    twist = run.energy["twist"].sum() / minor.sum()
+    return MinorShare(float(overall), float(shares.max()), float(bend[at] / bend.max()), float(twist))

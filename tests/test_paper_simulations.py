@@ -1,0 +1,147 @@
+"""The paper's simulations: how they are carried out and judged, on runs too short to find anything themselves."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from floquetrod import cli
+from floquetrod.paper import reproduction, simulation_claims, simulations
+from floquetrod.paper.simulation_claims import Study, friction_share
+
+SHORT = 5e-3  # s
+
+every_trial = simulation_claims.trials
+
+
+def short(quick: bool) -> list[list[simulations.Trial]]:
+    """Return all trials, cut short."""
+    return [[replace(trial, duration=SHORT, frames=9) for trial in group] for group in every_trial(True)]
+
+
+@pytest.fixture(scope="module")
+def made() -> Iterator[tuple[Study, list[str]]]:
+    said: list[str] = []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(simulation_claims, "trials", short)
+        yield simulation_claims.make_study(True, said.append), said
+
+
+def as_the_paper_says(study: Study) -> Study:
+    """Return the study with every outcome replaced by what was expected."""
+
+    def all_of(outcomes: tuple[simulations.Outcome, ...]) -> tuple[simulations.Outcome, ...]:
+        return tuple(
+            replace(o, buckled=bool(o.trial.expected_modes), mode=max(o.trial.expected_modes, default=0))
+            for o in outcomes
+        )
+
+    return replace(study, figure_4=all_of(study.figure_4), figure_7=all_of(study.figure_7))
+
+
+def test_everything_is_simulated_and_told(made: tuple[Study, list[str]]) -> None:
+    study, said = made
+    assert (len(study.figure_4), len(study.figure_7), len(study.redrawn), len(study.draws)) == (10, 30, 4, 4)
+    assert len(said) == sum(map(len, short(True)))
+    assert sorted(said) == sorted(f"Simulated {trial}" for group in short(True) for trial in group)
+    for outcome, trial in zip(study.figure_7, short(True)[1], strict=True):
+        assert outcome.trial == trial
+    assert len({str(trial) for group in short(True) for trial in group}) == len(said)
+
+
+def test_parts_of_a_draw(made: tuple[Study, list[str]]) -> None:
+    for draw in made[0].draws:
+        whole = dict(draw.whole.trial.perturbation.speeds)
+        without = dict(draw.without.trial.perturbation.speeds)
+        assert draw.modes == {0.118: (6, 7), 0.424: (7, 8)}[draw.whole.trial.mean]
+        assert without == {mode: speed for mode, speed in whole.items() if mode not in draw.modes}
+        for mode, part in zip(draw.modes, draw.alone, strict=True):
+            assert part.trial.perturbation == fr.Perturbation.modes({mode: whole[mode]})
+    assert [draw.seed for draw in made[0].draws] == [1, 2, 1, 2]
+
+
+def test_friction_is_shared() -> None:
+    assert friction_share(fr.Perturbation.modes({7: -0.02}), 7) == pytest.approx(1.0, abs=1e-3)
+    both = fr.Perturbation.modes({7: 0.02, 8: 0.04})
+    assert 0.0 < friction_share(both, 7) < friction_share(both, 8) < 1.0
+    # What moves a thousandth as fast turns the sign of the sum hardly anywhere.
+    small = fr.Perturbation.modes({1: 1.0, 2: 1e-3})
+    assert friction_share(small, 2) < 1e-2
+
+
+def test_claims_find_nothing_in_so_short_a_time(made: tuple[Study, list[str]]) -> None:
+    study, _ = made
+    found = {name: claim() for name, claim in simulation_claims.simulation_claims(lambda: study).items()}
+    assert list(found) == ["F4", "F7", "F7-C", "E"]
+    assert not any(claim.holds for claim in found.values())
+    assert "0.20 stays" in found["F4"].computed
+    assert "predicted modes 7" in found["F4"].why
+    assert "A at 150 rad/s and 0.424 F_cr: stays, the paper: mode 8" in found["F7"].computed
+
+
+def test_claims_notice_a_change(made: tuple[Study, list[str]]) -> None:
+    right = as_the_paper_says(made[0])
+    claim = simulation_claims.f7(right)
+    assert claim.agrees
+    assert claim.holds
+    assert claim.why == ""
+    for place, holds in ((0, False), (18, True)):  # case A at 85 rad/s; case C 10 at 150 rad/s and 0.118 Fcr
+        outcomes = list(right.figure_7)
+        outcomes[place] = replace(outcomes[place], buckled=True, mode=6)
+        claim = simulation_claims.f7(replace(right, figure_7=tuple(outcomes)))
+        assert (claim.agrees, claim.holds) == (False, holds)
+        assert "mode 6, the paper: stays" in claim.computed
+
+
+def test_figures(made: tuple[Study, list[str]], tmp_path: Path) -> None:
+    drawings = reproduction._simulated(lambda: made[0])
+    assert [name for _, name, _ in drawings] == ["figure_4.png", "figure_7.png"]
+    for (_, _, draw), panels in zip(drawings, (10, 30), strict=True):
+        figure = draw()
+        assert len(figure.axes) == panels
+        figure.set_layout_engine("none")  # which takes most of the time
+        figure.savefig(tmp_path / "figure.png", dpi=20)
+    titles = [ax.get_title() for ax in figure.axes]
+    assert titles[0] == "stays"
+    assert titles[10] == "stays (paper: mode 6)"
+
+
+def test_control_c_ends_the_runs_under_way() -> None:
+    trial = replace(simulations.figure_4()[0], duration=100.0)  # minutes
+
+    def stop(done: object, number: int) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        simulations.carry_out([replace(trial, duration=1e-3), *[trial] * 3], workers=2, progress=stop)
+
+
+def test_what_torsion_holds() -> None:
+    trial = replace(simulations.figure_4()[0], duration=SHORT, segments=60)
+    run = trial.carry_out().run
+    energy = dict.fromkeys(("twist", "shear"), np.array([1.0, 2.0, 1.0])) | {"bend": np.array([98.0, 16.0, 0.01])}
+    share = simulations.torsion_and_shear_share(replace(run, energy=energy))
+    assert share == pytest.approx((8.0 / 122.01, 0.2, 16.0 / 98.0, 0.5))
+
+
+def test_the_report_holds_the_simulations(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(simulation_claims, "trials", short)
+    for name in ("frictionless_claims", "friction_claims"):
+        monkeypatch.setattr(reproduction, name, lambda points: {})
+    monkeypatch.setattr(reproduction, "_drawings", lambda quick: [])
+    monkeypatch.setattr(reproduction, "_simulated", lambda study: [])  # drawn in another test
+    assert cli.main(["reproduce", "--quick", "--simulations", "--out", str(tmp_path), "--json"]) == 1
+    captured = capsys.readouterr()
+    assert list(json.loads(captured.out)["claims"]) == ["F4", "F7", "F7-C", "E"]
+    assert "Simulated 150 rad/s, mean 0.424 Fcr, friction 0.1, C 10, seed 2, without modes 7 and 8" in captured.err
+    steps = [(int(done), int(total)) for done, total in re.findall(r"\[ *(\d+)/(\d+)\]", captured.err)]
+    assert steps == [(done, 64) for done in range(65)]
