@@ -106,6 +106,8 @@ class Window:
         self._text.set_text(view.verdict)
         extent = (*view.chart_alpha, *view.chart_beta)
         highest = _step_above(float(view.growth.max()))
+        if self._frame is not None and highest <= self._frame[1] <= 10.0 * highest:
+            highest = self._frame[1]  # room to spare is no reason to draw everything anew
         if self._rest is None or (extent, highest) != self._frame:
             self._frame = extent, highest
             self._chart_image.set_extent(extent)
