@@ -17,7 +17,9 @@ def run() -> list[Row]:
     from matplotlib import pyplot
 
     try:
-        return [Row(f"a move of the {name}", seconds(name), "s", at_most=0.1) for name in ("mean", "amplitude", "frequency")]
+        return [
+            Row(f"a move of the {name}", seconds(name), "s", at_most=0.1) for name in ("mean", "amplitude", "frequency")
+        ]
     finally:
         pyplot.close("all")
         mpl.use(backend)
