@@ -18,6 +18,7 @@ from floquetrod.cli.common import (
     add_rod,
     read_friction,
     read_quantity,
+    read_range,
     read_rod,
 )
 
@@ -68,7 +69,7 @@ def _map(options: argparse.Namespace) -> Answer:
     columns, _, rows = options.points.partition("x")
     if not (columns.isdigit() and rows.isdigit() and int(columns) > 1 and int(rows) > 1):
         raise ValueError(f"--points must be like 400x300, got {options.points!r}")
-    values = {name: [read_quantity(text, name, rod) for text in getattr(options, name).split(":", 1)] for name in KINDS}
+    values = {name: read_range(getattr(options, name), name, rod) for name in KINDS}
     varied = [name for name, ends in values.items() if len(ends) == 2]
     if len(varied) != 2:
         raise ValueError(f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {len(varied)}")
