@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from importlib import metadata
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from pygments.lexers.special import TextLexer
 import floquetrod
 
 HERE = Path(__file__).parent
+sys.path.append(str(HERE))  # where sphinx-gallery finds gallery_order
 
 project = "floquetrod"
 author = "The floquetrod developers"
@@ -70,36 +72,10 @@ napoleon_use_rtype = False
 napoleon_use_ivar = True
 
 # --- gallery ----------------------------------------------------------------------------------------------------------
-# From a first verdict to what is built on it; scripts not named come last.
-GALLERY = (
-    "first_verdict",
-    "chart",
-    "frequency_choice",
-    "my_rod",
-    "thin_tongues",
-    "friction",
-    "simulation",
-    "force_record",
-    "uncertainty",
-)
-
-
-class GalleryOrder:
-    """The order of `GALLERY`, as sphinx-gallery asks for it: a key made for a folder, called with a file's name."""
-
-    def __init__(self, folder: str) -> None:
-        """Nothing depends on the folder."""
-
-    def __call__(self, name: str) -> tuple[int, str]:
-        """Return what to sort by."""
-        stem = Path(name).stem
-        return (GALLERY.index(stem) if stem in GALLERY else len(GALLERY), stem)
-
-
 sphinx_gallery_conf = {
     "examples_dirs": str(HERE.parent / "examples"),
     "gallery_dirs": "gallery",
-    "within_subsection_order": "conf.GalleryOrder",
+    "within_subsection_order": "gallery_order.GalleryOrder",
     "filename_pattern": r"\.py$",
     "run_stale_examples": True,  # an example unchanged is not a package unchanged
     "abort_on_example_error": True,
