@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +13,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli
+from floquetrod.cli.main import _parser as parser
 
 ROOT = Path(__file__).parents[1]
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
@@ -92,6 +94,20 @@ def test_a_warning_is_one_line_beside_the_answer(capsys: pytest.CaptureFixture[s
     assert captured.err.count("\n") == 1
     assert captured.err.startswith("floquetrod: warning: omega L / (2 pi) is 0.38 of the axial wave speed")
     assert captured.out
+
+
+def test_examples_in_the_help_can_be_typed(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["--help"])
+    commands = re.findall(r"^    (\w+)", capsys.readouterr().out, re.MULTILINE)
+    assert len(commands) > 5
+    for command in commands:
+        with pytest.raises(SystemExit):
+            cli.main([command, "--help"])
+        examples = re.findall(r"^  floquetrod (.*)$", capsys.readouterr().out, re.MULTILINE)
+        assert examples, command
+        for example in examples:
+            assert parser().parse_args(shlex.split(example)).command == command
 
 
 @pytest.mark.parametrize(("text", "ends"), [("20:30Hz", (20.0, 30.0)), ("20Hz:1800rpm", (1200.0, 1800.0))])

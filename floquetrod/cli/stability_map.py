@@ -54,14 +54,15 @@ def add(commands: Any) -> None:
     chart.add_argument(
         "--mark", help="a point to mark: both varied quantities, in the order mean, amplitude, frequency"
     )
-    chart.add_argument("--out", action="append", required=True, type=Path, help="file to write; may be repeated")
+    chart.add_argument("--out", action="append", type=Path, help="file to write; may be repeated (default map.png)")
 
 
 def _map(options: argparse.Namespace) -> Answer:
     from floquetrod.plotting import charts
 
     rod = read_rod(options)
-    for path in options.out:
+    paths = options.out or [Path("map.png")]
+    for path in paths:
         if path.suffix not in (*charts.FIGURES, ".npz"):
             raise ValueError(f"--out must end in .png, .pdf, .svg or .npz, got {str(path)!r}")
         if not path.parent.is_dir():
@@ -97,7 +98,7 @@ def _map(options: argparse.Namespace) -> Answer:
         place = {name: read_quantity(text, name, rod) for name, text in zip(varied, texts, strict=True)}
         up = next(name for name in varied if name != across)
         point = (place[across], place[up])
-    for path in options.out:
+    for path in paths:
         if path.suffix == ".npz":
             chart.save(path)
             continue
@@ -105,7 +106,7 @@ def _map(options: argparse.Namespace) -> Answer:
         if point is not None:
             charts.mark(axes, *point, "the load")
         charts.save_figure(axes, path)
-    written = [str(path) for path in options.out]
+    written = [str(path) for path in paths]
     share = float(chart.stable.mean())
     if options.json:
         record = {
