@@ -13,7 +13,7 @@ PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 KERNEL_TESTS := -m kernels
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint slow bench agreement docs clean
+.PHONY: demo test lint slow coverage bench agreement docs clean
 
 demo: $(READY)
 	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
@@ -34,6 +34,12 @@ lint: $(READY)
 slow: $(DOCS_READY)
 	$(PYTEST) -m slow
 
+# Lines of machine code cannot be counted: what reaches the kernels runs interpreted first, then everything quick.
+coverage: $(READY)
+	$(BIN)/python -m coverage erase
+	NUMBA_DISABLE_JIT=1 $(PYTEST) $(KERNEL_TESTS) --cov --cov-report=
+	$(PYTEST) -m "not slow" --cov --cov-append --cov-report=term-missing:skip-covered --cov-fail-under=95
+
 # Sphinx takes a warning for an error, and every page and example is run; then all links of the site are followed.
 docs: $(DOCS_READY)
 	$(BIN)/python -m sphinx -W --keep-going -T -b html -d docs/_build/doctrees docs docs/_build/html
@@ -46,7 +52,7 @@ agreement: $(READY)
 	$(BIN)/python -m benchmarks.agreement
 
 clean:
-	rm -f demo_map.png
+	rm -f demo_map.png .coverage
 	rm -rf docs/_build docs/gallery
 	rm -rf $(VENV) .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache build dist
 	find floquetrod tests benchmarks examples -name __pycache__ -prune -exec rm -rf {} +

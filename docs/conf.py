@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from importlib import metadata
 from pathlib import Path
 
@@ -11,6 +12,7 @@ from pygments.lexers.special import TextLexer
 import floquetrod
 
 HERE = Path(__file__).parent
+sys.path.append(str(HERE))  # where sphinx-gallery finds gallery_order
 
 project = "floquetrod"
 author = "The floquetrod developers"
@@ -73,7 +75,7 @@ napoleon_use_ivar = True
 sphinx_gallery_conf = {
     "examples_dirs": str(HERE.parent / "examples"),
     "gallery_dirs": "gallery",
-    "within_subsection_order": "ExampleTitleSortKey",
+    "within_subsection_order": "gallery_order.GalleryOrder",
     "filename_pattern": r"\.py$",
     "run_stale_examples": True,  # an example unchanged is not a package unchanged
     "abort_on_example_error": True,

@@ -31,7 +31,8 @@ class Axis:
     @property
     def label(self) -> str:
         """Label of the axis, symbol and unit included."""
-        return f"{self.name} ${self.symbol}$" + (f" / {self.unit}" if self.unit else "")
+        name = "" if self.symbol == rf"\{self.name}" else f"{self.name} "  # "alpha" and its letter would say it twice
+        return f"{name}${self.symbol}$" + (f" / {self.unit}" if self.unit else "")
 
 
 @dataclass(frozen=True, repr=False)

@@ -65,10 +65,15 @@ class SafeRanges:
 
     def __repr__(self) -> str:
         """Return the intervals as a table."""
-        lines = [f"stable {self.quantity} in {self.unit}, between {self.between[0]:.6g} and {self.between[1]:.6g}"]
+        return self.table(self.unit, 1.0)
+
+    def table(self, unit: str, size: float) -> str:
+        """Return the intervals as a table in another unit, ``size`` of `unit` each: ("Hz", 2 pi), say."""
+        low, high = (value / size for value in self.between)
+        lines = [f"stable {self.quantity} in {unit}, between {low:.6g} and {high:.6g}"]
         for part in self.intervals:
             ends = (_end(end) for end in (part.low_end, part.high_end))
-            lines.append(f"  {part.low:12.9g} to {part.high:12.9g}   " + " ... ".join(ends))
+            lines.append(f"  {part.low / size:12.9g} to {part.high / size:12.9g}   " + " ... ".join(ends))
         if not self.intervals:
             lines.append("  none")
         return "\n".join([*lines, f"  ({self.note})"])

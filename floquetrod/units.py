@@ -77,3 +77,13 @@ def quantity(value: Any, name: str, kind: str, *, critical_force: float | None =
             f"got {value!r}: {what} is not understood"
         )
     return float(match[1]) * units[unit]
+
+
+def unit_of(text: str) -> str | None:
+    """Return the unit of a quantity as it is written, "" where it has none; None where it is no quantity.
+
+    >>> unit_of("24Hz"), unit_of("150"), unit_of("fast")
+    ('Hz', '', None)
+    """
+    match = _NUMBER.fullmatch(text)
+    return match[2] if match else None

@@ -73,7 +73,7 @@ def build(site: Path, page: str, example: str) -> subprocess.CompletedProcess[st
     docs, examples = site / "docs", site / "examples"
     docs.mkdir()
     examples.mkdir()
-    for name in ("conf.py", "custom.css"):
+    for name in ("conf.py", "gallery_order.py", "custom.css"):
         shutil.copy(DOCS / name, docs)
     shutil.copy(ROOT / "examples/GALLERY_HEADER.rst", examples)
     (examples / "one.py").write_text(f'"""\nOne\n===\n\nAn example.\n"""\n\n{example}\n', encoding="utf-8")

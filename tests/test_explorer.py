@@ -54,6 +54,15 @@ def test_the_window_follows_its_sliders(explorer: fr.Explorer) -> None:
     assert np.array_equal(after, pixels(explorer))
 
 
+def test_a_canvas_that_keeps_no_copies_will_do(explorer: fr.Explorer) -> None:
+    from matplotlib.backend_bases import FigureCanvasBase
+
+    explorer.window.figure.canvas.draw()
+    FigureCanvasBase(explorer.window.figure)  # what is left of it in a notebook once it has been shown
+    explorer.window.sliders["mean"].set_val(0.34 * UNIT)
+    assert explorer.load.mean == pytest.approx(0.34 * UNIT)
+
+
 def test_a_damped_rod_of_its_own() -> None:
     rod = ROD.replace(length=10.0, damping_rate=3.0)
     shown = fr.Explorer(rod)

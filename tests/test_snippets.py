@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 import importlib
+import os
 import re
 import shlex
 import subprocess
@@ -42,13 +43,31 @@ def test_python_snippets(page: str) -> None:
     assert runner.summarize(verbose=False).failed == 0, "".join(report)
 
 
-def test_terminal_snippets() -> None:
-    (text,) = blocks("README.md", "console")
-    command, _, shown = text.partition("\n")
-    prompt, program, *arguments = shlex.split(command)
-    assert (prompt, program) == ("$", "floquetrod")
-    run = subprocess.run([sys.executable, "-m", program, *arguments], capture_output=True, text=True, cwd=ROOT)
-    assert run.stdout.strip() == shown.strip()
+def test_terminal_snippets(tmp_path: Path) -> None:
+    (rod,) = blocks("README.md", "toml")
+    (tmp_path / "my_rod.toml").write_text(rod, encoding="utf-8")
+    texts = blocks("README.md", "console")
+    assert len(texts) > 1
+    for text in texts:
+        command, _, shown = text.partition("\n")
+        prompt, program, *arguments = shlex.split(command)
+        assert (prompt, program) == ("$", "floquetrod")
+        run = subprocess.run(
+            [sys.executable, "-m", program, *arguments],
+            capture_output=True,
+            text=True,
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": str(ROOT)},
+        )
+        assert run.stdout.strip() == shown.strip()
+
+
+def test_what_the_front_door_points_to_is_there() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    local = [target for target in re.findall(r"\]\(([^)#]+)\)", text) if "://" not in target]
+    assert "docs/picture.png" in local
+    assert [target for target in local if not (ROOT / target).exists()] == []
+    assert (ROOT / "docs/picture.png").stat().st_size < 100_000
 
 
 @pytest.mark.parametrize("module", MODULES)

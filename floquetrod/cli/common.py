@@ -71,6 +71,14 @@ def read_quantity(text: str, name: str, rod: fr.Rod) -> float:
     return units.quantity(text, f"--{name}", KINDS[name], critical_force=rod.critical_force)
 
 
+def read_range(text: str, name: str, rod: fr.Rod) -> list[float]:
+    """Return one quantity, or both ends of a range; a first end without a unit has that of the second."""
+    first, colon, last = text.partition(":")
+    if colon and units.unit_of(first) == "":
+        first += units.unit_of(last) or ""
+    return [read_quantity(part, name, rod) for part in ((first, last) if colon else (first,))]
+
+
 def read_rod(options: argparse.Namespace) -> fr.Rod:
     """Return the rod that the options describe."""
     rod = fr.Rod.nitinol() if options.rod == "nitinol" else fr.Rod.from_toml(options.rod)

@@ -8,7 +8,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import KINDS, Answer, add_command, add_rod, read_quantity, read_rod
+from floquetrod.cli.common import KINDS, Answer, add_command, add_rod, read_quantity, read_range, read_rod
 
 _HELP = """\
 List every stable interval of one quantity of the load: give the other two, and what to search.
@@ -19,7 +19,8 @@ examples:
   floquetrod ranges --rod my_rod.toml --mean 12N --frequency 24Hz --amplitude 0:5N
 
 The intervals are complete: their ends are transition curves mapped back, not points of a grid, and resonance tongues
-of any thinness count unless --growth-tolerance (1/s) says from which growth on they matter.
+of any thinness count unless --growth-tolerance (1/s) says from which growth on they matter.  The answer is in the unit
+of the range; --json is in N and rad/s.
 """
 
 
@@ -42,7 +43,7 @@ def _ranges(options: argparse.Namespace) -> Answer:
             f"{len(varied)}"
         )
     tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
-    values = {name: [read_quantity(part, name, rod) for part in text.split(":", 1)] for name, text in texts.items()}
+    values = {name: read_range(text, name, rod) for name, text in texts.items()}
     low, high = values.pop(varied[0])
     fixed = {name: value for name, (value,) in values.items()}
     if varied[0] == "frequency":
@@ -53,7 +54,8 @@ def _ranges(options: argparse.Namespace) -> Answer:
         search = rod.stable_mean_forces if varied[0] == "mean" else rod.stable_amplitudes
         found = search(**fixed, upto=high, growth_tolerance=tolerance)
     if not options.json:
-        return Answer(repr(found))
+        unit = units.unit_of(texts[varied[0]].partition(":")[2]) or found.unit
+        return Answer(found.table(unit, read_quantity(f"1{unit}", varied[0], rod)))
     unit = "N" if found.unit == "N" else "rad_per_s"
     record = {
         "quantity": found.quantity,

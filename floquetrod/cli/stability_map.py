@@ -18,6 +18,7 @@ from floquetrod.cli.common import (
     add_rod,
     read_friction,
     read_quantity,
+    read_range,
     read_rod,
 )
 
@@ -53,14 +54,15 @@ def add(commands: Any) -> None:
     chart.add_argument(
         "--mark", help="a point to mark: both varied quantities, in the order mean, amplitude, frequency"
     )
-    chart.add_argument("--out", action="append", required=True, type=Path, help="file to write; may be repeated")
+    chart.add_argument("--out", action="append", type=Path, help="file to write; may be repeated (default map.png)")
 
 
 def _map(options: argparse.Namespace) -> Answer:
     from floquetrod.plotting import charts
 
     rod = read_rod(options)
-    for path in options.out:
+    paths = options.out or [Path("map.png")]
+    for path in paths:
         if path.suffix not in (*charts.FIGURES, ".npz"):
             raise ValueError(f"--out must end in .png, .pdf, .svg or .npz, got {str(path)!r}")
         if not path.parent.is_dir():
@@ -68,7 +70,7 @@ def _map(options: argparse.Namespace) -> Answer:
     columns, _, rows = options.points.partition("x")
     if not (columns.isdigit() and rows.isdigit() and int(columns) > 1 and int(rows) > 1):
         raise ValueError(f"--points must be like 400x300, got {options.points!r}")
-    values = {name: [read_quantity(text, name, rod) for text in getattr(options, name).split(":", 1)] for name in KINDS}
+    values = {name: read_range(getattr(options, name), name, rod) for name in KINDS}
     varied = [name for name, ends in values.items() if len(ends) == 2]
     if len(varied) != 2:
         raise ValueError(f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {len(varied)}")
@@ -96,7 +98,7 @@ def _map(options: argparse.Namespace) -> Answer:
         place = {name: read_quantity(text, name, rod) for name, text in zip(varied, texts, strict=True)}
         up = next(name for name in varied if name != across)
         point = (place[across], place[up])
-    for path in options.out:
+    for path in paths:
         if path.suffix == ".npz":
             chart.save(path)
             continue
@@ -104,7 +106,7 @@ def _map(options: argparse.Namespace) -> Answer:
         if point is not None:
             charts.mark(axes, *point, "the load")
         charts.save_figure(axes, path)
-    written = [str(path) for path in options.out]
+    written = [str(path) for path in paths]
     share = float(chart.stable.mean())
     if options.json:
         record = {

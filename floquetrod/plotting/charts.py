@@ -53,8 +53,8 @@ def draw_curves(curves: Any, ax: Any = None) -> Any:
             ax.text(
                 curves.alpha[at], values[at], text, fontsize="small", ha="center", va="center", bbox=box, clip_on=True
             )
-    ax.set_xlabel(r"alpha $\alpha$")
-    ax.set_ylabel(r"beta $\beta$")
+    ax.set_xlabel(r"$\alpha$")
+    ax.set_ylabel(r"$\beta$")
     ax.set_title(r"transition curves $\beta = -a_m/4$, $-b_m/4$; period $4\pi$ solid, $2\pi$ dashed", fontsize="small")
     return ax
 

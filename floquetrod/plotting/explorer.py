@@ -106,21 +106,25 @@ class Window:
         self._text.set_text(view.verdict)
         extent = (*view.chart_alpha, *view.chart_beta)
         highest = _step_above(float(view.growth.max()))
-        if self._rest is None or (extent, highest) != self._frame:
+        if self._frame is not None and highest <= self._frame[1] <= 10.0 * highest:
+            highest = self._frame[1]  # room to spare is no reason to draw everything anew
+        canvas = self.figure.canvas
+        if self._rest is None or (extent, highest) != self._frame or not canvas.supports_blit:
             self._frame = extent, highest
             self._chart_image.set_extent(extent)
             self._bars.set_ylim(0.0, highest)
-            self.figure.canvas.draw_idle()
+            canvas.draw_idle()
         else:
-            self.figure.canvas.restore_region(self._rest)
+            canvas.restore_region(self._rest)
             self._draw_moving()
-            self.figure.canvas.blit(self.figure.bbox)
+            canvas.blit(self.figure.bbox)
 
     def _drawn(self, _: Any) -> None:
         """Keep a copy of what does not move, and put on it what does."""
         if self.figure.canvas.is_saving():  # then everything is drawn already
             return
-        self._rest = self.figure.canvas.copy_from_bbox(self.figure.bbox)
+        if self.figure.canvas.supports_blit:
+            self._rest = self.figure.canvas.copy_from_bbox(self.figure.bbox)
         self._draw_moving()
 
     def _draw_moving(self) -> None:

@@ -1,0 +1,29 @@
+"""The order of the gallery: from a first verdict to what is built on it; scripts not named come last."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+GALLERY = (
+    "first_verdict",
+    "chart",
+    "frequency_choice",
+    "my_rod",
+    "thin_tongues",
+    "friction",
+    "simulation",
+    "force_record",
+    "uncertainty",
+)
+
+
+class GalleryOrder:
+    """What sphinx-gallery asks for: a key made for a folder, called with a file's name."""
+
+    def __init__(self, folder: str) -> None:
+        """Nothing depends on the folder."""
+
+    def __call__(self, name: str) -> tuple[int, str]:
+        """Return what to sort by."""
+        stem = Path(name).stem
+        return (GALLERY.index(stem) if stem in GALLERY else len(GALLERY), stem)

@@ -1,0 +1,61 @@
+"""Draw the picture of the README: a rod's map of safe loads, and why one load is not safe.
+
+python docs/make_picture.py
+"""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+
+import matplotlib as mpl
+
+mpl.use("Agg")
+
+import numpy as np
+from matplotlib import pyplot
+from PIL import Image
+
+import floquetrod as fr
+
+rod = fr.Rod.nitinol()
+unit = rod.critical_force
+load = fr.AxialLoad(mean=0.2 * unit, amplitude=0.2 * unit, frequency=150.0)
+verdict = rod.stability(load)
+
+figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.6, 3.9), layout="constrained", width_ratios=(1.35, 1.0))
+chart = fr.stability_map(
+    rod,
+    mean=(0.0, 1.1 * unit, 500),
+    amplitude=load.amplitude,
+    frequency=(20.0, 200.0, 600),
+    growth=True,
+    growth_tolerance=0.1,
+)
+chart.plot(left)
+left.set_title("Which loads are safe?  White ones.", fontsize="medium")
+
+fr.mathieu.chart((0.0, 0.2, 400), (-0.8, 0.1, 400)).plot(right)
+alpha, beta = np.array([(mode.alpha, mode.beta) for mode in verdict.mode_equations]).T
+shown = (alpha < 0.14) & (beta > -0.8)
+right.plot(alpha[shown], beta[shown], "o-", color="black", markerfacecolor="white", linewidth=0.6)
+grown = verdict.fastest_mode - 1
+right.plot(alpha[grown], beta[grown], "o", color="black")
+box = {"boxstyle": "round", "facecolor": "white", "edgecolor": "black", "linewidth": 0.6}
+style = {"textcoords": "offset points", "fontsize": "small", "bbox": box}
+right.annotate(
+    f"mode {verdict.fastest_mode} grows at {verdict.growth_rate:.2f} 1/s",
+    (alpha[grown], beta[grown]),
+    xytext=(4, 42),
+    arrowprops={"arrowstyle": "-", "linewidth": 0.6},
+    **style,
+)
+right.set(xlim=(0.0, 0.2), ylim=(-0.8, 0.1), xlabel=r"$\alpha$", ylabel=r"$\beta$")
+right.set_title("Why is this one not?", fontsize="medium")
+left.plot([load.frequency], [load.mean], "o", markersize=8, markerfacecolor="white", markeredgecolor="black")
+left.annotate("this load", (load.frequency, load.mean), xytext=(10, 12), **style)
+
+drawn = io.BytesIO()
+figure.savefig(drawn, dpi=150)
+# Forty-eight greys are enough, and small.
+Image.open(drawn).convert("L").quantize(48).save(Path(__file__).with_name("picture.png"), optimize=True)
