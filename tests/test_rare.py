@@ -66,12 +66,15 @@ def test_progress_is_shown_to_a_terminal_after_a_second(
 ) -> None:
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     progress = common.Progress("points")
-    progress(1, 4)
+    progress(1000, 4000)
     assert capsys.readouterr().err == ""
-    progress.start -= 3.0
-    progress(1, 4)
-    progress(4, 4)
-    assert capsys.readouterr().err == "\r1 of 4 points, 9 s left \r4 of 4 points, 0 s left \n"
+    assert progress.first is not None
+    progress.start -= 4.0
+    progress.first = (progress.first[0] - 4.0, 1000)
+    progress(3000, 4000)
+    assert capsys.readouterr().err.rstrip() == "\r3,000 of 4,000 points, 500 a second, 2 s left"
+    progress(4000, 4000)
+    assert capsys.readouterr().err.startswith("\r4,000 of 4,000 points, 750 a second, 0 s left")
 
 
 def test_answers_in_other_forms(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
