@@ -241,7 +241,7 @@ def e(study: Study) -> Claim:
         max(overall, quiet) < 0.02,
         f"At those instants the rod swings through the straight: bending holds {100.0 * most.bend:.0f} % of its "
         f"largest energy, and torsion remains, which is {100.0 * twist:.0f} % or more of both. It is friction that "
-        "twists a rolling rod: without friction it is absent.",
+        "twists the rod, for a rod that rubs rolls: the runs without it show next to no torsion.",
         max(overall, quiet) < 0.02 and quiet < 1e-3 and most.bend < 0.1,
     )
 
