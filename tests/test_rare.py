@@ -19,7 +19,6 @@ from floquetrod import _compile, cli
 from floquetrod.cli import common
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.methods.leapfrog import leapfrog
-from floquetrod.paper import simulations
 
 ROD = fr.Rod.nitinol()
 UNIT = ROD.critical_force
@@ -156,18 +155,6 @@ def test_without_vibration_only_buckling_is_left_along_the_frequency() -> None:
     safe = ROD.stable_frequencies(0.9 * UNIT, 0.0, (50.0, 150.0))
     assert [(part.low, part.high) for part in safe] == [(50.0, 150.0)]
     assert len(ROD.stable_frequencies(1.1 * UNIT, 0.0, (50.0, 150.0))) == 0
-
-
-def test_the_papers_simulations_in_small() -> None:
-    said: list[str] = []
-    small = {"duration": 0.02, "segments": 60, "report": said.append}
-    (found,) = simulations.figure_4(loads={150.0: (0.2,)}, **small)
-    assert (found.expected_modes, found.buckled, found.mode, found.agrees) == ((), False, 0, True)
-    assert 0.0 <= simulations.torsion_and_shear_share(found.run) < 0.1
-    outcomes = list(simulations.figure_7(cases=("A",), **small))
-    assert [outcome.expected_modes for outcome in outcomes] == [(), (), (6,), (), (8,), (8,)]
-    assert said[0] == "150 rad/s, mean 0.2 Fcr, no friction"
-    assert len(said) == 7
 
 
 @pytest.mark.parametrize("command", ["map", "reproduce"])
