@@ -26,6 +26,9 @@ MISTAKES = [
     ("friction.md", "excess = d - a * t**2", "excess = d + a * t**2"),
     ("friction.md", "2 / sp.pi * sp.sin(u)", "4 / sp.pi * sp.sin(u)"),
     ("friction.md", "found[dz] - sp.I * sigma", "found[dz] + sp.I * sigma"),
+    ("simulator.md", "[-2 * sigma, l]]", "[2 * sigma, l]]"),
+    ("simulator.md", "R * rate / r", "R * rate / (2 * r)"),
+    ("simulator.md", "(depth + C * speed)", "(depth - C * speed)"),
 ]
 
 
