@@ -49,7 +49,7 @@ def draw_strip(run: Any, ax: Any, title: str) -> None:
     for frame in (*np.linspace(quarter[0], last, 4).astype(int), widest):
         x, y = run.positions[frame, :, 0], 1e3 * run.positions[frame, :, 1]
         ax.plot(x, y, color="black" if frame == widest else "0.7", linewidth=1.0 if frame == widest else 0.6)
-    ax.set_title(title, fontsize="x-small", pad=2.0)
+    ax.set_title(title, fontsize="x-small", pad=4.0)
 
 
 def strips(rows: Sequence[str], columns: Sequence[str], size: tuple[float, float], gap: float) -> tuple[Any, Any]:
