@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from floquetrod import _validate
 from floquetrod._compile import broadcast, over_chunks
 from floquetrod.kernels.leapfrog import leapfrog_map_fill
-from floquetrod.kernels.mathieu import modes_needed_fill
+from floquetrod.kernels.mathieu import mode_coefficients, modes_needed_fill
 from floquetrod.kernels.powers import displacement_fill
 from floquetrod.kernels.taylor import mathieu_map_fill
 
@@ -121,7 +121,6 @@ class PaperCriterion:
         out = np.ones(big_a.size, dtype=np.bool_)
         for mode in range(1, int(left.max(initial=0)) + 1):
             at = np.flatnonzero(out & (mode <= left))
-            m2 = float(mode * mode)
-            beta = (big_b[at] - big_c[at] * m2) * m2 - big_d[at]
-            out[at] = self.is_stable(big_a[at] * m2, beta, damping[at], workers=workers)
+            alpha, beta = mode_coefficients(big_a[at], big_b[at], big_c[at], big_d[at], mode)
+            out[at] = self.is_stable(alpha, beta, damping[at], workers=workers)
         return out

@@ -134,9 +134,9 @@ class RodData:
 
     def mode_parameters(self, load: AxialLoad, modes: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return alpha_m and beta_m of Eq. (4) as arrays over ``modes``."""
-        a, b, c, d = self.mode_family(load.mean, load.amplitude, load.frequency)
-        m2 = np.square(np.asarray(modes, dtype=np.float64))
-        return np.asarray(a * m2), np.asarray((b - c * m2) * m2 - d)
+        family = self.mode_family(load.mean, load.amplitude, load.frequency)
+        alpha, beta = kernels.mode_coefficients(*family, np.asarray(modes, dtype=np.float64))
+        return np.asarray(alpha), np.asarray(beta)
 
     def mode_equations(self, load: AxialLoad, modes: Iterable[int]) -> tuple[Mathieu, ...]:
         """Return the Mathieu equation (3) of each mode, in the time tau = omega t, damping included."""

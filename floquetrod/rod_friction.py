@@ -17,6 +17,7 @@ from floquetrod.coulomb import Coulomb, ModeFriction, critical_velocities
 from floquetrod.equations import FrictionalMathieu
 from floquetrod.friction.critical import critical_perturbation
 from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning, fate, outcome
+from floquetrod.kernels.mathieu import mode_coefficients
 from floquetrod.load import AxialLoad
 from floquetrod.result import Status
 from floquetrod.rod_data import RodData
@@ -153,9 +154,8 @@ def growing_modes(
     mean, amplitude, frequency = loads
     last, _ = rod.modes_needed(AxialLoad(mean.max(), amplitude.max(), frequency.max()), tolerance)
     modes = np.arange(1, last + 1)
-    m2 = np.square(modes.astype(np.float64))
     a, b, c, d = (np.reshape(part, (-1, 1)) for part in rod.mode_family(mean, amplitude, frequency))
-    alpha, beta = a * m2, (b - c * m2) * m2 - d
+    alpha, beta = mode_coefficients(a, b, c, d, modes)
     damping = np.broadcast_to((rod.damping_rate / frequency)[:, None], alpha.shape)
     load, column = np.nonzero(~mathieu.is_stable(alpha, beta, damping, workers=workers))
     chosen = alpha[load, column], beta[load, column], damping[load, column]

@@ -40,7 +40,7 @@ def unstable_mean_forces(
     found = []
     for mode in modes:
         equation = rod.mode_equations(load, [mode])[0]
-        scale = rod.wavenumber(mode) ** 2 / (rod.mass_per_length * omega**2)
+        scale = rod.mode_family(1.0, 0.0, omega)[1] * mode**2  # beta gained by 1 N
         ends = (equation.beta + (force - load.mean) * scale for force in (low, high))
         offset = load.mean - equation.beta / scale
         for part in unstable_intervals(equation.alpha, equation.damping, tolerance / omega, *ends):

@@ -671,6 +671,13 @@ def mode_family(
 
 
 @kernel
+def mode_coefficients(big_a: Any, big_b: Any, big_c: Any, big_d: Any, mode: Any) -> tuple[Any, Any]:
+    """Return alpha = A m^2 and beta = B m^2 - C m^4 - D of a mode m, or of an array of them."""
+    m2 = 1.0 * mode * mode
+    return big_a * m2, (big_b - big_c * m2) * m2 - big_d
+
+
+@kernel
 def growth_bound(a: float, q: float) -> float:
     """Return a bound on the growth per unit tau where a > 2 q: q P P' / (4 k1), exponentially small in sqrt(a).
 
@@ -752,13 +759,30 @@ def modes_needed_fill(big_a: Any, big_b: Any, big_c: Any, big_d: Any, target: An
 
 
 @kernel
+def _modes_of_load(
+    w2: float,
+    mass: float,
+    rigidity: float,
+    pendulum: float,
+    mean: float,
+    amplitude: float,
+    omega: float,
+    damping_rate: float,
+    slowest: float,
+    guess: int,
+) -> tuple[float, float, float, float, float, int]:
+    """Return A, B, C, D and c of a rod under a load, and how many modes to ask when ``slowest`` (1/s) is to be seen."""
+    c = damping_rate / omega
+    a, b, stiffness, d = mode_family(w2, mass, rigidity, pendulum, mean, amplitude, omega)
+    return a, b, stiffness, d, c, modes_needed(a, b, stiffness, d - c * c, c + slowest / omega, guess)
+
+
+@kernel
 def _mode_stable(
     big_a: float, big_b: float, big_c: float, big_d: float, mode: int, damping: float, tolerance: float
 ) -> bool:
     """Return whether one mode of a family grows no faster than ``tolerance``."""
-    m2 = float(mode * mode)
-    alpha = big_a * m2
-    beta = (big_b - big_c * m2) * m2 - big_d
+    alpha, beta = mode_coefficients(big_a, big_b, big_c, big_d, mode)
     if tolerance == 0.0:
         return is_stable_damped(alpha, beta, damping)
     if alpha != 0.0 and count_below(-4.0 * (beta + damping * damping), 2.0 * alpha) % 2 == 1:
@@ -785,14 +809,14 @@ def modes_stable_fill(
     Rates below ``smallest`` may be left out.  Neighbouring loads need about as many modes and mostly fail in the same
     one, which is asked first.
     """
+    slowest = max(tolerance, smallest)
     last = 1
     suspect = 1
     for i in range(len(mean)):
-        omega = frequency[i]
-        c = damping_rate / omega
-        level = tolerance / omega
-        a, b, stiffness, d = mode_family(w2, mass, rigidity, pendulum, mean[i], amplitude[i], omega)
-        last = modes_needed(a, b, stiffness, d - c * c, c + max(level, smallest / omega), last)
+        a, b, stiffness, d, c, last = _modes_of_load(
+            w2, mass, rigidity, pendulum, mean[i], amplitude[i], frequency[i], damping_rate, slowest, last
+        )
+        level = tolerance / frequency[i]
         suspect = min(suspect, last)
         stable = _mode_stable(a, b, stiffness, d, suspect, c, level)
         if stable:
@@ -820,20 +844,17 @@ def modes_growth_fill(
     """Fill ``out`` (n, 2) with the largest growth rate per second and the mode that has it (0 where none grows)."""
     last = 1
     for i in range(len(mean)):
-        omega = frequency[i]
-        c = damping_rate / omega
-        a, b, stiffness, d = mode_family(w2, mass, rigidity, pendulum, mean[i], amplitude[i], omega)
-        last = modes_needed(a, b, stiffness, d - c * c, c + smallest / omega, last)
+        a, b, stiffness, d, c, last = _modes_of_load(
+            w2, mass, rigidity, pendulum, mean[i], amplitude[i], frequency[i], damping_rate, smallest, last
+        )
         best = 0.0
         first = 0
         for mode in range(1, last + 1):
-            m2 = float(mode * mode)
-            alpha = a * m2
-            beta = (b - stiffness * m2) * m2 - d
+            alpha, beta = mode_coefficients(a, b, stiffness, d, mode)
             if alpha == 0.0 or count_below(-4.0 * (beta + c * c), 2.0 * alpha) % 2 == 0:
                 rate = growth(alpha, beta, c)
                 if rate > best:
                     best = rate
                     first = mode
-        out[i, 0] = best * omega
+        out[i, 0] = best * frequency[i]
         out[i, 1] = first

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod.equations import Mathieu
+from floquetrod.kernels.mathieu import mode_coefficients
 from floquetrod.load import AxialLoad
 from floquetrod.methods.determinant import determinant
 from floquetrod.methods.square_wave import square_wave
@@ -97,10 +98,8 @@ def tongues(amplitude: float, omega: NDArray[np.float64], upto: float) -> list[T
         modes = range(1, ROD.modes_needed(top, SHOWN * frequency)[0] + 1)
         bands = unstable_mean_forces(ROD, top, modes, 0.0, 0.0, upto * UNIT)
         middles = np.array([0.5 * (max(band.low, 0.0) + min(band.high, upto * UNIT)) for band in bands])
-        inertia = ROD.mass_per_length * frequency**2
-        w2 = np.array([ROD.wavenumber(band.mode) ** 2 for band in bands])
-        stiffness = ROD.flexural_rigidity * w2 * w2 / inertia + (ROD.pendulum_frequency / frequency) ** 2
-        growth = mathieu.growth_rate(w2 * amplitude * UNIT / inertia, w2 * middles / inertia - stiffness)
+        family = ROD.mode_family(middles, amplitude * UNIT, frequency)
+        growth = mathieu.growth_rate(*mode_coefficients(*family, np.array([band.mode for band in bands])))
         for band, rate in zip(bands, growth, strict=True):
             if rate > SHOWN:
                 found.setdefault((band.mode, band.tongue), []).append((column, band.low / UNIT, band.high / UNIT))

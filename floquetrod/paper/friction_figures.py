@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from floquetrod import friction, mathieu
 from floquetrod.coulomb import Coulomb, critical_velocities
+from floquetrod.kernels.mathieu import mode_coefficients
 from floquetrod.load import AxialLoad
 from floquetrod.paper.claims import ROD, UNIT, WINDOW, window
 from floquetrod.paper.friction_claims import AMPLITUDE, FRICTION, GAMMA, KICKS
@@ -66,12 +67,11 @@ def figure_6(points: int) -> Any:
 def mode_kicks(shares: NDArray[np.float64], frequency: float) -> dict[int, NDArray[np.float64]]:
     """Return the critical kick in mm/s of every mode over the mean force (F_cr), infinite where none in reach does."""
     top = AxialLoad(float(shares[-1]) * UNIT, AMPLITUDE * UNIT, frequency)
+    family = ROD.mode_family(shares * UNIT, top.amplitude, frequency)
     kicks = {}
     for mode in range(1, ROD.modes_needed(top)[0] + 1):
-        alpha, beta = ROD.mode_parameters(top, [mode])
-        slope = ROD.wavenumber(mode) ** 2 / (ROD.mass_per_length * frequency**2)
-        betas = float(beta[0]) + (shares - shares[-1]) * UNIT * slope
-        ratio = friction.critical_perturbation(float(alpha[0]), betas, upto=HARDEST)
+        alpha, beta = mode_coefficients(*family, mode)
+        ratio = friction.critical_perturbation(alpha, beta, upto=HARDEST)
         kicks[mode] = 1e3 * critical_velocities(ROD, top.amplitude, frequency, FRICTION.mu, ratio)
     return {mode: values for mode, values in kicks.items() if np.isfinite(values).any()}
 
