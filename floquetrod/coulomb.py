@@ -47,11 +47,16 @@ class Coulomb:
 
     def in_mode_equation(self, rod: RodData, load: AxialLoad) -> ModeFriction:
         """Return gamma, epsilon and what they come from, the same for every mode."""
-        axial = float(axial_velocity(rod, load.amplitude, load.frequency))
-        total = math.hypot(axial, self.velocity)
-        mu_theta = self.mu * (self.velocity / total if total > 0.0 else 1.0)
-        gamma = 4.0 * mu_theta * rod.gravity / (math.pi * load.frequency**2 * rod.gap)
-        return ModeFriction(self.mu, mu_theta, axial, gamma, self.velocity / (load.frequency * rod.gap))
+        values = self.in_mode_equations(rod, load.amplitude, load.frequency)
+        return ModeFriction(self.mu, *map(float, values))
+
+    def in_mode_equations(self, rod: RodData, amplitude: Any, frequency: Any) -> tuple[Any, Any, Any, Any]:
+        """Return mu_theta, v_a, gamma and epsilon, Eqs. (15)-(18), over amplitudes (N) and frequencies (rad/s)."""
+        axial = axial_velocity(rod, amplitude, frequency)
+        total = np.hypot(axial, self.velocity)
+        share = np.divide(self.velocity, total, out=np.ones(np.shape(total)), where=total > 0.0)
+        gamma = 4.0 * self.mu * share * rod.gravity / (math.pi * frequency**2 * rod.gap)
+        return self.mu * share, axial, gamma, self.velocity / (frequency * rod.gap)
 
 
 @dataclass(frozen=True, repr=False)

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,18 +112,12 @@ def judge_kick(linear: RodStability, friction: Coulomb) -> RodFriction:
 
 def critical_kick(linear: RodStability, mu: float) -> CriticalKick:
     """Return the smallest kick that sets off a mode, modes that grow fast asked first."""
-    equations = dict(zip(linear.modes, linear.mode_equations, strict=True))
-    rates = dict(zip(linear.modes, linear.mode_growth_rates, strict=True))
-    best, first = math.inf, None
-    for mode in sorted(_growing(linear), key=lambda m: -rates[m]):
-        e = equations[mode]
-        ratio = critical_perturbation(e.alpha, e.beta, 1.0, e.damping, upto=best)
-        if math.isnan(ratio):
-            return CriticalKick(math.nan, None)
-        if ratio < best:
-            best, first = ratio, mode
+    mode = np.array(_growing(linear), dtype=np.int64)
+    best, first = np.full(1, math.inf), np.zeros(1, dtype=np.int64)
+    _least_kicks((np.zeros(mode.size, dtype=np.int64), mode, *_parameters(linear)), 1, best, first)
     load = linear.load
-    return CriticalKick(float(critical_velocities(linear.rod, load.amplitude, load.frequency, mu, best)), first)
+    (velocity,) = critical_velocities(linear.rod, load.amplitude, load.frequency, mu, best)
+    return CriticalKick(float(velocity), int(first[0]) or None)
 
 
 def _growing(linear: RodStability) -> tuple[int, ...]:
@@ -131,22 +125,32 @@ def _growing(linear: RodStability) -> tuple[int, ...]:
     return tuple(m for m in linear.modes if m in unsure or m in linear.unstable_modes)
 
 
-def _critical_velocities(linear: RodStability, mu: float) -> dict[int, float]:
+def _parameters(linear: RodStability) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return alpha, beta and damping of the modes that grow."""
     equations = dict(zip(linear.modes, linear.mode_equations, strict=True))
     chosen = [equations[mode] for mode in _growing(linear)]
-    ratio = critical_perturbation(
+    return (
         np.array([e.alpha for e in chosen]),
         np.array([e.beta for e in chosen]),
-        1.0,
         np.array([e.damping for e in chosen]),
     )
+
+
+def _critical_velocities(linear: RodStability, mu: float) -> dict[int, float]:
+    alpha, beta, damping = _parameters(linear)
+    ratio = critical_perturbation(alpha, beta, 1.0, damping)
     speeds = critical_velocities(linear.rod, linear.load.amplitude, linear.load.frequency, mu, ratio)
     return dict(zip(_growing(linear), map(float, speeds), strict=True))
 
 
+GrowingModes: TypeAlias = tuple[
+    NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]
+]
+
+
 def growing_modes(
     rod: RodData, loads: Sequence[NDArray[np.float64]], tolerance: float, workers: int | None
-) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+) -> GrowingModes:
     """Return index of the load, mode, alpha, beta and damping of all modes that grow without friction.
 
     ``loads`` are flat arrays of mean force, amplitude and frequency (N, N, rad/s); ``tolerance`` in 1/s.
@@ -178,8 +182,7 @@ def stable_loads(
     for part in _parts(loads[0].size):
         some = [values[part] for values in loads]
         load, _, alpha, beta, damping = growing_modes(rod, some, tolerance, workers)
-        inside = [friction.in_mode_equation(rod, AxialLoad(*values)) for values in zip(*some, strict=True)]
-        gamma, epsilon = (np.array([getattr(one, name) for one in inside]) for name in ("gamma", "epsilon"))
+        _, _, gamma, epsilon = friction.in_mode_equations(rod, some[1], some[2])
         fates = outcome(alpha, beta, gamma[load], epsilon[load], damping, workers=workers)
         found[part][load[fates == UNDECIDED]] = UNDECIDED
         found[part][load[fates == ESCAPES]] = ESCAPES
@@ -199,20 +202,16 @@ def critical_kicks(
     ratio = np.full(loads[0].size, math.inf)
     first = np.zeros(ratio.size, dtype=np.int64)
     for part in _parts(ratio.size):
-        _least_kicks(rod, [values[part] for values in loads], tolerance, workers, ratio[part], first[part])
+        growing = growing_modes(rod, [values[part] for values in loads], tolerance, workers)
+        _least_kicks(growing, workers, ratio[part], first[part])
     return critical_velocities(rod, loads[1], loads[2], mu, ratio), first
 
 
 def _least_kicks(
-    rod: RodData,
-    loads: Sequence[NDArray[np.float64]],
-    tolerance: float,
-    workers: int | None,
-    best: NDArray[np.float64],
-    first: NDArray[np.int64],
+    growing: GrowingModes, workers: int | None, best: NDArray[np.float64], first: NDArray[np.int64]
 ) -> None:
-    """Fill ``best`` with the smallest kick over friction that sets off a mode, ``first`` with the mode."""
-    load, mode, alpha, beta, damping = growing_modes(rod, loads, tolerance, workers)
+    """Lower ``best`` to the smallest kick over friction that sets off a mode of each load, ``first`` to the mode."""
+    load, mode, alpha, beta, damping = growing
     # The fastest mode of every load first: what it needs is as far as the others are followed.
     order = np.lexsort((-mathieu.growth_rate(alpha, beta, damping, workers=workers), load))
     place = np.arange(load.size) - np.searchsorted(load, load)  # of each mode among those of its load
