@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 import tomllib
 import warnings
-from collections.abc import Callable, Iterable
-from dataclasses import MISSING, dataclass, fields
+from collections.abc import Iterable
+from dataclasses import MISSING, dataclass, fields, replace
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, overload
 
@@ -21,10 +22,11 @@ from floquetrod.kernels import mathieu as kernels
 from floquetrod.load import AxialLoad
 from floquetrod.rod_data import MOST_MODES, NEGLIGIBLE_GROWTH, RodData
 from floquetrod.rod_friction import CriticalKick, RodFriction, critical_kick, critical_kicks, judge_kick, stable_loads
-from floquetrod.rod_ranges import SafeRanges, safe_ranges
+from floquetrod.rod_ranges import QUANTITIES, SafeRanges, safe_ranges
 from floquetrod.rod_stability import RodStability, judge_modes
-from floquetrod.rod_tongues import UnstableRange, unstable_amplitudes, unstable_frequencies, unstable_mean_forces
+from floquetrod.rod_tongues import HAIRLINE_GROWTH, Progress, Quantity, unstable_loads
 
+_PIECES = 32  # in which the first unstable load is looked for, one after another (a choice)
 _UNIFORM_UP_TO = 0.1  # ratio of forcing speed to wave speed up to which the force counts as uniform (heuristic)
 
 
@@ -190,18 +192,29 @@ class Rod(RodData):
         return velocity.reshape(shape), mode.reshape(shape)
 
     def stable_mean_forces(
-        self, amplitude: float, frequency: float, upto: float | None = None, growth_tolerance: float = 0.0
+        self,
+        amplitude: float,
+        frequency: float,
+        upto: float | None = None,
+        growth_tolerance: float = HAIRLINE_GROWTH,
+        *,
+        progress: Progress | None = None,
     ) -> SafeRanges:
         """Return all stable intervals of the mean force from 0 to ``upto`` (N; by default 1.5 critical forces).
 
-        Complete: the ends are characteristic values mapped back, exact to about 1e-14, no grid, nothing missed.
+        Complete, with damping and tolerance too: tongues are found by counting, and inside one the growth is concave in
+        the mean force (docs/ranges.md).
 
         Parameters
         ----------
         amplitude, frequency : float
             dF in N and omega in rad/s.
         growth_tolerance : float
-            Growth rate in 1/s up to which a mode counts as stable.
+            Growth rate in 1/s up to which a mode counts as stable.  The default leaves out, and counts, the hairlines
+            in which nothing grows tenfold within a month; with 0 every tongue is resolved, which takes long where
+            there are thousands, at low frequencies.
+        progress : callable, optional
+            Called with the numbers of modes searched and to search.
 
         Examples
         --------
@@ -212,55 +225,90 @@ class Rod(RodData):
         """
         upto = 1.5 * self.critical_force if upto is None else _validate.positive("upto", upto)
         load = AxialLoad(upto, amplitude, frequency)
-        return self._ranges("mean force", "N", unstable_mean_forces, load, load, (0.0, upto), growth_tolerance)
+        return self._ranges("mean", load, (0.0, upto), growth_tolerance, progress)
 
     def stable_amplitudes(
-        self, mean: float, frequency: float, upto: float | None = None, growth_tolerance: float = 0.0
+        self,
+        mean: float,
+        frequency: float,
+        upto: float | None = None,
+        growth_tolerance: float = HAIRLINE_GROWTH,
+        *,
+        progress: Progress | None = None,
     ) -> SafeRanges:
         """Return all stable intervals of the amplitude from 0 to ``upto`` (N; by default one critical force).
 
-        Complete but for bands narrower than 1e-9 of the range; see `stable_mean_forces` for the other arguments.
+        Complete for modes that the mean force alone would buckle.  For the others growth need not be concave in the
+        amplitude: with damping or tolerance unstable parts narrower than the ``resolution`` of the result may be missed
+        (docs/ranges.md).  See `stable_mean_forces` for the other arguments.
         """
         upto = self.critical_force if upto is None else _validate.positive("upto", upto)
         load = AxialLoad(mean, upto, frequency)
-        return self._ranges("amplitude", "N", unstable_amplitudes, load, load, (0.0, upto), growth_tolerance)
+        return self._ranges("amplitude", load, (0.0, upto), growth_tolerance, progress)
 
     def stable_frequencies(
-        self, mean: float, amplitude: float, between: tuple[float, float], growth_tolerance: float = 0.0
+        self,
+        mean: float,
+        amplitude: float,
+        between: tuple[float, float],
+        growth_tolerance: float = HAIRLINE_GROWTH,
+        *,
+        progress: Progress | None = None,
     ) -> SafeRanges:
         """Return all stable intervals of the frequency within ``between`` (rad/s).
 
-        Complete: as 1 / omega^2 grows eigenvalues pass zero in one direction only, so counting finds every passage.
+        Complete, with damping and tolerance too: as 1 / omega^2 grows eigenvalues pass zero in one direction only, so
+        that counting finds every tongue, and inside one the growth per period is concave in 1 / omega^2
+        (docs/ranges.md).  See `stable_mean_forces` for the other arguments.
         """
         low, high = (_validate.positive(f"between[{i}]", value) for i, value in enumerate(between))
         if not low < high:
             raise ValueError(f"between must increase, got ({low:g}, {high:g}); give the lower frequency first")
-        loads = (AxialLoad(mean, amplitude, low), AxialLoad(mean, amplitude, high))
-        return self._ranges("frequency", "rad/s", unstable_frequencies, *loads, (low, high), growth_tolerance)
+        return self._ranges("frequency", AxialLoad(mean, amplitude, high), (low, high), growth_tolerance, progress)
 
-    def critical_mean_force(self, amplitude: float, frequency: float, growth_tolerance: float = 0.0) -> float:
-        """Return the smallest mean force from 0 up, in N, at which the rod is unstable."""
-        return _first_unstable(self.stable_mean_forces(amplitude, frequency, None, growth_tolerance))
+    def critical_mean_force(
+        self, amplitude: float, frequency: float, growth_tolerance: float = HAIRLINE_GROWTH
+    ) -> float:
+        """Return the smallest mean force from 0 up, in N, at which a mode grows faster than ``growth_tolerance``.
 
-    def critical_amplitude(self, mean: float, frequency: float, growth_tolerance: float = 0.0) -> float:
-        """Return the smallest amplitude in N at which the rod is unstable, infinite if above one critical force."""
-        return _first_unstable(self.stable_amplitudes(mean, frequency, None, growth_tolerance))
+        Infinite where there is none up to 1.5 critical forces.
+        """
+        upto = 1.5 * self.critical_force
+        return self._first_unstable("mean", AxialLoad(upto, amplitude, frequency), upto, growth_tolerance)
+
+    def critical_amplitude(self, mean: float, frequency: float, growth_tolerance: float = HAIRLINE_GROWTH) -> float:
+        """Return the smallest amplitude in N at which a mode grows faster than ``growth_tolerance``.
+
+        Infinite where there is none up to one critical force.
+        """
+        upto = self.critical_force
+        return self._first_unstable("amplitude", AxialLoad(mean, upto, frequency), upto, growth_tolerance)
 
     def _ranges(
         self,
-        quantity: str,
-        unit: str,
-        search: Callable[..., list[UnstableRange]],
-        one: AxialLoad,
-        other: AxialLoad,
+        varied: Quantity,
+        largest: AxialLoad,
         between: tuple[float, float],
         growth_tolerance: float,
+        progress: Progress | None,
     ) -> SafeRanges:
-        """Search with as many modes as the more demanding of two loads needs."""
+        """Search with as many modes as the largest load needs."""
         tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
-        last = max(self.modes_needed(load, tolerance)[0] for load in (one, other))
-        found = search(self, one, range(1, last + 1), tolerance, *between)
-        return safe_ranges(quantity, unit, found, between, tolerance, last)
+        last, _ = self.modes_needed(largest, tolerance)
+        modes = range(1, last + 1)
+        found = unstable_loads(varied, self, largest, modes, tolerance, between, union=True, progress=progress)
+        return safe_ranges(*QUANTITIES[varied], found, between, tolerance, last)
+
+    def _first_unstable(self, varied: Quantity, largest: AxialLoad, upto: float, growth_tolerance: float) -> float:
+        """Search upwards from zero, piece by piece, until something is found."""
+        tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+        ends = np.linspace(0.0, upto, _PIECES + 1).tolist()
+        for piece in pairwise(ends):
+            modes = range(1, self.modes_needed(replace(largest, **{varied: piece[1]}), tolerance)[0] + 1)
+            found = unstable_loads(varied, self, largest, modes, tolerance, piece, union=True).ranges
+            if found:
+                return min(part.low for part in found)
+        return math.inf
 
     def is_stable(
         self,
@@ -348,12 +396,3 @@ def _coulomb(friction: Any) -> Coulomb:
     if not isinstance(friction, Coulomb):
         raise TypeError(f"friction must be a Coulomb, got {friction!r}; give Coulomb(mu=..., velocity=...)")
     return friction
-
-
-def _first_unstable(ranges: SafeRanges) -> float:
-    """Return where the stable interval that begins the range ends."""
-    low, high = ranges.between
-    first = ranges.intervals[0] if ranges.intervals and ranges.intervals[0].low == low else None
-    if first is None:
-        return low
-    return first.high if first.high < high else math.inf

@@ -6,7 +6,14 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from floquetrod.rod_tongues import UnstableRange
+from floquetrod.rod_tongues import Quantity, UnstableLoads
+
+QUANTITIES: dict[Quantity, tuple[str, str]] = {
+    "mean": ("mean force", "N"),
+    "amplitude": ("amplitude", "N"),
+    "frequency": ("frequency", "rad/s"),
+}
+"""Name and unit of what may vary."""
 
 
 class SafeInterval(NamedTuple):
@@ -34,6 +41,10 @@ class SafeRanges:
         Growth in 1/s up to which a mode counts as stable; tongues that never exceed it are left out.
     modes : int
         Modes looked at, 1 to this; every higher mode grows at less than 1e-12 per second or the tolerance.
+    hairlines : int
+        Tongues within the stable intervals that grow, but nowhere faster than the tolerance.
+    resolution : float
+        Unstable parts up to this width may have been missed, in ``unit``: 0 where the search is complete.
 
     Iterating gives the intervals; ``value in ranges`` asks whether a value is safe.
     """
@@ -44,6 +55,8 @@ class SafeRanges:
     intervals: tuple[SafeInterval, ...]
     growth_tolerance: float
     modes: int
+    hairlines: int
+    resolution: float
 
     def __iter__(self) -> Iterator[SafeInterval]:
         """Iterate over the intervals."""
@@ -54,14 +67,22 @@ class SafeRanges:
         return len(self.intervals)
 
     def __contains__(self, value: Any) -> bool:
-        """Return whether ``value`` is safe."""
-        return any(part.low < value < part.high for part in self.intervals)
+        """Return whether ``value`` is safe; an end of the search may be, an end of a tongue is not."""
+        return any(
+            part.low < value < part.high
+            or (value == part.low and part.low_end is None)
+            or (value == part.high and part.high_end is None)
+            for part in self.intervals
+        )
 
     @property
     def note(self) -> str:
         """What has been left out."""
         slow = max(self.growth_tolerance, 1e-12)
-        return f"modes 1 to {self.modes}; growth at or below {slow:g} 1/s does not count"
+        text = f"modes 1 to {self.modes}; growth at or below {slow:g} 1/s does not count"
+        if self.hairlines:
+            text += f": {self.hairlines} tongue{'s' * (self.hairlines > 1)} left out"
+        return text
 
     def __repr__(self) -> str:
         """Return the intervals as a table."""
@@ -76,23 +97,25 @@ class SafeRanges:
             lines.append(f"  {part.low / size:12.9g} to {part.high / size:12.9g}   " + " ... ".join(ends))
         if not self.intervals:
             lines.append("  none")
+        if self.resolution:
+            lines.append(f"  (unstable parts narrower than {self.resolution / size:.2g} {unit} may have been missed)")
         return "\n".join([*lines, f"  ({self.note})"])
 
 
 def safe_ranges(
     quantity: str,
     unit: str,
-    unstable: list[UnstableRange],
+    unstable: UnstableLoads,
     between: tuple[float, float],
     growth_tolerance: float,
     modes: int,
 ) -> SafeRanges:
-    """Return what the unstable ranges leave of ``between``."""
+    """Return what the unstable loads leave of ``between``."""
     low, high = between
     at, closed_by = low, None
     intervals = []
-    for part in sorted(unstable):
-        if part.high <= at or part.low >= high or part.high <= part.low:
+    for part in sorted(unstable.ranges):
+        if part.high <= at or part.low >= high:
             continue
         cause = (part.mode, part.tongue)
         if part.low > at:
@@ -100,7 +123,16 @@ def safe_ranges(
         at, closed_by = part.high, cause
     if at < high:
         intervals.append(SafeInterval(at, high, closed_by, None))
-    return SafeRanges(quantity, unit, between, tuple(intervals), growth_tolerance, modes)
+    return SafeRanges(
+        quantity,
+        unit,
+        between,
+        tuple(intervals),
+        growth_tolerance,
+        modes,
+        unstable.hairlines,
+        unstable.resolution,
+    )
 
 
 def _end(end: tuple[int, int] | None) -> str:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import NamedTuple, TypeAlias
+from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +16,12 @@ from floquetrod.equations import Mathieu
 from floquetrod.load import AxialLoad
 from floquetrod.result import Stability, Status
 from floquetrod.rod_data import RodData
-from floquetrod.rod_tongues import UnstableRange, unstable_amplitudes, unstable_frequencies, unstable_mean_forces
+from floquetrod.rod_tongues import HAIRLINE_GROWTH, Quantity, gaps, unstable_loads
 from floquetrod.tongues import damping_to_stabilise
 from floquetrod.verdict import stability
 
-_Search: TypeAlias = Callable[[RodData, AxialLoad, Iterable[int], float, float, float], list[UnstableRange]]
-
-_SPANS = (0.125, 0.5, 2.0, 8.0)
-"""Reach of the search for a margin: in critical forces, or as the factor less one by which a frequency changes."""
+_SPANS = (1 / 32, 1 / 8, 0.5, 2.0, 8.0)
+"""Reaches of the search for a margin: in critical forces, or as the factor less one by which a frequency changes."""
 
 
 class Margin(NamedTuple):
@@ -121,22 +120,39 @@ class RodStability:
 
     @cached_property
     def mean_force_margin(self) -> Margin:
-        """Distance in N to the nearest mean forces at which the verdict changes, searched to 8 F_cr either way."""
+        """Distance in N to the nearest mean forces at which the verdict changes, searched to 8 F_cr either way.
+
+        Tongues that nowhere grow faster than `margin_tolerance` do not count, in this margin and the other two.
+        """
         here, unit = self.load.mean, self.rod.critical_force
-        return self._margin("mean", unstable_mean_forces, [(here - span * unit, here + span * unit) for span in _SPANS])
+        return self._margin("mean", [here - x * unit for x in _SPANS], [here + x * unit for x in _SPANS])
 
     @cached_property
     def amplitude_margin(self) -> Margin:
-        """Distance in N to the nearest amplitudes at which the verdict changes, searched to 2 F_cr above."""
+        """Distance in N to the nearest amplitudes at which the verdict changes, searched to 2 F_cr above.
+
+        Changes closer together than a thousandth of the distance searched may be passed over, as in
+        `Rod.stable_amplitudes`.
+        """
         here, unit = self.load.amplitude, self.rod.critical_force
-        return self._margin("amplitude", unstable_amplitudes, [(0.0, here + span * unit) for span in _SPANS[:3]])
+        lower = [max(0.0, here - x * unit) for x in _SPANS]
+        return self._margin("amplitude", lower, [here + x * unit for x in _SPANS if x <= 2.0])
 
     @cached_property
     def frequency_margin(self) -> Margin:
         """Distance in rad/s to the nearest frequencies at which the verdict changes, searched to 9 times either way."""
         here = self.load.frequency
-        reach = [(here / (1.0 + span), here * (1.0 + span)) for span in _SPANS]
-        return self._margin("frequency", unstable_frequencies, reach)
+        return self._margin("frequency", [here / (1.0 + x) for x in _SPANS], [here * (1.0 + x) for x in _SPANS])
+
+    @property
+    def margin_tolerance(self) -> float:
+        """Growth in 1/s up to which loads count as stable in the margins.
+
+        The growth tolerance, and at least 1e-6: a margin to a tongue in which nothing grows within a month would tell
+        nothing.  Where the load itself lies in such a tongue the margins are those of the tongue.
+        """
+        least = max(self.growth_tolerance, HAIRLINE_GROWTH)
+        return least if self.stable or self.growth_rate > least else self.growth_tolerance
 
     def _modes_for(self, rod: RodData, load: AxialLoad, growth_tolerance: float) -> tuple[int, ...]:
         """Return the modes that matter for another rod or load; those the caller chose stay as they are."""
@@ -145,26 +161,35 @@ class RodStability:
         last, _ = rod.modes_needed(load, growth_tolerance)
         return tuple(range(1, max(last, self.modes[-1]) + 1))
 
-    def _margin(self, varied: str, search: _Search, reach: list[tuple[float, float]]) -> Margin:
-        """Widen the reach until the verdict changes on both sides, with the modes that its far end needs."""
+    def _margin(self, varied: Quantity, lower: list[float], upper: list[float]) -> Margin:
         here: float = getattr(self.load, varied)
-        below = above = math.inf
-        for low, high in reach:
-            far = replace(self.load, **{varied: high})
-            modes = self._modes_for(self.rod, far, self.growth_tolerance)
-            ranges = search(self.rod, self.load, modes, self.growth_tolerance, low, high)
-            if self.stable:
-                below = min((here - r.high for r in ranges if r.high <= here), default=math.inf)
-                above = min((r.low - here for r in ranges if r.low >= here), default=math.inf)
-            else:
-                first, last = _covering(ranges, here)
-                below, above = here - first, last - here
-            # What ends where the search does, but for rounding, is no change of the verdict.
-            limits = ((below, here - low), (above, high - here))
-            below, above = (x if x < y * (1.0 - 1e-9) else math.inf for x, y in limits)
-            if max(below, above) < math.inf:
-                break
-        return Margin(below, above)
+        ends = (next(self._edges(varied, [here, *reach]), None) for reach in (lower, upper))
+        return Margin(*(math.inf if end is None else abs(end - here) for end in ends))
+
+    def _edges(self, varied: Quantity, way: list[float]) -> Iterator[float]:
+        """Yield where the verdict changes on a way, the first on each of its pieces."""
+        for piece in pairwise(way):
+            end = self._edge(varied, piece)
+            if end is not None:
+                yield end
+
+    def _edge(self, varied: Quantity, piece: tuple[float, float]) -> float | None:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, None where it does not."""
+        low, high = sorted(piece)
+        if not low < high:
+            return None
+        tolerance = self.margin_tolerance
+        modes = self._modes_for(self.rod, replace(self.load, **{varied: high}), tolerance)
+        found = unstable_loads(varied, self.rod, self.load, modes, tolerance, (low, high), union=True)
+        stable = gaps(found.ranges, (low, high))
+        if not stable:
+            return piece[0] if self.stable else None
+        near, far = stable[0] if piece[0] == low else stable[-1][::-1]
+        if not self.stable:
+            return near
+        if near != piece[0]:
+            return piece[0]
+        return far if far != piece[1] else None
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""
@@ -201,12 +226,3 @@ def judge_modes(
 
 def _grows(rate: float, tolerance: float) -> bool:
     return rate > tolerance or tolerance == 0.0  # an unstable mode may grow at a rate too small for a double
-
-
-def _covering(ranges: list[UnstableRange], point: float) -> tuple[float, float]:
-    """Return the ends of the union of ``ranges`` about ``point``."""
-    low = high = point
-    for _ in ranges:
-        low = min([low, *(r.low for r in ranges if r.low <= low <= r.high)])
-        high = max([high, *(r.high for r in ranges if r.low <= high <= r.high)])
-    return low, high

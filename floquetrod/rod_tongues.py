@@ -1,22 +1,27 @@
-"""Where a rod's modes grow along one direction of the load, mean force, amplitude or frequency: complete, no grid."""
+"""Where a rod's modes grow along one quantity of the load, mean force, amplitude or frequency, without a grid."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable
-from itertools import pairwise
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
-from floquetrod._compile import compiled
-from floquetrod.kernels import characteristic
-from floquetrod.kernels import mathieu as kernels
+from floquetrod import tongues
+from floquetrod.bands import Floats, Ints
 from floquetrod.load import AxialLoad
 from floquetrod.rod_data import RodData
-from floquetrod.tongues import part_above, unstable_intervals
+from floquetrod.tongues import Tongues
 
-_FINEST = 1e-9  # bands of amplitude narrower than this share of the range may be stepped over
+Quantity: TypeAlias = Literal["mean", "amplitude", "frequency"]
+"""A quantity of `AxialLoad` that may vary."""
+
+Progress: TypeAlias = Callable[[int, int], None]
+"""Called with the numbers of modes searched and to search."""
+
+HAIRLINE_GROWTH = 1e-6
+"""Growth in 1/s, tenfold in a month, up to which a tongue is a hairline: searches leave it out, and count it."""
 
 
 class UnstableRange(NamedTuple):
@@ -28,117 +33,141 @@ class UnstableRange(NamedTuple):
     tongue: int
 
 
-def unstable_mean_forces(
-    rod: RodData, load: AxialLoad, modes: Iterable[int], tolerance: float, low: float, high: float
-) -> list[UnstableRange]:
-    """Return where modes grow faster than ``tolerance`` (1/s) as the mean force goes from ``low`` to ``high`` (N).
+class UnstableLoads(NamedTuple):
+    """What a search found: parts in which modes grow, tongues that nowhere exceed the tolerance, what may be missed.
 
-    At a given amplitude a mode's alpha is fixed and beta is linear in the mean force: the ends are characteristic
-    values mapped back.
+    ``resolution`` is the width, in N or rad/s, up to which a part may have been missed; 0 where none can be.
     """
+
+    ranges: list[UnstableRange]
+    hairlines: int
+    resolution: float
+
+
+def unstable_loads(
+    varied: Quantity,
+    rod: RodData,
+    load: AxialLoad,
+    modes: Sequence[int],
+    tolerance: float,
+    between: tuple[float, float],
+    *,
+    union: bool = False,
+    progress: Progress | None = None,
+) -> UnstableLoads:
+    """Return where modes grow faster than ``tolerance`` (1/s) as one quantity of ``load`` goes through ``between``.
+
+    With ``union`` only the union of all parts is right: modes likely to grow are searched first, and what they cover is
+    not searched again, nor are its tongues counted.
+    """
+    if not union:
+        return _search(varied, rod, load, modes, tolerance, [between])
+    chosen = _likely_first(varied, rod, load, modes, between)
+    found: list[UnstableRange] = []
+    hairlines, resolution, done, size = 0, 0.0, 0, 1
+    while done < len(chosen):
+        left = gaps(found, between)
+        if not left:
+            break
+        part = _search(varied, rod, load, chosen[done : done + size], tolerance, left)
+        found += part.ranges
+        hairlines, resolution = hairlines + part.hairlines, max(resolution, part.resolution)
+        done, size = done + size, 2 * size
+        if progress is not None:
+            progress(min(done, len(chosen)), len(chosen))
+    return UnstableLoads(found, hairlines, resolution)
+
+
+def gaps(ranges: Sequence[UnstableRange], between: tuple[float, float]) -> list[tuple[float, float]]:
+    """Return what ``ranges`` leave of ``between``."""
+    at, high = between
+    left = []
+    for part in sorted(ranges):
+        if part.low > at:
+            left.append((at, min(part.low, high)))
+        at = max(at, part.high)
+        if at >= high:
+            return left
+    return [*left, (at, high)]
+
+
+def _likely_first(
+    varied: Quantity, rod: RodData, load: AxialLoad, modes: Sequence[int], between: tuple[float, float]
+) -> list[int]:
+    """Return the modes, those first whose stiffness the largest push lowers most."""
+    top = replace(load, **{varied: between[1]})
+    alpha, beta = rod.mode_parameters(top, modes)
+    return [modes[i] for i in np.argsort(-(beta + alpha), kind="stable")]
+
+
+def _search(
+    varied: Quantity,
+    rod: RodData,
+    load: AxialLoad,
+    modes: Sequence[int],
+    tolerance: float,
+    intervals: Sequence[tuple[float, float]],
+) -> UnstableLoads:
+    """Search every mode over every interval."""
+    number = np.repeat(np.asarray(modes, dtype=np.float64), len(intervals))
+    low, high = (np.tile(np.asarray(ends, dtype=np.float64), len(modes)) for ends in zip(*intervals, strict=True))
+    along = {"mean": _along_mean, "amplitude": _along_amplitude, "frequency": _along_frequency}[varied]
+    found, resolution = along(rod, load, number, tolerance, low, high)
+    ranges = [
+        UnstableRange(first, last, int(number[which]), order)
+        for which, order, first, last in zip(
+            found.which.tolist(), found.order.tolist(), found.first.tolist(), found.last.tolist(), strict=True
+        )
+        if last > first
+    ]
+    return UnstableLoads(ranges, found.left_out, resolution)
+
+
+def _along_mean(
+    rod: RodData, load: AxialLoad, modes: Floats, tolerance: float, low: Floats, high: Floats
+) -> tuple[Tongues, float]:
+    """At a given amplitude a mode's alpha is fixed, and beta is linear in the mean force."""
     omega = load.frequency
-    found = []
-    for mode in modes:
-        equation = rod.mode_equations(load, [mode])[0]
-        scale = rod.mode_family(1.0, 0.0, omega)[1] * mode**2  # beta gained by 1 N
-        ends = (equation.beta + (force - load.mean) * scale for force in (low, high))
-        offset = load.mean - equation.beta / scale
-        for part in unstable_intervals(equation.alpha, equation.damping, tolerance / omega, *ends):
-            found.append(UnstableRange(offset + part.low / scale, offset + part.high / scale, mode, part.order))
-    return found
+    c = rod.damping_rate / omega
+    alpha, beta = rod.mode_parameters(load, modes)
+    gain = rod.mode_family(1.0, 0.0, omega)[1] * modes**2  # beta gained by 1 N
+    offset = load.mean - (beta + c * c) / gain
+    ends = [(force - offset) * gain for force in (low, high)]
+    found = tongues.along_mean(alpha, np.full(modes.size, c + tolerance / omega), *ends)
+    return _converted(found, lambda b, i: offset[i] + b / gain[i], ends, (low, high)), 0.0
 
 
-def unstable_frequencies(
-    rod: RodData, load: AxialLoad, modes: Iterable[int], tolerance: float, low: float, high: float
-) -> list[UnstableRange]:
-    """Return where modes grow faster than ``tolerance`` (1/s) as the frequency goes from ``low`` to ``high`` (rad/s).
-
-    Alpha, beta and c^2 are all proportional to x = 1 / omega^2, so that Hill's matrix is K - x V with K = diag(k^2)
-    and V fixed.  Where an eigenvalue passes zero, K v = x V v, its slope is -v.V v = -v.K v / x <= 0: eigenvalues pass
-    zero downwards only, the count of negative ones never falls as x grows, and bisection on it finds every passage.
-    """
-    found = []
-    for mode in modes:
-        unit = rod.mode_equations(AxialLoad(load.mean, load.amplitude, 1.0), [mode])[0]
-        q, a = 2.0 * unit.alpha, -4.0 * (unit.beta + unit.damping**2)
-
-        def surplus(omega: float, alpha: float = unit.alpha, beta: float = unit.beta) -> float:
-            x = 1.0 / (omega * omega)
-            rate = kernels.growth(alpha * x, beta * x, rod.damping_rate / omega)
-            return rate * omega - tolerance if rate > 0.0 else -1.0
-
-        exact = rod.damping_rate == 0.0 and tolerance == 0.0
-        for below, start, end in _passages(a, q, low, high):
-            if below % 2:
-                continue
-            part = (start, end) if exact else part_above(surplus, start, end)
-            if part is not None and part[1] > part[0]:
-                found.append(UnstableRange(*part, mode, below // 2))
-    return found
+def _along_amplitude(
+    rod: RodData, load: AxialLoad, modes: Floats, tolerance: float, low: Floats, high: Floats
+) -> tuple[Tongues, float]:
+    """At a given mean force a mode's beta is fixed, and alpha is proportional to the amplitude."""
+    omega = load.frequency
+    c = rod.damping_rate / omega
+    _, beta = rod.mode_parameters(load, modes)
+    gain = rod.mode_family(0.0, 1.0, omega)[0] * modes**2  # alpha gained by 1 N
+    ends = [force * gain for force in (low, high)]
+    found = tongues.along_amplitude(beta + c * c, np.full(modes.size, c + tolerance / omega), *ends)
+    resolution = float(np.max(found.resolution / gain, initial=0.0))
+    return _converted(found, lambda alpha, i: alpha / gain[i], ends, (low, high)), resolution
 
 
-def _passages(a: float, q: float, low: float, high: float) -> list[tuple[int, float, float]]:
-    """Return (count, start, end) of the pieces of [low, high] of frequency on which the count is constant."""
-
-    def count(omega: float) -> int:
-        x = 1.0 / (omega * omega)
-        if q == 0.0:  # without forcing a tongue has no width: only buckling is left
-            return 0 if a <= 0.0 else 1
-        return max(0, kernels.count_below(a * x, q * x))
-
-    pieces = []
-    end, here = high, count(high)
-    last = count(low)
-    while here < last:
-        bottom, top = low, end  # the count exceeds `here` at the bottom, not at the top
-        for _ in range(100):
-            middle = 0.5 * (bottom + top)
-            if middle <= bottom or middle >= top:
-                break
-            if count(middle) > here:
-                bottom = middle
-            else:
-                top = middle
-        pieces.append((here, top, end))
-        end, here = bottom, count(bottom)  # may pass several at once where they are closer than rounding
-    pieces.append((here, low, end))
-    return pieces
+def _along_frequency(
+    rod: RodData, load: AxialLoad, modes: Floats, tolerance: float, low: Floats, high: Floats
+) -> tuple[Tongues, float]:
+    """At given forces alpha, beta and c^2 are all proportional to 1 / omega^2."""
+    alpha, beta = rod.mode_parameters(replace(load, frequency=1.0), modes)
+    rate = np.full(modes.size, rod.damping_rate + tolerance)
+    return tongues.along_frequency(alpha, beta + rod.damping_rate**2, rate, low, high), 0.0
 
 
-def unstable_amplitudes(
-    rod: RodData, load: AxialLoad, modes: Iterable[int], tolerance: float, low: float, high: float
-) -> list[UnstableRange]:
-    """Return where modes grow faster than ``tolerance`` (1/s) as the amplitude goes from ``low`` to ``high`` (N).
-
-    Beta is fixed and alpha proportional to the amplitude; every passage of a characteristic value through a = -4 beta
-    is found by a march that its greatest slope, 2, makes complete (`floquetrod.kernels.characteristic.crossings`).
-    """
-    if high <= 0.0:
-        return []
-    march = compiled(characteristic.crossings)
-    found = []
-    for mode in modes:
-        top = rod.mode_equations(AxialLoad(load.mean, high, load.frequency), [mode])[0]
-        q, a = 2.0 * top.alpha, -4.0 * (top.beta + top.damping**2)
-        ends = [0.0, q, q * low / high]
-        out = np.empty(64)
-        for order in range(int(math.sqrt(max(0.0, a) + 2.0 * q)) + 2):
-            if order * order - 2.0 * q > a:
-                continue
-            for odd_solution in (False, True)[: 1 + (order > 0)]:
-                ends += out[: march(order, odd_solution, a, q, _FINEST * q, out)].tolist()
-        places = [place for place in sorted(set(ends)) if place >= q * low / high]
-        for start, end in pairwise(places):
-            below = kernels.count_below(a, 0.5 * (start + end))
-            if below < 0 or below % 2:
-                continue
-
-            def surplus(place: float, beta: float = top.beta, damping: float = top.damping) -> float:
-                rate = kernels.growth(0.5 * place, beta, damping)
-                return rate * load.frequency - tolerance if rate > 0.0 else -1.0
-
-            exact = rod.damping_rate == 0.0 and tolerance == 0.0
-            part = (start, end) if exact else part_above(surplus, start, end)
-            if part is not None:
-                found.append(UnstableRange(part[0] * high / q, part[1] * high / q, mode, below // 2))
-    return found
+def _converted(
+    found: Tongues,
+    back: Callable[[Floats, Ints], Floats],
+    ends: Sequence[Floats],
+    limits: tuple[Floats, Floats],
+) -> Tongues:
+    """Return parts in the quantity of the load; one that ends where its search does ends there to the bit."""
+    i = found.which
+    first = np.where(found.first <= ends[0][i], limits[0][i], back(found.first, i))
+    last = np.where(found.last >= ends[1][i], limits[1][i], back(found.last, i))
+    return found._replace(first=first, last=last)

@@ -11,7 +11,6 @@ from scipy.linalg import eigvalsh_tridiagonal
 
 import floquetrod as fr
 from floquetrod.characteristic import tongue_widths
-from floquetrod.kernels.characteristic import crossings
 
 pytestmark = pytest.mark.kernels
 
@@ -143,14 +142,3 @@ def test_bad_input(arguments: tuple[object, ...], error: type[Exception], messag
         fr.mathieu.characteristic_values(*arguments)
     with pytest.raises(ValueError, match="one-dimensional"):
         fr.mathieu.transition_curves(np.ones((2, 2)), 3)
-
-
-def test_the_march_finds_every_crossing() -> None:
-    out = np.empty(8)
-    for order, odd, a in ((0, False, -3.0), (2, False, 4.2), (2, False, 0.0), (3, True, 8.5), (4, False, 18.0)):
-        count = crossings(order, odd, a, 40.0, 1e-9, out)
-        grid = np.linspace(0.0, 40.0, 4001)
-        signs = fr.mathieu.characteristic_values(order, grid, "b" if odd else "a") > a
-        assert count == np.count_nonzero(signs[1:] != signs[:-1])
-        for q in out[:count]:
-            assert fr.mathieu.characteristic_values(order, float(q), "b" if odd else "a") == pytest.approx(a, abs=1e-12)

@@ -10,7 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
+from floquetrod import tongues
 from floquetrod.methods.reference import reference
+from floquetrod.rod_tongues import HAIRLINE_GROWTH
+from floquetrod.tongues import along_amplitude
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -88,6 +91,108 @@ def test_dense_scans_of_many_random_rods(
     scan_a_rod(modes, mean, amplitude, speed, power)
 
 
+DAMPED = given(
+    st.floats(-1.0, 1.5),
+    st.floats(-0.3, 1.2),
+    st.floats(0.01, 1.0),
+    st.floats(-1.0, 2.0),
+    st.one_of(st.just(0.0), st.floats(-3.0, 4.0).map(math.exp)),
+    st.one_of(st.just(HAIRLINE_GROWTH), st.floats(-7.0, 3.0).map(math.exp)),
+)
+
+
+def scan_a_damped_rod(
+    size: float, mean: float, amplitude: float, speed: float, damping: float, tolerance: float
+) -> int:
+    """Scan the three ranges of a damped rod, growth rates unclipped; return how many have ends inside."""
+    rod = ROD.replace(length=ROD.length * math.exp(size), damping_rate=damping)
+    omega = rod.pendulum_frequency * math.exp(speed)
+    partial = 0
+    for ranges, fixed in searches(rod, mean * FCR, amplitude * FCR, omega, tolerance):
+        values = np.linspace(*ranges.between, 4002)[1:-1]
+        growth = rod.growth_rate(**{WORDS[ranges.quantity]: values}, **fixed)
+        inside = np.zeros(values.size, dtype=bool)
+        for part in ranges:
+            inside |= (values > part.low) & (values < part.high)
+        clear = np.abs(growth - tolerance) > 1e-7 * (tolerance + damping)
+        assert (inside == (growth <= tolerance))[clear].all(), (
+            ranges,
+            values[(inside != (growth <= tolerance)) & clear],
+        )
+        partial += inside.any() and not inside.all()
+    return partial
+
+
+@settings(max_examples=15)
+@DAMPED
+def test_damped_and_tolerant_ranges_against_dense_scans(
+    size: float, mean: float, amplitude: float, speed: float, damping: float, tolerance: float
+) -> None:
+    scan_a_damped_rod(size, mean, amplitude, speed, damping, tolerance)
+
+
+@pytest.mark.slow
+def test_two_thousand_damped_and_tolerant_ranges_against_dense_scans() -> None:
+    partial = 0
+
+    @settings(max_examples=700)
+    @DAMPED
+    def scan(size: float, mean: float, amplitude: float, speed: float, damping: float, tolerance: float) -> None:
+        nonlocal partial
+        partial += scan_a_damped_rod(size, mean, amplitude, speed, damping, tolerance)
+
+    scan()
+    assert partial > 500  # most questions must have something to miss
+
+
+def test_a_band_that_starts_below_its_damping() -> None:
+    # Mode 7 grows at 0.267 1/s at 102 rad/s; where its tongue begins, damping exceeds its growth.
+    rod = ROD.replace(damping_rate=12.0)
+    ranges = rod.stable_frequencies(0.6 * FCR, 0.4 * FCR, between=(50.0, 150.0), growth_tolerance=0.0)
+    assert 102.0 not in ranges
+    assert next((part.low, part.high) for part in ranges) == (50.0, pytest.approx(97.61, abs=0.01))
+    assert ranges.intervals[1].low == pytest.approx(107.86, abs=0.01)
+    margin = rod.stability(fr.AxialLoad(0.6 * FCR, 0.4 * FCR, 96.0)).frequency_margin
+    assert 96.0 + margin.above == pytest.approx(ranges.intervals[0].high, rel=1e-6)
+
+
+def test_a_dip_of_growth_along_the_amplitude() -> None:
+    # Just below the lowest place of its upper edge, growth in tongue 3 dips to a sixth along the amplitude.
+    found = along_amplitude(*(np.array([x]) for x in (-2.3156, 0.01, 0.0, 2.5)))
+    assert found.order.tolist() == [3, 3]
+    assert found.last[0] < 2.0682 < found.first[1]
+    assert found.resolution[0] == pytest.approx(2.5e-3)
+    for end in (*found.first, *found.last[:-1]):
+        assert fr.mathieu.growth_rate(end, -2.3156) == pytest.approx(0.01, rel=1e-8)
+
+
+def test_hairlines_are_left_out_and_counted() -> None:
+    default, strict = (
+        ROD.stable_frequencies(0.3, 0.3, (60.0, 200.0), **option) for option in ({}, {"growth_tolerance": 0})
+    )
+    assert default.growth_tolerance == HAIRLINE_GROWTH
+    # What the default leaves out are tongues, each of which parts a stable interval.
+    assert 0 < len(strict) - len(default) <= default.hairlines
+    assert f"{default.hairlines} tongues left out" in repr(default)
+
+
+def test_the_cost_follows_the_question(monkeypatch: pytest.MonkeyPatch) -> None:
+    # More than a thousand tongues lie below, and are not resolved, since nothing grows in them.
+    asked = []
+    real = tongues._growth
+    monkeypatch.setattr(tongues, "_growth", lambda *inputs: asked.append(inputs[0].size) or real(*inputs))
+    ranges = ROD.stable_frequencies(0.3, 0.3, (2.0, 60.0))
+    assert ranges.hairlines > 1000
+    assert sum(asked) < 10 * ranges.hairlines
+
+
+def test_progress_is_told_by_modes() -> None:
+    told: list[tuple[int, int]] = []
+    ROD.stable_mean_forces(0.2 * FCR, 150.0, progress=lambda *done: told.append(done))
+    assert told == sorted(told)
+    assert told[-1][0] == told[-1][1] > 10
+
+
 def test_every_end_judged_by_the_reference() -> None:
     # 1e-9 relative inside is stable, outside unstable, in the mode named; tongues wide enough to have an outside.
     for ranges, fixed in searches(ROD, 0.34 * FCR, 0.2 * FCR, 150.0, 0.0):
@@ -109,7 +214,7 @@ def test_every_end_judged_by_the_reference() -> None:
 
 
 def test_tolerance_leaves_thin_tongues_out_and_says_so() -> None:
-    strict = ROD.stable_mean_forces(0.2 * FCR, 85.0)
+    strict = ROD.stable_mean_forces(0.2 * FCR, 85.0, growth_tolerance=0.0)
     lenient = ROD.stable_mean_forces(0.2 * FCR, 85.0, growth_tolerance=0.022 * 85.0)
     assert len(strict) > len(lenient)
     assert "growth at or below 1.87 1/s does not count" in repr(lenient)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod.kernels import mathieu as kernels
-from floquetrod.tongues import UnstableInterval, damping_to_stabilise, unstable_intervals
+from floquetrod.tongues import along_mean, damping_to_stabilise
 
 pytestmark = pytest.mark.kernels
 
@@ -79,10 +79,10 @@ def test_claim_f3c() -> None:
     # begins at 0.594, by more than 2e-4 at 0.47; thinner ones, which a grid steps over, lie lower: at 0.33 and 0.21.
     def first(growth_per_tau: float) -> float:
         intervals = [
-            part.low
+            low
             for mode in range(1, 16)
-            for part in unstable_forces(mode, 0.2 * FCR, 20.0, growth_per_tau, 0.9 * FCR)
-            if part.high > part.low
+            for low, high in unstable_forces(mode, 0.2 * FCR, 20.0, growth_per_tau, 0.9 * FCR)
+            if high > low
         ]
         return min(intervals) / FCR
 
@@ -93,12 +93,13 @@ def test_claim_f3c() -> None:
     assert first(1e-5) == pytest.approx(0.215, abs=1e-3)
 
 
-def unstable_forces(mode: int, amplitude: float, omega: float, growth: float, top: float) -> list[UnstableInterval]:
+def unstable_forces(mode: int, amplitude: float, omega: float, growth: float, top: float) -> list[tuple[float, float]]:
     """Intervals of mean force in [0, top] where one mode grows by more than ``growth`` per tau."""
     ends = [ROD.mode_equations(fr.AxialLoad(mean, amplitude, omega), [mode])[0] for mean in (0.0, top)]
-    parts = unstable_intervals(ends[0].alpha, 0.0, growth, ends[0].beta, ends[1].beta)
+    parts = along_mean(*(np.array([x]) for x in (ends[0].alpha, growth, ends[0].beta, ends[1].beta)))
     scale = top / (ends[1].beta - ends[0].beta)
-    return [UnstableInterval((p.low - ends[0].beta) * scale, (p.high - ends[0].beta) * scale, p.order) for p in parts]
+    forces = ((beta - ends[0].beta) * scale for beta in (parts.first, parts.last))
+    return list(zip(*forces, strict=True))
 
 
 def test_verdict_on_the_demonstration_load() -> None:

@@ -151,33 +151,3 @@ def width_fill(order: Any, q: Any, out: Any) -> None:
     """Fill ``out`` with tongue widths."""
     for i in range(len(order)):
         out[i] = tongue_width(order[i], q[i])
-
-
-@kernel
-def crossings(order: int, odd_solution: bool, a: float, farthest: float, least_step: float, out: Any) -> int:
-    """Put into ``out`` every q in [0, farthest] at which a characteristic value passes ``a``; return their number.
-
-    A characteristic value changes no faster than 2 |q| does (its slope is a mean of 2 cos 2z), so where it is at a
-    distance d from ``a`` there is no crossing within d / 2: the march steps over nothing but pairs of crossings closer
-    than ``least_step``.
-    """
-    q = 0.0
-    gap = characteristic_value(order, q, odd_solution) - a
-    count = 0
-    while q < farthest:
-        there = min(farthest, q + max(0.5 * abs(gap), least_step))
-        new = characteristic_value(order, there, odd_solution) - a
-        if (new > 0.0) != (gap > 0.0) and count < len(out):
-            low, high = q, there
-            for _ in range(100):
-                middle = 0.5 * (low + high)
-                if middle <= low or middle >= high:
-                    break
-                if (characteristic_value(order, middle, odd_solution) - a > 0.0) == (gap > 0.0):
-                    low = middle
-                else:
-                    high = middle
-            out[count] = 0.5 * (low + high)
-            count += 1
-        q, gap = there, new
-    return count

@@ -85,6 +85,19 @@ def count_below(a: float, q: float) -> int:
 
 
 @kernel
+def count_fill(a: Any, q: Any, out: Any) -> None:
+    """Fill ``out`` with how many characteristic values lie below ``a``; with q = 0 tongues have no width but tongue 0.
+
+    A count left undecided, on a transition curve to rounding, is taken as that just above it.
+    """
+    for i in range(len(a)):
+        count = count_below(a[i], q[i])
+        if count == UNDECIDED:
+            count = count_below(a[i] * (1.0 - 4.0 * _EPS), q[i])
+        out[i] = max(count, 0)
+
+
+@kernel
 def is_stable_scalar(alpha: float, beta: float) -> bool:
     """Return whether every solution of A'' = (beta + alpha sin tau) A is bounded."""
     if alpha == 0.0:
@@ -700,6 +713,13 @@ def growth_bound(a: float, q: float) -> float:
             k += 2.0
         worst = max(worst, product * beside)
     return 0.25 * q / math.sqrt(a - 2.0 * q) * worst
+
+
+@kernel
+def growth_bound_fill(a: Any, q: Any, out: Any) -> None:
+    """Fill ``out`` with `growth_bound`, infinite where a <= 2 q."""
+    for i in range(len(a)):
+        out[i] = growth_bound(a[i], q[i]) if a[i] > 2.0 * q[i] else math.inf
 
 
 @kernel

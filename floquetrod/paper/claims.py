@@ -22,7 +22,7 @@ from floquetrod.methods.square_wave import square_wave
 from floquetrod.proof import certify
 from floquetrod.result import Stability
 from floquetrod.rod import Rod
-from floquetrod.rod_tongues import unstable_mean_forces
+from floquetrod.rod_tongues import unstable_loads
 
 ROD = Rod.nitinol()
 UNIT = ROD.critical_force
@@ -125,7 +125,7 @@ def f3_a() -> Claim:
     by_test = first_failure(0.2, 85.0, LEAPFROG, 0.6)
     load = AxialLoad(0.0, 0.2 * UNIT, 85.0)
     last = ROD.modes_needed(AxialLoad(0.45 * UNIT, 0.2 * UNIT, 85.0))[0]
-    bands = unstable_mean_forces(ROD, load, range(1, last + 1), 0.0, 0.0, 0.45 * UNIT)
+    bands = unstable_loads("mean", ROD, load, range(1, last + 1), 0.0, (0.0, 0.45 * UNIT)).ranges
     main = max(bands, key=lambda band: band.high - band.low)  # the wide tongue in which the test fails further on
     thin = np.linspace(0.0, 0.99 * main.low, 4501)
     growth, mode = ROD.fastest(thin, 0.2 * UNIT, 85.0)

@@ -17,7 +17,7 @@ from floquetrod.methods.square_wave import square_wave
 from floquetrod.paper.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
 from floquetrod.plotting import paper as drawing
 from floquetrod.plotting.paper import Band, Tongue
-from floquetrod.rod_tongues import unstable_mean_forces
+from floquetrod.rod_tongues import unstable_loads
 
 LOADS = (0.288, 85.0), (0.20, 150.0), (0.34, 150.0)
 """Mean forces in F_cr and frequencies in rad/s of Figure 2(b)-(d), all at 0.2 F_cr: our choice.
@@ -86,7 +86,7 @@ def unstable_bands(amplitude: float, frequency: float, upto: float) -> list[Band
     return [
         Band(r.low / UNIT, r.high / UNIT, r.mode, tolerance > 0.0)
         for tolerance in (0.0, EXACT.threshold * frequency)
-        for r in unstable_mean_forces(ROD, load, modes, tolerance, 0.0, upto * UNIT)
+        for r in unstable_loads("mean", ROD, load, modes, tolerance, (0.0, upto * UNIT)).ranges
     ]
 
 
@@ -96,7 +96,7 @@ def tongues(amplitude: float, omega: NDArray[np.float64], upto: float) -> list[T
     for column, frequency in enumerate(omega.tolist()):
         top = AxialLoad(upto * UNIT, amplitude * UNIT, frequency)
         modes = range(1, ROD.modes_needed(top, SHOWN * frequency)[0] + 1)
-        bands = unstable_mean_forces(ROD, top, modes, 0.0, 0.0, upto * UNIT)
+        bands = unstable_loads("mean", ROD, top, modes, 0.0, (0.0, upto * UNIT)).ranges
         middles = np.array([0.5 * (max(band.low, 0.0) + min(band.high, upto * UNIT)) for band in bands])
         family = ROD.mode_family(middles, amplitude * UNIT, frequency)
         growth = mathieu.growth_rate(*mode_coefficients(*family, np.array([band.mode for band in bands])))
