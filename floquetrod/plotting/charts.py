@@ -24,7 +24,7 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
     else:
         growth = np.where(chart.stable, np.nan, chart.growth_rate)
         mesh = ax.pcolormesh(x, y, growth, cmap=palette.shades(), vmin=0.0, rasterized=True)
-        unit = "per unit of $\\tau$" if chart.growth_unit == "per tau" else f"/ {chart.growth_unit}"
+        unit = "per unit of $\\tau$" if chart.growth_unit == "per tau" else f"/ ({chart.growth_unit})"
         ax.figure.colorbar(mesh, ax=ax, label=f"growth rate {unit}")
     if chart.stable.any() and not chart.stable.all():
         ax.contour(x, y, chart.stable, levels=[0.5], colors="black", linewidths=0.6)

@@ -78,7 +78,7 @@ class Window:
         self._chart.set_xlabel(r"$\alpha$")
         self._chart.set_ylabel(r"$\beta$")
         self._chart.set_title("modes on the stability chart", fontsize="medium")
-        self._stems = self._bars.bar(np.arange(1, view.growth.size + 1), view.growth, color="0.3")
+        self._stems = self._bars.bar(np.arange(1, view.growth.size + 1), view.growth, color=palette.UNSTABLE)
         self._bars.set_xlabel("mode $m$")
         self._bars.set_ylabel("growth rate / (1/s)")
         self._bars.set_title("growth of each mode", fontsize="medium")
