@@ -58,7 +58,7 @@ class Unit(NamedTuple):
         return f"{self.of(value):.{digits}g} {self.name}".strip()
 
 
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", re.ASCII)
 
 
 def units_of(kind: str, critical_force: float | None = None) -> dict[str, float]:

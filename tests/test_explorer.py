@@ -94,7 +94,7 @@ def test_the_picture_without_a_window(tmp_path: Path, capsys: pytest.CaptureFixt
     ("arguments", "message"),
     [
         (["--mean", "1N"], "go together; got only --mean"),
-        (["--out", "x.gif"], "--out must end in .png, .pdf, .svg"),
+        (["--out", "x.gif"], "--out must end in .png, .pdf or .svg"),
         ([], "no window can be opened"),
     ],
 )

@@ -25,6 +25,7 @@ from floquetrod.cli.common import (
     read_tolerance,
     read_units,
 )
+from floquetrod.cli.waiting import waiting
 from floquetrod.result import Status
 from floquetrod.rod_stability import Margin
 from floquetrod.units import Unit
@@ -70,19 +71,19 @@ _LAST_MODE = 20_000  # far beyond any mode that matters: a slip of the keyboard 
 def _check(options: argparse.Namespace) -> Answer:
     rod = read_rod(options)
     load = fr.AxialLoad(**{name: read_quantity(getattr(options, name), name, rod) for name in KINDS})
-    tolerance, shown = read_tolerance(options), read_units(options, rod)
-    friction, modes = read_friction(options), _modes(options.modes)
-    if friction is not None:
-        judged = rod.stability(load, modes=modes, growth_tolerance=tolerance, friction=friction)
-        status = _STATUS[judged.status] if options.exit_code else 0
-        if options.json:
-            both = {"with_friction": kick.record(judged), "without_friction": _record(judged.linear)}
-            return Answer(json.dumps(both, indent=2, allow_nan=False), status)
-        lines = [*kick.report(judged, shown["kick"]), "", "without friction:", _report(judged.linear, shown)]
-        return Answer("\n".join(lines), status)
-    result = rod.stability(load, modes=modes, growth_tolerance=tolerance)
-    text = json.dumps(_record(result), indent=2, allow_nan=False) if options.json else _report(result, shown)
-    return Answer(text, _STATUS[result.status] if options.exit_code else 0)
+    tolerance, friction, modes = read_tolerance(options), read_friction(options), _modes(options.modes)
+    shown = read_units(options, rod)
+    with waiting("judging the load and searching its margins"):
+        if friction is None:
+            linear = rod.stability(load, modes=modes, growth_tolerance=tolerance)
+            status, record, lines = linear.status, _record(linear), _report(linear, shown)
+        else:
+            judged = rod.stability(load, modes=modes, growth_tolerance=tolerance, friction=friction)
+            status = judged.status
+            record = {"with_friction": kick.record(judged), "without_friction": _record(judged.linear)}
+            lines = [*kick.report(judged, shown["kick"]), "", "without friction:", *_report(judged.linear, shown)]
+    text = json.dumps(record, indent=2, allow_nan=False) if options.json else "\n".join(lines)
+    return Answer(text, _STATUS[status] if options.exit_code else 0)
 
 
 def _modes(text: str | None) -> list[int] | None:
@@ -100,7 +101,7 @@ def _modes(text: str | None) -> list[int] | None:
     return sorted(modes)
 
 
-def _report(result: fr.RodStability, shown: dict[str, Unit]) -> str:
+def _report(result: fr.RodStability, shown: dict[str, Unit]) -> list[str]:
     rod = result.rod
     headline = result.status.upper()
     if result.status == "unstable":
@@ -131,7 +132,7 @@ def _report(result: fr.RodStability, shown: dict[str, Unit]) -> str:
     for mode, equation, verdict, rate in _near_trouble(result):
         where = str(verdict.interval) if verdict.interval else verdict.status
         lines.append(f"{mode:4d}  {equation.alpha:10.5g}  {equation.beta:11.6g}  {where:<21}  {rate:10.4g}")
-    return "\n".join(lines)
+    return lines
 
 
 def _margins(result: fr.RodStability, shown: dict[str, Unit]) -> list[str]:

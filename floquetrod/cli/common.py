@@ -172,13 +172,13 @@ def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
     try:
         is_folder, has_folder = path.is_dir(), path.parent.is_dir()
     except OSError as error:  # a name too long, say
-        raise ValueError(f"{name}: {error}") from None
+        raise ValueError(f"{name} {str(path)!r}: {error}") from None
     if is_folder:
         raise ValueError(f"{name} must be a file, and {str(path)!r} is a folder")
     if not has_folder:
-        raise ValueError(f"{name}: there is no folder {str(path.parent)!r}; make it first, or write elsewhere")
+        raise ValueError(f"{name} {str(path)!r}: there is no folder {str(path.parent)!r}; make it first, or write elsewhere")
     if not os.access(path.parent, os.W_OK):
-        raise ValueError(f"{name}: the folder {str(path.parent)!r} cannot be written to; write elsewhere")
+        raise ValueError(f"{name} {str(path)!r}: the folder {str(path.parent)!r} cannot be written to; write elsewhere")
 
 
 def number(value: float) -> float | None:

@@ -55,7 +55,8 @@ def _naming_options(message: str, options: argparse.Namespace) -> str:
     typed = vars(options).get(name)
     if match is None or typed is None:
         return message
-    return f"--{name.replace('_', '-')} {message[match.end() :]}; it was given as {typed!r}"
+    message = f"--{name.replace('_', '-')} {message[match.end() :]}"
+    return message if str(typed) in message else f"{message}; it was given as {typed!r}"
 
 
 def _attached(arguments: Sequence[str]) -> list[str]:

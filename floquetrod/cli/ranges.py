@@ -18,6 +18,7 @@ from floquetrod.cli.common import (
     read_tolerance,
     read_units,
 )
+from floquetrod.cli.waiting import waiting
 
 _HELP = """\
 List every stable interval of one quantity of the load: give the other two, and what to search.
@@ -52,17 +53,19 @@ def _ranges(options: argparse.Namespace) -> Answer:
             "exactly one of --mean, --amplitude, --frequency must be a range such as 0:1.2Fcr or 10Hz:60Hz, got "
             f"{len(varied)}"
         )
-    tolerance, shown = read_tolerance(options), read_units(options, rod)
+    tolerance = read_tolerance(options)
     values = {name: read_range(text, name, rod) for name, text in texts.items()}
+    shown = read_units(options, rod)
     low, high = values.pop(varied[0])
     fixed = {name: value for name, (value,) in values.items()}
-    if varied[0] == "frequency":
-        found = rod.stable_frequencies(**fixed, between=(low, high), growth_tolerance=tolerance)
-    elif low != 0.0:
+    if varied[0] != "frequency" and low != 0.0:
         raise ValueError(f"--{varied[0]} must be a range from zero such as 0:1.2Fcr, got {texts[varied[0]]!r}")
-    else:
-        search = rod.stable_mean_forces if varied[0] == "mean" else rod.stable_amplitudes
-        found = search(**fixed, upto=high, growth_tolerance=tolerance)
+    with waiting(f"searching every tongue along the {varied[0]}"):
+        if varied[0] == "frequency":
+            found = rod.stable_frequencies(**fixed, between=(low, high), growth_tolerance=tolerance)
+        else:
+            search = rod.stable_mean_forces if varied[0] == "mean" else rod.stable_amplitudes
+            found = search(**fixed, upto=high, growth_tolerance=tolerance)
     if not options.json:
         return Answer(found.table(*shown[varied[0]]))
     unit = "N" if found.unit == "N" else "rad_per_s"

@@ -72,8 +72,9 @@ def _map(options: argparse.Namespace) -> Answer:
     for path in paths:
         check_out(path, (*charts.FIGURES, ".npz"))
     columns, rows = _points(options.points)
-    shown = read_units(options, rod)
     values = {name: read_range(getattr(options, name), name, rod) for name in KINDS}
+    tolerance, friction = read_tolerance(options), read_friction(options)
+    shown = read_units(options, rod)
     varied = [name for name, ends in values.items() if len(ends) == 2]
     if len(varied) != 2:
         raise ValueError(f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {len(varied)}")
@@ -82,7 +83,6 @@ def _map(options: argparse.Namespace) -> Answer:
         name: (*ends, columns if name == across else rows) if name in varied else ends[0]
         for name, ends in values.items()
     }
-    tolerance, friction = read_tolerance(options), read_friction(options)
     criterion = None if options.paper_criterion is None else fr.PaperCriterion(by=options.paper_criterion)
     point = None if options.mark is None else _point(options.mark, varied, across, rod)
     chart = fr.stability_map(
@@ -137,5 +137,5 @@ def _point(text: str, varied: list[str], across: str, rod: fr.Rod) -> dict[str, 
     try:
         place = {name: read_quantity(part, name, rod) for name, part in zip(varied, parts, strict=True)}
     except ValueError as error:
-        raise ValueError(f"--mark: {error}") from None
+        raise ValueError(f"--mark {text!r}: {error}") from None
     return dict(sorted(place.items(), key=lambda item: item[0] != across))
