@@ -176,7 +176,9 @@ def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
     if is_folder:
         raise ValueError(f"{name} must be a file, and {str(path)!r} is a folder")
     if not has_folder:
-        raise ValueError(f"{name} {str(path)!r}: there is no folder {str(path.parent)!r}; make it first, or write elsewhere")
+        raise ValueError(
+            f"{name} {str(path)!r}: there is no folder {str(path.parent)!r}; make it first, or write elsewhere"
+        )
     if not os.access(path.parent, os.W_OK):
         raise ValueError(f"{name} {str(path)!r}: the folder {str(path.parent)!r} cannot be written to; write elsewhere")
 
