@@ -200,6 +200,7 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
         ([*CHECK[:-1], "1e-300"], "--frequency must lie between 1e-09 and 1e\\+12 rad/s, got '1e-300'"),
         ([*CHECK, "--damping-rate", "-1"], "--damping-rate must be zero or more, got '-1'"),
         (["compare", "--alpha", "x", "--beta", "0"], "argument --alpha: invalid float value"),
+        (["compare", "--alpha=--", "--beta", "0"], "--alpha needs a value, got '--'"),
         (["compare", "--alpha", "nan", "--beta", "0"], "--alpha must be finite"),
     ],
 )

@@ -33,7 +33,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except ArithmeticError as error:  # extreme numbers over- or underflow on their way
-        print(f"floquetrod: error: numbers too large or too small to work with ({error}); check units", file=sys.stderr)
+        given = ", ".join(f"--{name} {value}" for name, value in vars(options).items() if _is_quantity(value))
+        what = f"numbers too large or too small to work with ({error}); check the units of {given}"
+        print(f"floquetrod: error: {what}", file=sys.stderr)
         return 2
     except (ValueError, OSError) as error:
         print(f"floquetrod: error: {_naming_options(' '.join(str(error).split()), options)}", file=sys.stderr)
@@ -59,6 +61,10 @@ def _naming_options(message: str, options: argparse.Namespace) -> str:
     return message if str(typed) in message else f"{message}; it was given as {typed!r}"
 
 
+def _is_quantity(value: object) -> bool:
+    return isinstance(value, float) or (isinstance(value, str) and any(letter.isdigit() for letter in value))
+
+
 def _attached(arguments: Sequence[str]) -> list[str]:
     """Return the arguments with each negative quantity attached to its option.
 
@@ -66,6 +72,8 @@ def _attached(arguments: Sequence[str]) -> list[str]:
     """
     result: list[str] = []
     for argument in arguments:
+        if re.fullmatch(r"--[\w-]+=--", argument):  # argparse takes the second -- for the end of the options
+            raise ValueError(f"{argument[:-3]} needs a value, got '--'")
         if re.match(r"-\.?\d", argument) and result and re.fullmatch(r"--[\w-]+", result[-1]):
             result[-1] += f"={argument}"
         else:
