@@ -17,6 +17,7 @@ from matplotlib import pyplot
 from PIL import Image
 
 import floquetrod as fr
+from floquetrod.plotting import palette
 
 rod = fr.Rod.nitinol()
 unit = rod.critical_force
@@ -32,17 +33,16 @@ chart = fr.stability_map(
     growth=True,
     growth_tolerance=0.1,
 )
-chart.plot(left)
+chart.in_units(mean="Fcr", frequency="Hz").plot(left)
 left.set_title("Which loads are safe?  White ones.", fontsize="medium")
 
 fr.mathieu.chart((0.0, 0.2, 400), (-0.8, 0.1, 400)).plot(right)
 alpha, beta = np.array([(mode.alpha, mode.beta) for mode in verdict.mode_equations]).T
 shown = (alpha < 0.14) & (beta > -0.8)
-right.plot(alpha[shown], beta[shown], "o-", color="black", markerfacecolor="white", linewidth=0.6)
+right.plot(alpha[shown], beta[shown], **palette.POINT, linewidth=0.6)
 grown = verdict.fastest_mode - 1
 right.plot(alpha[grown], beta[grown], "o", color="black")
-box = {"boxstyle": "round", "facecolor": "white", "edgecolor": "black", "linewidth": 0.6}
-style = {"textcoords": "offset points", "fontsize": "small", "bbox": box}
+style = {"textcoords": "offset points", "fontsize": "small", "bbox": palette.BOX}
 right.annotate(
     f"mode {verdict.fastest_mode} grows at {verdict.growth_rate:.2f} 1/s",
     (alpha[grown], beta[grown]),
@@ -52,10 +52,11 @@ right.annotate(
 )
 right.set(xlim=(0.0, 0.2), ylim=(-0.8, 0.1), xlabel=r"$\alpha$", ylabel=r"$\beta$")
 right.set_title("Why is this one not?", fontsize="medium")
-left.plot([load.frequency], [load.mean], "o", markersize=8, markerfacecolor="white", markeredgecolor="black")
-left.annotate("this load", (load.frequency, load.mean), xytext=(10, 12), **style)
+here = load.frequency / (2.0 * np.pi), load.mean / unit
+left.plot(*here, **palette.POINT, markersize=8)
+left.annotate("this load", here, xytext=(10, 12), **style)
 
 drawn = io.BytesIO()
 figure.savefig(drawn, dpi=150)
-# Forty-eight greys are enough, and small.
-Image.open(drawn).convert("L").quantize(48).save(Path(__file__).with_name("picture.png"), optimize=True)
+# So many colours are enough, and small.
+Image.open(drawn).convert("RGB").quantize(64).save(Path(__file__).with_name("picture.png"), optimize=True)

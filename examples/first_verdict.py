@@ -9,6 +9,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.plotting import palette
 
 equation = fr.Mathieu(alpha=0.5, beta=-0.25)
 print(fr.stability(equation))
@@ -29,10 +30,11 @@ for share in (0.05, 0.20, 0.34, 0.52, 0.63):
 axes = fr.mathieu.chart((0.0, 0.2, 300), (-0.8, 0.1, 300)).plot()
 for (share, verdict), marker in zip(verdicts.items(), "os^Dv", strict=True):
     alpha, beta = np.array([(mode.alpha, mode.beta) for mode in verdict.mode_equations]).T
-    label = f"{share:.2f} $F_{{cr}}$, {verdict.status}"
-    face = "white" if verdict.stable else "black"
-    axes.plot(alpha, beta, marker, markersize=5, markerfacecolor=face, markeredgecolor="black", label=label)
+    style = palette.POINT | {"marker": marker, "linestyle": "none", "markersize": 5}
+    axes.plot(alpha, beta, **style, label=f"{share:.2f} $F_{{cr}}$, {verdict.status}")
+    growing = [mode - 1 for mode in verdict.unstable_modes]
+    axes.plot(alpha[growing], beta[growing], **style | {"markerfacecolor": "black"})
 axes.set(xlim=(0.0, 0.2), ylim=(-0.8, 0.1))
-axes.set_title("modes of the rod on the chart (unstable where grey), for five mean forces", fontsize="small")
+axes.set_title("modes of the rod under five mean forces; orange: unstable, filled: the mode grows", fontsize="small")
 axes.legend(fontsize="small", loc="lower right")
 plt.show()

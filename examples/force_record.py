@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.plotting import palette
 
 rod = fr.Rod.nitinol()
 omega, periods, per_period = 150.0, 40, 256
@@ -61,11 +62,14 @@ for mode in modes:
 _, (above, below) = plt.subplots(2, 1, figsize=(7.0, 5.5), layout="constrained")
 shown = slice(0, 3 * per_period)
 series = mean + sum((z * np.exp(1j * k * omega * t)).real for k, z in enumerate(harmonics, start=1))
-above.plot(1e3 * t[shown], record[shown], color="0.65", linewidth=0.6, label="record")
+above.plot(1e3 * t[shown], record[shown], color=palette.NEUTRAL, linewidth=0.6, label="record")
 above.plot(1e3 * t[shown], series[shown], color="black", linewidth=1.2, label=f"{len(harmonics)} harmonics")
 above.set(xlabel="time $t$ / ms", ylabel="force $F$ / N")
 above.legend(fontsize="small", loc="upper right")
-for rates, name, shift, shade in ((full, "all harmonics", -0.2, "black"), (pure, "fundamental alone", 0.2, "0.65")):
+for rates, name, shift, shade in (
+    (full, "all harmonics", -0.2, "black"),
+    (pure, "fundamental alone", 0.2, palette.NEUTRAL),
+):
     below.bar([m + shift for m in modes], [omega * r.growth_rate for r in rates.values()], 0.4, color=shade, label=name)
 below.set(xlabel="mode $m$", ylabel="growth rate / 1/s", xticks=list(modes))
 below.legend(fontsize="small")

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.plotting import palette
 
 rod = fr.Rod.nitinol()
 mean, amplitude = 0.35 * rod.critical_force, 0.2 * rod.critical_force
@@ -35,13 +36,14 @@ frequency = np.linspace(*between, 4000)
 growth, mode = rod.fastest(mean, amplitude, frequency)
 _, axes = plt.subplots(figsize=(8.0, 4.0), layout="constrained")
 axes.plot(frequency, growth, color="black", linewidth=0.8)
+axes.set_facecolor(palette.UNSTABLE)
 for window in windows:
-    axes.axvspan(window.low, window.high, color="0.88", linewidth=0.0)
+    axes.axvspan(window.low, window.high, color=palette.STABLE, linewidth=0.0)
 axes.axvline(choice, color="black", linestyle="--", linewidth=0.9)
 axes.annotate(f"{choice:.0f} rad/s", (choice, 0.93 * growth.max()), xytext=(4, 0), textcoords="offset points")
 for number in np.unique(mode[growth > 1.0]):
     peak = np.argmax(np.where(mode == number, growth, 0.0))
     axes.annotate(f"{number}", (frequency[peak], growth[peak]), ha="center", va="bottom", fontsize="small")
 axes.set(xlim=between, ylim=(0.0, 1.1 * growth.max()), xlabel=r"frequency $\omega$ / rad/s", ylabel="growth rate / 1/s")
-axes.set_title("growth of the fastest mode, its number at the peaks; safe windows shaded", fontsize="small")
+axes.set_title("growth of the fastest mode, its number at the peaks; safe windows white", fontsize="small")
 plt.show()

@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.plotting import palette
 
 rod, mu, omega = fr.Rod.nitinol(), 0.1, 150.0
 amplitude = 0.7 * rod.critical_force
@@ -44,11 +45,11 @@ for axes, part in zip(panels, (0.7, 0.3), strict=True):
         offset = {"xytext": (0, -12), "textcoords": "offset points", "ha": "center", "fontsize": "small"}
         axes.annotate(f"{number}", (share[lowest], 1e3 * velocity[lowest]), **offset)
     for calm in share[np.isinf(velocity)]:
-        axes.axvspan(calm - 0.005, calm + 0.005, color="0.88", linewidth=0.0)
+        axes.axvspan(calm - 0.005, calm + 0.005, **palette.NO_KICK)
     axes.axhline(50.0, color="black", linestyle="--", linewidth=0.9)
     axes.set(xlim=(0.0, 1.0), ylim=(0.0, 150.0), ylabel="critical kick / mm/s")
     axes.set_title(f"amplitude {part:g} $F_{{cr}}$, {omega:g} rad/s, friction {mu:g}", fontsize="small")
 panels[1].set_xlabel(
-    r"mean force $F_\mathrm{ave} / F_\mathrm{cr}$ (numbers: modes; dashed: 50 mm/s; shaded: no kick buckles it)"
+    r"mean force $F_\mathrm{ave} / F_\mathrm{cr}$ (numbers: modes; dashed: 50 mm/s; hatched: no kick buckles it)"
 )
 plt.show()

@@ -21,6 +21,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 import floquetrod as fr
+from floquetrod.plotting import palette
 
 rod = fr.Rod.from_toml(Path(sys.argv[0]).with_name("rod.toml"))
 mean, amplitude = 0.3 * rod.critical_force, 0.15 * rod.critical_force
@@ -47,10 +48,15 @@ chart = fr.stability_map(
     frequency=(5.0 * hertz, 30.0 * hertz, 300),
     growth_tolerance=0.01,
 )
-axes = chart.plot()
-axes.plot([choice], [mean], "o", markersize=8, markerfacecolor="white", markeredgecolor="black")
-white = {"facecolor": "white", "edgecolor": "none", "pad": 1.0}
+axes = chart.in_units(mean="N", frequency="Hz", amplitude="N").plot()
+axes.plot([choice / hertz], [mean], **palette.POINT, markersize=8)
+box = palette.BOX | {"edgecolor": "none"}
 axes.annotate(
-    f"{choice / hertz:.2f} Hz", (choice, mean), xytext=(-6, 8), textcoords="offset points", ha="right", bbox=white
+    f"{choice / hertz:.2f} Hz",
+    (choice / hertz, mean),
+    xytext=(-8, 10),
+    textcoords="offset points",
+    ha="right",
+    bbox=box,
 )
 plt.show()

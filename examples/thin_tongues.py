@@ -10,6 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.plotting import palette
 
 rod, omega = fr.Rod.nitinol(), 85.0
 amplitude = 0.2 * rod.critical_force
@@ -36,7 +37,9 @@ for width, (number, tongue) in sorted(gaps, reverse=True)[:8]:
 # %%
 # Growth over the mean force.  The dashed line is what reaches the limit in 100 periods.
 _, axes = plt.subplots(figsize=(8.0, 4.0), layout="constrained")
-axes.fill_between(share, 1e-2, np.where(missed, growth, np.nan), color="0.8", label="passes the test")
+axes.fill_between(share, 1e-2, np.where(missed, growth, np.nan), color=palette.UNSEEN, label="passes the test")
+seen = ~passes & (growth > 0.0)
+axes.fill_between(share, 1e-2, np.where(seen, growth, np.nan), color=palette.UNSTABLE, label="fails the test")
 axes.semilogy(share, np.where(growth > 0.0, growth, np.nan), color="black", linewidth=0.9, label="growth rate")
 axes.axhline(test.threshold * omega, color="black", linestyle="--", linewidth=0.9, label="seen by the test above")
 for number in np.unique(mode[growth > 0.1]):

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import _files, _validate
+from floquetrod import _files, _validate, units
 
 _FORMAT = "floquetrod chart 1"
 _AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
+
+_CRITICAL = "critical force"
+"""Name of the rod's critical force among what is fixed."""
 
 Progress = Callable[[int, int], None]
 """Called with the number of points done and their total."""
@@ -31,8 +34,8 @@ class Axis:
     @property
     def label(self) -> str:
         """Label of the axis, symbol and unit included."""
-        name = "" if self.symbol == rf"\{self.name}" else f"{self.name} "  # "alpha" and its letter would say it twice
-        return f"{name}${self.symbol}$" + (f" / {self.unit}" if self.unit else "")
+        name = "" if self.symbol == rf"\{self.name}" else self.name  # "alpha" and its letter would say it twice
+        return units.label(name, self.symbol, self.unit)
 
 
 @dataclass(frozen=True, repr=False)
@@ -86,12 +89,44 @@ class Chart:
         text += f"; {self.undecided} undecided" if self.undecided else ""
         return text + (f"; {self.criterion}" if self.criterion else "")
 
+    def in_units(self, **names: str) -> Chart:
+        """Return the same chart in other units, for axes, caption and drawings.
+
+        Each quantity goes by the first word of its name: ``chart.in_units(mean="Fcr", frequency="Hz")``.  "Fcr" is the
+        critical force of the rod.
+
+        Raises
+        ------
+        ValueError
+            For a quantity that the chart does not have, and for a unit that does not measure it.
+        """
+        fixed = [list(entry) for entry in self.subject["fixed"]]
+        scale = next((units.unit(u, name, "force").si(value) for name, value, u in fixed if name == _CRITICAL), None)
+        present = {self.x.name: self.x.unit, self.y.name: self.y.unit} | {name: u for name, _, u in fixed}
+        sizes: dict[str, tuple[str, float]] = {}  # of each quantity: its new unit, and what to multiply values with
+        for key, wanted in names.items():
+            name = next((name for name in present if name.partition(" ")[0] == key), None)
+            kind = units.kind_of(present[name]) if name else None
+            if name is None or kind is None:
+                raise ValueError(f"{key} must be a quantity with a unit of this chart: {', '.join(present)}")
+            old, new = (units.unit(u, key, kind, scale) for u in (present[name], wanted))
+            sizes[name] = new.name, old.size / new.size
+
+        def axis(old: Axis) -> Axis:
+            unit, factor = sizes.get(old.name, (old.unit, 1.0))
+            return Axis(old.name, old.symbol, unit, old.values * factor)
+
+        for entry in fixed:
+            unit, factor = sizes.get(entry[0], (entry[2], 1.0))
+            entry[1:] = [entry[1] * factor, unit]
+        return replace(self, x=axis(self.x), y=axis(self.y), subject=self.subject | {"fixed": fixed})
+
     def __repr__(self) -> str:
         """Return the caption, axes included."""
         return f"<{self.y.name} over {self.x.name}; {self.caption}>"
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw the chart, grey where unstable (darker the faster, if growth is known); return the matplotlib axes."""
+        """Draw the chart, orange where unstable (darker the faster, if growth is known); return the matplotlib axes."""
         from floquetrod.plotting.charts import draw_chart
 
         return draw_chart(self, ax)

@@ -22,7 +22,8 @@ class Coulomb:
     mu : float
         Coefficient of friction, static and kinetic.
     velocity : float
-        v_theta(0) in m/s, the amplitude of the disturbance in each mode.
+        v_theta(0) in m/s, greater than zero: the amplitude of the disturbance in each mode.  Friction holds every rod
+        that nothing disturbs, so that a verdict without a kick would say nothing.
 
     Notes
     -----
@@ -42,8 +43,8 @@ class Coulomb:
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
         object.__setattr__(self, "mu", _validate.nonnegative("mu", self.mu, "friction opposes the motion"))
-        hint = "give the size of the disturbance in m/s; its direction does not matter"
-        object.__setattr__(self, "velocity", _validate.nonnegative("velocity", self.velocity, hint))
+        hint = "friction needs a kick: give its size in m/s, 0.05 say; what it takes is told by critical_velocity"
+        object.__setattr__(self, "velocity", _validate.positive("velocity", self.velocity, hint))
 
     def in_mode_equation(self, rod: RodData, load: AxialLoad) -> ModeFriction:
         """Return gamma, epsilon and what they come from, the same for every mode."""

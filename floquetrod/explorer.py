@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
 from floquetrod import mathieu
+from floquetrod import units as known
 from floquetrod.load import AxialLoad
 from floquetrod.plotting.explorer import View, Window
 from floquetrod.rod import Rod
@@ -25,6 +27,8 @@ class Explorer:
     rod : Rod
     load : AxialLoad, optional
         Where to begin; by default 0.2 critical forces of both kinds at twice the pendulum frequency times 1.5.
+    units : mapping, optional
+        Units that axes and sliders speak, by quantity: ``{"mean": "Fcr", "frequency": "Hz"}``; by default N and rad/s.
 
     Attributes
     ----------
@@ -34,8 +38,9 @@ class Explorer:
         The load shown.
     """
 
-    def __init__(self, rod: Rod, load: AxialLoad | None = None) -> None:
+    def __init__(self, rod: Rod, load: AxialLoad | None = None, units: Mapping[str, str] | None = None) -> None:
         """Open the window."""
+        shown = _units(rod, units or {})
         unit, pendulum = rod.critical_force, rod.pendulum_frequency
         self.rod = rod
         self.load = load or AxialLoad(0.2 * unit, 0.2 * unit, 3.0 * pendulum)
@@ -46,7 +51,7 @@ class Explorer:
         }
         start = {"mean": self.load.mean, "amplitude": self.load.amplitude, "frequency": self.load.frequency}
         self._amplitude = float("nan")
-        self.window = Window(self._limits, self.view(start), self.view)
+        self.window = Window(self._limits, shown, self.view(start), self.view)
 
     def view(self, quantities: dict[str, float]) -> View:
         """Return what the window shows for a load: mean and amplitude in N, frequency in rad/s."""
@@ -71,3 +76,13 @@ class Explorer:
         rate, mode = self.rod.fastest(self.load.mean, self.load.amplitude, self.load.frequency)
         verdict = f"unstable: mode {mode} grows at {rate:.3g} 1/s" if rate > 0.0 else "stable"
         return View(quantities, self._unstable, chart, (0.0, right), (bottom, top), alpha, beta, growth, verdict)
+
+
+def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:
+    kinds = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
+    if not names.keys() <= kinds.keys():
+        raise ValueError(f"units must be of mean, amplitude and frequency, got {dict(names)!r}")
+    return {
+        name: known.unit(names.get(name, ""), f"units[{name!r}]", kind, rod.critical_force)
+        for name, kind in kinds.items()
+    }

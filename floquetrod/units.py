@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from typing import Any
+from typing import Any, NamedTuple
 
 _UNITS: dict[str, dict[str, float]] = {
     "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": 4.4482216152605},
@@ -30,10 +30,84 @@ ROD_KINDS = {
 }
 """Kind of each parameter of a rod."""
 
-_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
+_CYCLES = ("Hz", "rpm")
+"""Units of frequency that count periods rather than radians."""
 
 
-def quantity(value: Any, name: str, kind: str, *, critical_force: float | None = None) -> float:
+class Unit(NamedTuple):
+    """A unit to show values in: its name, and how much it is in the SI unit.
+
+    >>> hertz = unit("Hz", "--unit", "frequency")
+    >>> hertz.show(150.0)
+    '23.8732 Hz'
+    """
+
+    name: str
+    size: float
+
+    def of(self, value: Any) -> Any:
+        """Return an SI value, or an array of them, in this unit."""
+        return value if self.size == 1.0 else value / self.size
+
+    def si(self, value: Any) -> Any:
+        """Return a value in this unit in SI."""
+        return value * self.size
+
+    def show(self, value: float, digits: int = 6) -> str:
+        """Return an SI value as text in this unit."""
+        return f"{self.of(value):.{digits}g} {self.name}".strip()
+
+
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", re.ASCII)
+
+
+def units_of(kind: str, critical_force: float | None = None) -> dict[str, float]:
+    """Return the units of a kind of quantity and their size in the SI unit, which comes first."""
+    units = dict(_UNITS[kind])
+    if kind == "force" and critical_force is not None:
+        units["Fcr"] = critical_force
+    return units
+
+
+def unit(name: str, what: str, kind: str, critical_force: float | None = None) -> Unit:
+    """Return a unit by its name, "" for the SI unit; ValueError, which begins with ``what``, for an unknown one."""
+    units = units_of(kind, critical_force)
+    chosen = name or next(iter(units))
+    if chosen not in units:
+        raise ValueError(f"{what} must be a unit of {kind} ({', '.join(units)}), got {name!r}")
+    return Unit(chosen, units[chosen])
+
+
+def kind_of(name: str) -> str | None:
+    """Return the kind of quantity that a unit measures, the first where several do; None for an unknown one.
+
+    >>> kind_of("rpm"), kind_of("Fcr"), kind_of("parsec")
+    ('frequency', 'force', None)
+    """
+    return "force" if name == "Fcr" else next((kind for kind, units in _UNITS.items() if name in units), None)
+
+
+def label(name: str, symbol: str, unit_name: str) -> str:
+    r"""Return the label of an axis: name, symbol and unit in mathematics.
+
+    >>> print(label("frequency", r"\omega", "Hz"))
+    frequency $\omega/2\pi$ / Hz
+    """
+    written = r"$F_\mathrm{cr}$" if unit_name == "Fcr" else f"({unit_name})" if "/" in unit_name else unit_name
+    turns = r"/2\pi" if unit_name in _CYCLES else ""
+    return f"{name} ${symbol}{turns}$".strip() + (f" / {written}" if unit_name else "")
+
+
+def quantity(
+    value: Any,
+    name: str,
+    kind: str,
+    *,
+    critical_force: float | None = None,
+    least: float = -math.inf,
+    largest: float = math.inf,
+    given: str | None = None,
+) -> float:
     """Return a quantity in SI units.
 
     Parameters
@@ -47,6 +121,10 @@ def quantity(value: Any, name: str, kind: str, *, critical_force: float | None =
         "speed" or "time".
     critical_force : float, optional
         In N; with it, forces may be given in "Fcr".
+    least, largest : float
+        Bounds in SI units; a least value above zero asks for what is greater than zero.
+    given : str, optional
+        What messages quote in place of ``value``.
 
     Raises
     ------
@@ -60,23 +138,38 @@ def quantity(value: Any, name: str, kind: str, *, critical_force: float | None =
     >>> quantity("0.5Fcr", "mean", "force", critical_force=1.7)
     0.85
     """
-    units = dict(_UNITS[kind])
-    if kind == "force" and critical_force is not None:
-        units["Fcr"] = critical_force
+    units = units_of(kind, critical_force)
     if isinstance(value, int | float) and not isinstance(value, bool):
         try:
-            return float(value)
+            number = float(value)
         except OverflowError:  # an integer of more than 308 digits, which a rod file may hold
             raise ValueError(f"{name} must be finite, got an integer beyond 1e308") from None
+        return _bounded(number, name, units, least, largest, repr(value) if given is None else given)
+    given = repr(value) if given is None else given
     match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
     unit = (match[2] or next(iter(units))) if match else ""
     if match is None or unit not in units:
         what = f"unit {unit!r}" if match else "this"
         raise ValueError(
             f"{name} must be a number with a {kind} unit ({', '.join(units)}; none means {next(iter(units))}), "
-            f"got {value!r}: {what} is not understood"
+            f"got {given}: {what} is not understood"
         )
-    return float(match[1]) * units[unit]
+    return _bounded(float(match[1]) * units[unit], name, units, least, largest, given)
+
+
+def _bounded(value: float, name: str, units: dict[str, float], least: float, largest: float, given: str) -> float:
+    """Return ``value`` where it is finite and lies within bounds."""
+    if not math.isfinite(value):
+        raise ValueError(f"{name} must be finite, got {given}")
+    if value <= 0.0 < least:
+        raise ValueError(f"{name} must be greater than zero, got {given}")
+    if value < 0.0 == least:
+        raise ValueError(f"{name} must be zero or more, got {given}")
+    if not least <= value <= largest:
+        raise ValueError(
+            f"{name} must lie between {least:g} and {largest:g} {next(iter(units))}, got {given}; check its unit"
+        )
+    return value
 
 
 def unit_of(text: str) -> str | None:

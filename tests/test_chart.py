@@ -158,7 +158,7 @@ def test_a_chart_as_an_xarray_dataset() -> None:
 @pytest.mark.parametrize("growth", [True, False])
 def test_plots_are_labelled(growth: bool) -> None:
     ax = small_map(growth).plot()
-    assert ax.get_xlabel() == r"frequency $\omega$ / rad/s"
+    assert ax.get_xlabel() == r"frequency $\omega$ / (rad/s)"
     assert ax.get_ylabel() == r"mean force $F_\mathrm{ave}$ / N"
     assert "points stable" in ax.get_title()
     curves = fr.mathieu.transition_curves(np.linspace(0.0, 3.0, 50), 3).plot(ax)
@@ -186,3 +186,33 @@ def test_bad_input(change: dict[str, object], message: str) -> None:
     good: dict[str, object] = {"mean": (0.0, 1.0, 5), "amplitude": 0.3, "frequency": (20.0, 200.0, 5)}
     with pytest.raises((ValueError, TypeError), match=message):
         fr.stability_map(ROD, **{**good, **change})  # type: ignore[arg-type]
+
+
+def test_a_chart_in_other_units_is_the_same_chart(tmp_path: Path) -> None:
+    chart = fr.stability_map(ROD, mean=(0.0, FCR, 4), amplitude=0.2 * FCR, frequency=(20.0, 200.0, 5))
+    shown = chart.in_units(mean="Fcr", amplitude="Fcr", frequency="Hz")
+    assert shown.y.values.tolist() == pytest.approx([0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0])
+    assert shown.x.values == pytest.approx(chart.x.values / (2.0 * np.pi))
+    assert (shown.x.unit, shown.y.unit) == ("Hz", "Fcr")
+    assert shown.stable is chart.stable
+    assert shown.caption.startswith("rod, amplitude 0.2 Fcr, critical force 1.69603 N: ")
+    assert shown.plot().get_xlabel() == r"frequency $\omega/2\pi$ / Hz"
+    back = fr.Chart.load(shown.save(tmp_path / "shown.npz")).in_units(mean="N", amplitude="N", frequency="rad/s")
+    assert back.x.values == pytest.approx(chart.x.values)
+    assert back.caption == chart.caption
+
+
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [
+        ({"force": "N"}, "force must be a quantity with a unit of this chart: frequency, mean force, amplitude"),
+        ({"mean": "Hz"}, r"mean must be a unit of force \(N, kN, mN, lbf, Fcr\), got 'Hz'"),
+        ({"frequency": "Fcr"}, "frequency must be a unit of frequency"),
+    ],
+)
+def test_units_that_do_not_fit_a_chart(units: dict[str, str], message: str) -> None:
+    chart = fr.stability_map(ROD, mean=(0.0, FCR, 2), amplitude=0.2 * FCR, frequency=(20.0, 200.0, 2))
+    with pytest.raises(ValueError, match=message):
+        chart.in_units(**units)
+    with pytest.raises(ValueError, match="alpha must be a quantity with a unit"):
+        fr.mathieu.chart((0.0, 1.0, 3), (-1.0, 0.0, 3)).in_units(alpha="N")

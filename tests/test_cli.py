@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 import shlex
 import subprocess
 import sys
+import threading
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 import floquetrod as fr
 from floquetrod import cli
+from floquetrod.cli import waiting
 from floquetrod.cli.main import _parser as parser
 
 ROOT = Path(__file__).parents[1]
@@ -26,7 +30,10 @@ def test_check_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> Non
     assert text.startswith("UNSTABLE: mode 7 grows\n")
     for line in (
         r"growth    4\.23568 1/s in mode 7, tenfold in 0\.5436 s",
-        r"margin    stable at a mean force 0\.213 N \(0\.126 Fcr\) lower or 0\.1261 N \(0\.0744 Fcr\) higher",
+        r"load      mean 0\.2 Fcr \(0\.3392 N\), amplitude 0\.2 Fcr \(0\.3392 N\), 150 rad/s \(23\.87 Hz\)",
+        r"margins   mean force  stable 0\.1256 Fcr lower or 0\.0743\d Fcr higher\n",
+        r"          amplitude   stable 0\.1461 Fcr lower\n",
+        r"          frequency   stable 11\.34 rad/s lower or 6\.332 rad/s higher\n",
         r"damping   stable at any rate above 4\.20579 1/s",
         r"checked   modes 1 to 23: every higher mode grows at less than \de-\d+ per second",
         r"method    spectral; discriminants good to \de-13 relative",
@@ -139,12 +146,7 @@ def test_check_with_friction(capsys: pytest.CaptureFixture[str]) -> None:
     rod = fr.Rod.nitinol()
     load = fr.AxialLoad(0.825 * rod.critical_force, 0.7 * rod.critical_force, 150.0)
     assert record["with_friction"]["critical_kick_m_per_s"] == rod.critical_velocity(load, mu=0.1).velocity
-    assert (
-        cli.main(
-            ["check", "--rod", "nitinol", "--mean", "0.34Fcr", "--amplitude", "0", "--frequency", "150", "--mu", "1"]
-        )
-        == 0
-    )
+    assert cli.main([*KICK, "--kick", "50mm/s", "--mean", "0.34Fcr", "--amplitude", "0"]) == 0
     assert "no mode grows even without friction" in capsys.readouterr().out
 
 
@@ -152,7 +154,7 @@ def test_map_with_friction(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     path = tmp_path / "kick.npz"
     load = ["--mean", "0:1.1Fcr", "--amplitude", "0.7Fcr", "--frequency", "100:200", "--points", "6x5"]
     assert cli.main(["map", "--rod", "nitinol", *load, "--mu", "0.1", "--kick", "50mm/s", "--out", str(path)]) == 0
-    assert "friction 0.1, kick 0.05 m/s" in capsys.readouterr().out
+    assert "amplitude 0.7 Fcr, critical force 1.69603 N, friction 0.1, kick 50 mm/s" in capsys.readouterr().out
     chart = fr.Chart.load(path)
     rod = fr.Rod.nitinol()
     for row, mean in enumerate(chart.y.values):
@@ -179,7 +181,7 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
         (["frobnicate"], "invalid choice: 'frobnicate'"),
         (["check", "--rod", "nitinol", *LOAD, "--json=1"], "ignored explicit argument"),
         (["check", "--rod", "no.toml", *LOAD], "rod file no.toml cannot be read"),
-        ([*CHECK[:-1], "0"], "frequency must be greater than zero"),
+        ([*CHECK[:-1], "0"], "--frequency must be greater than zero, got '0'"),
         ([*CHECK[:-1], "24Hx"], "--frequency must be a number with a frequency unit"),
         ([*CHECK, "--modes", "a"], "--modes must be like 1-25"),
         ([*CHECK, "--modes", "0"], "--modes must count upwards between 1 and 20000, got '0'"),
@@ -188,15 +190,18 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
         ([*CHECK, "--modes", "1-99999999999999999999"], "--modes must be like 1-25"),
         ([*CHECK, "--modes", "-3"], "--modes must be like 1-25"),
         ([*CHECK, "--kick", "50mm/s"], "--kick needs --mu"),
-        ([*CHECK, "--mu", "-0.1"], "mu must be zero or more"),
-        ([*CHECK, "--mu", "nan"], "mu must be finite"),
-        ([*CHECK, "--mu", "0.1", "--kick", "-50mm/s"], "velocity must be zero or more"),
+        ([*CHECK, "--mu", "0.1"], "--mu needs --kick: .* add .* such as --kick 50mm/s"),
+        ([*CHECK, "--mu", "-0.1", "--kick", "1mm/s"], "--mu must be zero or more"),
+        ([*CHECK, "--mu", "nan", "--kick", "1mm/s"], "--mu must be finite"),
+        ([*CHECK, "--mu", "0.1", "--kick", "-50mm/s"], "--kick must be greater than zero, got '-50mm/s'"),
+        ([*CHECK, "--mu", "0.1", "--kick", "0"], "--kick must be greater than zero, got '0'"),
         ([*CHECK, "--mu", "0.1", "--kick", "50mph"], "unit 'mph' is not understood"),
         ([*CHECK, "--json", "-5"], "ignored explicit argument"),
-        ([*CHECK[:-1], "1e-300"], "numbers too large or too small"),
-        ([*CHECK, "--damping-rate", "-1"], "damping_rate must be zero or more"),
+        ([*CHECK[:-1], "1e-300"], "--frequency must lie between 1e-09 and 1e\\+12 rad/s, got '1e-300'"),
+        ([*CHECK, "--damping-rate", "-1"], "--damping-rate must be zero or more, got '-1'"),
         (["compare", "--alpha", "x", "--beta", "0"], "argument --alpha: invalid float value"),
-        (["compare", "--alpha", "nan", "--beta", "0"], "alpha must be finite"),
+        (["compare", "--alpha=--", "--beta", "0"], "--alpha needs a value, got '--'"),
+        (["compare", "--alpha", "nan", "--beta", "0"], "--alpha must be finite"),
     ],
 )
 def test_errors_are_one_line_and_status_2(
@@ -267,10 +272,10 @@ def test_a_reader_that_stops_early_is_no_error() -> None:
     assert run.wait() == 0
 
 
-def test_a_cold_check_loads_no_compiler() -> None:
-    code = f"import sys; from floquetrod.cli import main; main({CHECK!r}); print(*sys.modules)"
-    run = python("-c", code)
-    assert run.stdout.startswith("UNSTABLE")
+def test_a_cold_verdict_loads_no_compiler() -> None:
+    code = "import sys, floquetrod as fr; rod = fr.Rod.nitinol(); load = fr.AxialLoad(0.34, 0.34, 150.0)"
+    run = python("-c", f"{code}; print(rod.stability(load).status, *sys.modules)")
+    assert run.stdout.startswith("unstable")
     assert not {"numba", "scipy", "mpmath", "sympy", "matplotlib"} & set(run.stdout.split())
     assert python("-m", "floquetrod", *CHECK[:-1]).returncode == 2
 
@@ -319,9 +324,204 @@ def test_map(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: py
     for wrong, message in (
         (["--out", "map.doc"], "--out must end in .png"),
         (["--out", str(tmp_path / "no" / "map.png")], "there is no folder"),
-        (["--out", out[0], "--points", "9"], "--points must be like 400x300"),
+        (["--out", out[0], "--points", "9"], "--points must be columns x rows such as 400x300"),
         (["--out", out[0], "--mark", "1"], "--mark must be two quantities"),
         (["--out", out[0], "--frequency", "150"], "two of --mean, --amplitude, --frequency must be ranges"),
     ):
         assert cli.main([*MAP, *wrong]) == 2
         assert message in capsys.readouterr().err
+
+
+STEADY = ["--mean", "0.34Fcr", "--amplitude", "0.2Fcr", "--frequency", "24.5Hz", "--damping-rate", "1"]
+
+
+@pytest.mark.parametrize(
+    ("load", "status", "code"), [(LOAD, "unstable", 1), (STEADY, "stable", 0), (["--undecided"], "undecided", 3)]
+)
+def test_the_exit_code_is_the_verdict_for_those_who_ask(
+    load: list[str], status: str, code: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if status == "undecided":
+        judge, load = fr.Rod.stability, LOAD
+        monkeypatch.setattr(fr.Rod, "stability", lambda *a, **k: replace(judge(*a, **k), status="undecided"))
+    for arguments, expected in (([], 0), (["--exit-code"], code), (["--exit-code", "--json"], code)):
+        assert cli.main(["check", "--rod", "nitinol", *load, *arguments]) == expected
+    assert f'"status": "{status}"' in capsys.readouterr().out
+    assert cli.main(["check", "--rod", "nitinol", *load, "--exit-code", "--modes", "x"]) == 2
+
+
+def test_the_exit_code_with_friction_is_that_of_the_headline(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*KICK, "--kick", "30mm/s", "--exit-code"]) == 0
+    assert capsys.readouterr().out.startswith("STABLE")
+    assert cli.main([*KICK, "--kick", "50mm/s", "--exit-code"]) == 1
+    assert capsys.readouterr().out.startswith("UNSTABLE")
+
+
+def test_margins_are_those_of_the_library(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*CHECK, "--json", "--unit", "Hz"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    rod = fr.Rod.nitinol()
+    result = rod.stability(fr.AxialLoad(0.2 * rod.critical_force, 0.2 * rod.critical_force, 150.0))
+    for name, unit in (("mean_force", "N"), ("amplitude", "N"), ("frequency", "rad_per_s")):
+        margin = getattr(result, f"{name}_margin")
+        for side in ("below", "above"):
+            value = getattr(margin, side)
+            assert record[f"{name}_margin_{side}_{unit}"] == (value if value < float("inf") else None)
+
+
+@pytest.mark.parametrize(
+    ("units", "lines"),
+    [
+        ("Hz", ["23.8732 Hz (150 rad/s)", "stable 1.805 Hz lower or 1.008 Hz higher", "mean 0.2 Fcr (0.3392 N)"]),
+        ("N,rpm", ["mean 0.339206 N (0.2 Fcr)", "stable 0.213 N lower", "1432.39 rpm (150 rad/s)"]),
+        ("lbf", ["mean 0.0762565 lbf (0.2 Fcr)", "150 rad/s (23.87 Hz)"]),
+    ],
+)
+def test_answers_are_in_the_units_asked_for(units: str, lines: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*CHECK, "--unit", units]) == 0
+    out = capsys.readouterr().out
+    assert [line for line in lines if line not in out] == []
+
+
+def test_kicks_are_answered_in_the_unit_of_the_kick(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*KICK, "--kick", "0.05m/s"]) == 0
+    out = capsys.readouterr().out
+    assert "0.0321184 m/s buckles the rod" in out
+    assert "kick needed m/s" in out
+    assert "mm/s" not in out
+    assert cli.main([*KICK, "--kick", "0.05m/s", "--unit", "cm/s"]) == 0
+    assert "3.21184 cm/s buckles the rod" in capsys.readouterr().out
+
+
+def test_a_map_speaks_the_units_of_its_ranges(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from floquetrod.plotting import charts
+
+    drawn = []
+    monkeypatch.setattr(charts, "save_figure", lambda axes, path: drawn.append(axes))
+    load = ["--mean", "0:1.1Fcr", "--amplitude", "0.3N", "--frequency", "5:30Hz", "--mark", "0.5Fcr,10Hz"]
+    out = ["--out", str(tmp_path / "map.png"), "--out", str(tmp_path / "map.npz")]
+    for extra, right, top, unit in (([], 30.0, 1.1, "Hz"), (["--unit", "rpm,N"], 1800.0, 1.1 * 1.696030137, "rpm")):
+        assert cli.main(["map", "--rod", "nitinol", *load, "--points", "6x5", *out, *extra]) == 0
+        axes = drawn.pop()
+        assert axes.collections[0].get_coordinates()[-1, -1].tolist() == pytest.approx([right * 13 / 12, top * 9 / 8])
+        assert axes.get_xlabel().endswith(f" / {unit}")
+        (mark,) = axes.lines
+        assert mark.get_xydata()[0].tolist() == pytest.approx([right / 3.0, top * 0.5 / 1.1])
+        assert "amplitude 0.3 N" in axes.get_title().replace("\n", " ")
+        assert "amplitude 0.3 N" in capsys.readouterr().out
+    chart = fr.Chart.load(tmp_path / "map.npz")  # the numbers stay in SI units
+    assert chart.x.unit == "rad/s"
+    assert chart.x.values[-1] == pytest.approx(188.4956, abs=1e-4)
+
+
+# What nobody means, in place of one word of a command: what the one line of the answer must hold.
+JUNK = [
+    *((name, text) for name in ("--mean", "--amplitude", "--frequency") for text in ("1e400N", "nanHz", "", "5 5Hz")),
+    *((name, text) for name in ("--mean", "--amplitude", "--frequency") for text in ("inf", "1e309", "\u0663", "0x1F")),
+    ("--mean", "1e13"),
+    ("--mean", "1e11"),
+    ("--amplitude", "-1N"),
+    ("--amplitude", "1e400"),
+    ("--frequency", "-5Hz"),
+    ("--frequency", "0Fcr"),
+    ("--frequency", "0Hz"),
+    ("--frequency", "1e-400"),
+    ("--frequency", "1e12Hz"),
+    ("--damping-rate", "-1"),
+    ("--damping-rate", "1Hz"),
+    ("--growth-tolerance", "-1"),
+    ("--growth-tolerance", "nan"),
+    ("--unit", "parsec"),
+    ("--unit", "Hz,rpm"),
+    ("--unit", "kg/m3"),
+    ("--rod", "no/such.toml"),
+    ("--rod", "."),
+    ("--rod", ""),
+    ("--rod", 300 * "x"),
+]
+RANGES = [
+    *(
+        ("--frequency", text)
+        for text in ("20:10Hz", "10:10Hz", "0:20Hz", "-5:5Hz", ":", "5:", "1:2:3", "nan:5", "1:1e400")
+    ),
+    *(("--mean", text) for text in ("1:0Fcr", "0:0", "0:1e400N", "0:1Hz")),
+]
+FILES = [
+    *(("--out", text) for text in ("no/such/map.png", "map", "map.doc", ".", "folder.png", 300 * "x" + ".png")),
+    *(("--points", text) for text in ("", "9", "1x9", "1e3x5", "-3x4", "\u00b2x\u00b2", "99999x99999", "3x3x3")),
+    *(("--mark", text) for text in ("1", "1,2,3", "x,y", ",", "0.2Fcr,0Hz")),
+]
+MAP_LINE = {"--mean": "0:1Fcr", "--amplitude": "0.2Fcr", "--frequency": "5:30Hz", "--rod": "nitinol"}
+RANGES_LINE = {"--mean": "0.2Fcr", "--amplitude": "0.2Fcr", "--frequency": "10:20Hz", "--rod": "nitinol"}
+
+
+@pytest.mark.parametrize(
+    ("command", "given", "option", "text"),
+    [
+        *(("check", {**RANGES_LINE, "--frequency": "20Hz"}, *junk) for junk in JUNK),
+        *(
+            ("ranges", RANGES_LINE, *junk)
+            for junk in [*JUNK, *RANGES[:9]]
+            if ":" in junk[1] or junk[0] != "--frequency"
+        ),
+        *(("ranges", {**RANGES_LINE, "--frequency": "20Hz"}, *junk) for junk in RANGES[9:]),
+        *(("map", MAP_LINE, *junk) for junk in [*JUNK, *RANGES, *FILES] if ":" in junk[1] or junk[0] not in MAP_LINE),
+        *(
+            ("explore", {**RANGES_LINE, "--frequency": "20Hz"}, *junk)
+            for junk in [*JUNK, *FILES[:6]]
+            if "growth" not in junk[0]
+        ),
+    ],
+)
+def test_junk_is_one_line_that_names_option_and_value(
+    command: str,
+    given: dict[str, str],
+    option: str,
+    text: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("folder.png").mkdir()
+    monkeypatch.setattr(fr.Rod, "fastest", lambda *_: pytest.fail("computed before the input was checked"))
+    line = [command, *(f"{name}={value}" for name, value in {**given, option: text}.items())]
+    assert cli.main(line) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert re.fullmatch(r"floquetrod: error: .+\n", captured.err)
+    assert option in captured.err
+    assert text[:40] in captured.err
+    assert list(tmp_path.iterdir()) == [tmp_path / "folder.png"]
+
+
+def test_a_word_while_a_question_takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Screen(io.StringIO):
+        said = threading.Event()
+
+        def isatty(self) -> bool:
+            return True
+
+        def write(self, text: str) -> int:
+            self.said.set()
+            return super().write(text)
+
+    screen = Screen()
+    monkeypatch.setattr(sys, "stderr", screen)
+    monkeypatch.setattr(waiting, "EVERY", 0.001)
+    with waiting.waiting("searching"):
+        assert screen.said.wait(60.0)
+    assert screen.getvalue().startswith("searching: 0 s (Ctrl-C ends it)\r")
+    assert screen.getvalue().split("\r")[-2].strip() == ""  # and nothing is left of it
+    assert not any("_speak" in thread.name for thread in threading.enumerate())
+
+
+def test_no_word_where_nobody_reads(monkeypatch: pytest.MonkeyPatch) -> None:
+    silent = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", silent)
+    before = threading.active_count()
+    with waiting.waiting("searching"):
+        assert threading.active_count() == before
+    assert silent.getvalue() == ""

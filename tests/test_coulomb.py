@@ -55,7 +55,6 @@ def test_without_friction_or_growth() -> None:
     quiet = load(0.05, 150.0, amplitude=0.2)
     assert ROD.critical_velocity(quiet, mu=0.1) == (math.inf, None)
     assert ROD.stability(quiet, friction=fr.Coulomb(0.0, 1.0)).stable
-    assert ROD.stability(load(0.825, 150.0), friction=fr.Coulomb(0.1, 0.0)).stable
 
 
 def test_maps_agree_with_single_loads() -> None:
@@ -73,11 +72,20 @@ def test_maps_agree_with_single_loads() -> None:
 
 
 @pytest.mark.parametrize(
-    ("mu", "velocity", "name"), [(-0.1, 0.05, "mu"), (0.1, -0.05, "velocity"), (math.nan, 0.05, "mu")]
+    ("mu", "velocity", "name"),
+    [(-0.1, 0.05, "mu"), (0.1, -0.05, "velocity"), (0.1, 0.0, "velocity"), (math.nan, 0.05, "mu")],
 )
 def test_bad_friction_is_refused(mu: float, velocity: float, name: str) -> None:
     with pytest.raises(ValueError, match=name):
         fr.Coulomb(mu, velocity)
+
+
+def test_friction_without_a_kick_is_no_question_but_how_large_it_must_be_is() -> None:
+    with pytest.raises(TypeError, match="velocity"):
+        fr.Coulomb(0.1)  # type: ignore[call-arg]
+    with pytest.raises(ValueError, match=r"velocity must be greater than zero.* critical_velocity"):
+        fr.Coulomb(0.1, 0.0)
+    assert ROD.critical_velocity(load(0.825, 150.0), mu=0.1).velocity > 0.0
 
 
 def test_friction_has_to_be_a_coulomb() -> None:

@@ -54,6 +54,33 @@ def test_the_window_follows_its_sliders(explorer: fr.Explorer) -> None:
     assert np.array_equal(after, pixels(explorer))
 
 
+def test_sliders_and_axes_speak_the_units_asked_for() -> None:
+    shown = fr.Explorer(ROD, fr.AxialLoad(0.2 * UNIT, 0.3, 150.0), {"mean": "Fcr", "frequency": "Hz"})
+    sliders, hertz = shown.window.sliders, 2.0 * math.pi
+    values = [sliders[name].val for name in ("mean", "amplitude", "frequency")]
+    assert values == pytest.approx([0.2, 0.3, 150.0 / hertz])
+    labels = [sliders[name].label.get_text() for name in ("mean", "amplitude", "frequency")]
+    assert [label.rpartition(" / ")[2] for label in labels] == [r"$F_\mathrm{cr}$", "N", "Hz"]
+    area = shown.window.figure.axes[0]
+    assert (area.get_xlabel(), area.get_ylabel()) == (labels[2], labels[0])
+    assert area.get_xlim() == pytest.approx((sliders["frequency"].valmin, sliders["frequency"].valmax))
+    assert area.lines[0].get_xydata()[0].tolist() == pytest.approx([150.0 / hertz, 0.2])
+    sliders["frequency"].set_val(30.0)
+    assert shown.load.frequency == pytest.approx(30.0 * hertz)
+    assert shown.load.mean == pytest.approx(0.2 * UNIT)
+    assert area.lines[0].get_xydata()[0].tolist() == pytest.approx([30.0, 0.2])
+    pyplot.close("all")
+
+
+@pytest.mark.parametrize(
+    ("units", "message"),
+    [({"mean": "Hz"}, r"units\['mean'\] must be a unit of force"), ({"f": "Hz"}, "units must be of mean")],
+)
+def test_units_that_are_none(units: dict[str, str], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        fr.Explorer(ROD, None, units)
+
+
 def test_a_canvas_that_keeps_no_copies_will_do(explorer: fr.Explorer) -> None:
     from matplotlib.backend_bases import FigureCanvasBase
 
@@ -86,7 +113,9 @@ def test_the_picture_without_a_window(tmp_path: Path, capsys: pytest.CaptureFixt
     load = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
     assert cli.main(["explore", "--rod", "nitinol", *load, "--out", str(path)]) == 0
     assert path.read_bytes().startswith(b"\x89PNG")
-    assert "mode 7 grows" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "mode 7 grows" in out
+    assert out.splitlines()[1].startswith("mean 0.2 Fcr (0.3392 N), amplitude 0.2 Fcr")
     assert not pyplot.get_fignums()
 
 
@@ -94,7 +123,7 @@ def test_the_picture_without_a_window(tmp_path: Path, capsys: pytest.CaptureFixt
     ("arguments", "message"),
     [
         (["--mean", "1N"], "go together; got only --mean"),
-        (["--out", "x.gif"], "--out must end in .png, .pdf, .svg"),
+        (["--out", "x.gif"], "--out must end in .png, .pdf or .svg"),
         ([], "no window can be opened"),
     ],
 )

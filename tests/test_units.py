@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from floquetrod.units import quantity
+from floquetrod.units import label, quantity, unit
 
 
 @given(st.floats(-1e6, 1e6, allow_nan=False))
@@ -37,7 +38,7 @@ def test_units(text: str, kind: str, value: float) -> None:
     assert quantity(text, "x", kind, critical_force=2.0) == pytest.approx(value, rel=1e-15)
 
 
-@pytest.mark.parametrize("text", ["", "N", "1 2", "0x10", "nan", "inf", "1Fxr", "1 kg", None, [1], True])
+@pytest.mark.parametrize("text", ["", "N", "1 2", "0x10", "nan", "inf", "1Fxr", "1 kg", "\u0663", None, [1], True])
 def test_anything_else_is_refused_with_what_is_accepted(text: object) -> None:
     with pytest.raises(
         ValueError, match=r"^--mean must be a number with a force unit \(N, kN, mN, lbf; none means N\)"
@@ -53,3 +54,43 @@ def test_an_integer_beyond_a_double_is_refused() -> None:
 def test_fcr_needs_a_rod() -> None:
     with pytest.raises(ValueError, match="unit 'Fcr' is not understood"):
         quantity("1Fcr", "mean", "force")
+
+
+@pytest.mark.parametrize(
+    ("text", "bounds", "message"),
+    [
+        ("1e400N", {}, "--mean must be finite, got '1e400N'"),
+        ("1e308kN", {}, "--mean must be finite, got '1e308kN'"),
+        ("-1e400", {"least": 0.0}, "--mean must be finite, got '-1e400'"),
+        ("0", {"least": 1e-9}, "--mean must be greater than zero, got '0'"),
+        ("1e-400N", {"least": 1e-9}, "--mean must be greater than zero, got '1e-400N'"),
+        ("-1kN", {"least": 0.0}, "--mean must be zero or more, got '-1kN'"),
+        ("5kN", {"least": 0.0, "largest": 1e3}, "--mean must lie between 0 and 1000 N, got '5kN'; check its unit"),
+        (float("nan"), {}, "--mean must be finite, got nan"),
+    ],
+)
+def test_bounds_quote_what_was_typed(text: object, bounds: dict[str, float], message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
+        quantity(text, "--mean", "force", **bounds)
+
+
+@given(st.floats(-1e6, 1e6), st.sampled_from(["Hz", "rpm", "rad/s", "1/s"]))
+def test_a_unit_shows_what_quantity_reads(value: float, name: str) -> None:
+    shown = unit(name, "x", "frequency")
+    assert shown.of(quantity(f"{value!r} {name}", "x", "frequency")) == pytest.approx(value)
+    assert quantity(shown.show(value, 17), "x", "frequency") == pytest.approx(value)
+    assert shown.si(shown.of(value)) == pytest.approx(value)
+
+
+def test_an_unknown_unit_is_refused_with_what_is_known() -> None:
+    with pytest.raises(ValueError, match=r"^--unit must be a unit of force \(N, kN, mN, lbf, Fcr\), got 'Hz'$"):
+        unit("Hz", "--unit", "force", 2.0)
+    assert unit("", "x", "force").name == "N"
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [("Hz", r"f $\omega/2\pi$ / Hz"), ("rad/s", r"f $\omega$ / (rad/s)"), ("Fcr", r"f $\omega$ / $F_\mathrm{cr}$")],
+)
+def test_labels(name: str, expected: str) -> None:
+    assert label("f", r"\omega", name) == expected

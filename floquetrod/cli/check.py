@@ -9,7 +9,6 @@ import re
 from typing import Any
 
 import floquetrod as fr
-from floquetrod import units
 from floquetrod.cli import kick
 from floquetrod.cli.common import (
     KINDS,
@@ -17,11 +16,19 @@ from floquetrod.cli.common import (
     add_command,
     add_friction,
     add_rod,
+    add_units,
+    describe_load,
     number,
     read_friction,
     read_quantity,
     read_rod,
+    read_tolerance,
+    read_units,
 )
+from floquetrod.cli.waiting import waiting
+from floquetrod.result import Status
+from floquetrod.rod_stability import Margin
+from floquetrod.units import Unit
 
 _HELP = """\
 Judge a rod under an axial load: stable or not, which modes grow, how fast, and how far the load is from a change.
@@ -31,9 +38,12 @@ examples:
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz
   floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85 --growth-tolerance 0.7 --json
   floquetrod check --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150 --mu 0.1 --kick 50mm/s
+  floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz --unit Fcr,rpm --exit-code
 
 forces: N, kN, lbf or Fcr (the critical force of the rod).  frequencies: rad/s (none means this), Hz, rpm.
-kicks: m/s, mm/s, cm/s, ft/s.
+kicks: m/s, mm/s, cm/s, ft/s.  The answer is in the units of the question or of --unit; --json is in N, rad/s and m/s.
+margins: how far each quantity may fall or rise, the others staying as they are, until the verdict changes.
+exit status: 0 whatever the verdict; with --exit-code 0 stable, 1 unstable, 3 undecided; 2 for input it cannot use.
 rod files: TOML with youngs_modulus, density, radius, length, channel_radius and, if you like, gravity and
 damping_rate, as SI numbers or strings such as "68GPa"; radii, not diameters.
 """
@@ -47,8 +57,13 @@ def add(commands: Any) -> None:
     check.add_argument("--mean", required=True, help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
     check.add_argument("--amplitude", required=True, help="amplitude of the force; 0 is the static limit")
     check.add_argument("--frequency", required=True, help="frequency, such as 150 (rad/s) or 24Hz")
+    add_units(check)
+    check.add_argument("--exit-code", action="store_true", help="exit with 1 when unstable, 3 when undecided")
     check.add_argument("--modes", help="modes to look at, such as 1-25 or 6,7,8 (default: all that can matter)")
 
+
+_STATUS: dict[Status, int] = {"stable": 0, "unstable": 1, "undecided": 3}
+"""Exit statuses of --exit-code; 2 is for input that cannot be used."""
 
 _LAST_MODE = 20_000  # far beyond any mode that matters: a slip of the keyboard must not fill the memory (a choice)
 
@@ -56,16 +71,19 @@ _LAST_MODE = 20_000  # far beyond any mode that matters: a slip of the keyboard 
 def _check(options: argparse.Namespace) -> Answer:
     rod = read_rod(options)
     load = fr.AxialLoad(**{name: read_quantity(getattr(options, name), name, rod) for name in KINDS})
-    tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
-    friction, modes = read_friction(options), _modes(options.modes)
-    if friction is not None:
-        judged = rod.stability(load, modes=modes, growth_tolerance=tolerance, friction=friction)
-        if options.json:
-            both = {"with_friction": kick.record(judged), "without_friction": _record(judged.linear)}
-            return Answer(json.dumps(both, indent=2, allow_nan=False))
-        return Answer("\n".join([*kick.report(judged), "", "without friction:", _report(judged.linear)]))
-    result = rod.stability(load, modes=modes, growth_tolerance=tolerance)
-    return Answer(json.dumps(_record(result), indent=2, allow_nan=False) if options.json else _report(result))
+    tolerance, friction, modes = read_tolerance(options), read_friction(options), _modes(options.modes)
+    shown = read_units(options, rod)
+    with waiting("judging the load and searching its margins"):
+        if friction is None:
+            linear = rod.stability(load, modes=modes, growth_tolerance=tolerance)
+            status, record, lines = linear.status, _record(linear), _report(linear, shown)
+        else:
+            judged = rod.stability(load, modes=modes, growth_tolerance=tolerance, friction=friction)
+            status = judged.status
+            record = {"with_friction": kick.record(judged), "without_friction": _record(judged.linear)}
+            lines = [*kick.report(judged, shown["kick"]), "", "without friction:", *_report(judged.linear, shown)]
+    text = json.dumps(record, indent=2, allow_nan=False) if options.json else "\n".join(lines)
+    return Answer(text, _STATUS[status] if options.exit_code else 0)
 
 
 def _modes(text: str | None) -> list[int] | None:
@@ -83,9 +101,8 @@ def _modes(text: str | None) -> list[int] | None:
     return sorted(modes)
 
 
-def _report(result: fr.RodStability) -> str:
-    rod, load = result.rod, result.load
-    scale = rod.critical_force
+def _report(result: fr.RodStability, shown: dict[str, Unit]) -> list[str]:
+    rod = result.rod
     headline = result.status.upper()
     if result.status == "unstable":
         names = ", ".join(map(str, result.unstable_modes))
@@ -93,14 +110,13 @@ def _report(result: fr.RodStability) -> str:
     lines = [
         headline,
         "",
-        f"rod       critical force {scale:.4g} N, critical mode {rod.critical_mode:.3g}",
-        f"load      mean {load.mean:.6g} N ({load.mean / scale:.4g} Fcr), amplitude {load.amplitude:.6g} N "
-        f"({load.amplitude / scale:.4g} Fcr), {load.frequency:.6g} rad/s ({load.frequency / (2.0 * math.pi):.4g} Hz)",
+        f"rod       critical force {rod.critical_force:.4g} N, critical mode {rod.critical_mode:.3g}",
+        f"load      {describe_load(result.load, shown, rod)}",
     ]
     if result.growth_rate > 0.0:
         time = f"tenfold in {result.time_to_grow(10.0):.4g} s"
         lines.append(f"growth    {result.growth_rate:.6g} 1/s in mode {result.fastest_mode}, {time}")
-    lines.append(f"margin    {_margin(result)}")
+    lines += _margins(result, shown)
     damping = result.damping_to_stabilise
     if damping > 0.0:
         enough = "no damping suffices: the mean force alone buckles a mode"
@@ -116,17 +132,36 @@ def _report(result: fr.RodStability) -> str:
     for mode, equation, verdict, rate in _near_trouble(result):
         where = str(verdict.interval) if verdict.interval else verdict.status
         lines.append(f"{mode:4d}  {equation.alpha:10.5g}  {equation.beta:11.6g}  {where:<21}  {rate:10.4g}")
-    return "\n".join(lines)
+    return lines
 
 
-def _margin(result: fr.RodStability) -> str:
-    margin, scale = result.mean_force_margin, result.rod.critical_force
-    sides = [(margin.below, "lower"), (margin.above, "higher")]
-    known = [f"{value:.4g} N ({value / scale:.3g} Fcr) {way}" for value, way in sides if math.isfinite(value)]
-    if not known:
-        return "no change of verdict within 8 Fcr of this mean force"
+def _margins(result: fr.RodStability, shown: dict[str, Unit]) -> list[str]:
+    """Return how far each quantity of the load is from a change of the verdict, in the units asked for."""
     change = {"stable": "unstable", "unstable": "stable"}.get(result.status, "decided")
-    return f"{change} at a mean force {' or '.join(known)}"
+    lines: list[str] = []
+    for name, margin in _all_margins(result).items():
+        sides = [(margin.below, "lower"), (margin.above, "higher")]
+        known = [f"{shown[name].show(value, 4)} {way}" for value, way in sides if math.isfinite(value)]
+        words = f"{change} {' or '.join(known)}" if known else f"no change {_REACH[name]}"
+        lines.append(f"{'' if lines else 'margins':<8}  {_WORDS[name]:<11} {words}")
+    return lines
+
+
+_WORDS = {"mean": "mean force", "amplitude": "amplitude", "frequency": "frequency"}
+_REACH = {
+    "mean": "within 8 Fcr either way",
+    "amplitude": "from zero to 2 Fcr above",
+    "frequency": "from a ninth to nine times this frequency",
+}
+
+
+def _all_margins(result: fr.RodStability) -> dict[str, Margin]:
+    """Return the margins of a load by quantity."""
+    return {
+        "mean": result.mean_force_margin,
+        "amplitude": result.amplitude_margin,
+        "frequency": result.frequency_margin,
+    }
 
 
 def _near_trouble(result: fr.RodStability) -> list[tuple[int, fr.Mathieu, fr.Stability, float]]:
@@ -141,15 +176,19 @@ def _near_trouble(result: fr.RodStability) -> list[tuple[int, fr.Mathieu, fr.Sta
 
 
 def _record(result: fr.RodStability) -> dict[str, Any]:
-    margin = result.mean_force_margin
+    margins = _all_margins(result)
     return {
         "status": result.status,
         "unstable_modes": list(result.unstable_modes),
         "growth_rate_per_s": result.growth_rate,
         "fastest_mode": result.fastest_mode,
         "time_to_grow_tenfold_s": number(result.time_to_grow(10.0)),
-        "mean_force_margin_below_N": number(margin.below),
-        "mean_force_margin_above_N": number(margin.above),
+        "mean_force_margin_below_N": number(margins["mean"].below),
+        "mean_force_margin_above_N": number(margins["mean"].above),
+        "amplitude_margin_below_N": number(margins["amplitude"].below),
+        "amplitude_margin_above_N": number(margins["amplitude"].above),
+        "frequency_margin_below_rad_per_s": number(margins["frequency"].below),
+        "frequency_margin_above_rad_per_s": number(margins["frequency"].above),
         "damping_to_stabilise_per_s": number(result.damping_to_stabilise),
         "modes_checked": result.modes_checked,
         "left_out_growth_bound_per_s": number(result.left_out_bound),

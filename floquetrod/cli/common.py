@@ -4,15 +4,25 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import sys
 import time
+from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod.rod_data import RodData
+from floquetrod.units import Unit
+
+_TINY, _HUGE = 1e-9, 1e12  # what the library takes, in SI units: a slip of the keyboard lies beyond
 
 KINDS = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
 """Quantities of a load and their kind."""
+
+_BOUNDS = {"mean": (-_HUGE, _HUGE), "amplitude": (0.0, _HUGE), "frequency": (_TINY, _HUGE)}
+_SHOWN = ("force", "frequency", "speed")  # kinds of quantity that --unit is for
 
 
 class Answer(NamedTuple):
@@ -47,44 +57,132 @@ def add_rod(command: argparse.ArgumentParser, *, judged: bool = True) -> None:
     command.add_argument("--damping-rate", help="decay rate of free motion in 1/s (replaces that of the rod)")
     if judged:
         command.add_argument(
-            "--growth-tolerance", default="0", help="growth in 1/s up to which a mode counts as stable"
+            "--growth-tolerance",
+            default="0",
+            help="growth in 1/s up to which a mode counts as stable (default %(default)s)",
         )
+
+
+def add_units(command: argparse.ArgumentParser) -> None:
+    """Add the option that says in which units to answer."""
+    command.add_argument("--unit", help="units of the answer, such as Hz or Hz,Fcr (default: those of the question)")
 
 
 def add_friction(command: argparse.ArgumentParser) -> None:
     """Add the options that describe friction and a kick."""
-    command.add_argument("--mu", type=float, help="coefficient of friction between rod and channel")
+    command.add_argument("--mu", type=float, help="coefficient of friction between rod and channel (needs --kick)")
     command.add_argument("--kick", help="transverse speed each mode is disturbed with, such as 50mm/s (needs --mu)")
 
 
 def read_friction(options: argparse.Namespace) -> fr.Coulomb | None:
-    """Return friction and kick, None where there is none; a kick left out is zero."""
+    """Return friction and kick, None where there is none; one without the other is refused."""
     if options.mu is None:
         if options.kick is not None:
             raise ValueError("--kick needs --mu: without friction every kick sets off what is unstable")
         return None
-    return fr.Coulomb(options.mu, 0.0 if options.kick is None else units.quantity(options.kick, "--kick", "speed"))
+    if options.kick is None:
+        raise ValueError(
+            "--mu needs --kick: friction holds every rod that nothing disturbs, so a verdict without a kick would say "
+            "nothing; add the transverse speed each mode is disturbed with, such as --kick 50mm/s"
+        )
+    return fr.Coulomb(options.mu, units.quantity(options.kick, "--kick", "speed", least=_TINY, largest=_HUGE))
 
 
-def read_quantity(text: str, name: str, rod: fr.Rod) -> float:
-    """Return a quantity of the load in SI units."""
-    return units.quantity(text, f"--{name}", KINDS[name], critical_force=rod.critical_force)
+def read_tolerance(options: argparse.Namespace) -> float:
+    """Return the growth tolerance in 1/s."""
+    return units.quantity(options.growth_tolerance, "--growth-tolerance", "rate", least=0.0, largest=_HUGE)
+
+
+def read_quantity(text: str, name: str, rod: fr.Rod, given: str | None = None) -> float:
+    """Return a quantity of the load in SI units; messages quote ``given`` in place of the text."""
+    least, largest = _BOUNDS[name]
+    force = rod.critical_force
+    return units.quantity(
+        text, f"--{name}", KINDS[name], critical_force=force, least=least, largest=largest, given=given
+    )
 
 
 def read_range(text: str, name: str, rod: fr.Rod) -> list[float]:
     """Return one quantity, or both ends of a range; a first end without a unit has that of the second."""
     first, colon, last = text.partition(":")
-    if colon and units.unit_of(first) == "":
-        first += units.unit_of(last) or ""
-    return [read_quantity(part, name, rod) for part in ((first, last) if colon else (first,))]
+    if not colon:
+        return [read_quantity(text, name, rod)]
+    unit = units.unit_of(last) or ""
+    ends = [(first + (unit if units.unit_of(first) == "" else ""), first), (last, last)]
+    low, high = (read_quantity(end, name, rod, f"{typed!r} in {text!r}") for end, typed in ends)
+    if not low < high:
+        raise ValueError(f"--{name} must be a range whose first end is the lower one, got {text!r}")
+    return [low, high]
+
+
+def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
+    """Return the unit in which to speak of each quantity: that of --unit, else the one it was given in, else SI.
+
+    The end of a range without a unit has that of the other.  The options may have no --kick; its unit is then mm/s.
+    """
+    chosen: dict[str, str] = {}
+    for name in filter(None, (options.unit or "").split(",")):
+        kind = units.kind_of(name.strip())
+        if kind not in _SHOWN:
+            every = "; ".join(f"{kind}: {', '.join(units.units_of(kind, 1.0))}" for kind in _SHOWN)
+            raise ValueError(f"--unit must name units such as Hz,Fcr, got {name!r} in {options.unit!r} ({every})")
+        if kind in chosen:
+            raise ValueError(f"--unit must name one unit of {kind}, got {chosen[kind]} and {name} in {options.unit!r}")
+        chosen[kind] = name.strip()
+    found = {}
+    for name, kind in {**KINDS, "kick": "speed"}.items():
+        text = getattr(options, name, None)
+        typed = units.unit_of(text.rpartition(":")[2]) if isinstance(text, str) else None
+        wanted = chosen.get(kind, ("mm/s" if kind == "speed" else "") if typed is None else typed)
+        found[name] = units.unit(wanted, f"--{name}", kind, rod.critical_force)
+    return found
+
+
+def describe_load(load: fr.AxialLoad, shown: dict[str, Unit], rod: RodData) -> str:
+    """Return the load in the units asked for, each with another one beside it that says what it comes to."""
+    return ", ".join(
+        [
+            f"mean {_both(load.mean, shown['mean'], rod)}",
+            f"amplitude {_both(load.amplitude, shown['amplitude'], rod)}",
+            _both(load.frequency, shown["frequency"], rod),
+        ]
+    )
+
+
+def _both(value: float, shown: Unit, rod: RodData) -> str:
+    kind = units.kind_of(shown.name) or ""
+    other = {"Fcr": "N", "rad/s": "Hz", "1/s": "Hz"}.get(shown.name, "Fcr" if kind == "force" else "rad/s")
+    return f"{shown.show(value)} ({units.unit(other, other, kind, rod.critical_force).show(value, 4)})"
 
 
 def read_rod(options: argparse.Namespace) -> fr.Rod:
     """Return the rod that the options describe."""
-    rod = fr.Rod.nitinol() if options.rod == "nitinol" else fr.Rod.from_toml(options.rod)
+    try:
+        rod = fr.Rod.nitinol() if options.rod == "nitinol" else fr.Rod.from_toml(options.rod)
+    except (ValueError, OSError) as error:
+        raise ValueError(f"--rod must be nitinol or a TOML file: {error}") from None
     if options.damping_rate is not None:
-        rod = rod.replace(damping_rate=units.quantity(options.damping_rate, "--damping-rate", "rate"))
+        rate = units.quantity(options.damping_rate, "--damping-rate", "rate", least=0.0, largest=_HUGE)
+        rod = rod.replace(damping_rate=rate)
     return rod
+
+
+def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
+    """Raise ValueError, before anything is computed, where a file could not be written."""
+    if kinds and path.suffix not in kinds:
+        raise ValueError(f"{name} must end in {', '.join(kinds[:-1])} or {kinds[-1]}, got {str(path)!r}")
+    try:
+        is_folder, has_folder = path.is_dir(), path.parent.is_dir()
+    except OSError as error:  # a name too long, say
+        raise ValueError(f"{name} {str(path)!r}: {error}") from None
+    if is_folder:
+        raise ValueError(f"{name} must be a file, and {str(path)!r} is a folder")
+    if not has_folder:
+        raise ValueError(
+            f"{name} {str(path)!r}: there is no folder {str(path.parent)!r}; make it first, or write elsewhere"
+        )
+    if not os.access(path.parent, os.W_OK):
+        raise ValueError(f"{name} {str(path)!r}: the folder {str(path.parent)!r} cannot be written to; write elsewhere")
 
 
 def number(value: float) -> float | None:

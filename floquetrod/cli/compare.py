@@ -8,6 +8,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import Answer, add_command, number
+from floquetrod.cli.waiting import waiting
 
 _HELP = """\
 Judge one equation A'' + 2 c A' = (beta + alpha sin tau) A by every method and show where they agree.
@@ -29,7 +30,9 @@ def add(commands: Any) -> None:
 
 def _compare(options: argparse.Namespace) -> Answer:
     kind = fr.SquareWave if options.wave == "square" else fr.Mathieu
-    comparison = fr.compare(kind(options.alpha, options.beta, options.damping))
+    equation = kind(options.alpha, options.beta, options.damping)
+    with waiting("judging by every method"):
+        comparison = fr.compare(equation)
     if not options.json:
         return Answer(repr(comparison))
     rows = [

@@ -8,7 +8,18 @@ from pathlib import Path
 from typing import Any
 
 import floquetrod as fr
-from floquetrod.cli.common import KINDS, Answer, add_command, add_rod, read_quantity, read_rod
+from floquetrod.cli.common import (
+    KINDS,
+    Answer,
+    add_command,
+    add_rod,
+    add_units,
+    check_out,
+    describe_load,
+    read_quantity,
+    read_rod,
+    read_units,
+)
 from floquetrod.plotting import charts
 
 _HELP = """\
@@ -17,9 +28,10 @@ Open a window with a slider for mean force, amplitude and frequency; map, modes,
 examples:
   floquetrod explore --rod nitinol
   floquetrod explore --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz
-  floquetrod explore --rod nitinol --out explorer.png
+  floquetrod explore --rod nitinol --unit Fcr,Hz --out explorer.png
 
-With --out the picture is written and no window opened, which needs no screen.
+With --out the picture is written and no window opened, which needs no screen.  Axes
+and sliders are in the units of the load given, or of --unit.
 """
 
 
@@ -27,6 +39,7 @@ def add(commands: Any) -> None:
     """Add the command to the parser."""
     explore = add_command(commands, "explore", "move a load by sliders and watch", _HELP, _explore)
     add_rod(explore, judged=False)
+    add_units(explore)
     for name in KINDS:
         explore.add_argument(f"--{name}", help=f"{name} to begin with; give all three or none")
     explore.add_argument("--out", type=Path, help="write the picture (.png, .pdf, .svg) and open no window")
@@ -39,9 +52,10 @@ def _explore(options: argparse.Namespace) -> Answer:
         raise ValueError(f"--mean, --amplitude and --frequency go together; got only --{', --'.join(given)}")
     values = {name: read_quantity(getattr(options, name), name, rod) for name in given}
     load = fr.AxialLoad(**values) if values else None
-    if options.out is not None and options.out.suffix not in charts.FIGURES:
-        raise ValueError(f"--out must end in {', '.join(charts.FIGURES)}, got {str(options.out)!r}")
-    explorer = fr.Explorer(rod, load)
+    if options.out is not None:
+        check_out(options.out, charts.FIGURES)
+    shown = read_units(options, rod)
+    explorer = fr.Explorer(rod, load, {name: shown[name].name for name in KINDS})
     if options.out is not None:
         charts.save_figure(explorer.window.figure, options.out)
     else:
@@ -51,4 +65,4 @@ def _explore(options: argparse.Namespace) -> Answer:
         record = {"mean_N": load.mean, "amplitude_N": load.amplitude, "frequency_rad_per_s": load.frequency}
         return Answer(json.dumps(record, indent=2, allow_nan=False))
     where = f"written: {options.out}\n" if options.out is not None else ""
-    return Answer(f"{where}{rod.stability(load)}")
+    return Answer(f"{where}{describe_load(load, shown, rod)}\n{rod.stability(load)}")

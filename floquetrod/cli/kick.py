@@ -7,10 +7,14 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import number
+from floquetrod.units import Unit
 
 
-def report(result: fr.RodFriction) -> list[str]:
-    """Return the lines about friction: the verdict first, a table of the modes that grow without it last."""
+def report(result: fr.RodFriction, shown: Unit) -> list[str]:
+    """Return the lines about friction: the verdict first, a table of the modes that grow without it last.
+
+    Speeds are in the unit ``shown``.
+    """
     headline = result.status.upper()
     if result.unstable_modes:
         names = ", ".join(map(str, result.unstable_modes))
@@ -19,24 +23,24 @@ def report(result: fr.RodFriction) -> list[str]:
     lines = [
         headline,
         "",
-        f"friction  mu {inside.mu:g}: gamma {inside.gamma:.4g}; the rod slides axially at {1e3 * inside.v_a:.3g} mm/s",
-        f"kick      {1e3 * result.friction.velocity:g} mm/s in each mode: eps {inside.epsilon:.4g}",
-        f"needed    {_needed(result)}",
+        f"friction  mu {inside.mu:g}: gamma {inside.gamma:.4g}; the rod slides axially at {shown.show(inside.v_a, 3)}",
+        f"kick      {shown.show(result.friction.velocity)} in each mode: eps {inside.epsilon:.4g}",
+        f"needed    {_needed(result, shown)}",
     ]
     if result.modes:
-        lines += ["", "mode  kick needed mm/s  this kick"]
+        lines += ["", f"mode  {f'kick needed {shown.name}':>16}  this kick"]
     for mode, fate in zip(result.modes, result.fates, strict=True):
-        lines.append(f"{mode:4d}  {1e3 * result.critical_velocities[mode]:16.6g}  {fate.status}: {fate.reason}")
+        lines.append(f"{mode:4d}  {shown.of(result.critical_velocities[mode]):16.6g}  {fate.status}: {fate.reason}")
     return lines
 
 
-def _needed(result: fr.RodFriction) -> str:
+def _needed(result: fr.RodFriction, shown: Unit) -> str:
     kick = result.critical_kick
     if math.isinf(kick.velocity):
         return "no kick buckles the rod: no mode grows even without friction"
     if kick.mode is None:
         return "the smallest kick that buckles the rod could not be decided"
-    return f"{1e3 * kick.velocity:.6g} mm/s buckles the rod, into mode {kick.mode}"
+    return f"{shown.show(kick.velocity)} buckles the rod, into mode {kick.mode}"
 
 
 def record(result: fr.RodFriction) -> dict[str, Any]:

@@ -17,8 +17,10 @@ from floquetrod.cli.common import Parser
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command and return the exit status.
 
-    0: it answered; 1: `reproduce` lost a finding; 2: input it cannot use; 130: Ctrl-C.
+    0: it answered; 1: `reproduce` lost a finding, `check --exit-code` judged unstable; 2: input it cannot use;
+    3: `check --exit-code` could not decide; 130: Ctrl-C.
     """
+    options = argparse.Namespace()
     try:
         options = _parser().parse_args(_attached(sys.argv[1:] if argv is None else argv))
         with warnings.catch_warnings(record=True) as caught:
@@ -31,15 +33,36 @@ def main(argv: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
     except ArithmeticError as error:  # extreme numbers over- or underflow on their way
-        print(f"floquetrod: error: numbers too large or too small to work with ({error}); check units", file=sys.stderr)
+        given = ", ".join(f"--{name} {value}" for name, value in vars(options).items() if _is_quantity(value))
+        what = f"numbers too large or too small to work with ({error}); check the units of {given}"
+        print(f"floquetrod: error: {what}", file=sys.stderr)
         return 2
     except (ValueError, OSError) as error:
-        print(f"floquetrod: error: {' '.join(str(error).split())}", file=sys.stderr)
+        print(f"floquetrod: error: {_naming_options(' '.join(str(error).split()), options)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("floquetrod: interrupted", file=sys.stderr)
         return 130
     return int(answer.status)
+
+
+_ARGUMENTS = {"velocity": "kick", "friction": "mu", "load": "mean", "between": "frequency"}
+"""Arguments of the library that an option of another name sets."""
+
+
+def _naming_options(message: str, options: argparse.Namespace) -> str:
+    """Return a message of the library with the option in place of the argument it begins with, and what was typed."""
+    match = re.match(r"(\w+)(?:\[\d+\])? (?=must|needs)", message)
+    name = _ARGUMENTS.get(match[1], match[1]) if match else ""
+    typed = vars(options).get(name)
+    if match is None or typed is None:
+        return message
+    message = f"--{name.replace('_', '-')} {message[match.end() :]}"
+    return message if str(typed) in message else f"{message}; it was given as {typed!r}"
+
+
+def _is_quantity(value: object) -> bool:
+    return isinstance(value, float) or (isinstance(value, str) and any(letter.isdigit() for letter in value))
 
 
 def _attached(arguments: Sequence[str]) -> list[str]:
@@ -49,6 +72,8 @@ def _attached(arguments: Sequence[str]) -> list[str]:
     """
     result: list[str] = []
     for argument in arguments:
+        if re.fullmatch(r"--[\w-]+=--", argument):  # argparse takes the second -- for the end of the options
+            raise ValueError(f"{argument[:-3]} needs a value, got '--'")
         if re.match(r"-\.?\d", argument) and result and re.fullmatch(r"--[\w-]+", result[-1]):
             result[-1] += f"={argument}"
         else:

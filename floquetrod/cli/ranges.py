@@ -7,8 +7,19 @@ import json
 from typing import Any
 
 import floquetrod as fr
-from floquetrod import units
-from floquetrod.cli.common import KINDS, Answer, add_command, add_rod, read_quantity, read_range, read_rod
+from floquetrod.cli.common import (
+    KINDS,
+    Answer,
+    add_command,
+    add_rod,
+    add_units,
+    read_range,
+    read_rod,
+    read_tolerance,
+    read_units,
+)
+from floquetrod.cli.waiting import waiting
+from floquetrod.rod_tongues import HAIRLINE_GROWTH
 
 _HELP = """\
 List every stable interval of one quantity of the load: give the other two, and what to search.
@@ -18,9 +29,9 @@ examples:
   floquetrod ranges --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 10Hz:60Hz --growth-tolerance 0.05
   floquetrod ranges --rod my_rod.toml --mean 12N --frequency 24Hz --amplitude 0:5N
 
-The intervals are complete: their ends are transition curves mapped back, not points of a grid, and resonance tongues
-of any thinness count unless --growth-tolerance (1/s) says from which growth on they matter.  The answer is in the unit
-of the range; --json is in N and rad/s.
+The ends are those of resonance tongues, not points of a grid.  Tongues in which nothing grows faster than
+--growth-tolerance, by default 1e-6 1/s (tenfold in a month), are left out and counted; with 0 every one is listed.  The
+answer is in the unit of the range, or of --unit; --json is in N and rad/s.
 """
 
 
@@ -28,6 +39,8 @@ def add(commands: Any) -> None:
     """Add the command to the parser."""
     ranges = add_command(commands, "ranges", "list every safe interval of one quantity of the load", _HELP, _ranges)
     add_rod(ranges)
+    add_units(ranges)
+    ranges.set_defaults(growth_tolerance=f"{HAIRLINE_GROWTH:g}")
     ranges.add_argument("--mean", required=True, help="mean force, or a range from zero such as 0:1.2Fcr")
     ranges.add_argument("--amplitude", required=True, help="amplitude, or a range from zero such as 0:0.5Fcr")
     ranges.add_argument("--frequency", required=True, help="frequency, or a range such as 10Hz:60Hz")
@@ -42,26 +55,29 @@ def _ranges(options: argparse.Namespace) -> Answer:
             "exactly one of --mean, --amplitude, --frequency must be a range such as 0:1.2Fcr or 10Hz:60Hz, got "
             f"{len(varied)}"
         )
-    tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
+    tolerance = read_tolerance(options)
     values = {name: read_range(text, name, rod) for name, text in texts.items()}
+    shown = read_units(options, rod)
     low, high = values.pop(varied[0])
-    fixed = {name: value for name, (value,) in values.items()}
-    if varied[0] == "frequency":
-        found = rod.stable_frequencies(**fixed, between=(low, high), growth_tolerance=tolerance)
-    elif low != 0.0:
-        raise ValueError(f"--{varied[0]} must be a range from zero, got {texts[varied[0]]!r}")
-    else:
-        search = rod.stable_mean_forces if varied[0] == "mean" else rod.stable_amplitudes
-        found = search(**fixed, upto=high, growth_tolerance=tolerance)
+    fixed: dict[str, Any] = {name: value for name, (value,) in values.items()}
+    if varied[0] != "frequency" and low != 0.0:
+        raise ValueError(f"--{varied[0]} must be a range from zero such as 0:1.2Fcr, got {texts[varied[0]]!r}")
+    with waiting(f"searching every tongue along the {varied[0]}"):
+        if varied[0] == "frequency":
+            found = rod.stable_frequencies(**fixed, between=(low, high), growth_tolerance=tolerance)
+        else:
+            search = rod.stable_mean_forces if varied[0] == "mean" else rod.stable_amplitudes
+            found = search(**fixed, upto=high, growth_tolerance=tolerance)
     if not options.json:
-        unit = units.unit_of(texts[varied[0]].partition(":")[2]) or found.unit
-        return Answer(found.table(unit, read_quantity(f"1{unit}", varied[0], rod)))
+        return Answer(found.table(*shown[varied[0]]))
     unit = "N" if found.unit == "N" else "rad_per_s"
     record = {
         "quantity": found.quantity,
         f"searched_{unit}": list(found.between),
         "growth_tolerance_per_s": found.growth_tolerance,
         "modes_checked": found.modes,
+        "tongues_left_out": found.hairlines,
+        f"parts_missed_up_to_{unit}": found.resolution,
         "stable": [
             {f"low_{unit}": part.low, f"high_{unit}": part.high, "low_end": part.low_end, "high_end": part.high_end}
             for part in found

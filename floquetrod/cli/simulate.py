@@ -17,11 +17,15 @@ from floquetrod.cli.common import (
     Progress,
     add_command,
     add_rod,
+    add_units,
+    describe_load,
     number,
     read_quantity,
     read_rod,
+    read_units,
 )
 from floquetrod.growth import GrowthFit
+from floquetrod.units import Unit
 
 _HELP = """\
 Simulate the whole nonlinear rod in its channel, with friction if you like, and hold it against the theory.
@@ -53,6 +57,7 @@ def add(commands: Any) -> None:
     """Add the command to the parser."""
     command = add_command(commands, "simulate", "simulate a rod and hold it against theory", _HELP, _simulate)
     add_rod(command, judged=False)
+    add_units(command)
     command.add_argument("--mean", required=True, help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
     command.add_argument("--amplitude", required=True, help="amplitude of the force")
     command.add_argument("--frequency", required=True, help="frequency, such as 150 (rad/s) or 24Hz")
@@ -74,7 +79,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
     load = fr.AxialLoad(**{name: read_quantity(getattr(options, name), name, rod) for name in KINDS})
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
-    perturbation = _perturbation(options)
+    perturbation, shown = _perturbation(options), read_units(options, rod)
     for path in [*options.out, *filter(None, [options.checkpoint])]:
         if not path.parent.is_dir():
             raise ValueError(f"there is no folder {str(path.parent)!r} to write {path.name} to")
@@ -105,7 +110,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
         "checkpoint": None if options.checkpoint is None else str(options.checkpoint),
         "version": fr.__version__,
     }
-    text = json.dumps(record, indent=2, allow_nan=False) if options.json else _report(run, record)
+    text = json.dumps(record, indent=2, allow_nan=False) if options.json else _report(run, record, shown)
     return Answer(text, 0 if run.complete else 130)
 
 
@@ -204,20 +209,18 @@ def _record(run: fr.Simulation) -> dict[str, Any]:
     }
 
 
-def _report(run: fr.Simulation, record: dict[str, Any]) -> str:
-    setting, scale = run.setting, run.rod.critical_force
-    load, angle = setting.load, f"largest angle {record['largest_angle_degrees']:.3g} degrees"
+def _report(run: fr.Simulation, record: dict[str, Any], shown: dict[str, Unit]) -> str:
+    setting, angle = run.setting, f"largest angle {record['largest_angle_degrees']:.3g} degrees"
     status = f"BUCKLED: mode {record['dominant_mode']} leads, {angle}" if run.buckled else f"NOT BUCKLED: {angle}"
     lines = [
         status if run.complete else f"INTERRUPTED at {run.time[-1]:.4g} s of {setting.duration:g} s; so far {status}"
     ]
     lines += [
         "",
-        f"load      mean {load.mean:.6g} N ({load.mean / scale:.4g} Fcr), amplitude {load.amplitude:.6g} N "
-        f"({load.amplitude / scale:.4g} Fcr), {load.frequency:.6g} rad/s ({load.frequency / (2.0 * math.pi):.4g} Hz)",
+        f"load      {describe_load(setting.load, shown, run.rod)}",
         f"start     {record['perturbation']}; friction {setting.friction:g}",
         f"growth    {_growth(record)}",
-        f"theory    {_theory(record)}",
+        f"theory    {_theory(record, shown['kick'])}",
         f"energy    kinetic + potential + dissipated - work off by {record['energy_error_J']:.1g} J, of "
         f"{record['energy_work_J']:.3g} J of work",
         f"step      {1e6 * setting.time_step:.3g} us, set by {_BOUNDS[setting.step_limit]}",
@@ -251,7 +254,7 @@ def _growth(record: dict[str, Any]) -> str:
     )
 
 
-def _theory(record: dict[str, Any]) -> str:
+def _theory(record: dict[str, Any], speed: Unit) -> str:
     modes = record["predicted_unstable_modes"]
     which = f"modes {', '.join(map(str, modes))} grow" if len(modes) > 1 else f"mode {modes[0]} grows" if modes else ""
     linear = f"{record['predicted_status']}{which and ': '}{which}"
@@ -260,5 +263,5 @@ def _theory(record: dict[str, Any]) -> str:
     linear = f"without friction {linear}"
     if record["critical_kick_m_per_s"] is None:
         return linear
-    kick = f"{1e3 * record['critical_kick_m_per_s']:.3g} mm/s in mode {record['critical_kick_mode']} alone"
+    kick = f"{speed.show(record['critical_kick_m_per_s'], 3)} in mode {record['critical_kick_mode']} alone"
     return f"{linear}; against friction the smallest kick that buckles it is {kick}"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import floquetrod as fr
-from floquetrod import units
 from floquetrod.cli.common import (
     KINDS,
     Answer,
@@ -16,10 +16,14 @@ from floquetrod.cli.common import (
     add_command,
     add_friction,
     add_rod,
+    add_units,
+    check_out,
     read_friction,
     read_quantity,
     read_range,
     read_rod,
+    read_tolerance,
+    read_units,
 )
 
 _HELP = """\
@@ -33,8 +37,10 @@ examples:
   floquetrod map --rod nitinol --amplitude 0.7Fcr --mean 0:1.1Fcr --frequency 20:200 --mu 0.1 --kick 50mm/s --out k.png
 
 A .png, .pdf or .svg file is a figure, a .npz file all the numbers (floquetrod.Chart.load reads it); give --out twice
-for both.
+for both.  Axes and caption are in the units of the ranges, or of --unit; a .npz file is in N and rad/s.
 """
+
+_MOST_POINTS = 25_000_000  # half a gigabyte with growth rates (a choice)
 
 
 def add(commands: Any) -> None:
@@ -42,6 +48,7 @@ def add(commands: Any) -> None:
     chart = add_command(commands, "map", "draw stability over two quantities of the load", _HELP, _map)
     add_rod(chart)
     add_friction(chart)
+    add_units(chart)
     for name in KINDS:
         chart.add_argument(f"--{name}", required=True, help="a range such as 0:1.1Fcr or 5Hz:60Hz, or one value")
     chart.add_argument("--points", default="400x300", help="columns x rows (default 400x300)")
@@ -63,48 +70,39 @@ def _map(options: argparse.Namespace) -> Answer:
     rod = read_rod(options)
     paths = options.out or [Path("map.png")]
     for path in paths:
-        if path.suffix not in (*charts.FIGURES, ".npz"):
-            raise ValueError(f"--out must end in .png, .pdf, .svg or .npz, got {str(path)!r}")
-        if not path.parent.is_dir():
-            raise ValueError(f"--out: there is no folder {str(path.parent)!r}")
-    columns, _, rows = options.points.partition("x")
-    if not (columns.isdigit() and rows.isdigit() and int(columns) > 1 and int(rows) > 1):
-        raise ValueError(f"--points must be like 400x300, got {options.points!r}")
+        check_out(path, (*charts.FIGURES, ".npz"))
+    columns, rows = _points(options.points)
     values = {name: read_range(getattr(options, name), name, rod) for name in KINDS}
+    tolerance, friction = read_tolerance(options), read_friction(options)
+    shown = read_units(options, rod)
     varied = [name for name, ends in values.items() if len(ends) == 2]
     if len(varied) != 2:
         raise ValueError(f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {len(varied)}")
     across = "frequency" if "frequency" in varied else "mean"
     load: dict[str, Any] = {
-        name: (*ends, int(columns if name == across else rows)) if name in varied else ends[0]
+        name: (*ends, columns if name == across else rows) if name in varied else ends[0]
         for name, ends in values.items()
     }
-    tolerance = units.quantity(options.growth_tolerance, "--growth-tolerance", "rate")
     criterion = None if options.paper_criterion is None else fr.PaperCriterion(by=options.paper_criterion)
+    point = None if options.mark is None else _point(options.mark, varied, across, rod)
     chart = fr.stability_map(
         rod,
         **load,
         growth=options.growth,
         growth_tolerance=tolerance,
         criterion=criterion,
-        friction=read_friction(options),
+        friction=friction,
         progress=Progress("points"),
     )
-    point = None
-    if options.mark is not None:
-        texts = options.mark.split(",")
-        if len(texts) != 2:
-            raise ValueError(f"--mark must be two quantities such as 0.2Fcr,150, got {options.mark!r}")
-        place = {name: read_quantity(text, name, rod) for name, text in zip(varied, texts, strict=True)}
-        up = next(name for name in varied if name != across)
-        point = (place[across], place[up])
+    drawn = chart.in_units(**{name: shown[name].name for name in ("kick", *KINDS)[friction is None :]})
     for path in paths:
         if path.suffix == ".npz":
             chart.save(path)
             continue
-        axes = chart.plot()
+        axes = drawn.plot()
         if point is not None:
-            charts.mark(axes, *point, "the load")
+            x, y = (shown[name].of(value) for name, value in point.items())
+            charts.mark(axes, x, y, "the load")
         charts.save_figure(axes, path)
     written = [str(path) for path in paths]
     share = float(chart.stable.mean())
@@ -116,4 +114,28 @@ def _map(options: argparse.Namespace) -> Answer:
             "version": fr.__version__,
         }
         return Answer(json.dumps(record, indent=2, allow_nan=False))
-    return Answer(f"{chart.caption}\nwritten: {', '.join(written)}")
+    return Answer(f"{drawn.caption}\nwritten: {', '.join(written)}")
+
+
+def _points(text: str) -> tuple[int, int]:
+    """Return columns and rows."""
+    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text, re.ASCII)
+    columns, rows = (int(match[1]), int(match[2])) if match else (0, 0)
+    if min(columns, rows) < 2 or columns * rows > _MOST_POINTS:
+        raise ValueError(
+            f"--points must be columns x rows such as 400x300, two or more and {_MOST_POINTS:,} in all at most, "
+            f"got {text!r}"
+        )
+    return columns, rows
+
+
+def _point(text: str, varied: list[str], across: str, rod: fr.Rod) -> dict[str, float]:
+    """Return the point to mark in SI units, by quantity, the one drawn to the right first."""
+    parts = text.split(",")
+    if len(parts) != 2:
+        raise ValueError(f"--mark must be two quantities such as 0.2Fcr,150, got {text!r}")
+    try:
+        place = {name: read_quantity(part, name, rod) for name, part in zip(varied, parts, strict=True)}
+    except ValueError as error:
+        raise ValueError(f"--mark {text!r}: {error}") from None
+    return dict(sorted(place.items(), key=lambda item: item[0] != across))

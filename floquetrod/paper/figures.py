@@ -48,9 +48,9 @@ def figure_2(chart: int) -> Any:
         ax.set_title(words, fontsize="medium")
     drawing.caption(
         figure,
-        f"(a) Unstable points (grey) of a {chart} x {chart} chart by the 100-period leapfrog test, and the exact "
+        f"(a) Unstable points (orange) of a {chart} x {chart} chart by the 100-period leapfrog test, and the exact "
         "transition curves of orders 0 to 6. (b)-(d) The first ten modes of the reference rod under three loads of "
-        "amplitude 0.2 F_cr on the exact chart (grey: unstable): filled where unstable, which is mode 8 in (b), in a "
+        "amplitude 0.2 F_cr on the exact chart (orange: unstable): filled where unstable, which is mode 8 in (b), in a "
         "tongue the test is blind to, and mode 7 in (c).",
         112,
     )
@@ -128,8 +128,8 @@ def figure_8(points: int, chart: int) -> Any:
         ax.set_title(name, fontsize="medium")
     drawing.caption(
         figure,
-        "Unstable points (grey) by the 100-period leapfrog test, and the boundaries (black), where the discriminant is "
-        "2 or -2, by (a) Hill's determinants of 40 and 41 rows and (b) a square wave in place of the sine; tips too "
+        "Unstable points (orange) by the 100-period leapfrog test, and the boundaries (black), where the discriminant "
+        "is 2 or -2, by (a) Hill's determinants of 40 and 41 rows and (b) a square wave in place of the sine; tips too "
         f"thin for a grid of {points} x {points} are cut off.",
         112,
     )

@@ -34,7 +34,7 @@ def figure_5(points: int) -> Any:
     drawing.caption(
         figure,
         f"Points of a {points} x {points} chart from which a kick escapes for good against friction gamma = {GAMMA:g} "
-        "(grey), under the transition curves without friction. Friction holds what grows too little to throw it off.",
+        "(orange), under the transition curves without friction. Friction holds what grows too little to throw it off.",
         112,
     )
     return figure
@@ -56,9 +56,9 @@ def figure_6(points: int) -> Any:
         ax.set_title(rf"$\omega = {frequency:g}$ rad/s, $\mu = {FRICTION.mu:g}$", fontsize="medium")
     drawing.caption(
         figure,
-        f"The reference rod at an amplitude of {AMPLITUDE:g} F_cr. (a)-(d) Loads under which a kick buckles it (grey), "
-        f"decided for all time; modes that grow by less than {SLOWEST:g} 1/s are left out. (e), (f) The kick that each "
-        "mode needs, numbered where it needs least; the dashed line is 50 mm/s.",
+        f"The reference rod at an amplitude of {AMPLITUDE:g} F_cr. (a)-(d) Loads under which a kick buckles it "
+        f"(orange), decided for all time; modes that grow by less than {SLOWEST:g} 1/s are left out. (e), (f) The kick "
+        "that each mode needs, numbered where it needs least; the dashed line is 50 mm/s.",
         112,
     )
     return figure

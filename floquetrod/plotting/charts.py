@@ -9,25 +9,22 @@ from typing import Any
 import numpy as np
 
 from floquetrod._files import whole_file
+from floquetrod.plotting import palette
 
 FIGURES = (".png", ".pdf", ".svg")
 """Kinds of file a figure is written to."""
 
 
 def draw_chart(chart: Any, ax: Any = None) -> Any:
-    """Draw a `floquetrod.chart.Chart`: white where stable, grey where not, darker with growth where it is known."""
-    from matplotlib.colors import ListedColormap
-
+    """Draw a `floquetrod.chart.Chart`: white where stable, orange where not, darker with growth where it is known."""
     ax = new_axes() if ax is None else ax
     x, y = chart.x.values, chart.y.values
     if chart.growth_rate is None:
-        shades = np.where(chart.stable, 0.0, 1.0)
-        ax.pcolormesh(x, y, shades, cmap=ListedColormap(["white", "0.6"]), vmin=0.0, vmax=1.0, rasterized=True)
+        ax.pcolormesh(x, y, ~chart.stable, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True)
     else:
         growth = np.where(chart.stable, np.nan, chart.growth_rate)
-        greys = ListedColormap([str(0.85 - 0.85 * i / 255.0) for i in range(256)])  # never so light as to look stable
-        mesh = ax.pcolormesh(x, y, growth, cmap=greys, vmin=0.0, rasterized=True)
-        unit = "per unit of $\\tau$" if chart.growth_unit == "per tau" else f"/ {chart.growth_unit}"
+        mesh = ax.pcolormesh(x, y, growth, cmap=palette.shades(), vmin=0.0, rasterized=True)
+        unit = "per unit of $\\tau$" if chart.growth_unit == "per tau" else f"/ ({chart.growth_unit})"
         ax.figure.colorbar(mesh, ax=ax, label=f"growth rate {unit}")
     if chart.stable.any() and not chart.stable.all():
         ax.contour(x, y, chart.stable, levels=[0.5], colors="black", linewidths=0.6)
@@ -48,7 +45,7 @@ def draw_curves(curves: Any, ax: Any = None) -> Any:
             line = "--" if order % 2 == 0 else "-"
             ax.plot(curves.alpha, values, color="black", linestyle=line, linewidth=0.9)
             at = min(place, curves.alpha.size - 1)
-            box = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none"}
+            box = palette.BOX | {"boxstyle": "round,pad=0.1", "edgecolor": "none"}
             text = f"${name}_{{{order}}}$"
             ax.text(
                 curves.alpha[at], values[at], text, fontsize="small", ha="center", va="center", bbox=box, clip_on=True
@@ -61,9 +58,8 @@ def draw_curves(curves: Any, ax: Any = None) -> Any:
 
 def mark(ax: Any, x: float, y: float, text: str) -> None:
     """Mark one point of a chart and say what it is."""
-    ax.plot([x], [y], marker="o", markersize=8, markerfacecolor="white", markeredgecolor="black", linestyle="none")
-    box = {"boxstyle": "round", "facecolor": "white", "edgecolor": "black", "linewidth": 0.6}
-    ax.annotate(text, (x, y), xytext=(10, 10), textcoords="offset points", fontsize="small", bbox=box)
+    ax.plot([x], [y], **palette.POINT, markersize=8, linestyle="none")
+    ax.annotate(text, (x, y), xytext=(10, 10), textcoords="offset points", fontsize="small", bbox=palette.BOX)
 
 
 def save_figure(drawn: Any, path: str | Path) -> Path:

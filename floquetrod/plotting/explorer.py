@@ -8,11 +8,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod.plotting import palette
+from floquetrod.units import Unit, label
+
 QUANTITIES = ("mean", "amplitude", "frequency")
-_LABELS = {
-    "mean": r"mean force $F_\mathrm{ave}$ / N",
-    "amplitude": r"amplitude $\Delta F$ / N",
-    "frequency": r"frequency $\omega$ / (rad/s)",
+_NAMES = {
+    "mean": ("mean force", r"F_\mathrm{ave}"),
+    "amplitude": ("amplitude", r"\Delta F"),
+    "frequency": ("frequency", r"\omega"),
 }
 
 
@@ -42,33 +45,40 @@ class Window:
     """
 
     def __init__(
-        self, limits: dict[str, tuple[float, float]], view: View, moved: Callable[[dict[str, float]], View]
+        self,
+        limits: dict[str, tuple[float, float]],
+        units: dict[str, Unit],
+        view: View,
+        moved: Callable[[dict[str, float]], View],
     ) -> None:
-        """Open the window on ``view``; ``moved`` is asked for the view of a new load, by quantity in SI units."""
+        """Open the window on ``view``; ``moved`` is asked for the view of a new load, by quantity in SI units.
+
+        ``limits`` and views are in SI units; what is shown, sliders included, is in ``units``.
+        """
         from matplotlib import pyplot
-        from matplotlib.colors import ListedColormap
         from matplotlib.widgets import Slider
 
         self.figure: Any = pyplot.figure(figsize=(10.5, 6.6))
-        self._moved = moved
-        shades = ListedColormap(["white", "0.6"])
+        self._moved, self._units = moved, units
+        labels = {name: label(*_NAMES[name], units[name].name) for name in QUANTITIES}
+        ends = {name: tuple(units[name].of(end) for end in limits[name]) for name in QUANTITIES}
         areas = self.figure.subplots(1, 3)
         self.figure.subplots_adjust(left=0.08, right=0.98, bottom=0.33, top=0.88, wspace=0.32)
         self._map, self._chart, self._bars = areas
-        style: dict[str, Any] = {"origin": "lower", "aspect": "auto", "cmap": shades, "vmin": 0, "vmax": 1}
-        extent = (*limits["frequency"], *limits["mean"])
+        style: dict[str, Any] = {"origin": "lower", "aspect": "auto", "cmap": palette.verdicts(), "vmin": 0, "vmax": 1}
+        extent = (*ends["frequency"], *ends["mean"])
         self._map_image = self._map.imshow(view.unstable, extent=extent, interpolation="nearest", **style)
-        (self._here,) = self._map.plot([], [], "o", color="black", markerfacecolor="white", markersize=8)
-        self._map.set_xlabel(_LABELS["frequency"])
-        self._map.set_ylabel(_LABELS["mean"])
-        self._map.set_title("unstable loads (grey)", fontsize="medium")
+        (self._here,) = self._map.plot([], [], **palette.POINT, markersize=8)
+        self._map.set_xlabel(labels["frequency"])
+        self._map.set_ylabel(labels["mean"])
+        self._map.set_title("unstable loads (orange)", fontsize="medium")
         self._chart_image = self._chart.imshow(view.chart, interpolation="nearest", **style)
-        (self._all,) = self._chart.plot([], [], "o-", color="black", markerfacecolor="white", linewidth=0.6)
+        (self._all,) = self._chart.plot([], [], **palette.POINT, linewidth=0.6)
         (self._growing,) = self._chart.plot([], [], "o", color="black")
         self._chart.set_xlabel(r"$\alpha$")
         self._chart.set_ylabel(r"$\beta$")
         self._chart.set_title("modes on the stability chart", fontsize="medium")
-        self._stems = self._bars.bar(np.arange(1, view.growth.size + 1), view.growth, color="0.3")
+        self._stems = self._bars.bar(np.arange(1, view.growth.size + 1), view.growth, color=palette.UNSTABLE)
         self._bars.set_xlabel("mode $m$")
         self._bars.set_ylabel("growth rate / (1/s)")
         self._bars.set_title("growth of each mode", fontsize="medium")
@@ -78,7 +88,8 @@ class Window:
         self.sliders = {}
         for row, name in enumerate(QUANTITIES):
             place = self.figure.add_axes((0.26, 0.16 - 0.055 * row, 0.58, 0.03))
-            slider = Slider(place, _LABELS[name], *limits[name], valinit=view.load[name], color="0.6", initcolor="none")
+            start, colour = units[name].of(view.load[name]), palette.NEUTRAL
+            slider = Slider(place, labels[name], *ends[name], valinit=start, color=colour, initcolor="none")
             slider.drawon = False
             slider.on_changed(self._ask)
             self.sliders[name] = slider
@@ -96,7 +107,8 @@ class Window:
     def show(self, view: View) -> None:
         """Exchange what is shown."""
         self._map_image.set_data(view.unstable)
-        self._here.set_data([view.load["frequency"]], [view.load["mean"]])
+        here = [[self._units[name].of(view.load[name])] for name in ("frequency", "mean")]
+        self._here.set_data(*here)
         self._chart_image.set_data(view.chart)
         self._all.set_data(view.alpha, view.beta)
         growing = view.growth > 0.0
@@ -132,7 +144,7 @@ class Window:
             artist.axes.draw_artist(artist)
 
     def _ask(self, _: float) -> None:
-        self.show(self._moved({name: float(slider.val) for name, slider in self.sliders.items()}))
+        self.show(self._moved({name: float(self._units[name].si(slider.val)) for name, slider in self.sliders.items()}))
 
 
 def _step_above(value: float) -> float:

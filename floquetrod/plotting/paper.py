@@ -8,8 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-UNSTABLE, THIN = "0.5", "0.8"
-"""Greys of what the 100-period test sees, and of what only the exact verdict does."""
+from floquetrod.plotting import palette
 
 
 class Band(NamedTuple):
@@ -36,8 +35,8 @@ def draw_plane(
     unstable: NDArray[np.bool_],
     curves: Any = None,
 ) -> None:
-    """Draw unstable points of the (alpha, beta) plane in grey under the transition curves, if given."""
-    _shade(ax, alpha, beta, unstable, UNSTABLE)
+    """Draw unstable points of the (alpha, beta) plane under the transition curves, if given."""
+    _shade(ax, alpha, beta, unstable)
     if curves is not None:
         for values in (*curves.even, *curves.odd):
             ax.plot(curves.alpha, values, color="black", linewidth=0.7)
@@ -61,8 +60,9 @@ def draw_modes(ax: Any, alpha: NDArray[np.float64], beta: NDArray[np.float64], u
     """Mark modes 1, 2, ... at (alpha, beta): filled where unstable, numbered where there is room."""
     ax.plot(alpha, beta, color="black", linewidth=0.5)
     for i, (x, y) in enumerate(zip(alpha, beta, strict=True)):
-        ax.plot(x, y, "o", markersize=5, color="black", markerfacecolor="black" if unstable[i] else "white", zorder=3)
-    box = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none"}
+        style = palette.POINT | ({"markerfacecolor": "black"} if unstable[i] else {})
+        ax.plot(x, y, **style, markersize=5, zorder=3)
+    box = palette.BOX | {"boxstyle": "round,pad=0.1", "edgecolor": "none"}
     last = None
     for i, place in enumerate(zip(alpha, beta, strict=True)):
         here = ax.transData.transform(place)
@@ -90,8 +90,8 @@ def draw_map(
 ) -> None:
     """Draw a map over frequency (rad/s) and mean force (F_cr): dark where the test fails, light where it is blind."""
     for tongue in tongues:
-        ax.fill_between(tongue.omega, tongue.low, tongue.high, facecolor=THIN, edgecolor=THIN, linewidth=0.8)
-    _shade(ax, omega, force, failing, UNSTABLE)
+        ax.fill_between(tongue.omega, tongue.low, tongue.high, color=palette.UNSEEN, linewidth=0.8)
+    _shade(ax, omega, force, failing)
     ax.set_xlim(omega[0], omega[-1])
     ax.set_ylim(force[0], force[-1])
     ax.set_xlabel(r"$\omega$ / (rad/s)")
@@ -101,9 +101,9 @@ def draw_map(
 def draw_bands(ax: Any, bands: list[Band], upto: float) -> None:
     """Draw the unstable intervals of the mean force, a row for each mode."""
     for band in bands:
-        grey = UNSTABLE if band.seen else THIN
-        ax.broken_barh([(band.low, band.high - band.low)], (band.mode - 0.4, 0.8), facecolor=grey, edgecolor="none")
-        ax.plot([band.low, band.low], [band.mode - 0.4, band.mode + 0.4], color=grey, linewidth=1.0)  # however thin
+        colour = palette.UNSTABLE if band.seen else palette.UNSEEN
+        ax.broken_barh([(band.low, band.high - band.low)], (band.mode - 0.4, 0.8), facecolor=colour, edgecolor="none")
+        ax.plot([band.low, band.low], [band.mode - 0.4, band.mode + 0.4], color=colour, linewidth=1.0)  # however thin
     ax.set_xlim(0.0, upto)
     ax.set_ylim(0.4, max((band.mode for band in bands), default=1) + 0.6)
     ax.set_xlabel(r"$F_\mathrm{ave} / F_\mathrm{cr}$")
@@ -137,9 +137,10 @@ def draw_kick_map(ax: Any, omega: NDArray[np.float64], force: NDArray[np.float64
     """Draw the critical kick (mm/s) over frequency and mean force: dark where small, hatched where there is none."""
     from matplotlib.colors import LogNorm
 
-    ax.patch.set(hatch="////", edgecolor="0.7")
+    ax.patch.set(**palette.NO_KICK)
     shown = np.ma.masked_where(~np.isfinite(kick), kick)
-    mesh = ax.pcolormesh(omega, force, shown, cmap="gray", norm=LogNorm(15.0, 300.0), rasterized=True)
+    shades = palette.shades(darkest_first=True)
+    mesh = ax.pcolormesh(omega, force, shown, cmap=shades, norm=LogNorm(15.0, 300.0), rasterized=True)
     ticks = [20.0, 50.0, 100.0, 200.0]
     bar = ax.figure.colorbar(mesh, ax=ax, label="critical kick $v_c$ / (mm/s)", extend="both", ticks=ticks, format="%g")
     bar.minorticks_off()
@@ -166,8 +167,6 @@ def caption(figure: Any, text: str, width: int) -> None:
     figure.supxlabel("\n".join(textwrap.wrap(text, width)), fontsize="small", x=0.01, ha="left")
 
 
-def _shade(ax: Any, x: NDArray[np.float64], y: NDArray[np.float64], where: NDArray[np.bool_], grey: str) -> None:
-    from matplotlib.colors import ListedColormap
-
+def _shade(ax: Any, x: NDArray[np.float64], y: NDArray[np.float64], where: NDArray[np.bool_]) -> None:
     shown = np.ma.masked_where(~where, np.ones(where.shape))
-    ax.pcolormesh(x, y, shown, cmap=ListedColormap([grey]), rasterized=True)
+    ax.pcolormesh(x, y, shown, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True)

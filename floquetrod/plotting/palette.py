@@ -1,0 +1,47 @@
+"""The colours of every picture: each has one meaning, differs in lightness from the others, and is named only here.
+
+What is stable is white and what is unstable orange, the darker the faster; between orange, white, grey and black nobody
+has to tell red from green, and in print their lightness tells them apart.  Greys and black are lines, text and what is
+neither stable nor unstable.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+STABLE = "#ffffff"
+UNSTABLE = "#e08a2e"
+UNSEEN = "#f9d9a8"
+"""Unstable, and growing too slowly for the paper's test over 100 periods to see."""
+
+NEUTRAL = "#b3b3b3"
+"""An area that says nothing about stability."""
+
+FASTEST = "#4a1500"
+"""The end of the shades of growth; the slowest growth has the colour of `UNSEEN`."""
+
+NO_KICK: dict[str, Any] = {"facecolor": STABLE, "hatch": "////", "edgecolor": NEUTRAL, "linewidth": 0.0}
+"""Style of an area where no kick sets off a rod that is held by friction."""
+
+BOX: dict[str, Any] = {"boxstyle": "round", "facecolor": STABLE, "edgecolor": "black", "linewidth": 0.6}
+"""Style of the box about a remark."""
+
+POINT: dict[str, Any] = {"marker": "o", "color": "black", "markerfacecolor": STABLE}
+"""Style of a load, or of a mode that does not grow; one that grows is filled with black."""
+
+
+def verdicts() -> Any:
+    """Return the map of colours for arrays that are 0 where stable and 1 where not."""
+    return _colours([STABLE, UNSTABLE], 2)
+
+
+def shades(*, darkest_first: bool = False) -> Any:
+    """Return the map of colours for how fast growth is, or how little it takes: the worse the darker."""
+    ends = [UNSEEN, UNSTABLE, FASTEST]
+    return _colours(ends[::-1] if darkest_first else ends, 256)
+
+
+def _colours(ends: list[str], number: int) -> Any:
+    from matplotlib.colors import LinearSegmentedColormap
+
+    return LinearSegmentedColormap.from_list("floquetrod", ends, N=number)
