@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import IO
 
 import matplotlib as mpl
 import numpy as np
@@ -124,11 +125,11 @@ def test_a_save_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pyte
     path = small_map().save(tmp_path / "map.npz")
     before = path.read_bytes()
 
-    def fail(file: object, **_: object) -> None:
-        file.write(b"half")  # type: ignore[attr-defined]
+    def fail(file: IO[bytes], *_: object, **__: object) -> None:
+        file.write(b"half")
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(np, "savez_compressed", fail)
+    monkeypatch.setattr(np.lib.format, "write_array", fail)
     with pytest.raises(KeyboardInterrupt):
         small_map(growth=False).save(path)
     assert path.read_bytes() == before

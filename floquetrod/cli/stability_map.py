@@ -9,6 +9,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod._files import writable
 from floquetrod.cli.common import (
     KINDS,
     Answer,
@@ -65,8 +66,7 @@ def _map(options: argparse.Namespace) -> Answer:
     for path in paths:
         if path.suffix not in (*charts.FIGURES, ".npz"):
             raise ValueError(f"--out must end in .png, .pdf, .svg or .npz, got {str(path)!r}")
-        if not path.parent.is_dir():
-            raise ValueError(f"--out: there is no folder {str(path.parent)!r}")
+        writable(path)
     columns, _, rows = options.points.partition("x")
     if not (columns.isdigit() and rows.isdigit() and int(columns) > 1 and int(rows) > 1):
         raise ValueError(f"--points must be like 400x300, got {options.points!r}")
