@@ -137,7 +137,9 @@ def _setting(
         step, limit = _step(cut, time_step, float(np.abs(velocities).max()))
         per_frame = _steps_per_frame(cut.segments, duration, frames, step, asked=time_step is not None)
     except ArithmeticError as error:  # of a rod whose data lie further apart than a double reaches
-        raise ValueError(f"rod or load too extreme to be simulated ({error}); check the units of {rod}") from None
+        raise ValueError(
+            f"rod or load too extreme to be simulated ({error.args[-1]}); check the units of {rod}"
+        ) from None
     return Setting(
         rod=rod,
         load=load,

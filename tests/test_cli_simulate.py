@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import re
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +13,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod import cli, segmented
+from floquetrod import cli, course, segmented
 from floquetrod.cli import common
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
@@ -172,6 +174,9 @@ def test_divergence_keeps_the_frames_before(
         (["--out", "run.doc"], r"--out must end in \.png"),
         (["--out", "no/run.png"], "there is no folder 'no' to write run.png to"),
         (["--checkpoint", "no/run.ckpt"], "there is no folder 'no' to write run.ckpt to"),
+        (["--out", "run.npz", "--checkpoint", "./run.npz"], "run.npz is named twice; give every file its own name"),
+        (["--frames", "1000000000"], "frames must be at most"),
+        (["--duration", "1e300s"], "duration of 1e.300 s makes"),
     ],
 )
 def test_refuses_in_a_line(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -207,3 +212,90 @@ def test_progress_tells_rate_and_time_left(capsys: pytest.CaptureFixture[str], m
         "9,000 of 9,000 steps, 2,000 a second, 0 s left",
         "",
     ]
+
+
+def test_a_long_run_says_so_at_its_beginning(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from floquetrod.cli import simulate
+
+    clock = [0.0]
+    monkeypatch.setattr(simulate.time, "monotonic", lambda: clock[0])
+    for total, told in (
+        (50, ""),
+        (100_000_000_000, "100,000,000,000 steps will take roughly 28 hours; Ctrl-C ends them"),
+    ):
+        clock[0], seen = 0.0, []
+        progress = simulate._Forewarning(lambda done, total: seen.append(done))  # type: ignore[arg-type]
+        progress.progress.close = lambda: None  # type: ignore[method-assign, union-attr]
+        for second in range(4):
+            clock[0] = 0.5 * second
+            progress(500_000 * second if told else second, total)
+        assert len(seen) == 4
+        err = capsys.readouterr().err
+        assert told in err
+        assert err.count("\n") == bool(told)
+    assert [simulate._roughly(seconds) for seconds in (61, 121, 7300, 3e5)] == [
+        "61 seconds",
+        "2 minutes",
+        "2 hours",
+        "3 days",
+    ]
+
+
+class FullDisk:
+    """A disk that is full wherever this is asked to be written."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+        replace = Path.replace
+
+        def refuse(part: Path, target: Path) -> Path:
+            if Path(target).is_relative_to(folder):
+                raise OSError(errno.ENOSPC, "No space left on device")
+            return replace(part, target)
+
+        monkeypatch.setattr(Path, "replace", refuse)
+
+
+def test_a_full_disk_at_the_end_loses_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    full, spare = tmp_path / "full", tmp_path / "spare"
+    full.mkdir()
+    spare.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(spare))
+    FullDisk(monkeypatch, full)
+    paths = [full / "run.npz", full / "run.png", tmp_path / "run.png"]
+    out = [word for path in paths for word in ("--out", str(path))]
+    assert cli.main([*SHORT, *out]) == 2
+    text = capsys.readouterr().out
+    assert text.startswith("NOT BUCKLED")
+    assert re.search(
+        r"written   \S+/run\.png\nnot       \S+full/run\.npz could not be written: No space left on dev", text
+    )
+    (kept,) = spare.rglob("run.npz")
+    assert f"everything is kept in {kept}" in text
+    whole = tmp_path / "whole.npz"
+    assert cli.main([*SHORT, "--out", str(whole)]) == 0
+    assert fr.Simulation.load(kept) == fr.Simulation.load(whole)
+    assert list(full.iterdir()) == []
+    FullDisk(monkeypatch, tmp_path)
+    record = answer(capsys, "--out", str(paths[0]), status=2)
+    assert record["written"] == []
+    assert [text.split(": ")[0] for text in record["not_written"]] == [
+        f"{paths[0]} could not be written",
+        "nor could a copy",
+    ]
+
+
+def test_a_checkpoint_that_cannot_be_written_is_told_at_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(course, "_BETWEEN_CHECKPOINTS", 0.0)
+    told: list[str] = []
+    monkeypatch.setattr(common.Progress, "__call__", lambda *_: told.append(capsys.readouterr().err))
+    FullDisk(monkeypatch, tmp_path)
+    record = answer(capsys, "--checkpoint", str(tmp_path / "run.ckpt"))
+    assert record["complete"]
+    assert re.fullmatch(r"floquetrod: warning: checkpoint \S+ cannot be written \(No space .*\n", told[0])
+    assert not any(told[1:])  # once is enough
