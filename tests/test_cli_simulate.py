@@ -14,7 +14,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli, course, segmented
-from floquetrod.cli import common
+from floquetrod.cli import common, simulate
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
 SHORT = ["simulate", "--rod", "nitinol", *LOAD, "--segments", "60", "--duration", "0.2s"]
@@ -176,6 +176,7 @@ def test_divergence_keeps_the_frames_before(
         (["--checkpoint", "no/run.ckpt"], "there is no folder 'no' to write run.ckpt to"),
         (["--out", "run.npz", "--checkpoint", "./run.npz"], "run.npz is named twice; give every file its own name"),
         (["--frames", "1000000000"], "frames must be at most"),
+        (["--duration", "1e308s"], "duration of 1e.308 s makes"),
         (["--duration", "1e300s"], "duration of 1e.300 s makes"),
     ],
 )
@@ -214,33 +215,33 @@ def test_progress_tells_rate_and_time_left(capsys: pytest.CaptureFixture[str], m
     ]
 
 
+@pytest.mark.parametrize(
+    ("steps", "total", "told"),
+    [
+        (1, 50, ""),
+        (500_000, 100_000_000_000, "100,000,000,000 steps will take roughly 28 hours; Ctrl-C ends"),
+    ],
+)
 def test_a_long_run_says_so_at_its_beginning(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    steps: int, total: int, told: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from floquetrod.cli import simulate
+    half_seconds = iter(range(4))
+    monkeypatch.setattr(simulate.time, "monotonic", lambda: 0.5 * next(half_seconds))
+    seen: list[int] = []
+    monkeypatch.setattr(common.Progress, "__call__", lambda _, done, total: seen.append(done))
+    monkeypatch.setattr(common.Progress, "__init__", lambda self, what: setattr(self, "open", False))
+    progress = simulate._Forewarning(common.Progress("steps"))
+    for turn in range(4):
+        progress(steps * turn, total)
+    assert len(seen) == 4
+    err = capsys.readouterr().err
+    assert told in err
+    assert err.count("\n") == bool(told)
 
-    clock = [0.0]
-    monkeypatch.setattr(simulate.time, "monotonic", lambda: clock[0])
-    for total, told in (
-        (50, ""),
-        (100_000_000_000, "100,000,000,000 steps will take roughly 28 hours; Ctrl-C ends them"),
-    ):
-        clock[0], seen = 0.0, []
-        progress = simulate._Forewarning(lambda done, total: seen.append(done))  # type: ignore[arg-type]
-        progress.progress.close = lambda: None  # type: ignore[method-assign, union-attr]
-        for second in range(4):
-            clock[0] = 0.5 * second
-            progress(500_000 * second if told else second, total)
-        assert len(seen) == 4
-        err = capsys.readouterr().err
-        assert told in err
-        assert err.count("\n") == bool(told)
-    assert [simulate._roughly(seconds) for seconds in (61, 121, 7300, 3e5)] == [
-        "61 seconds",
-        "2 minutes",
-        "2 hours",
-        "3 days",
-    ]
+
+def test_times_are_told_roughly() -> None:
+    told = {61.0: "61 seconds", 121.0: "2 minutes", 7300.0: "2 hours", 3e5: "3 days"}
+    assert {seconds: simulate._roughly(seconds) for seconds in told} == told
 
 
 class FullDisk:
@@ -280,6 +281,7 @@ def test_a_full_disk_at_the_end_loses_nothing(
     assert fr.Simulation.load(kept) == fr.Simulation.load(whole)
     assert list(full.iterdir()) == []
     FullDisk(monkeypatch, tmp_path)
+    capsys.readouterr()
     record = answer(capsys, "--out", str(paths[0]), status=2)
     assert record["written"] == []
     assert [text.split(": ")[0] for text in record["not_written"]] == [
@@ -295,7 +297,7 @@ def test_a_checkpoint_that_cannot_be_written_is_told_at_once(
     told: list[str] = []
     monkeypatch.setattr(common.Progress, "__call__", lambda *_: told.append(capsys.readouterr().err))
     FullDisk(monkeypatch, tmp_path)
-    record = answer(capsys, "--checkpoint", str(tmp_path / "run.ckpt"))
+    record = answer(capsys, "--frames", "21", "--checkpoint", str(tmp_path / "run.ckpt"))
     assert record["complete"]
     assert re.fullmatch(r"floquetrod: warning: checkpoint \S+ cannot be written \(No space .*\n", told[0])
     assert not any(told[1:])  # once is enough

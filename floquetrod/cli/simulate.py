@@ -55,6 +55,7 @@ segments, 3 % low with 100 and 10 % with 60.
 
 _FRAMES = 400  # at least: a picture every 5 ms of two seconds (a choice)
 _FRAMES_A_PERIOD = 10  # of the forcing, without friction: two more than the fit of a growth rate asks for
+_MOST_FRAMES = 100_000  # unless more are asked for (a choice)
 _LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a choice)
 
 
@@ -174,7 +175,8 @@ def _warnings_at_once(progress: Progress) -> Iterator[None]:
 def _frames(load: fr.AxialLoad, duration: float, mu: float) -> int:
     if mu > 0.0 or load.amplitude == 0.0:
         return _FRAMES
-    return max(_FRAMES, math.ceil(_FRAMES_A_PERIOD * duration * load.frequency / (2.0 * math.pi)) + 1)
+    wanted = min(_FRAMES_A_PERIOD * duration * load.frequency / (2.0 * math.pi), _MOST_FRAMES)
+    return max(_FRAMES, math.ceil(wanted) + 1)
 
 
 def _perturbation(options: argparse.Namespace) -> fr.Perturbation:
