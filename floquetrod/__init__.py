@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from floquetrod.comparison import Comparison as Comparison
     from floquetrod.comparison import compare as compare
     from floquetrod.coulomb import Coulomb as Coulomb
+    from floquetrod.course import CheckpointWarning as CheckpointWarning
     from floquetrod.course import SimulationDiverged as SimulationDiverged
     from floquetrod.criterion import PaperCriterion as PaperCriterion
     from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
 _WHERE = {
     "AxialLoad": "load",
     "Chart": "chart",
+    "CheckpointWarning": "course",
     "Comparison": "comparison",
     "Coulomb": "coulomb",
     "FrictionalMathieu": "equations",

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod import _validate
 from floquetrod._compile import over_chunks
+from floquetrod._content import ByContent
 from floquetrod.kernels import characteristic as kernels
 
 _CHUNK = 64  # values a thread takes at a time: each costs microseconds
@@ -71,8 +72,8 @@ def tongue_widths(order: Any, q: Any, *, workers: int | None = None) -> Any:
     return out.reshape(shape) if shape else float(out[0])
 
 
-@dataclass(frozen=True, repr=False)
-class TransitionCurves:
+@dataclass(frozen=True, eq=False, repr=False)
+class TransitionCurves(ByContent):
     """Curves beta(alpha) between stability and instability of A'' = (beta + alpha sin tau) A.
 
     Attributes

@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _files, _validate, units
+from floquetrod._content import ByContent
 
-_FORMAT = "floquetrod chart 1"
+_FORMAT = "floquetrod chart 2"
 _AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
+_MOST_POINTS = 1 << 28  # of a chart, which are five gigabytes with growth rates and modes (a choice)
 
 _CRITICAL = "critical force"
 """Name of the rod's critical force among what is fixed."""
@@ -22,8 +24,8 @@ Progress = Callable[[int, int], None]
 """Called with the number of points done and their total."""
 
 
-@dataclass(frozen=True)
-class Axis:
+@dataclass(frozen=True, eq=False)
+class Axis(ByContent):
     """One axis of a chart: what varies, its symbol in mathematics, its unit ("" for none) and its values."""
 
     name: str
@@ -38,8 +40,8 @@ class Axis:
         return units.label(name, self.symbol, self.unit)
 
 
-@dataclass(frozen=True, repr=False)
-class Chart:
+@dataclass(frozen=True, eq=False, repr=False)
+class Chart(ByContent):
     """Verdicts over a plane.
 
     Attributes
@@ -152,27 +154,11 @@ class Chart:
 
     @classmethod
     def load(cls, path: str | Path) -> Chart:
-        """Read a chart that `save` wrote; ValueError for a damaged or foreign file."""
-        meta, arrays = _files.read_npz(path, _FORMAT, "a chart")
-        try:
-            chart = cls(
-                _axis(meta["x"], arrays["x"]),
-                _axis(meta["y"], arrays["y"]),
-                arrays["stable"],
-                arrays.get("growth_rate"),
-                arrays.get("first_mode"),
-                meta["growth_unit"],
-                meta["subject"],
-                meta["growth_tolerance"],
-                meta["criterion"],
-                meta["undecided"],
-                meta["version"],
-            )
-            if chart.stable.shape != (chart.y.values.size, chart.x.values.size):
-                raise ValueError("its arrays do not fit its axes")
-        except (ValueError, KeyError, TypeError) as error:
-            raise ValueError(f"{path} is not a chart that can be read: {error}") from None
-        return chart
+        """Read a chart that `save` wrote.
+
+        Raises ValueError for a file that is damaged, if only in one bit, or foreign.
+        """
+        return _files.read_npz(path, _FORMAT, "a chart", _chart)
 
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[xarray])."""
@@ -185,9 +171,39 @@ class Chart:
         return xarray.Dataset(data, coords, attributes)
 
 
-def _axis(names: list[str], values: NDArray[np.float64]) -> Axis:
-    name, symbol, unit = names
-    return Axis(name, symbol, unit, values)
+def _chart(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Chart:
+    """Return the chart that a file describes; ValueError or KeyError where it is not as `Chart.save` writes it."""
+    x, y = (_axis(meta, arrays, name) for name in "xy")
+    shape = y.values.size, x.values.size
+    tolerance, undecided = _files.entry(meta, "growth_tolerance", float), _files.entry(meta, "undecided", int)
+    if tolerance < 0.0 or not 0 <= undecided <= shape[0] * shape[1]:
+        raise ValueError(f"growth_tolerance is {tolerance!r} and undecided {undecided!r}")
+    subject = _files.entry(meta, "subject", dict)
+    for name, value, unit in [(subject["kind"], 0.0, ""), *subject["fixed"]]:
+        if type(name) is not str or type(value) not in (int, float) or type(unit) is not str:
+            raise ValueError(f"subject is {subject!r}")
+    return Chart(
+        x,
+        y,
+        _files.field(arrays, "stable", np.bool_, shape),
+        _files.field(arrays, "growth_rate", np.float64, shape) if "growth_rate" in arrays else None,
+        _files.field(arrays, "first_mode", np.int64, shape) if "first_mode" in arrays else None,
+        _files.entry(meta, "growth_unit", str),
+        subject,
+        tolerance,
+        _files.entry(meta, "criterion", str),
+        undecided,
+        _files.entry(meta, "version", str),
+    )
+
+
+def _axis(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], name: str) -> Axis:
+    words = _files.entry(meta, name, list)
+    values = _files.field(arrays, name, np.float64, (None,), finite=True)
+    if [type(word) for word in words] != [str] * 3 or not (np.diff(values) > 0.0).all():
+        raise ValueError(f"axis {name} is {words!r} with values {values!r}")
+    word, symbol, unit = words
+    return Axis(word, symbol, unit, values)
 
 
 def axis_values(name: str, values: Any) -> NDArray[np.float64]:
@@ -197,6 +213,7 @@ def axis_values(name: str, values: Any) -> NDArray[np.float64]:
         raise ValueError(f"{name} must be (low, high, number) or an increasing array, got {values!r}")
     if array.size == 3 and isinstance(values, tuple):
         count = _validate.integer(f"{name}[2]", values[2], 2)
+        _require_bearable(count, f"{name}[2]")
         if not array[0] < array[1]:
             raise ValueError(f"{name} must be (low, high, number) with low < high, got {values!r}")
         return np.linspace(array[0], array[1], count)
@@ -213,6 +230,7 @@ def fill_rows(
     progress: Progress | None,
 ) -> list[NDArray[Any]]:
     """Compute arrays of ``len(y)`` rows a few rows at a time, so that memory follows the result and Ctrl-C is heard."""
+    _require_bearable(y.size * columns, "the number of points")
     results = [np.empty((y.size, columns), dtype=dtype) for dtype in dtypes]
     rows = max(1, _AT_ONCE // columns)
     for start in range(0, y.size, rows):
@@ -221,3 +239,8 @@ def fill_rows(
         if progress is not None:
             progress(min(y.size, start + rows) * columns, y.size * columns)
     return results
+
+
+def _require_bearable(points: int, name: str) -> None:
+    if points > _MOST_POINTS:
+        raise ValueError(f"{name} must be at most {_MOST_POINTS:,}, got {points:,}; take fewer, or a part of the plane")

@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 from floquetrod import _validate
 
 LEAST_SEGMENTS = 6  # segments in half a wave, with which its bending stiffness is 5 % low (a choice)
+MOST_SEGMENTS = 100_000  # of a rod: 40 MB of state, and steps of which a second of motion takes ever more (a choice)
+_HIGHEST = MOST_SEGMENTS // LEAST_SEGMENTS  # mode that any simulated rod can carry
+_FASTEST = 1e5  # m/s: no solid carries sound faster (a choice)
 
 
 @dataclass(frozen=True)
@@ -42,11 +45,10 @@ class Perturbation:
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
         speeds = tuple(
-            (_validate.integer(f"mode {mode!r}", mode, 1), _validate.finite(f"speed of mode {mode}", speed, "in m/s"))
-            for mode, speed in self.speeds
+            (_mode(f"mode {mode!r}", mode), _speed(f"speed of mode {mode}", speed)) for mode, speed in self.speeds
         )
         noises = tuple(
-            (_validate.nonnegative("speed", speed, "in m/s"), _validate.integer("seed", seed, 0))
+            (_validate.nonnegative("speed", _speed("speed", speed), "in m/s"), _validate.integer("seed", seed, 0))
             for speed, seed in self.noises
         )
         object.__setattr__(self, "speeds", speeds)
@@ -86,15 +88,17 @@ class Perturbation:
         highest : int
             The last mode of C, which the paper does not tell.
         """
-        _validate.choice("name", name, "ABCD")
+        name = _validate.choice("name", name, tuple("ABCD"))
+        speed, mode, seed = _speed("speed", speed), _mode("mode", mode), _validate.integer("seed", seed, 0)
+        highest = _mode("highest", highest)
         if name == "A":
             return cls.modes({mode: speed})
         if name == "B":
             return cls.modes(dict.fromkeys((4, 6, 8, 10), speed))
         if name == "D":
             return cls.random(speed, seed)
-        highest = _validate.integer("highest", highest, _validate.integer("mode", mode, 1))
-        drawn = np.random.default_rng(_validate.integer("seed", seed, 0)).uniform(-speed, speed, highest)
+        highest = _validate.integer("highest", highest, mode)
+        drawn = np.random.default_rng(seed).uniform(-abs(speed), abs(speed), highest)
         return cls.modes({k: speed if k == mode else float(drawn[k - 1]) for k in range(1, highest + 1)})
 
     def __str__(self) -> str:
@@ -123,6 +127,8 @@ class Perturbation:
         Raises ValueError when a mode has fewer than 6 segments in half a wave.
         """
         segments = _validate.integer("segments", segments, 2)
+        if segments > MOST_SEGMENTS:
+            raise ValueError(f"segments must be at most {MOST_SEGMENTS:,}, got {segments:,}; take fewer")
         if self.highest_mode * LEAST_SEGMENTS > segments:
             raise ValueError(
                 f"perturbation names mode {self.highest_mode}, which {segments} segments cannot carry: it takes at "
@@ -135,3 +141,19 @@ class Perturbation:
         for speed, seed in self.noises:
             total[1:-1] += np.random.default_rng(seed).uniform(-speed, speed, segments - 1)
         return total
+
+
+def _mode(name: str, value: int) -> int:
+    """Return the number of a mode that a simulated rod can carry."""
+    mode = _validate.integer(name, value, 1)
+    if mode > _HIGHEST:
+        raise ValueError(f"{name} must be at most {_HIGHEST:,}, which takes {MOST_SEGMENTS:,} segments")
+    return mode
+
+
+def _speed(name: str, value: float) -> float:
+    """Return a speed that is not absurd."""
+    speed = _validate.finite(name, value, "in m/s")
+    if abs(speed) > _FASTEST:
+        raise ValueError(f"{name} must be at most {_FASTEST:g} m/s, got {speed:g}; check the units")
+    return speed

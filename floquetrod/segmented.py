@@ -11,7 +11,7 @@ import numpy as np
 from floquetrod import _validate
 from floquetrod.kernels import cosserat
 from floquetrod.load import AxialLoad
-from floquetrod.perturbation import LEAST_SEGMENTS
+from floquetrod.perturbation import LEAST_SEGMENTS, MOST_SEGMENTS
 from floquetrod.rod_data import RodData
 
 SAFETY = 0.9  # of the largest time step of the linearised rod (heuristic: large motion never came near the rest)
@@ -30,6 +30,9 @@ ENERGIES = (
     "work",
 )
 """What `SegmentedRod.energies` returns."""
+
+STEP_LIMITS = ("stretch", "shear", "contact", "choice")
+"""What sets a time step: three motions of the rod, or whoever asked for a smaller one."""
 
 
 @dataclass(frozen=True)
@@ -76,7 +79,16 @@ class SegmentedRod:
         if indentation > 0.1:
             raise ValueError(f"indentation must be at most 0.1 of the gap R, got {indentation!r}")
         damping = _validate.nonnegative("contact_damping", self.contact_damping)
-        least, most = math.ceil(LEAST_SEGMENTS * rod.critical_mode), math.floor(rod.length / rod.radius)
+        least, most = (
+            math.ceil(min(LEAST_SEGMENTS * rod.critical_mode, 1e18)),
+            math.floor(min(rod.length / rod.radius, 1e18)),
+        )
+        if least > min(most, MOST_SEGMENTS):
+            raise ValueError(
+                f"rod cannot be simulated: {LEAST_SEGMENTS} segments for every half wave of its critical mode "
+                f"{rod.critical_mode:.6g} are {least:,}, and at most {min(most, MOST_SEGMENTS):,} are possible; "
+                "check the units"
+            )
         if segments < least:
             raise ValueError(
                 f"segments must be at least {least}, got {segments}: {LEAST_SEGMENTS} for every half wave of the "
@@ -87,6 +99,8 @@ class SegmentedRod:
                 f"segments must be at most {most}, got {segments}: shorter ones than the radius {rod.radius:g} m are "
                 "no longer those of a slender rod"
             )
+        if segments > MOST_SEGMENTS:
+            raise ValueError(f"segments must be at most {MOST_SEGMENTS:,}, got {segments:,}; take fewer")
         for name, value in (
             ("segments", segments),
             ("poisson_ratio", ratio),

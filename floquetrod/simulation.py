@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass, field
@@ -13,17 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _files, _validate
+from floquetrod._content import ByContent
+from floquetrod._version import __version__
 from floquetrod.growth import LEAST_PER_PERIOD, GrowthFit, fit_growth
 from floquetrod.load import AxialLoad
 from floquetrod.perturbation import LEAST_SEGMENTS, Perturbation
 from floquetrod.rod import Rod
-from floquetrod.segmented import ENERGIES, SegmentedRod
+from floquetrod.segmented import ENERGIES, STEP_LIMITS, SegmentedRod
 
 BUCKLED_ANGLE = math.radians(5.0)
 """Angle beyond which a rod counts as buckled, that of the paper (section 4.3 of DOI 10.1115/1.4031710)."""
 
 _LINEAR_UP_TO = 0.05  # rad: up to here sin(theta) is theta to 4e-4 (a choice)
-_FORMAT = "floquetrod simulation 1"
+_FORMAT = "floquetrod simulation 2"
 
 
 @dataclass(frozen=True)
@@ -59,19 +62,30 @@ class Setting:
         return SegmentedRod(self.rod, self.segments, self.poisson_ratio, self.indentation, self.contact_damping)
 
     def as_dict(self) -> dict[str, Any]:
-        """Return it as plain data, for files."""
-        return asdict(self)
+        """Return it as plain data, for files: what JSON gives back as it was."""
+        plain: dict[str, Any] = json.loads(json.dumps(asdict(self)))
+        return plain
 
     @classmethod
     def from_dict(cls, data: dict[str, Any]) -> Setting:
-        """Return the setting that `as_dict` wrote."""
+        """Return the setting that `as_dict` wrote; ValueError, KeyError or TypeError for anything else."""
         kick = Perturbation(*(tuple((a, b) for a, b in data["perturbation"][name]) for name in ("speeds", "noises")))
         rest = {name: value for name, value in data.items() if name not in ("rod", "load", "perturbation")}
-        return cls(rod=Rod(**data["rod"]), load=AxialLoad(**data["load"]), perturbation=kick, **rest)
+        setting = cls(rod=Rod(**data["rod"]), load=AxialLoad(**data["load"]), perturbation=kick, **rest)
+        _validate.positive("duration", setting.duration)
+        _validate.nonnegative("friction", setting.friction)
+        _validate.integer("frames", setting.frames, 2)
+        _validate.integer("steps_per_frame", setting.steps_per_frame, 1)
+        _validate.choice("step_limit", setting.step_limit, STEP_LIMITS)
+        kick.velocities(setting.segmented.segments)
+        # As text: to Python 1, 1.0 and True are equal.
+        if json.dumps(setting.as_dict(), sort_keys=True) != json.dumps(data, sort_keys=True):
+            raise ValueError("its setting is not of the kinds it is written with")
+        return setting
 
 
-@dataclass(frozen=True, repr=False)
-class Simulation:
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation(ByContent):
     """The course of a simulated rod.
 
     Attributes
@@ -89,6 +103,10 @@ class Simulation:
         Whether it reached its end; False when it was interrupted.
     seconds : float
         Wall time it took.
+    version : str
+        Version of the package that made it.
+
+    Simulations are equal when all but time taken and version is, to the bit.
     """
 
     setting: Setting
@@ -98,6 +116,7 @@ class Simulation:
     energy: dict[str, NDArray[np.float64]]
     complete: bool
     seconds: float = field(compare=False)
+    version: str = field(default=__version__, compare=False)
 
     @property
     def rod(self) -> Rod:
@@ -263,6 +282,7 @@ class Simulation:
         """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""
         meta = {
             "format": _FORMAT,
+            "version": self.version,
             "setting": self.setting.as_dict(),
             "complete": self.complete,
             "seconds": self.seconds,
@@ -273,12 +293,28 @@ class Simulation:
 
     @classmethod
     def load(cls, path: str | Path) -> Simulation:
-        """Read a simulation that `save` wrote; ValueError for a damaged or foreign file."""
-        meta, arrays = _files.read_npz(path, _FORMAT, "a simulation")
-        try:
-            energy = {name: arrays[f"energy_{name}"] for name in ("dissipated", *ENERGIES)}
-            setting = Setting.from_dict(meta["setting"])
-            time, positions, velocities = (arrays[name] for name in ("time", "positions", "velocities"))
-            return cls(setting, time, positions, velocities, energy, meta["complete"], meta["seconds"])
-        except (KeyError, TypeError, ValueError) as error:
-            raise ValueError(f"{path} is not a simulation that can be read: {error}") from None
+        """Read a simulation that `save` wrote.
+
+        Raises ValueError for a file that is damaged, if only in one bit, or foreign.
+        """
+        return _files.read_npz(path, _FORMAT, "a simulation", _simulation)
+
+
+def _simulation(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Simulation:
+    """Return the simulation that a file describes; an error where it is not as `Simulation.save` writes it."""
+    setting = Setting.from_dict(_files.entry(meta, "setting", dict))
+    complete, seconds = _files.entry(meta, "complete", bool), _files.entry(meta, "seconds", float)
+    time = _files.field(arrays, "time", np.float64, (None,), finite=True)
+    count, nodes = time.size, setting.segments + 1
+    if not 1 <= count <= setting.frames or (complete and count != setting.frames) or seconds < 0.0:
+        raise ValueError(f"it has {count} of {setting.frames} frames, made in {seconds!r} s")
+    positions, velocities = (
+        _files.field(arrays, name, np.float64, (count, nodes, 3), finite=True) for name in ("positions", "velocities")
+    )
+    energy = {
+        name: _files.field(arrays, f"energy_{name}", np.float64, (count,), finite=True)
+        for name in (*ENERGIES, "dissipated")
+    }
+    return Simulation(
+        setting, time, positions, velocities, energy, complete, seconds, _files.entry(meta, "version", str)
+    )

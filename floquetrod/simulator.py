@@ -16,6 +16,9 @@ from floquetrod.segmented import SegmentedRod
 from floquetrod.simulation import Setting, Simulation
 
 _LARGEST_STRAIN = 0.02  # that a load may cause: beyond it linear elasticity has no meaning (a choice)
+_MOST_MEMORY = 1 << 32  # bytes of all frames (a choice)
+_MOST_WORK = 1e14  # steps times segments, of which a core does some 1e8 in a second: two weeks (a choice)
+_SMALLEST_PART = 1e-9  # of the safe step: a smaller one adds nothing but rounding (a choice)
 
 
 def simulate(
@@ -61,7 +64,9 @@ def simulate(
         Called with the numbers of steps done and to do.
     checkpoint : path, optional
         A file that is kept up to date; when it is there at the start, the run goes on from it, to the bit the same as
-        if it had never stopped.  ValueError when it is damaged or belongs to another run.
+        if it had never stopped.  ValueError, before anything is computed, when nothing can be written there, and for a
+        file that is damaged, belongs to another run, or cannot be continued to the bit here (docs/simulator.md says
+        when).  A save that fails later warns with `CheckpointWarning`, is tried again, and costs no frame.
     poisson_ratio, indentation, contact_damping : float
         See `floquetrod.segmented.SegmentedRod`.
 
@@ -74,6 +79,8 @@ def simulate(
     ------
     SimulationDiverged
         When the rod leaves every sensible state; its ``simulation`` holds the frames before.
+    ValueError
+        Also for a run of more than 1e14 steps times segments, some two weeks, or of frames that take more than 4 GiB.
 
     Notes
     -----
@@ -91,6 +98,10 @@ def simulate(
         rod, load, duration, friction, perturbation, segments, time_step, frames, poisson_ratio, indentation,
         contact_damping,
     )  # fmt: skip
+    if not isinstance(checkpoint, str | Path | None):
+        raise TypeError(f"checkpoint must be the path of a file, got {checkpoint!r}")
+    if not (progress is None or callable(progress)):
+        raise TypeError(f"progress must be a function of steps done and to do, got {progress!r}")
     return Course(setting, None if checkpoint is None else Path(checkpoint)).run(progress)
 
 
@@ -117,34 +128,86 @@ def _setting(
         raise TypeError(f"perturbation must be a Perturbation such as Perturbation.modes({{8: 0.05}}), got {kick!r}")
     duration = _validate.positive("duration", duration, "in s")
     frames = _validate.integer("frames", frames, 2)
+    friction = _validate.nonnegative("friction", friction, "mu is a coefficient such as 0.1")
+    try:
+        _require_small_strain(rod, load)
+        cut = SegmentedRod(rod, segments, poisson_ratio, indentation, contact_damping)
+        velocities = kick.velocities(cut.segments)
+        _require_bearable_frames(frames, cut.segments)
+        step, limit = _step(cut, time_step, float(np.abs(velocities).max()))
+        per_frame = _steps_per_frame(cut.segments, duration, frames, step, asked=time_step is not None)
+    except ArithmeticError as error:  # of a rod whose data lie further apart than a double reaches
+        raise ValueError(
+            f"rod or load too extreme to be simulated ({error.args[-1]}); check the units of {rod}"
+        ) from None
+    return Setting(
+        rod=rod,
+        load=load,
+        perturbation=kick,
+        duration=duration,
+        friction=friction,
+        segments=cut.segments,
+        frames=frames,
+        steps_per_frame=per_frame,
+        poisson_ratio=cut.poisson_ratio,
+        indentation=cut.indentation,
+        contact_damping=cut.contact_damping,
+        step_limit=limit,
+    )
+
+
+def _require_small_strain(rod: Rod, load: AxialLoad) -> None:
     strain = (abs(load.mean) + load.amplitude) / (rod.youngs_modulus * rod.area)
     if strain > _LARGEST_STRAIN:
         raise ValueError(
             f"load strains the rod by {strain:.2g}, must be at most {_LARGEST_STRAIN:g}; its critical force is "
             f"{rod.critical_force:.4g} N: check the units"
         )
-    cut = SegmentedRod(rod, segments, poisson_ratio, indentation, contact_damping)
-    safe, limit = cut.safe_step(float(np.abs(kick.velocities(cut.segments)).max()))
-    if time_step is None:
-        step = safe
-    else:
-        step, limit = _validate.positive("time_step", time_step, "in s"), "choice"
-        if step > safe:
-            raise ValueError(
-                f"time_step must be at most {safe:.4g} s, got {step:.4g} s: a longer one is unstable, by "
-                f"{cut.safe_step()[1]}; leave it out, or take fewer segments"
-            )
-    return Setting(
-        rod=rod,
-        load=load,
-        perturbation=kick,
-        duration=duration,
-        friction=_validate.nonnegative("friction", friction, "mu is a coefficient such as 0.1"),
-        segments=cut.segments,
-        frames=frames,
-        steps_per_frame=math.ceil(duration / (frames - 1) / step),
-        poisson_ratio=cut.poisson_ratio,
-        indentation=cut.indentation,
-        contact_damping=cut.contact_damping,
-        step_limit=limit,
-    )
+
+
+def _require_bearable_frames(frames: int, segments: int) -> None:
+    """Raise ValueError for more frames than memory should hold."""
+    frame = 6 * 8 * (segments + 1)
+    most = _MOST_MEMORY // frame
+    if frames > most:
+        raise ValueError(
+            f"frames must be at most {most:,} with {segments} segments, got {frames:,} of {frame:,} bytes each; take "
+            "fewer"
+        )
+
+
+def _step(cut: SegmentedRod, asked: float | None, speed: float) -> tuple[float, str]:
+    """Return the largest step to take in s, and what sets it."""
+    safe, limit = cut.safe_step(speed)
+    if not 0.0 < safe < math.inf:
+        raise ArithmeticError(f"its safe step is {safe} s")
+    if asked is None:
+        return safe, limit
+    step = _validate.positive("time_step", asked, "in s")
+    if step > safe:
+        raise ValueError(
+            f"time_step must be at most {safe:.4g} s, got {step:.4g} s: a longer one is unstable, by "
+            f"{cut.safe_step()[1]}; leave it out, or take fewer segments"
+        )
+    if step < _SMALLEST_PART * safe:
+        raise ValueError(f"time_step must be at least {_SMALLEST_PART * safe:.4g} s, got {step:.4g} s; leave it out")
+    return step, "choice"
+
+
+def _steps_per_frame(segments: int, duration: float, frames: int, step: float, *, asked: bool) -> int:
+    """Return how many steps lie between frames; ValueError for a run that nobody will see the end of."""
+    steps, most = max(duration / step, frames - 1.0), _MOST_WORK / segments
+    if steps > most:
+        name, value = ("time_step", step) if asked else ("duration", duration)
+        raise ValueError(
+            f"{name} of {value:.4g} s makes {steps:.4g} steps of {step:.4g} s, at most {most:.4g} are taken with "
+            f"{segments} segments (about two weeks on one core); simulate a shorter time, or take a longer step or "
+            "fewer segments"
+        )
+    between = duration / (frames - 1)
+    if between < _SMALLEST_PART * step:
+        raise ValueError(
+            f"duration must be at least {(frames - 1) * _SMALLEST_PART * step:.4g} s with {frames} frames, got "
+            f"{duration:.4g} s"
+        )
+    return math.ceil(between / step)

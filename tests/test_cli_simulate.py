@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import re
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +13,8 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod import cli, segmented
-from floquetrod.cli import common
+from floquetrod import cli, course, segmented
+from floquetrod.cli import common, simulate
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
 SHORT = ["simulate", "--rod", "nitinol", *LOAD, "--segments", "60", "--duration", "0.2s"]
@@ -172,6 +174,10 @@ def test_divergence_keeps_the_frames_before(
         (["--out", "run.doc"], r"--out must end in \.png"),
         (["--out", "no/run.png"], "there is no folder 'no' to write run.png to"),
         (["--checkpoint", "no/run.ckpt"], "there is no folder 'no' to write run.ckpt to"),
+        (["--out", "run.npz", "--checkpoint", "./run.npz"], "run.npz is named twice; give every file its own name"),
+        (["--frames", "1000000000"], "frames must be at most"),
+        (["--duration", "1e308s"], "duration of 1e.308 s makes"),
+        (["--duration", "1e300s"], "duration of 1e.300 s makes"),
     ],
 )
 def test_refuses_in_a_line(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
@@ -207,3 +213,91 @@ def test_progress_tells_rate_and_time_left(capsys: pytest.CaptureFixture[str], m
         "9,000 of 9,000 steps, 2,000 a second, 0 s left",
         "",
     ]
+
+
+@pytest.mark.parametrize(
+    ("steps", "total", "told"),
+    [
+        (1, 50, ""),
+        (500_000, 100_000_000_000, "100,000,000,000 steps will take roughly 28 hours; Ctrl-C ends"),
+    ],
+)
+def test_a_long_run_says_so_at_its_beginning(
+    steps: int, total: int, told: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    half_seconds = iter(range(4))
+    monkeypatch.setattr(simulate.time, "monotonic", lambda: 0.5 * next(half_seconds))
+    seen: list[int] = []
+    monkeypatch.setattr(common.Progress, "__call__", lambda _, done, total: seen.append(done))
+    monkeypatch.setattr(common.Progress, "__init__", lambda self, what: setattr(self, "open", False))
+    progress = simulate._Forewarning(common.Progress("steps"))
+    for turn in range(4):
+        progress(steps * turn, total)
+    assert len(seen) == 4
+    err = capsys.readouterr().err
+    assert told in err
+    assert err.count("\n") == bool(told)
+
+
+def test_times_are_told_roughly() -> None:
+    told = {61.0: "61 seconds", 121.0: "2 minutes", 7300.0: "2 hours", 3e5: "3 days"}
+    assert {seconds: simulate._roughly(seconds) for seconds in told} == told
+
+
+class FullDisk:
+    """A disk that is full wherever this is asked to be written."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
+        replace = Path.replace
+
+        def refuse(part: Path, target: Path) -> Path:
+            if Path(target).is_relative_to(folder):
+                raise OSError(errno.ENOSPC, "No space left on device")
+            return replace(part, target)
+
+        monkeypatch.setattr(Path, "replace", refuse)
+
+
+def test_a_full_disk_at_the_end_loses_nothing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    full, spare = tmp_path / "full", tmp_path / "spare"
+    full.mkdir()
+    spare.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(spare))
+    FullDisk(monkeypatch, full)
+    paths = [full / "run.npz", full / "run.png", tmp_path / "run.png"]
+    out = [word for path in paths for word in ("--out", str(path))]
+    assert cli.main([*SHORT, *out]) == 2
+    text = capsys.readouterr().out
+    assert text.startswith("NOT BUCKLED")
+    assert re.search(
+        r"written   \S+/run\.png\nnot       \S+full/run\.npz could not be written: No space left on dev", text
+    )
+    (kept,) = spare.rglob("run.npz")
+    assert f"everything is kept in {kept}" in text
+    whole = tmp_path / "whole.npz"
+    assert cli.main([*SHORT, "--out", str(whole)]) == 0
+    assert fr.Simulation.load(kept) == fr.Simulation.load(whole)
+    assert list(full.iterdir()) == []
+    FullDisk(monkeypatch, tmp_path)
+    capsys.readouterr()
+    record = answer(capsys, "--out", str(paths[0]), status=2)
+    assert record["written"] == []
+    assert [text.split(": ")[0] for text in record["not_written"]] == [
+        f"{paths[0]} could not be written",
+        "nor could a copy",
+    ]
+
+
+def test_a_checkpoint_that_cannot_be_written_is_told_at_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(course, "_BETWEEN_CHECKPOINTS", 0.0)
+    told: list[str] = []
+    monkeypatch.setattr(common.Progress, "__call__", lambda *_: told.append(capsys.readouterr().err))
+    FullDisk(monkeypatch, tmp_path)
+    record = answer(capsys, "--frames", "21", "--checkpoint", str(tmp_path / "run.ckpt"))
+    assert record["complete"]
+    assert re.fullmatch(r"floquetrod: warning: checkpoint \S+ cannot be written \(No space .*\n", told[0])
+    assert not any(told[1:])  # once is enough

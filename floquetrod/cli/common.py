@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-import os
 import sys
 import time
 from collections.abc import Sequence
@@ -13,6 +12,7 @@ from typing import Any, NamedTuple, NoReturn
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod._files import writable
 from floquetrod.rod_data import RodData
 from floquetrod.units import Unit
 
@@ -181,8 +181,10 @@ def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
         raise ValueError(
             f"{name} {str(path)!r}: there is no folder {str(path.parent)!r}; make it first, or write elsewhere"
         )
-    if not os.access(path.parent, os.W_OK):
-        raise ValueError(f"{name} {str(path)!r}: the folder {str(path.parent)!r} cannot be written to; write elsewhere")
+    try:
+        writable(path)
+    except ValueError as error:
+        raise ValueError(f"{name}: {error}") from None
 
 
 def number(value: float) -> float | None:

@@ -5,12 +5,20 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import os
 import re
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod._files import writable
 from floquetrod.cli.common import (
     KINDS,
     Answer,
@@ -43,7 +51,7 @@ B modes 4, 6, 8, 10, C one mode and all others up to 20 at random, D every node 
 A .png, .pdf or .svg file shows the rod from above and the growth of its modes, a .gif or .mp4 moves (the latter needs
 ffmpeg), a .npz holds everything (floquetrod.Simulation.load reads it).  Ctrl-C ends the run early: what was simulated
 so far is written and told, and a checkpoint lets the same command go on later.  The exit status is then 130; it is 2
-for input that cannot be used, a run that diverges included.
+for input that cannot be used, a run that diverges included, and where a file could not be written.
 
 Segments cost: half as many take a quarter of the time.  Growth rates of the reference rod are right to 1 % with 250
 segments, 3 % low with 100 and 10 % with 60.
@@ -51,6 +59,8 @@ segments, 3 % low with 100 and 10 % with 60.
 
 _FRAMES = 400  # at least: a picture every 5 ms of two seconds (a choice)
 _FRAMES_A_PERIOD = 10  # of the forcing, without friction: two more than the fit of a growth rate asks for
+_MOST_FRAMES = 100_000  # unless more are asked for (a choice)
+_LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a choice)
 
 
 def add(commands: Any) -> None:
@@ -80,44 +90,98 @@ def _simulate(options: argparse.Namespace) -> Answer:
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
     perturbation, shown = _perturbation(options), read_units(options, rod)
-    for path in [*options.out, *filter(None, [options.checkpoint])]:
-        if not path.parent.is_dir():
-            raise ValueError(f"there is no folder {str(path.parent)!r} to write {path.name} to")
     _check_kinds(options.out)
+    _check_places([*options.out, *filter(None, [options.checkpoint])])
     progress = Progress("steps")
     # Anything else that is wrong is told by simulate, before it begins.
     try:
-        run = fr.simulate(
-            rod,
-            load,
-            duration,
-            options.mu,
-            perturbation,
-            options.segments,
-            step,
-            _frames(load, duration, options.mu) if options.frames is None else options.frames,
-            progress,
-            options.checkpoint,
-        )
+        with _warnings_at_once(progress):
+            run = fr.simulate(
+                rod,
+                load,
+                duration,
+                options.mu,
+                perturbation,
+                options.segments,
+                step,
+                _frames(load, duration, options.mu) if options.frames is None else options.frames,
+                _Forewarning(progress),
+                options.checkpoint,
+            )
     except fr.SimulationDiverged as error:
         progress.close()
-        kept = [str(error.simulation.save(path)) for path in options.out if path.suffix == ".npz"]
-        raise ValueError(f"{error}{f', in {kept[0]}' if kept else ''}") from None
+        kept, missed = _write_all(error.simulation, [path for path in options.out if path.suffix == ".npz"])
+        where = f", in {kept[0]}" if kept else ""
+        raise ValueError("; ".join([f"{error}{where}", *missed])) from None
     progress.close()
-    written = [str(_write(run, path)) for path in options.out]
+    written, missed = _write_all(run, options.out)
     record = _record(run) | {
         "written": written,
+        "not_written": missed,
         "checkpoint": None if options.checkpoint is None else str(options.checkpoint),
         "version": fr.__version__,
     }
     text = json.dumps(record, indent=2, allow_nan=False) if options.json else _report(run, record, shown)
-    return Answer(text, 0 if run.complete else 130)
+    return Answer(text, 2 if missed else 0 if run.complete else 130)
+
+
+class _Forewarning:
+    """Progress that first says how long the run will take, when that is long, from the speed of its first second."""
+
+    def __init__(self, progress: Progress) -> None:
+        self.progress = progress
+        self.start: tuple[float, int] | None = None
+        self.due = True
+
+    def __call__(self, done: int, total: int) -> None:
+        """Report ``done`` of ``total``."""
+        now = time.monotonic()
+        since, begun = self.start = self.start or (now, done)
+        if self.due and now - since >= 1.0:
+            self.due = False
+            left = (total - done) * (now - since) / (done - begun)
+            if left > _LONG:
+                self.progress.close()
+                print(
+                    f"floquetrod: {total:,} steps will take roughly {_roughly(left)}; Ctrl-C ends them early, and what "
+                    "was simulated by then is told",
+                    file=sys.stderr,
+                    flush=True,
+                )
+        self.progress(done, total)
+
+
+def _roughly(seconds: float) -> str:
+    """Return a time in the largest unit that it has two of."""
+    for unit, length in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
+        if seconds >= 2.0 * length:
+            return f"{seconds / length:.0f} {unit}"
+    return f"{seconds:.0f} seconds"
+
+
+@contextmanager
+def _warnings_at_once(progress: Progress) -> Iterator[None]:
+    """Tell of a checkpoint that cannot be written while something can still be done about it."""
+    with warnings.catch_warnings():
+        collect = warnings.showwarning
+
+        def tell(message: Any, category: Any, *rest: Any, **more: Any) -> None:
+            if not issubclass(category, fr.CheckpointWarning):
+                collect(message, category, *rest, **more)
+                return
+            progress.close()
+            print(f"floquetrod: warning: {message}", file=sys.stderr, flush=True)
+
+        warnings.simplefilter("default", fr.CheckpointWarning)
+        warnings.showwarning = tell
+        yield
 
 
 def _frames(load: fr.AxialLoad, duration: float, mu: float) -> int:
     if mu > 0.0 or load.amplitude == 0.0:
         return _FRAMES
-    return max(_FRAMES, math.ceil(_FRAMES_A_PERIOD * duration * load.frequency / (2.0 * math.pi)) + 1)
+    wanted = min(_FRAMES_A_PERIOD * duration * load.frequency / (2.0 * math.pi), _MOST_FRAMES)
+    return max(_FRAMES, math.ceil(wanted) + 1)
 
 
 def _perturbation(options: argparse.Namespace) -> fr.Perturbation:
@@ -143,6 +207,14 @@ def _perturbation(options: argparse.Namespace) -> fr.Perturbation:
     return sum(parts, fr.Perturbation())
 
 
+def _check_places(paths: list[Path]) -> None:
+    """Raise ValueError where a file could not be written or would be written over by another of this run."""
+    for place, path in enumerate(paths):
+        writable(path)
+        if os.path.realpath(path) in map(os.path.realpath, paths[:place]):
+            raise ValueError(f"{path} is named twice; give every file its own name")
+
+
 def _check_kinds(paths: list[Path]) -> None:
     from floquetrod.plotting import charts, rod
 
@@ -150,6 +222,23 @@ def _check_kinds(paths: list[Path]) -> None:
         if path.suffix not in (*charts.FIGURES, *rod.ANIMATIONS, ".npz"):
             raise ValueError(f"--out must end in .png, .pdf, .svg, .gif, .mp4 or .npz, got {str(path)!r}")
         rod.require_writer(path)
+
+
+def _write_all(run: fr.Simulation, paths: list[Path]) -> tuple[list[str], list[str]]:
+    """Write files; return those written, and why others were not, with where the run was kept instead."""
+    written, missed = [], []
+    for path in paths:
+        try:
+            written.append(str(_write(run, path)))
+        except OSError as error:
+            missed.append(f"{path} could not be written: {error.strerror or error}")
+    if missed:
+        try:
+            spare = run.save(Path(tempfile.mkdtemp(prefix="floquetrod-")) / "run.npz")
+            missed.append(f"everything is kept in {spare}")
+        except OSError as error:
+            missed.append(f"nor could a copy: {error.strerror or error}")
+    return written, missed
 
 
 def _write(run: fr.Simulation, path: Path) -> Path:
@@ -227,7 +316,9 @@ def _report(run: fr.Simulation, record: dict[str, Any], shown: dict[str, Unit]) 
         f"cost      {record['wall_time_s']:.3g} s of wall time for {record['simulated_s']:.4g} s of {setting.segments} "
         "segments",
     ]
-    lines.append(f"written   {', '.join(record['written']) or 'nothing: name files with --out'}")
+    nothing = "nothing" if record["not_written"] else "nothing: name files with --out"
+    lines.append(f"written   {', '.join(record['written']) or nothing}")
+    lines += [f"not       {what}" for what in record["not_written"]]
     if not run.complete:
         resume = "; the same command goes on from the checkpoint" if record["checkpoint"] else ""
         lines.append(f"kept      {record['frames']} of {setting.frames} frames{resume}")

@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 
 from floquetrod import _validate
 from floquetrod._compile import fastest
+from floquetrod._content import ByContent
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.preparation import cells
 from floquetrod.kernels import friction as kernels
 
 
-@dataclass(frozen=True, repr=False)
-class Trajectory:
+@dataclass(frozen=True, eq=False, repr=False)
+class Trajectory(ByContent):
     """A motion from A(0) = 0, A'(0) = epsilon.
 
     Attributes

@@ -16,6 +16,8 @@ from floquetrod.paper.claims import Claim
 SOURCE = "The Instability Mechanism of a Confined Rod Under Axial Vibrations, J. Appl. Mech. 83 (2016) 011005"
 DOI = "10.1115/1.4031710"
 
+FILES = ("claims.md", "claims.json", "report.html")
+
 _STYLE = """
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; color: #111; }
 table { border-collapse: collapse; width: 100%; font-size: 0.9rem; }
@@ -31,15 +33,11 @@ def write_report(folder: Path, claims: Sequence[Claim], pictures: dict[str, Path
 
     ``pictures`` are PNG files by the title they carry.
     """
-    texts = {
-        "claims.md": markdown(claims, pictures),
-        "claims.json": as_json(claims),
-        "report.html": page(claims, pictures),
-    }
-    for name, text in texts.items():
+    texts = markdown(claims, pictures), as_json(claims), page(claims, pictures)
+    for name, text in zip(FILES, texts, strict=True):
         with whole_file(folder / name) as file:
             file.write(text.encode())
-    return [folder / name for name in texts]
+    return [folder / name for name in FILES]
 
 
 def verdict(claim: Claim) -> str:

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from floquetrod._files import whole_file
+from floquetrod._files import whole_file, writable
 from floquetrod.paper import figures, friction_figures, simulation_claims, simulation_figures
 from floquetrod.paper.claims import Claim, frictionless_claims
 from floquetrod.paper.friction_claims import friction_claims
-from floquetrod.paper.report import write_report
+from floquetrod.paper.report import FILES, write_report
 
 _DPI = 200
 
@@ -100,6 +100,9 @@ def reproduce(
         drawings = sorted([*drawings, *_simulated(study)])  # by title
         tests |= simulation_claims.simulation_claims(study)
         total = len(drawings) + len(tests) + sum(map(len, simulation_claims.trials(detail.few_runs)))
+    for name in [*FILES, *(name for _, name, _ in drawings)]:
+        writable(folder / name)
+    if simulations:
         study()
     pictures: dict[str, Path] = {}
     for title, name, draw in drawings:

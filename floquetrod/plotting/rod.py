@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod._files import whole_file
 from floquetrod.plotting.charts import new_axes
 
 ANIMATIONS = (".gif", ".mp4")
@@ -155,12 +157,13 @@ def save_animation(animation: Any, path: Path, progress: Callable[[int, int], No
     from matplotlib import pyplot
 
     require_writer(path)
-    # A writer opens its file by name, and tells the kind from it: so a folder beside, not a temporary name.
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
-        part = Path(folder) / path.name
+    # A writer opens its file by name, and tells the kind from it: so a folder elsewhere, not a temporary name.
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = Path(folder) / f"drawn{path.suffix}"
         writer = "pillow" if path.suffix == ".gif" else "ffmpeg"
-        animation.save(part, writer=writer, dpi=100, progress_callback=progress)
-        part.replace(path)
+        animation.save(drawn, writer=writer, dpi=100, progress_callback=progress)
+        with whole_file(path) as file, drawn.open("rb") as source:
+            shutil.copyfileobj(source, file)
     pyplot.close(animation._fig)
     return path
 
