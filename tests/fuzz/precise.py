@@ -1,0 +1,64 @@
+"""Growth of u'' = p u with 40 digits, by Taylor series in mpmath: the judge of verdicts beside a boundary."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import mpmath
+
+_STEP = 0.4  # of a Taylor series, times the rate at which the solution or the coefficient changes
+_SAFETY = 12  # digits beyond those asked for
+
+
+def excess(mean: float, waves: Sequence[complex], period: float, damping: float = 0.0, digits: int = 40) -> Any:
+    """Return (abs(D) - 2) / 4 of u'' = (mean + c^2 + sum_k Re(z_k exp(i k W s))) u, W = 2 pi / period.
+
+    Numbers are taken exactly, except that a period within rounding of 2 pi is 2 pi.
+    """
+    size = abs(mean) + damping**2 + sum(map(abs, waves))
+    turn = 2.0 * math.pi / period
+    rate = max(math.sqrt(size), turn * max(1, len(waves)))
+    with mpmath.workdps(digits + _SAFETY + int(0.9 * period * math.sqrt(size))):
+        length = 2 * mpmath.pi if abs(period / (2.0 * math.pi) - 1.0) < 1e-15 else mpmath.mpf(period)
+        steps = math.ceil(rate * period / _STEP)
+        constant = mpmath.mpf(mean) + mpmath.mpf(damping) ** 2
+        solutions = [[mpmath.mpf(1), mpmath.mpf(0)], [mpmath.mpf(0), mpmath.mpf(1)]]
+        for step in range(steps):
+            h = length / steps
+            series = _coefficient(constant, waves, 2 * mpmath.pi / length, h * step, h)
+            solutions = [_advance(*one, series, h) for one in solutions]
+        trace = solutions[0][0] + solutions[1][1]
+        return (abs(trace) - 2) / 4
+
+
+def growth(mean: float, waves: Sequence[complex], period: float, damping: float = 0.0, digits: int = 40) -> Any:
+    """Return the net growth per unit time, negative where the solution decays; see `excess`."""
+    x = excess(mean, waves, period, damping, digits)
+    with mpmath.workdps(digits):
+        undamped = 2 * mpmath.asinh(mpmath.sqrt(x)) / period if x > 0 else mpmath.mpf(0)
+        return undamped - mpmath.mpf(damping)
+
+
+def _coefficient(mean: Any, waves: Sequence[complex], turn: Any, start: Any, h: Any) -> list[Any]:
+    """Return the Taylor series of the coefficient about ``start``, in powers of (s - start) / h, times h^2."""
+    order = int(mpmath.mp.dps * 1.2) + 20
+    series = [mpmath.mpf(0)] * order
+    series[0] = mean
+    for k, z in enumerate(waves, start=1):
+        if z == 0:
+            continue
+        term = mpmath.mpc(z.real, z.imag) * mpmath.expj(k * turn * start)
+        for power in range(order):
+            series[power] += term.real
+            term = term * mpmath.mpc(0, k * turn * h) / (power + 1)
+    return [h * h * value for value in series]
+
+
+def _advance(value: Any, slope: Any, series: list[Any], h: Any) -> list[Any]:
+    terms = [value, slope * h]
+    for n in range(len(series)):
+        total = mpmath.fdot(series[: n + 1], terms[n::-1])
+        terms.append(total / ((n + 1) * (n + 2)))
+    return [mpmath.fsum(terms), mpmath.fsum(n * term for n, term in enumerate(terms)) / h]
