@@ -9,6 +9,7 @@ import secrets
 import signal
 import subprocess
 import sys
+import threading
 import time
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 
@@ -81,7 +82,7 @@ class Campaign:
                             done, running = wait(running, return_when=FIRST_COMPLETED)
                             for task in done:
                                 task.result()
-                        running.add(pool.submit(self._one, attack, seed))
+                        running.add(pool.submit(self.one, attack, seed))
                     seed += 1
                 for task in running:
                     task.result()
@@ -96,7 +97,7 @@ class Campaign:
             return done < seeds
         return time.monotonic() - started < 60.0 * minutes
 
-    def _one(self, attack: str, seed: int) -> None:
+    def one(self, attack: str, seed: int) -> None:
         """Run one attack from one seed in a process of its own: a hang or a crash is a failure like others."""
         if self.stopped:
             return
@@ -106,19 +107,19 @@ class Campaign:
         before = tally.cases, tally.answers, len(tally.failures)
         process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, start_new_session=True)
         self.processes.add(process)
-        deadline = time.monotonic() + _LONGEST
-        assert process.stdout is not None
+        alarm = threading.Timer(_LONGEST, process.kill)
+        alarm.start()
         cases = 0
-        for line in process.stdout:
+        for line in process.stdout or ():
             answers, seconds, failures = json.loads(line)
             tally.add(Tally(attack, 1, answers, seconds, failures))
             cases += 1
             for failure in failures:
                 print(failure, flush=True)
-            if time.monotonic() > deadline:
-                process.kill()
-        if process.wait() not in (0, 1) and not self.stopped:
-            line = f"python -m fuzz --only {attack} --seed {seed} --case {cases}  # ended with status {process.returncode}"
+        status = process.wait()
+        alarm.cancel()
+        if status not in (0, 1) and not self.stopped:
+            line = f"python -m fuzz --only {attack} --seed {seed} --case {cases}  # ended with status {status}"
             tally.add(Tally(attack, 1, 0, 0.0, [line]))
             print(line, flush=True)
         self.processes.discard(process)

@@ -29,7 +29,7 @@ def start(work: Callable[[], Any]) -> tuple[int, int]:
     os.close(reader)
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
         try:
             answer = True, work()
         except BaseException as error:

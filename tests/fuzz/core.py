@@ -90,18 +90,21 @@ def run(attack: str, seed: int, cases: range) -> Iterator[Tally]:
 
 @contextmanager
 def limit(seconds: float = LONGEST) -> Iterator[None]:
-    """Raise `TookTooLong` in the main thread once the time is up; compiled code is heard when it returns."""
+    """Raise `TookTooLong` in the main thread after so many seconds of processor time, which is that of one core.
+
+    Compiled code is interrupted when it returns; what never returns is ended by the process that runs the attacks.
+    """
 
     def expired(*_: object) -> None:
-        raise TookTooLong(f"no answer within {seconds:g} s")
+        raise TookTooLong(f"no answer within {seconds:g} s of processor time")
 
-    before = signal.signal(signal.SIGALRM, expired)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGPROF, expired)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+        signal.signal(signal.SIGPROF, before)
 
 
 @contextmanager
@@ -128,7 +131,8 @@ def own_warnings() -> list[type[Warning]]:
 
 
 def told(error: BaseException) -> str:
-    """Return an exception on one line, with the place it comes from."""
+    """Return an exception on one line, with the public function that was asked and the line that raised."""
     frames = traceback.extract_tb(error.__traceback__)
-    where = f" at {Path(frames[-1].filename).name}:{frames[-1].lineno}" if frames else ""
+    inside = [frame for frame in frames if "floquetrod" in Path(frame.filename).parts] or frames
+    where = f" in {inside[0].name}, {Path(inside[-1].filename).name}:{inside[-1].lineno}" if inside else ""
     return f"{type(error).__name__}: {' '.join(str(error).split())[:200]}{where}"

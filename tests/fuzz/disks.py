@@ -33,7 +33,7 @@ def check(rng: np.random.Generator) -> Found:
         return Found(1, _terminal())
     with tempfile.TemporaryDirectory(prefix="fuzz") as name:
         fails, how = _failing(rng)
-        wrong = _run(Path(name), fails) if what < 0.6 else _chart(Path(name), fails)
+        wrong = run(Path(name), fails) if what < 0.6 else _chart(Path(name), fails)
     return Found(1, [f"{how}: {line}" for line in wrong])
 
 
@@ -59,7 +59,7 @@ def break_os(place: str, share: float, rng: np.random.Generator) -> None:
     setattr(os, place, fails)
 
 
-def _run(place: Path, fails: Callable[[], None]) -> list[str]:
+def run(place: Path, fails: Callable[[], None]) -> list[str]:
     """Run with a checkpoint on a disk that fails from the start, or once there is a first checkpoint."""
     checkpoint = place / "run.ckpt"
     expected = runs.reference()

@@ -48,8 +48,9 @@ def growth(alpha: ArrayLike, mean: ArrayLike, accuracy: float = 1e-10) -> Growth
             count *= 2
             fine = half_period(a[at], b[at], count)
             value, spread = _excess(coarse, fine, scale[at], count)
-            excess[at], error[at] = value, spread
-            worse = spread > accuracy * (1.0 + np.abs(value))
+            worse = (spread > accuracy * (1.0 + np.abs(value))) & (spread < 0.5 * error[at])  # else rounding is reached
+            better = spread < error[at]
+            excess[at[better]], error[at[better]] = value[better], spread[better]
             if count >= _MOST_STEPS:
                 break
             at, coarse = at[worse], fine[:, worse]

@@ -1,4 +1,4 @@
-"""Growth of u'' = p u with 40 digits, by Taylor series in mpmath: the judge of verdicts beside a boundary."""
+"""Growth of u'' = p u with 30 digits, by Taylor series in mpmath: the judge of verdicts beside a boundary."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _STEP = 0.4  # of a Taylor series, times the rate at which the solution or the c
 _SAFETY = 12  # digits beyond those asked for
 
 
-def excess(mean: float, waves: Sequence[complex], period: float, damping: float = 0.0, digits: int = 40) -> Any:
+def excess(mean: float, waves: Sequence[complex], period: float, damping: float = 0.0, digits: int = 30) -> Any:
     """Return (abs(D) - 2) / 4 of u'' = (mean + c^2 + sum_k Re(z_k exp(i k W s))) u, W = 2 pi / period.
 
     Numbers are taken exactly, except that a period within rounding of 2 pi is 2 pi.
@@ -20,7 +20,7 @@ def excess(mean: float, waves: Sequence[complex], period: float, damping: float 
     size = abs(mean) + damping**2 + sum(map(abs, waves))
     turn = 2.0 * math.pi / period
     rate = max(math.sqrt(size), turn * max(1, len(waves)))
-    with mpmath.workdps(digits + _SAFETY + int(0.9 * period * math.sqrt(size))):
+    with mpmath.workdps(digits + _SAFETY + int(0.5 * period * math.sqrt(size))):
         length = 2 * mpmath.pi if abs(period / (2.0 * math.pi) - 1.0) < 1e-15 else mpmath.mpf(period)
         steps = math.ceil(rate * period / _STEP)
         constant = mpmath.mpf(mean) + mpmath.mpf(damping) ** 2
@@ -33,7 +33,7 @@ def excess(mean: float, waves: Sequence[complex], period: float, damping: float 
         return (abs(trace) - 2) / 4
 
 
-def growth(mean: float, waves: Sequence[complex], period: float, damping: float = 0.0, digits: int = 40) -> Any:
+def growth(mean: float, waves: Sequence[complex], period: float, damping: float = 0.0, digits: int = 30) -> Any:
     """Return the net growth per unit time, negative where the solution decays; see `excess`."""
     x = excess(mean, waves, period, damping, digits)
     with mpmath.workdps(digits):
@@ -62,3 +62,20 @@ def _advance(value: Any, slope: Any, series: list[Any], h: Any) -> list[Any]:
         total = mpmath.fdot(series[: n + 1], terms[n::-1])
         terms.append(total / ((n + 1) * (n + 2)))
     return [mpmath.fsum(terms), mpmath.fsum(n * term for n, term in enumerate(terms)) / h]
+
+
+def square_excess(alpha: float, beta: float, damping: float = 0.0, digits: int = 30) -> Any:
+    """Return (abs(D) - 2) / 4 of Meissner's equation freed of its damping: two halves of constant coefficient."""
+    with mpmath.workdps(digits + _SAFETY + int(3.0 * math.sqrt(abs(alpha) + abs(beta) + damping**2))):
+        mean = mpmath.mpf(beta) + mpmath.mpf(damping) ** 2
+        first, second = (_half(mean + sign * mpmath.mpf(alpha)) for sign in (1, -1))
+        product = second * first
+        return (abs(product[0, 0] + product[1, 1]) - 2) / 4
+
+
+def _half(p: Any) -> Any:
+    """Return the map of u'' = p u over half a period."""
+    root = mpmath.sqrt(mpmath.mpc(p))
+    even = mpmath.cosh(root * mpmath.pi).real
+    odd = (mpmath.sinh(root * mpmath.pi) / root).real if p != 0 else +mpmath.pi
+    return mpmath.matrix([[even, odd], [p * odd, even]])

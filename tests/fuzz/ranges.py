@@ -118,7 +118,7 @@ def _invented(
     question: rods.Question, varied: str, ranges: Any, values: Array, scans: list[Scan]
 ) -> list[str]:
     """Return a point called unstable at which the oracle sees every mode the package looked at stay below."""
-    quiet = ~_inside(ranges, values)
+    quiet = ~inside(ranges, values)
     for scan in scans:
         if scan.values.shape == values.shape:
             quiet &= scan.high < 0.0
@@ -131,7 +131,7 @@ def _invented(
     return []
 
 
-def _inside(ranges: Any, values: Array) -> NDArray[np.bool_]:
+def inside(ranges: Any, values: Array) -> NDArray[np.bool_]:
     found = np.zeros(values.shape, dtype=np.bool_)
     for part in ranges:
         found |= (values >= part.low) & (values <= part.high)
