@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -19,11 +20,28 @@ import floquetrod as fr
 from conftest import SEED
 from floquetrod import cli
 from floquetrod.rod_ranges import SafeInterval
-from fuzz import apart, calls, concurrency, core, disks, files, junk, kicks, kills, oracle, precise, ranges, rods, runs
-from fuzz import terminal, verdicts
+from fuzz import (
+    apart,
+    calls,
+    concurrency,
+    core,
+    disks,
+    files,
+    junk,
+    kicks,
+    kills,
+    oracle,
+    precise,
+    ranges,
+    rods,
+    runs,
+    terminal,
+    verdicts,
+)
 from fuzz.__main__ import Campaign
 
 ROOT = Path(__file__).parents[1]
+TRUST = (ROOT / "docs" / "trust.md").read_text(encoding="utf-8")
 ROD = fr.Rod.nitinol()
 
 
@@ -54,7 +72,7 @@ def test_the_oracle_and_thirty_digits_agree(rng: np.random.Generator) -> None:
     alpha, mean = rng.uniform(0.0, 8.0, 6), rng.uniform(-10.0, 2.0, 6)
     bounds = oracle.growth(alpha, mean)
     for a, b, low, high in zip(alpha, mean, bounds.low, bounds.high, strict=True):
-        exact = float(precise.growth(float(b), [complex(0.0, -a)], 2.0 * math.pi, digits=20))
+        exact, _ = verdicts.exact(fr.Mathieu(float(a), float(b)))
         assert max(0.0, low) - 1e-15 <= exact <= max(0.0, high) + 1e-15
 
 
@@ -106,7 +124,10 @@ def test_junk_can_fail() -> None:
     dividing = junk.Call(lambda number: 1.0 / number, {"number": 1.0})
     assert "ZeroDivisionError" in junk.attack("dividing", dividing, {"number": "0"})[0]
     unmasked = junk.Call(lambda number: np.asarray(number), {"number": 1.0})
-    assert "loses the mask" in junk.attack("unmasked", unmasked, {"number": "np.ma.array([0.3, 0.4], mask=[False, True])"})[0]
+    assert (
+        "loses the mask"
+        in junk.attack("unmasked", unmasked, {"number": "np.ma.array([0.3, 0.4], mask=[False, True])"})[0]
+    )
     warning = junk.Call(lambda number: np.float64(1.0) / number, {"number": 1.0})
     assert "RuntimeWarning" in junk.attack("warning", warning, {"number": "0.0"})[0]
 
@@ -242,6 +263,20 @@ def test_a_fork_answers_raises_or_dies() -> None:
     assert apart.kill_after(lambda: time.sleep(60.0), 0.01)
 
 
+# The table of guarantees.
+
+
+def test_every_guarantee_names_tests_that_exist() -> None:
+    rows = [line for line in TRUST.splitlines() if line.startswith("| ")]
+    named = [re.findall(r"`(test_\w+\.py)::(\w+)(?:\[(\w+)\])?`", row) for row in rows]
+    assert len(rows) > 20
+    assert [row for row, tests in zip(rows[2:], named[2:], strict=True) if not tests] == []
+    for file, name, attack in {test for tests in named for test in tests}:
+        source = (ROOT / "tests" / file).read_text(encoding="utf-8")
+        assert re.search(rf"^def {name}\(", source, re.MULTILINE), f"{file}::{name} does not exist"
+        assert not attack or attack in core.ATTACKS
+
+
 # The tool.
 
 
@@ -287,6 +322,8 @@ def test_a_failure_names_its_case(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr(files, "check", check)
     first, second = core.run("files", 17, range(4, 6))
-    assert first.failures[0].startswith("python -m fuzz --only files --seed 17 --case 4  # raised ZeroDivisionError: drew")
+    assert first.failures[0].startswith(
+        "python -m fuzz --only files --seed 17 --case 4  # raised ZeroDivisionError: drew"
+    )
     (again,) = core.run("files", 17, range(4, 5))
     assert again.failures == first.failures != second.failures

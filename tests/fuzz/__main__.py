@@ -46,7 +46,9 @@ def _here(attack: str, options: argparse.Namespace) -> int:
     """Run cases in this process."""
     if options.seed is None:
         raise SystemExit("--seed must be given with --case and --record: it says which numbers are drawn")
-    cases = range(options.cases or load(attack).CASES) if options.case is None else range(options.case, options.case + 1)
+    cases = (
+        range(options.cases or load(attack).CASES) if options.case is None else range(options.case, options.case + 1)
+    )
     failed = False
     for tally in run(attack, options.seed, cases):
         failed |= bool(tally.failures)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import pickle
 import signal
@@ -34,8 +35,8 @@ def start(work: Callable[[], Any]) -> tuple[int, int]:
             answer = True, work()
         except BaseException as error:
             answer = False, f"{type(error).__name__}: {error} {traceback.format_exc(limit=-2)!r}"
-        with os.fdopen(writer, "wb") as pipe:
-            pickle.dump(answer, pipe)
+        with io.FileIO(writer, "w") as pipe:  # not os.fdopen, which may be what is broken on purpose
+            pipe.write(pickle.dumps(answer))
     finally:
         sys.stdout = sys.stderr = None  # what the parent has buffered is not the child's to print
         os._exit(0)

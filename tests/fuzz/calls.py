@@ -66,7 +66,9 @@ class Call(NamedTuple):
 def public() -> set[str]:
     """Return the names of all public callables, methods of the classes above included."""
     names = {name for name in fr.__all__ if callable(getattr(fr, name))}
-    names |= {f"{m.__name__.rpartition('.')[2]}.{n}" for m in (fr.mathieu, fr.friction) for n in _callables(m, m.__all__)}
+    names |= {
+        f"{m.__name__.rpartition('.')[2]}.{n}" for m in (fr.mathieu, fr.friction) for n in _callables(m, m.__all__)
+    }
     names |= {f"conventions.{name}" for name in _callables(fr.conventions, _functions(fr.conventions))}
     for kind in (*VALUES, *RESULTS):
         names |= {f"{_title(kind)}.{name}" for name in _callables(kind, dir(kind)) if not name.startswith("_")}
@@ -115,7 +117,9 @@ def table() -> dict[str, Call]:
     return calls | {
         "PaperCriterion": Call(fr.PaperCriterion, {"periods": 10, "limit": 1e3, "by": "exact", "step": 0.01}),
         "PaperCriterion.growth": Call(criterion.growth, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "workers": 1}),
-        "PaperCriterion.is_stable": Call(criterion.is_stable, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "workers": 1}),
+        "PaperCriterion.is_stable": Call(
+            criterion.is_stable, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "workers": 1}
+        ),
         "Chart.save": Call(chart.save, {"path": str(place / "again.npz")}),
         "Chart.load": Call(fr.Chart.load, {"path": str(place / "chart.npz")}),
         "RodStability.time_to_grow": Call(ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
@@ -194,9 +198,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.stable_frequencies": Call(
             ROD.stable_frequencies, {"mean": 0.34, "amplitude": 0.34, "between": (100.0, 150.0), **tolerance}
         ),
-        "Rod.critical_mean_force": Call(
-            ROD.critical_mean_force, {"amplitude": 0.34, "frequency": 150.0, **tolerance}
-        ),
+        "Rod.critical_mean_force": Call(ROD.critical_mean_force, {"amplitude": 0.34, "frequency": 150.0, **tolerance}),
         "Rod.critical_amplitude": Call(ROD.critical_amplitude, {"mean": 0.34, "frequency": 150.0, **tolerance}),
         "Rod.is_stable": Call(ROD.is_stable, {**load, **tolerance, **judged}),
         "Rod.growth_rate": Call(ROD.growth_rate, {**load, "workers": 1}),
@@ -222,15 +224,15 @@ def _of_rods(place: Path) -> dict[str, Call]:
 def _of_mathieu() -> dict[str, Call]:
     point = {"alpha": 0.5, "beta": -0.3, "damping": 0.01, "workers": 1}
     chart = {"alpha": (0.0, 1.0, 3), "beta": (-1.0, 0.0, 4), "damping": 0.1, "equation": fr.Mathieu, "growth": True}
-    functions = {name: getattr(fr.mathieu, name) for name in ("is_stable", "growth_rate", "discriminant", "multipliers")}
+    functions = {
+        name: getattr(fr.mathieu, name) for name in ("is_stable", "growth_rate", "discriminant", "multipliers")
+    }
     return {f"mathieu.{name}": Call(function, dict(point)) for name, function in functions.items()} | {
         "mathieu.characteristic_values": Call(
             fr.mathieu.characteristic_values, {"order": 3, "q": 2.0, "kind": "a", "workers": 1}
         ),
         "mathieu.transition_curves": Call(fr.mathieu.transition_curves, {"alpha": [0.1, 0.2], "orders": 2}),
-        "mathieu.chart": Call(
-            fr.mathieu.chart, {**chart, "growth_tolerance": 0.1, "criterion": None, "workers": 1}
-        ),
+        "mathieu.chart": Call(fr.mathieu.chart, {**chart, "growth_tolerance": 0.1, "criterion": None, "workers": 1}),
     }
 
 

@@ -7,6 +7,7 @@ import io
 import json
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -89,7 +90,7 @@ def _first_end(ranges: Any) -> float:
 def _beside(ranges: Any, rng: np.random.Generator) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Return points inside and outside the ends of stable intervals, and which are inside some interval."""
     parts = list(ranges)
-    gaps = [(a.high, b.low) for a, b in zip(parts, parts[1:], strict=False)]
+    gaps = [(a.high, b.low) for a, b in pairwise(parts)]
     points: list[float] = []
     for low, high in [*((part.low, part.high) for part in parts), *gaps]:
         points += [place for d in DISTANCES for place in (low + d * (high - low), high - d * (high - low))]
@@ -101,9 +102,7 @@ def _beside(ranges: Any, rng: np.random.Generator) -> tuple[NDArray[np.float64],
     return values, np.array([any(part.low < x < part.high for part in parts) for x in values], dtype=np.bool_)
 
 
-def _verdicts(
-    q: rods.Question, varied: str, values: NDArray[np.float64], inside: NDArray[np.bool_]
-) -> Iterator[str]:
+def _verdicts(q: rods.Question, varied: str, values: NDArray[np.float64], inside: NDArray[np.bool_]) -> Iterator[str]:
     """Compare membership in the ranges with every other verdict at these values."""
     load = _load(q, **{varied: values})
     with limit():
@@ -115,7 +114,9 @@ def _verdicts(
         mapped = fr.stability_map(q.rod, **load | {other: order}, growth=True, growth_tolerance=q.tolerance)
     at = int(np.flatnonzero(order == load[other])[0])
     row = (lambda a: a[at]) if (mapped.x.name.split()[0] == varied) else (lambda a: a[:, at])
-    single = [q.rod.stability(fr.AxialLoad(**_load(q, **{varied: float(x)})), growth_tolerance=q.tolerance) for x in values]
+    single = [
+        q.rod.stability(fr.AxialLoad(**_load(q, **{varied: float(x)})), growth_tolerance=q.tolerance) for x in values
+    ]
     clear = np.abs(rate - q.tolerance) > _ROUNDING * max(q.tolerance, q.rod.damping_rate)
     clear |= (q.tolerance == 0.0) & (q.rod.damping_rate == 0.0)
     answers = {"is_stable": arrays, "stability_map": row(mapped.stable), "ranges": inside}

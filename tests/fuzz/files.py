@@ -99,9 +99,7 @@ def damage(good: bytes, others: list[bytes], rng: np.random.Generator) -> tuple[
     return data, ", ".join(told_of)
 
 
-def _damaged(
-    data: bytes, what: str, at: int, size: int, others: list[bytes], rng: np.random.Generator
-) -> bytes:
+def _damaged(data: bytes, what: str, at: int, size: int, others: list[bytes], rng: np.random.Generator) -> bytes:
     before, after = data[:at], data[at:]
     if what == "cut":
         return before

@@ -162,7 +162,7 @@ def _is_infinite(value: Any) -> bool:
 
 
 def _has_nan(value: Any, depth: int = 0) -> bool:
-    """Return whether a NaN hides anywhere in a value; the second curve of order 0, which there is not, is documented."""
+    """Return whether a NaN hides anywhere in a value, but for the second curve of order 0, which there is not."""
     if isinstance(value, float | complex | np.floating):
         return bool(np.isnan(value))
     if isinstance(value, np.ndarray):

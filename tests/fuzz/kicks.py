@@ -37,7 +37,9 @@ def check(rng: np.random.Generator) -> Found:
         wrong, missed = compare(alpha, beta, c, float(value), rng)
         misses += missed
         failures += [f"{line}: {what}" for what in wrong]
-        failures += [f"fr.friction.outcome({alpha!r}, {beta!r}, 1.0, kick, {c!r}): {w}" for w in fate(alpha, beta, c, rng)]
+        failures += [
+            f"fr.friction.outcome({alpha!r}, {beta!r}, 1.0, kick, {c!r}): {w}" for w in fate(alpha, beta, c, rng)
+        ]
     if misses > _MISSES:
         failures.append(f"{misses} of {AT_ONCE} critical kicks are not the smallest of a scan: {points.tolist()}")
     return Found(2 * AT_ONCE, failures)
@@ -52,9 +54,7 @@ def growing(rng: np.random.Generator) -> tuple[float, float, float]:
             return alpha, beta, c
 
 
-def compare(
-    alpha: float, beta: float, c: float, found: float, rng: np.random.Generator
-) -> tuple[list[str], bool]:
+def compare(alpha: float, beta: float, c: float, found: float, rng: np.random.Generator) -> tuple[list[str], bool]:
     """Return what is wrong about a critical kick, and whether a smaller kick escapes at all."""
     if not math.isfinite(found):
         return ["no number, where growth is healthy"], False
@@ -105,8 +105,8 @@ def integrate(alpha: float, beta: float, c: float, kick: float, certain: float, 
         def motion(t: float, state: Any, sign: float = sign) -> list[float]:
             return [state[1], (beta + alpha * math.sin(t)) * state[0] - sign - 2.0 * c * state[1]]
 
-        def stop(t: float, state: Any, sign: float = sign) -> float:
-            return sign * state[1] if t > tau + 1e-9 else 1.0
+        def stop(t: float, state: Any, sign: float = sign, start: float = tau) -> float:
+            return sign * state[1] if t > start + 1e-9 else 1.0
 
         def far(t: float, state: Any) -> float:
             return abs(state[0]) + abs(state[1]) - 1e6 * certain

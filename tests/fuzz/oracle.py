@@ -1,14 +1,14 @@
 """Growth of u'' = (b + a cos s) u over arrays, by time stepping: independent of every line of the package.
 
-The sixth-order Magnus integrator with three Gauss points (Blanes, Casas and Ros, BIT 40 (2000) 434) is carried over half a
-period; s = 0 is an instant of even symmetry, so that with the cosine- and sine-like solutions y1, y2 at s = pi
+The sixth-order Magnus integrator with three Gauss points (Blanes, Casas and Ros, BIT 40 (2000) 434) is carried over
+half a period; s = 0 is an instant of even symmetry, so that with the cosine- and sine-like solutions y1, y2 at s = pi
 
     (D - 2) / 4 = y1' y2,    -(D + 2) / 4 = -y1 y2',    D the trace over the period,
 
-and X = max(y1' y2, -y1 y2') is positive exactly where u grows, at 2 asinh(sqrt(X)) / (2 pi) per unit of s.  Both factors
-vanish at the ends of a tongue and are known to a few units of rounding, so that growth far below the rounding of D is
-seen.  The step is halved until two runs agree; an eighth of their difference is the error stated, of which a 64th is
-expected.
+and X = max(y1' y2, -y1 y2') is positive exactly where u grows, at 2 asinh(sqrt(X)) / (2 pi) per unit of s.  Both
+factors vanish at the ends of a tongue and are known to a few units of rounding, so that growth far below the rounding
+of D is seen.  The step is halved until two runs agree; an eighth of their difference is the error stated, of which a
+64th is expected.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Growth(NamedTuple):
 
 
 def growth(alpha: ArrayLike, mean: ArrayLike, accuracy: float = 1e-10) -> Growth:
-    """Return the growth of u'' = (mean + alpha sin tau) u, with bounds good to about ``accuracy`` times the size of u."""
+    """Return the growth of u'' = (mean + alpha sin tau) u, with bounds good to about ``accuracy``."""
     a, b = (np.array(x, dtype=np.float64) for x in np.broadcast_arrays(alpha, mean))
     shape = a.shape
     a, b = np.abs(a.ravel()), b.ravel()

@@ -12,17 +12,18 @@ _STEP = 0.4  # of a Taylor series, times the rate at which the solution or the c
 _SAFETY = 12  # digits beyond those asked for
 
 
-def excess(mean: float, waves: Sequence[complex], period: float, damping: float = 0.0, digits: int = 30) -> Any:
+def excess(mean: float, waves: Sequence[complex], period: float | None, damping: float = 0.0, digits: int = 30) -> Any:
     """Return (abs(D) - 2) / 4 of u'' = (mean + c^2 + sum_k Re(z_k exp(i k W s))) u, W = 2 pi / period.
 
-    Numbers are taken exactly, except that a period within rounding of 2 pi is 2 pi.
+    Numbers are taken exactly; a period of None is the exact 2 pi.
     """
+    about = 2.0 * math.pi if period is None else period
     size = abs(mean) + damping**2 + sum(map(abs, waves))
-    turn = 2.0 * math.pi / period
+    turn = 2.0 * math.pi / about
     rate = max(math.sqrt(size), turn * max(1, len(waves)))
-    with mpmath.workdps(digits + _SAFETY + int(0.5 * period * math.sqrt(size))):
-        length = 2 * mpmath.pi if abs(period / (2.0 * math.pi) - 1.0) < 1e-15 else mpmath.mpf(period)
-        steps = math.ceil(rate * period / _STEP)
+    with mpmath.workdps(digits + _SAFETY + int(0.5 * about * math.sqrt(size))):
+        length = exact_length(period)
+        steps = math.ceil(rate * about / _STEP)
         constant = mpmath.mpf(mean) + mpmath.mpf(damping) ** 2
         solutions = [[mpmath.mpf(1), mpmath.mpf(0)], [mpmath.mpf(0), mpmath.mpf(1)]]
         for step in range(steps):
@@ -33,12 +34,9 @@ def excess(mean: float, waves: Sequence[complex], period: float, damping: float 
         return (abs(trace) - 2) / 4
 
 
-def growth(mean: float, waves: Sequence[complex], period: float, damping: float = 0.0, digits: int = 30) -> Any:
-    """Return the net growth per unit time, negative where the solution decays; see `excess`."""
-    x = excess(mean, waves, period, damping, digits)
-    with mpmath.workdps(digits):
-        undamped = 2 * mpmath.asinh(mpmath.sqrt(x)) / period if x > 0 else mpmath.mpf(0)
-        return undamped - mpmath.mpf(damping)
+def exact_length(period: float | None) -> Any:
+    """Return the period as a number of mpmath: None stands for 2 pi."""
+    return 2 * mpmath.pi if period is None else mpmath.mpf(period)
 
 
 def _coefficient(mean: Any, waves: Sequence[complex], turn: Any, start: Any, h: Any) -> list[Any]:

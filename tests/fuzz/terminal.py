@@ -29,7 +29,8 @@ LINES = (
     "ranges --rod rod.toml --mean 0.3N --frequency 24Hz --amplitude 0:1N --damping-rate 1",
     "map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --points 6x5 --out map.npz",
     "map --rod nitinol --frequency 150 --mean 0:1.1Fcr --amplitude 0:0.5Fcr --growth --points 4x4 --out map.npz --json",
-    "map --rod nitinol --amplitude 0.7Fcr --mean 0:1Fcr --frequency 50:200 --mu 0.1 --kick 50mm/s --points 3x3 --out m.npz",
+    "map --rod nitinol --amplitude 0.7Fcr --mean 0:1Fcr --frequency 50:200 --mu 0.1 --kick 50mm/s --points 3x3 "
+    "--out map.npz",
     "compare --alpha 0.5 --beta -0.25 --damping 0.1 --wave square",
     "compare --alpha 0.5 --beta -0.25 --json",
     "simulate --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150 --duration 5ms --segments 40 --frames 4",
@@ -175,7 +176,9 @@ def _judge(status: int | None, out: str, err: str, words: list[str]) -> list[str
         wrong.append(f"exit status {status}: {err[-300:]!r}")
     if "Traceback" in out + err:
         wrong.append(f"traceback: {err[-300:]!r}")
-    if status == 2 and (err.count("floquetrod: error:") != 1 or not err.rstrip("\n").split("\n")[-1].startswith("floq")):
+    if status == 2 and (
+        err.count("floquetrod: error:") != 1 or not err.rstrip("\n").split("\n")[-1].startswith("floq")
+    ):
         wrong.append(f"no error on one line: {err[-300:]!r}")
     if status == 0 and "--json" in words and "--help" not in words and out.startswith("{"):
         wrong += _strict(out)

@@ -45,7 +45,12 @@ def over_arrays(rng: np.random.Generator) -> list[str]:
     stable, rate = fr.mathieu.is_stable(alpha, beta, c), fr.mathieu.growth_rate(alpha, beta, c)
     slack = 1e-12 + 1e-12 * np.abs(truth.middle)
     low, high = truth.low - c - slack, truth.high - c + slack
-    wrong = (stable & (low > 0.0)) | (~stable & (high < 0.0)) | (rate < np.minimum(low, 1e9)) | (rate > np.maximum(high, 0.0))
+    wrong = (
+        (stable & (low > 0.0))
+        | (~stable & (high < 0.0))
+        | (rate < np.minimum(low, 1e9))
+        | (rate > np.maximum(high, 0.0))
+    )
     return [
         f"Mathieu({float(alpha[i])!r}, {float(beta[i])!r}, {float(c[i])!r}): is_stable {bool(stable[i])}, growth "
         f"{float(rate[i])!r}, the oracle has {float(low[i])!r} to {float(high[i])!r}"
@@ -73,15 +78,15 @@ def draw(rng: np.random.Generator) -> Any:
 
 def exact(equation: Any) -> tuple[Any, Any]:
     """Return net growth and (abs(D_u) - 2) / 4 of the equation freed of its damping, with thirty digits."""
-    c, period = equation.damping, equation.period
+    c = equation.damping
+    period = equation.period if isinstance(equation, fr.Hill) else None  # a double; of the others the exact 2 pi
     if isinstance(equation, fr.SquareWave):
         x = precise.square_excess(equation.alpha, equation.beta, c)
     else:
         hill = equation.as_hill()
         x = precise.excess(hill.mean, hill.harmonics, period, c)
     with mpmath.workdps(30):
-        length = 2 * mpmath.pi if period == 2.0 * math.pi else mpmath.mpf(period)
-        undamped = 2 * mpmath.asinh(mpmath.sqrt(x)) / length if x > 0 else mpmath.mpf(0)
+        undamped = 2 * mpmath.asinh(mpmath.sqrt(x)) / precise.exact_length(period) if x > 0 else mpmath.mpf(0)
         return undamped - c, x
 
 
@@ -125,7 +130,8 @@ def judged(result: fr.Stability, rate: Any, x: Any, decides: bool = False) -> li
         wrong.append(f"NaN among growth, discriminant, its logarithm and error: {numbers}")
     elif sees_all and math.isfinite(result.discriminant):
         with mpmath.workdps(30):
-            size = (2 + 4 * x) * mpmath.exp(-damping * mpmath.mpf(result.equation.period))
+            length = precise.exact_length(result.period if isinstance(result.equation, fr.Hill) else None)
+            size = (2 + 4 * x) * mpmath.exp(-damping * length)
             off = abs(abs(result.discriminant) - abs(size)) / max(1, abs(size))
         if off > result.error:
             wrong.append(f"states an error of {result.error:.3g}, has {mpmath.nstr(off, 3)}")
