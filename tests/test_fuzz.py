@@ -31,7 +31,6 @@ from fuzz import (
     kicks,
     kills,
     oracle,
-    precise,
     ranges,
     rods,
     runs,
@@ -46,7 +45,8 @@ ROD = fr.Rod.nitinol()
 
 
 @pytest.mark.parametrize("attack", core.ATTACKS)
-def test_short_attack(attack: str) -> None:
+def test_short_attack(attack: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ranges, "POINTS", 1000)  # of a scan: a quarter of what the tool looks at
     seed = int(os.environ[SEED]) % 2**31
     tallies = list(core.run(attack, seed, range(core.load(attack).QUICK)))
     failures = [line for tally in tallies for line in tally.failures]
@@ -69,7 +69,7 @@ def test_the_calls_that_junk_starts_from_are_answered() -> None:
 
 
 def test_the_oracle_and_thirty_digits_agree(rng: np.random.Generator) -> None:
-    alpha, mean = rng.uniform(0.0, 8.0, 6), rng.uniform(-10.0, 2.0, 6)
+    alpha, mean = rng.uniform(0.0, 5.0, 4), rng.uniform(-6.0, 2.0, 4)
     bounds = oracle.growth(alpha, mean)
     for a, b, low, high in zip(alpha, mean, bounds.low, bounds.high, strict=True):
         exact, _ = verdicts.exact(fr.Mathieu(float(a), float(b)))

@@ -21,7 +21,7 @@ from fuzz.calls import LOAD, ROD, simulation, table
 from fuzz.core import Found, told
 
 CASES = 60
-QUICK = 12
+QUICK = 8
 
 PROMPT = 15.0
 """Seconds within which Ctrl-C has to be answered: the pieces of work between are far shorter."""

@@ -20,7 +20,7 @@ from fuzz.calls import folder
 from fuzz.core import Found, limit
 
 CASES = 60
-QUICK = 4
+QUICK = 1
 
 DISTANCES = (1e-6, 1e-3)
 """From an end, relative to the interval it belongs to."""

@@ -17,7 +17,7 @@ from fuzz.calls import folder
 from fuzz.core import Found, TookTooLong, limit, told
 
 CASES = 300
-QUICK = 60
+QUICK = 50
 
 
 class Kind(NamedTuple):

@@ -19,7 +19,7 @@ from fuzz.calls import LOAD, ROD, Call, folder, table
 from fuzz.core import Found, TookTooLong, limit, own_warnings, told
 
 CASES = 2000
-QUICK = 150
+QUICK = 120
 
 JUNK: tuple[str, ...] = (
     "10**400",

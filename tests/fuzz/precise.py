@@ -8,7 +8,7 @@ from typing import Any
 
 import mpmath
 
-_STEP = 0.4  # of a Taylor series, times the rate at which the solution or the coefficient changes
+_STEP = 0.8  # of a Taylor series, times the rate at which the solution or the coefficient changes
 _SAFETY = 12  # digits beyond those asked for
 
 
@@ -41,7 +41,9 @@ def exact_length(period: float | None) -> Any:
 
 def _coefficient(mean: Any, waves: Sequence[complex], turn: Any, start: Any, h: Any) -> list[Any]:
     """Return the Taylor series of the coefficient about ``start``, in powers of (s - start) / h, times h^2."""
-    order = int(mpmath.mp.dps * 1.2) + 20
+    order = 8
+    while order * math.log(2.0 * _STEP) - math.lgamma(order + 1.0) > -math.log(10.0) * (mpmath.mp.dps + 2):
+        order += 1
     series = [mpmath.mpf(0)] * order
     series[0] = mean
     for k, z in enumerate(waves, start=1):
