@@ -1,6 +1,8 @@
 # From a fresh machine with python3 (3.11 or newer) and make: `make demo`, `make test`.
 PYTHON ?= python3
 WORKERS ?= 2
+# `make fuzz SEEDS=5`: how many seeds every attack is run from.
+SEEDS ?= 1
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -13,7 +15,7 @@ PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 KERNEL_TESTS := -m kernels
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint slow coverage bench agreement docs clean
+.PHONY: demo test lint slow fuzz coverage bench agreement docs clean
 
 demo: $(READY)
 	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
@@ -33,6 +35,10 @@ lint: $(READY)
 
 slow: $(DOCS_READY)
 	$(PYTEST) -m slow
+
+# The attack on the package, from fresh seeds; `python -m fuzz --help` tells of the options that FUZZ may hold.
+fuzz: $(READY)
+	PYTHONPATH=tests $(BIN)/python -m fuzz --seeds $(SEEDS) --workers $(WORKERS) $(FUZZ)
 
 # Lines of machine code cannot be counted: what reaches the kernels runs interpreted first, then everything quick.
 coverage: $(READY)

@@ -1,0 +1,258 @@
+"""Every public callable with arguments that it answers at once: what the attack by junk starts from."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import floquetrod as fr
+
+ROD = fr.Rod.nitinol()
+LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
+EQUATION = fr.Mathieu(0.5, -0.3, 0.01)
+FRICTION = fr.FrictionalMathieu(1.0, 0.3, 1.0)
+
+VALUES = (fr.AxialLoad, fr.Coulomb, fr.Perturbation, fr.PaperCriterion, fr.Rod, fr.Mathieu, fr.SquareWave, fr.Hill)
+"""Classes that people construct, and whose methods they call with arguments."""
+
+RESULTS = (fr.Chart, fr.RodStability, fr.SafeRanges, fr.Simulation, fr.mathieu.TransitionCurves)
+"""Classes that only the package constructs, and whose methods people call with arguments."""
+
+LEFT_OUT = {
+    "Comparison": "constructed by compare",
+    "Proof": "constructed by certify",
+    "RodFriction": "constructed by Rod.stability",
+    "SimulationDiverged": "an exception",
+    "Stability": "constructed by every method",
+    "UniformForceWarning": "a warning",
+    "friction.EscapeRanges": "constructed by escape_ranges",
+    "friction.Fate": "constructed by fate",
+    "friction.KickRange": "a pair of numbers, constructed by certain_kicks",
+    "friction.Trajectory": "constructed by trajectory",
+    "friction.UndecidedWarning": "a warning",
+    "PaperCriterion.modes_are_stable": "for the maps of a rod, whose arguments are checked there",
+    "PaperCriterion.require_alone": "for the maps of a rod, whose arguments are checked there",
+    "Hill.as_hill": "takes no argument",
+    "Mathieu.as_hill": "takes no argument",
+    "Rod.nitinol": "takes no argument",
+    "Chart.plot": "its axes are an object of matplotlib",
+    "Chart.to_xarray": "takes no argument",
+    "Simulation.animate": "takes no argument",
+    "Simulation.plot": "its axes are an object of matplotlib",
+    "Simulation.plot_energy": "its axes are an object of matplotlib",
+    "Simulation.plot_growth": "its axes are an object of matplotlib",
+    "Simulation.plot_run": "takes no argument",
+    "Chart": "constructed by charts and maps",
+    "RodStability": "constructed by Rod.stability",
+    "SafeRanges": "constructed by the methods of Rod",
+    "Simulation": "constructed by simulate",
+    "mathieu.TransitionCurves": "constructed by transition_curves",
+    "mathieu.TransitionCurves.plot": "its axes are an object of matplotlib",
+}
+"""Public callables that are not called with junk, each with the reason."""
+
+
+class Call(NamedTuple):
+    """A callable, and arguments by name that it answers."""
+
+    function: Callable[..., Any]
+    arguments: dict[str, Any]
+
+
+def public() -> set[str]:
+    """Return the names of all public callables, methods of the classes above included."""
+    names = {name for name in fr.__all__ if callable(getattr(fr, name))}
+    names |= {
+        f"{m.__name__.rpartition('.')[2]}.{n}" for m in (fr.mathieu, fr.friction) for n in _callables(m, m.__all__)
+    }
+    names |= {f"conventions.{name}" for name in _callables(fr.conventions, _functions(fr.conventions))}
+    for kind in (*VALUES, *RESULTS):
+        names |= {f"{_title(kind)}.{name}" for name in _callables(kind, dir(kind)) if not name.startswith("_")}
+    return names
+
+
+def _callables(owner: Any, names: Any) -> list[str]:
+    return [name for name in names if callable(getattr(owner, name))]
+
+
+def _functions(module: Any) -> list[str]:
+    return [name for name, _ in inspect.getmembers(module, inspect.isfunction) if not name.startswith("_")]
+
+
+def _title(kind: type) -> str:
+    return f"mathieu.{kind.__name__}" if kind is fr.mathieu.TransitionCurves else kind.__name__
+
+
+@functools.cache
+def folder() -> Path:
+    """Return a folder for what the calls write, removed at the end."""
+    keep = tempfile.TemporaryDirectory(prefix="fuzz")
+    folder.keep = keep  # type: ignore[attr-defined]
+    return Path(keep.name)
+
+
+@functools.cache
+def simulation() -> fr.Simulation:
+    """Return a short simulated rod."""
+    return fr.simulate(ROD, LOAD, duration=0.15, segments=40, frames=80, perturbation=fr.Perturbation.random(1e-4, 1))
+
+
+@functools.cache
+def table() -> dict[str, Call]:
+    """Return a call for every public callable that is not left out."""
+    place = folder()
+    chart = fr.mathieu.chart((0.0, 1.0, 5), (-1.0, 0.2, 4), growth=True)
+    chart.save(place / "chart.npz")
+    run = simulation()
+    run.save(place / "run.npz")
+    sheet = "\n".join(f"{name} = {getattr(ROD, name)!r}" for name in ROD.__dataclass_fields__)
+    (place / "rod.toml").write_text(sheet, encoding="utf-8")
+    calls = _of_equations() | _of_rods(place) | _of_mathieu() | _of_friction()
+    criterion = fr.PaperCriterion()
+    ranges = ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1)
+    return calls | {
+        "PaperCriterion": Call(fr.PaperCriterion, {"periods": 10, "limit": 1e3, "by": "exact", "step": 0.01}),
+        "PaperCriterion.growth": Call(criterion.growth, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "workers": 1}),
+        "PaperCriterion.is_stable": Call(
+            criterion.is_stable, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "workers": 1}
+        ),
+        "Chart.save": Call(chart.save, {"path": str(place / "again.npz")}),
+        "Chart.load": Call(fr.Chart.load, {"path": str(place / "chart.npz")}),
+        "RodStability.time_to_grow": Call(ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
+        "SafeRanges.table": Call(ranges.table, {"unit": "N", "size": 1.0}),
+        "Simulation.save": Call(run.save, {"path": str(place / "again.npz")}),
+        "Simulation.load": Call(fr.Simulation.load, {"path": str(place / "run.npz")}),
+        "Simulation.mode_amplitudes": Call(run.mode_amplitudes, {"modes": [1, 2]}),
+        "Simulation.growth_rate": Call(run.growth_rate, {"mode": 3}),
+        "mathieu.TransitionCurves.period": Call(fr.mathieu.transition_curves([0.1, 0.2], 2).period, {"order": 2}),
+    }
+
+
+def _of_equations() -> dict[str, Call]:
+    point = {"alpha": 0.5, "beta": -0.3, "damping": 0.01}
+    hill = {"mean": -0.3, "cosines": (0.1,), "sines": (0.2, 0.1), "period": 3.0, "damping": 0.01}
+    kick = fr.Perturbation.modes({3: 0.01})
+    return {
+        "Mathieu": Call(fr.Mathieu, dict(point)),
+        "Mathieu.coefficient": Call(EQUATION.coefficient, {"tau": 0.3}),
+        "SquareWave": Call(fr.SquareWave, dict(point)),
+        "SquareWave.coefficient": Call(fr.SquareWave(0.5, -0.3).coefficient, {"tau": 0.3}),
+        "Hill": Call(fr.Hill, dict(hill)),
+        "Hill.coefficient": Call(fr.Hill(**hill).coefficient, {"tau": 0.3}),
+        "FrictionalMathieu": Call(fr.FrictionalMathieu, {**point, "gamma": 1.0}),
+        "stability": Call(fr.stability, {"equation": EQUATION, "method": "auto"}),
+        "compare": Call(fr.compare, {"equation": EQUATION}),
+        "certify": Call(fr.certify, {"equation": EQUATION, "max_digits": 50}),
+        "AxialLoad": Call(fr.AxialLoad, {"mean": 0.3, "amplitude": 0.3, "frequency": 150.0}),
+        "AxialLoad.hertz": Call(fr.AxialLoad.hertz, {"mean": 0.3, "amplitude": 0.3, "frequency": 24.0}),
+        "Perturbation": Call(fr.Perturbation, {"speeds": ((3, 0.01),), "noises": ((0.01, 1),)}),
+        "Perturbation.modes": Call(fr.Perturbation.modes, {"speeds": {3: 0.01}}),
+        "Perturbation.random": Call(fr.Perturbation.random, {"speed": 0.01, "seed": 1}),
+        "Perturbation.case": Call(
+            fr.Perturbation.case, {"name": "C", "speed": 0.05, "mode": 8, "seed": 1, "highest": 20}
+        ),
+        "Perturbation.velocities": Call(kick.velocities, {"segments": 60}),
+        "conventions.to_aq": Call(fr.conventions.to_aq, {"alpha": 0.5, "beta": -0.3}),
+        "conventions.from_aq": Call(fr.conventions.from_aq, {"a": 0.5, "q": 0.3}),
+        "conventions.to_delta_epsilon": Call(fr.conventions.to_delta_epsilon, {"alpha": 0.5, "beta": -0.3}),
+        "conventions.from_delta_epsilon": Call(fr.conventions.from_delta_epsilon, {"delta": 0.5, "epsilon": 0.3}),
+    }
+
+
+def _of_rods(place: Path) -> dict[str, Call]:
+    load = {"mean": 0.34, "amplitude": 0.34, "frequency": 150.0}
+    sheet = {name: getattr(ROD, name) for name in ROD.__dataclass_fields__}
+    mu, tolerance = {"mu": 0.1}, {"growth_tolerance": 0.1}
+    coulomb = fr.Coulomb(0.1, 0.05)
+    run = {"duration": 0.005, "friction": 0.1, "segments": 40, "time_step": None, "frames": 3, "checkpoint": None}
+    run |= {"perturbation": None, "poisson_ratio": 0.33, "indentation": 1e-4, "contact_damping": 0.3}
+    judged = {"criterion": None, "friction": None, "workers": 1}
+    return {
+        "Coulomb": Call(fr.Coulomb, {"mu": 0.1, "velocity": 0.05}),
+        "Coulomb.in_mode_equation": Call(coulomb.in_mode_equation, {"rod": ROD, "load": LOAD}),
+        "Coulomb.in_mode_equations": Call(
+            coulomb.in_mode_equations, {"rod": ROD, "amplitude": 0.3, "frequency": 150.0}
+        ),
+        "Rod": Call(fr.Rod, sheet),
+        "Rod.from_toml": Call(fr.Rod.from_toml, {"path": str(place / "rod.toml")}),
+        "Rod.replace": Call(ROD.replace, {"length": 3.0, "damping_rate": 1.0}),
+        "Rod.wavenumber": Call(ROD.wavenumber, {"mode": 3}),
+        "Rod.natural_frequency": Call(ROD.natural_frequency, {"mode": 3}),
+        "Rod.mode_parameters": Call(ROD.mode_parameters, {"load": LOAD, "modes": [1, 2]}),
+        "Rod.mode_equations": Call(ROD.mode_equations, {"load": LOAD, "modes": [1, 2]}),
+        "Rod.mode_family": Call(ROD.mode_family, dict(load)),
+        "Rod.modes_needed": Call(ROD.modes_needed, {"load": LOAD, **tolerance}),
+        "Rod.stability": Call(ROD.stability, {"load": LOAD, "modes": None, "friction": None, **tolerance}),
+        "Rod.critical_velocity": Call(ROD.critical_velocity, {"load": LOAD, **mu, **tolerance}),
+        "Rod.critical_velocities": Call(ROD.critical_velocities, {**load, **mu, **tolerance, "workers": 1}),
+        "Rod.stable_mean_forces": Call(
+            ROD.stable_mean_forces, {"amplitude": 0.34, "frequency": 150.0, "upto": 1.7, **tolerance}
+        ),
+        "Rod.stable_amplitudes": Call(
+            ROD.stable_amplitudes, {"mean": 0.34, "frequency": 150.0, "upto": 1.7, **tolerance}
+        ),
+        "Rod.stable_frequencies": Call(
+            ROD.stable_frequencies, {"mean": 0.34, "amplitude": 0.34, "between": (100.0, 150.0), **tolerance}
+        ),
+        "Rod.critical_mean_force": Call(ROD.critical_mean_force, {"amplitude": 0.34, "frequency": 150.0, **tolerance}),
+        "Rod.critical_amplitude": Call(ROD.critical_amplitude, {"mean": 0.34, "frequency": 150.0, **tolerance}),
+        "Rod.is_stable": Call(ROD.is_stable, {**load, **tolerance, **judged}),
+        "Rod.growth_rate": Call(ROD.growth_rate, {**load, "workers": 1}),
+        "Rod.fastest": Call(ROD.fastest, {**load, "workers": 1}),
+        "Explorer": Call(fr.Explorer, {"rod": ROD, "load": LOAD}),
+        "simulate": Call(fr.simulate, {"rod": ROD, "load": LOAD, **run}),
+        "stability_map": Call(
+            fr.stability_map,
+            {
+                "rod": ROD,
+                "mean": (0.1, 0.5, 3),
+                "amplitude": 0.3,
+                "frequency": (100.0, 150.0, 4),
+                "growth": False,
+                "damping": 1.0,
+                **tolerance,
+                **judged,
+            },
+        ),
+    }
+
+
+def _of_mathieu() -> dict[str, Call]:
+    point = {"alpha": 0.5, "beta": -0.3, "damping": 0.01, "workers": 1}
+    chart = {"alpha": (0.0, 1.0, 3), "beta": (-1.0, 0.0, 4), "damping": 0.1, "equation": fr.Mathieu, "growth": True}
+    functions = {
+        name: getattr(fr.mathieu, name) for name in ("is_stable", "growth_rate", "discriminant", "multipliers")
+    }
+    return {f"mathieu.{name}": Call(function, dict(point)) for name, function in functions.items()} | {
+        "mathieu.characteristic_values": Call(
+            fr.mathieu.characteristic_values, {"order": 3, "q": 2.0, "kind": "a", "workers": 1}
+        ),
+        "mathieu.transition_curves": Call(fr.mathieu.transition_curves, {"alpha": [0.1, 0.2], "orders": 2}),
+        "mathieu.chart": Call(fr.mathieu.chart, {**chart, "growth_tolerance": 0.1, "criterion": None, "workers": 1}),
+    }
+
+
+def _of_friction() -> dict[str, Call]:
+    point = {"alpha": 1.0, "beta": 0.3, "gamma": 1.0, "damping": 0.01}
+    kick = {**point, "epsilon": 1.5, "effort": 1000, "workers": 1}
+    f = fr.friction
+    return {
+        "friction.outcome": Call(f.outcome, dict(kick)),
+        "friction.escapes": Call(f.escapes, dict(kick)),
+        "friction.fate": Call(f.fate, {"equation": FRICTION, "epsilon": 1.5, "effort": 1000}),
+        "friction.critical_perturbation": Call(
+            f.critical_perturbation, {**point, "upto": 10.0, "samples": 8, "effort": 1000, "workers": 1}
+        ),
+        "friction.certain_kicks": Call(f.certain_kicks, {"equation": FRICTION}),
+        "friction.escape_ranges": Call(
+            f.escape_ranges, {"equation": FRICTION, "samples": 20, "effort": 1000, "workers": 1}
+        ),
+        "friction.trajectory": Call(f.trajectory, {"equation": FRICTION, "epsilon": 1.5, "periods": 3}),
+        "friction.leapfrog_escapes": Call(
+            f.leapfrog_escapes, {**point, "epsilon": 1.5, "periods": 3, "step": 0.1, "limit": 1e3}
+        ),
+    }

@@ -1,0 +1,201 @@
+"""Threads, forks, fresh processes and signals; and every result pickled, compared and asked for its truth."""
+
+from __future__ import annotations
+
+import functools
+import multiprocessing
+import os
+import pickle
+import signal
+import time
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+
+import floquetrod as fr
+from fuzz import apart, runs
+from fuzz.calls import LOAD, ROD, simulation, table
+from fuzz.core import Found, told
+
+CASES = 60
+QUICK = 8
+
+PROMPT = 15.0
+"""Seconds within which Ctrl-C has to be answered: the pieces of work between are far shorter."""
+
+QUIET = {"Explorer", "simulate", "compare", "Chart.save", "Simulation.save"}
+"""Calls that write or draw, or say how long they took: not for many threads at once."""
+
+
+def check(rng: np.random.Generator) -> Found:
+    """Make one of the attacks."""
+    kinds = (threads, forks, interrupts, _results)
+    weights = (0.4, 0.2, 0.1, 0.3)
+    return kinds[int(rng.choice(len(kinds), p=weights))](rng)
+
+
+def _calls() -> list[str]:
+    return sorted(name for name in table() if name not in QUIET)
+
+
+def ask(name: str) -> Any:
+    """Return the answer to one call of the table, and what it raised as text."""
+    call = table()[name]
+    return call.function(**call.arguments)
+
+
+def threads(rng: np.random.Generator) -> Found:
+    """Let eight threads ask the same few questions in any order: each answer is that of one thread alone."""
+    names = [str(name) for name in rng.choice(_calls(), 6, replace=False)]
+    alone = {name: ask(name) for name in names}
+    order = [str(name) for name in rng.permutation(names * 4)]
+    with ThreadPoolExecutor(8) as pool:
+        answers = list(pool.map(ask, order))
+    wrong = sorted({name for name, found in zip(order, answers, strict=True) if not _alike(alone[name], found)})
+    return Found(len(order), [f"in eight threads {name} answers something else" for name in wrong])
+
+
+def forks(rng: np.random.Generator) -> Found:
+    """Ask in a fork, and now and then in a fresh process: the answer comes back, and is the same."""
+    names = [str(name) for name in rng.choice(_calls(), 3, replace=False)]
+    fresh = rng.random() < 0.1
+    failures = []
+    for name in names:
+        done, found = (True, _spawned(name)) if fresh else apart.answer(functools.partial(ask, name))
+        if not done:
+            failures.append(f"{name} in a fork: {found}")
+        elif not _alike(ask(name), found):
+            failures.append(f"{name} in another process answers something else")
+    return Found(len(names), failures)
+
+
+def _spawned(name: str) -> Any:
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        return pool.submit(ask, name).result()
+
+
+def _alike(one: Any, other: Any) -> bool:
+    """Return whether two answers are the same; pictures and iterators are only asked for their type."""
+    if type(one) is not type(other):
+        return False
+    try:
+        return runs.same(one, other)
+    except (ValueError, TypeError):
+        return False
+
+
+LONG: dict[str, Callable[[], Any]] = {
+    "stability_map": lambda: fr.stability_map(
+        ROD, mean=(0.0, 1.7, 4000), amplitude=0.34, frequency=(20.0, 200.0, 4000), growth=True
+    ),
+    "friction.outcome": lambda: fr.friction.outcome(1.0, 0.3, 1.0, np.linspace(0.5, 3.0, 2_000_000)),
+    "mathieu.chart": lambda: fr.mathieu.chart((0.0, 5.0, 4000), (-4.0, 1.0, 4000), growth=True),
+    "critical_velocities": lambda: ROD.critical_velocities(
+        np.linspace(0.1, 1.6, 300), np.linspace(0.1, 1.2, 300)[:, None], 150.0, 0.1
+    ),
+    "compare": lambda: [fr.compare(fr.Mathieu(0.5, -0.25 - 1e-6 * k)) for k in range(10_000)],
+    "stability": lambda: [ROD.stability(LOAD) for _ in range(10_000)],
+    "simulate": lambda: _whole(fr.simulate(ROD, LOAD, duration=1000.0, segments=100)),
+}
+"""Calls that take long, each of which Ctrl-C has to end."""
+
+
+def _whole(run: fr.Simulation) -> None:
+    """Say like the others that Ctrl-C ended a simulation, which returns what it has."""
+    if not run.complete:
+        raise KeyboardInterrupt
+
+
+def interrupts(rng: np.random.Generator) -> Found:
+    """Send Ctrl-C to a long call."""
+    name = str(rng.choice(sorted(LONG)))
+    process, reader = apart.start(LONG[name])
+    time.sleep(float(rng.uniform(0.3, 0.8)))
+    asked = time.monotonic()
+    os.kill(process, signal.SIGINT)
+    kill = signal.SIGKILL
+    while (
+        time.monotonic() - asked < PROMPT and os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None
+    ):
+        time.sleep(0.01)
+    late = os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None
+    if late:
+        os.kill(process, kill)
+    done, found = apart.finish(process, reader)
+    if late:
+        return Found(1, [f"{name} does not hear Ctrl-C within {PROMPT:g} s"])
+    if done or not str(found).startswith("KeyboardInterrupt"):
+        return Found(1, [f"{name} answers Ctrl-C with {found!r:.300}"])
+    return Found(1, [])
+
+
+@functools.cache
+def values() -> dict[str, Any]:
+    """Return one of every kind of problem and result."""
+    mpl.use("Agg")
+    coulomb = fr.Coulomb(0.1, 0.05)
+    kick = fr.FrictionalMathieu(1.0, 0.3, 1.0)
+    return {
+        "Rod": ROD,
+        "AxialLoad": LOAD,
+        "Coulomb": coulomb,
+        "Perturbation": fr.Perturbation.case("C"),
+        "PaperCriterion": fr.PaperCriterion(),
+        "Mathieu": fr.Mathieu(0.5, -0.25),
+        "SquareWave": fr.SquareWave(0.5, -0.25),
+        "Hill": fr.Hill(-0.25, (0.1,), (0.2,)),
+        "FrictionalMathieu": kick,
+        "Stability": fr.stability(fr.Mathieu(0.5, -0.25)),
+        "Proof": fr.certify(fr.Mathieu(0.5, -0.25)),
+        "Comparison": fr.compare(fr.Mathieu(0.5, -0.25)),
+        "RodStability": ROD.stability(LOAD),
+        "RodFriction": ROD.stability(LOAD, friction=coulomb),
+        "SafeRanges": ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1),
+        "Margin": ROD.stability(LOAD, growth_tolerance=0.1).mean_force_margin,
+        "Chart": fr.mathieu.chart((0.0, 1.0, 5), (-1.0, 0.0, 4), growth=True),
+        "map": fr.stability_map(ROD, mean=(0.0, 1.7, 4), amplitude=0.3, frequency=(20.0, 200.0, 5), growth=True),
+        "TransitionCurves": fr.mathieu.transition_curves([0.1, 0.2], 3),
+        "Simulation": simulation(),
+        "GrowthFit": simulation().growth_rate(3),
+        "Fate": fr.friction.fate(kick, 1.5),
+        "EscapeRanges": fr.friction.escape_ranges(kick, samples=20),
+        "Trajectory": fr.friction.trajectory(kick, 1.5),
+    }
+
+
+def _results(rng: np.random.Generator) -> Found:
+    """Pickle one value, compare it with its copy and with another, and ask whether it is true."""
+    name = str(rng.choice(sorted(values())))
+    return Found(1, [f"{name}: {line}" for line in handled(values()[name])])
+
+
+VERDICTS = (
+    *("Stability", "Proof", "Comparison", "RodStability", "RodFriction", "SafeRanges"),
+    *("Fate", "EscapeRanges", "Chart", "Simulation"),
+)
+"""Classes of results whose truth would be taken for a verdict."""
+
+
+def handled(value: Any) -> list[str]:
+    """Return what is wrong about how a value is pickled, compared and taken for true."""
+    wrong = []
+    copy = pickle.loads(pickle.dumps(value))
+    if not runs.same(value, copy):
+        wrong.append("pickled and back it is another")
+    try:
+        if not isinstance(value == copy, bool) or value != copy:
+            wrong.append("is not equal to its copy")
+        if value == "something else":
+            wrong.append("is equal to a string")
+    except Exception as error:
+        wrong.append(f"== raises {told(error)}")
+    if type(value).__name__ in VERDICTS:
+        try:
+            wrong.append(f"bool() gives {bool(value)}")
+        except TypeError as error:
+            if not any(f".{name}" in str(error) for name in dir(value)):
+                wrong.append(f"bool() raises without a remedy: {error}")
+    return wrong

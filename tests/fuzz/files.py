@@ -1,0 +1,121 @@
+"""Damaged charts, simulations and checkpoints: a ValueError, or what the file held before, to the bit."""
+
+from __future__ import annotations
+
+import functools
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import floquetrod as fr
+from fuzz import runs
+from fuzz.calls import folder
+from fuzz.core import Found, TookTooLong, limit, told
+
+CASES = 300
+QUICK = 50
+
+
+class Kind(NamedTuple):
+    """A file as it should be, how it is read, and what it holds."""
+
+    path: Path
+    read: Callable[[Path], Any]
+    content: Any
+
+
+@functools.cache
+def kinds() -> tuple[Kind, ...]:
+    """Return one file of each kind; the checkpoint is of a run under way."""
+    place = folder()
+    chart = fr.mathieu.chart((0.0, 1.0, 9), (-1.0, 0.2, 8), growth=True)
+    run = runs.reference()
+    checkpoint = place / "begun.ckpt"
+    _interrupted(checkpoint)
+    return (
+        Kind(chart.save(place / "damaged_chart.npz"), fr.Chart.load, chart),
+        Kind(run.save(place / "damaged_run.npz"), fr.Simulation.load, run),
+        Kind(checkpoint, runs.simulate, run),
+    )
+
+
+def _interrupted(checkpoint: Path) -> None:
+    """Leave the checkpoint of a run that Ctrl-C ended half-way."""
+
+    def stop(done: int, total: int) -> None:
+        if done > total // 2:
+            raise KeyboardInterrupt
+
+    fr.simulate(
+        runs.ROD, runs.LOAD, duration=0.05, friction=0.1, segments=40, frames=12, time_step=4e-6,
+        checkpoint=checkpoint, progress=stop,
+    )  # fmt: skip
+
+
+def check(rng: np.random.Generator) -> Found:
+    """Damage one file and read it."""
+    kind = kinds()[int(rng.integers(len(kinds())))]
+    good = kind.path.read_bytes()
+    others = [other.path.read_bytes() for other in kinds()]
+    bad, how = damage(good, others, rng)
+    with tempfile.TemporaryDirectory(prefix="fuzz") as name:
+        path = Path(name) / kind.path.name
+        path.write_bytes(bad)
+        wrong = read_damaged(kind, path)
+        keep = folder() / "failed"
+        if wrong:
+            keep.mkdir(exist_ok=True)
+            shutil.copy(path, keep)
+    return Found(1, [f"{kind.path.name} {how}: {line}" for line in wrong])
+
+
+def read_damaged(kind: Kind, path: Path) -> list[str]:
+    """Return what is wrong about how a damaged file is read."""
+    try:
+        with limit():
+            found = kind.read(path)
+    except ValueError:
+        return []
+    except (Exception, TookTooLong) as error:
+        return [told(error)]
+    different = runs.differences(kind.content, found)
+    return [f"loads with another {', '.join(different)}"] if different else []
+
+
+def damage(good: bytes, others: list[bytes], rng: np.random.Generator) -> tuple[bytes, str]:
+    """Return the bytes with one to three damages, and what they are."""
+    data, told_of = good, []
+    for _ in range(int(rng.choice([1, 1, 1, 2, 3]))):
+        at, size = int(rng.integers(len(data) + 1)), int(2 ** rng.uniform(0.0, 12.0))
+        what = str(rng.choice(["cut", "flip", "flip", "flip", "insert", "zero", "splice", "drop", "swap"]))
+        data = _damaged(data, what, at, size, others, rng)
+        told_of.append(f"{what} at {at}")
+        if not data:
+            break
+    return data, ", ".join(told_of)
+
+
+def _damaged(data: bytes, what: str, at: int, size: int, others: list[bytes], rng: np.random.Generator) -> bytes:
+    before, after = data[:at], data[at:]
+    if what == "cut":
+        return before
+    if what == "flip" and after:
+        return before + bytes([after[0] ^ (1 << int(rng.integers(8)))]) + after[1:]
+    if what == "insert":
+        return before + rng.bytes(min(size, 64)) + after
+    if what == "zero":
+        return before + bytes(min(size, len(after))) + after[size:]
+    if what == "splice":
+        other = others[int(rng.integers(len(others)))]
+        return before + other[at : at + size] + after[size:]
+    if what == "drop":
+        return before + after[size:]
+    if what == "swap":
+        other = int(rng.integers(len(data) + 1))
+        first, second = sorted((at, other))
+        return data[:first] + data[second : second + size] + data[first + size :]
+    return data

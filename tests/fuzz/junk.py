@@ -1,0 +1,189 @@
+"""Junk arguments to every public callable: a ValueError or TypeError that names an argument, or a sound answer."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import inspect
+import math
+import re
+import sys
+import warnings
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+import floquetrod as fr
+from fuzz.calls import LOAD, ROD, Call, folder, table
+from fuzz.core import Found, TookTooLong, limit, own_warnings, told
+
+CASES = 2000
+QUICK = 120
+
+JUNK: tuple[str, ...] = (
+    "10**400",
+    "-(10**400)",
+    "1e-300",
+    "1e300",
+    "-1e300",
+    "5e-324",
+    "2**64",
+    "2**63",
+    "10**9",
+    "1e16",
+    "0",
+    "0.0",
+    "-0.0",
+    "-1",
+    "-0.5",
+    "math.nan",
+    "math.inf",
+    "-math.inf",
+    "None",
+    "True",
+    "'x'",
+    "''",
+    "b''",
+    "'A\\x00B'",
+    "[]",
+    "()",
+    "{}",
+    "[[1.0], [1.0, 2.0]]",
+    "[1.0, 'x']",
+    "[None]",
+    "(1.0, 2.0)",
+    "(3.0, 1.0)",
+    "(1.0, 2.0, 3.0, 4.0)",
+    "5",
+    "1 + 2j",
+    "[1 + 2j]",
+    "Fraction(1, 3)",
+    "object()",
+    "len",
+    "iter([1.0])",
+    "range(3)",
+    "np.float32(0.3)",
+    "np.array(0.3)",
+    "np.array([])",
+    "np.empty((0, 3))",
+    "np.array([0.3, math.nan])",
+    "np.array([[0.3, 0.4], [0.1, 0.2]])",
+    "np.array([0.3, None], dtype=object)",
+    "np.array(['0.3'])",
+    "np.array([True, False])",
+    "np.ma.array([0.3, 0.4], mask=[False, True])",
+    "np.ma.masked",
+    "np.full(3000, 0.3)",
+    "np.arange(4, dtype=np.uint64) + np.uint64(2**63)",
+    "np.datetime64('2020-01-01')",
+    "fr.Mathieu(0.5, -0.3)",
+    "fr.Hill(-1.0)",
+    "ROD",
+    "ROD.replace(length=1e-300)",
+    "ROD.replace(length=1e300)",
+    "ROD.replace(radius=5e-324)",
+    "ROD.replace(gravity=1e300)",
+    "ROD.replace(youngs_modulus=1e-300)",
+    "ROD.replace(damping_rate=1e300)",
+    "LOAD",
+    "fr.AxialLoad(1e300, 0.3, 150.0)",
+    "fr.AxialLoad(0.3, 1e300, 150.0)",
+    "fr.AxialLoad(0.3, 0.3, 5e-324)",
+    "fr.AxialLoad(0.3, 0.3, 1e300)",
+    "fr.Coulomb(0.1, 1e300)",
+    "fr.Coulomb(1e300, 0.05)",
+    "fr.PaperCriterion(periods=10**9)",
+)
+"""What is put in the place of an argument, as expressions."""
+
+_NAMES = {"fr": fr, "np": np, "math": math, "Fraction": Fraction, "ROD": ROD, "LOAD": LOAD}
+
+
+def check(rng: np.random.Generator) -> Found:
+    """Call one public callable with one or two of its arguments replaced."""
+    names = sorted(table())
+    name = names[int(rng.integers(len(names)))]
+    call = table()[name]
+    places = sorted(call.arguments)
+    chosen = rng.choice(places, size=min(len(places), 1 + int(rng.random() < 0.2)), replace=False)
+    with contextlib.chdir(folder()):
+        return Found(1, attack(name, call, {str(place): JUNK[int(rng.integers(len(JUNK)))] for place in chosen}))
+
+
+def attack(name: str, call: Call, junk: dict[str, str]) -> list[str]:
+    """Call with junk, and return what is wrong about how it is answered."""
+    values = {place: eval(text, dict(_NAMES)) for place, text in junk.items()}
+    line = f"{name}({', '.join(f'{place}={text}' for place, text in junk.items())}, ...)"
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always")
+        wrong = _judge(_call(call, values), call, values)
+    foreign = [w for w in heard if not issubclass(w.category, tuple(own_warnings()))]
+    if foreign:
+        wrong.append(f"{foreign[0].category.__name__}: {foreign[0].message}")
+    _close_pictures()
+    return [f"{line}: {what}" for what in wrong]
+
+
+def _call(call: Call, values: dict[str, Any]) -> Any:
+    """Return the answer, or the exception."""
+    try:
+        with limit():
+            return call.function(**{**call.arguments, **values})
+    except (Exception, TookTooLong) as error:
+        return error
+
+
+def _judge(answer: Any, call: Call, values: dict[str, Any]) -> list[str]:
+    if isinstance(answer, BaseException):
+        if not isinstance(answer, ValueError | TypeError):
+            return [told(answer)]
+        return [] if _names_an_argument(str(answer), call) else [f"names no argument: {told(answer)}"]
+    wrong = []
+    if _has_nan(answer) and not any(_has_nan(value) or _is_infinite(value) for value in values.values()):
+        wrong.append("answers NaN")
+    if any(isinstance(v, np.ma.MaskedArray) and v.size > 1 for v in values.values()):
+        arrays = answer if isinstance(answer, tuple) else (answer,)
+        if any(type(part) is np.ndarray and part.shape == (2,) for part in arrays):
+            wrong.append("loses the mask")
+    return wrong
+
+
+def _names_an_argument(message: str, call: Call) -> bool:
+    names = {*call.arguments, *inspect.signature(call.function).parameters}
+    for value in (*call.arguments.values(), getattr(call.function, "__self__", None)):
+        if dataclasses.is_dataclass(value):
+            names |= {part.name for part in dataclasses.fields(value)}
+    return any(re.search(rf"\b{re.escape(name)}\b", message) for name in names)
+
+
+def _is_infinite(value: Any) -> bool:
+    return isinstance(value, float) and math.isinf(value)
+
+
+def _has_nan(value: Any, depth: int = 0) -> bool:
+    """Return whether a NaN hides anywhere in a value, but for the second curve of order 0, which there is not."""
+    if isinstance(value, float | complex | np.floating):
+        return bool(np.isnan(value))
+    if isinstance(value, np.ndarray):
+        if value.dtype.kind not in "fcO":
+            return False
+        if value.dtype.kind == "O":
+            return any(_has_nan(part, depth + 1) for part in value.ravel())
+        return bool(np.isnan(np.ma.getdata(value)).any())
+    if depth > 4 or isinstance(value, str | bytes):
+        return False
+    if isinstance(value, fr.mathieu.TransitionCurves):
+        return _has_nan(value.even) or _has_nan(value.width)
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return any(_has_nan(getattr(value, part.name), depth + 1) for part in dataclasses.fields(value))
+    if isinstance(value, dict):
+        return any(_has_nan(part, depth + 1) for part in value.values())
+    if isinstance(value, list | tuple):
+        return any(_has_nan(part, depth + 1) for part in value)
+    return False
+
+
+def _close_pictures() -> None:
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")

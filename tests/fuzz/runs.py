@@ -1,0 +1,62 @@
+"""A short simulated rod with checkpoints at every occasion, and what makes two runs the same to the bit."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import floquetrod as fr
+from floquetrod import course
+
+ROD = fr.Rod.nitinol()
+LOAD = fr.AxialLoad(0.4, 0.6, 150.0)
+
+
+def simulate(checkpoint: Path | None = None, frames: int = 12) -> fr.Simulation:
+    """Run, with a checkpoint after every piece of work instead of every few seconds."""
+    before = course._BETWEEN_CHECKPOINTS, course._AT_ONCE
+    course._BETWEEN_CHECKPOINTS, course._AT_ONCE = -1.0, 1  # pieces of a thousand steps, saved one by one
+    try:
+        return fr.simulate(
+            ROD, LOAD, duration=0.05, friction=0.1, segments=40, frames=frames, time_step=4e-6, checkpoint=checkpoint
+        )
+    finally:
+        course._BETWEEN_CHECKPOINTS, course._AT_ONCE = before
+
+
+@functools.cache
+def reference() -> fr.Simulation:
+    """Return the run that nothing disturbs."""
+    return simulate()
+
+
+def differences(one: Any, other: Any) -> list[str]:
+    """Return the names of fields in which two results of one class differ by a bit."""
+    return [
+        part.name
+        for part in dataclasses.fields(one)
+        if part.name != "seconds" and not same(getattr(one, part.name), getattr(other, part.name))
+    ]
+
+
+def same(one: Any, other: Any) -> bool:
+    """Return whether two values are the same to the bit, arrays and NaN included."""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        one, other = np.asarray(one), np.asarray(other)
+        return one.shape == other.shape and one.dtype == other.dtype and one.tobytes() == other.tobytes()
+    if isinstance(one, dict):
+        return isinstance(other, dict) and one.keys() == other.keys() and all(same(one[k], other[k]) for k in one)
+    if dataclasses.is_dataclass(one) and not isinstance(one, type):
+        return type(one) is type(other) and not differences(one, other)
+    if isinstance(one, list | tuple):
+        return isinstance(other, list | tuple) and len(one) == len(other) and all(map(same, one, other))
+    return bool(one == other)
+
+
+def strays(folder: Path) -> list[str]:
+    """Return names of partial files left in a folder."""
+    return sorted(path.name for path in folder.iterdir() if path.name.endswith(".part"))
