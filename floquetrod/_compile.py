@@ -80,6 +80,9 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
 
         from floquetrod._kernel_cache import KernelCache, fingerprint
 
+        # numba asks numpy for a part that numpy imports then: done here, no fork can fall into that import.
+        typeof: Any = numba.typeof
+        typeof(np.empty(0))
         njit: Any = numba.njit
         result = njit(**_OPTIONS)(_with_compiled_callees(function))
     if not hasattr(result, "py_func"):  # NUMBA_DISABLE_JIT
@@ -186,6 +189,8 @@ def over_chunks(
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
         run(*(array.tolist() for array in inputs), out, *constants)
         return
+    # One layout of arrays: a kernel is compiled for each there is, and read-only ones count as another.
+    inputs = [np.require(array, requirements=["C", "A", "W"]) for array in inputs]
     pieces = [
         (*(array[start : start + chunk] for array in inputs), out[start : start + chunk], *constants)
         for start in range(0, size, chunk)
