@@ -83,12 +83,12 @@ class KernelCache:
 
     def _place(self, signature: Any, codegen: Any) -> tuple[Path, bytes]:
         """Return the file for these types on this processor, and the key that says whether its content still holds."""
-        kind = hashlib.sha256(repr((str(signature), codegen.magic_tuple())).encode()).hexdigest()[:16]
         import numba
 
         config: Any = numba.config
-        made_by = (_LAYOUT, sys.version, numba.__version__, config.BOUNDSCHECK, config.OPT)
-        key = hashlib.sha256(self._sources + repr(made_by).encode()).digest()
+        variant = (str(signature), codegen.magic_tuple(), config.BOUNDSCHECK, config.OPT)
+        kind = hashlib.sha256(repr(variant).encode()).hexdigest()[:16]
+        key = hashlib.sha256(self._sources + repr((_LAYOUT, sys.version, numba.__version__)).encode()).digest()
         name = f"{self._function.__module__}.{self._function.__qualname__}"
         return Path(self.cache_path or "") / f"{name}-{kind}.{sys.implementation.cache_tag}.nbc", key
 

@@ -132,6 +132,15 @@ def test_a_disk_that_fails_meanwhile_costs_a_warning(trouble: str, tmp_path: Pat
     assert not kept(tmp_path / "cache")
 
 
+@needs_jit
+def test_code_with_checked_indices_is_kept_beside_the_other(tmp_path: Path) -> None:
+    short = TELL + SMALL + "out = np.empty(0)\ntry:\n    once()\nexcept IndexError:\n    print('checked')"
+    assert python(TELL + SMALL + "print(once())", tmp_path, NUMBA_BOUNDSCHECK="0").stdout.endswith(f"{ANSWER}\n")
+    for said in ("compiling displacement_fill\nchecked\n", "checked\n"):
+        assert python(short, tmp_path, NUMBA_BOUNDSCHECK="1").stdout == said
+    assert len(kept(tmp_path)) == 2
+
+
 def test_a_file_is_whole_or_not_there(tmp_path: Path) -> None:
     file = tmp_path / "kernel.nbc"
     _kernel_cache._replace(file, b"one")
