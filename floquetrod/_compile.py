@@ -7,20 +7,27 @@ of scalars, and numba stays unloaded.  ``compiled(kernel)`` is the same function
 from __future__ import annotations
 
 import functools
+import inspect
+import logging
 import os
+import threading
 import types
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import Any, TypeVar
+from contextlib import contextmanager
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import _validate
+from floquetrod import _interrupt, _validate
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+_LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the level INFO
+
 _INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
+_OPTIONS = {"nogil": True, "error_model": "numpy"}
 _CHUNK = 8192  # elements a thread takes at a time (heuristic: well above the cost of a call, well below a map)
 
 
@@ -30,21 +37,123 @@ def kernel(function: F) -> F:
     return function
 
 
-@functools.cache
-def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the machine-code version of a kernel (GIL released, IEEE division, no fastmath, cached on disk)."""
-    import numba
+@contextmanager
+def _compiling() -> Iterator[Callable[[], None]]:
+    """Do a thing at a time that numba does for one thread only, and hold Ctrl-C meanwhile; see `_interrupt.held`.
 
+    The lock is held across a fork, so that no child starts with numba in the middle of something.
+    """
+    with _LOCK, _interrupt.held() as deliver:
+        yield deliver
+
+
+_LOCK = threading.RLock()
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_LOCK.acquire, after_in_parent=_LOCK.release, after_in_child=_LOCK.release)
+
+
+def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the machine-code version of a kernel (GIL released, IEEE division, no fastmath, cached on disk).
+
+    It is compiled, or loaded, when first called with arguments of new types; `compiled_for` does that beforehand.
+    """
+    with _LOCK:
+        return _compiled(function)
+
+
+def compiled_for(function: Callable[..., Any], *arguments: Any) -> Callable[..., Any]:
+    """Return `compiled` of a kernel once it is ready to be called with such arguments."""
+    run: Any = compiled(function)
+    if hasattr(run, "py_func"):
+        import numba
+
+        signature = tuple(map(numba.typeof, arguments))
+        if signature not in run.overloads:
+            run.compile(signature)
+    return cast(Callable[..., Any], run)
+
+
+@functools.cache
+def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    with _compiling():
+        import numba
+
+        from floquetrod._kernel_cache import KernelCache, fingerprint
+
+        # numba asks numpy for a part that numpy imports then: done here, no fork can fall into that import.
+        typeof: Any = numba.typeof
+        typeof(np.empty(0))
+        njit: Any = numba.njit
+        result = njit(**_OPTIONS)(_with_compiled_callees(function))
+    if not hasattr(result, "py_func"):  # NUMBA_DISABLE_JIT
+        return function
+    compile_types = result.compile
+
+    def compile_undisturbed(signature: Any) -> Any:
+        # numba runs Python code from within LLVM, where an exception is printed and forgotten: Ctrl-C there would be
+        # lost.  It is delivered between the passes of the compiler.
+        with _compiling() as deliver, numba.core.event.install_listener("numba:run_pass", _after_passes(deliver)):
+            return compile_types(signature)
+
+    result.compile = compile_undisturbed
+    sources = fingerprint(function, _OPTIONS)
+    result._cache = KernelCache(result.py_func, sources, lambda: _LOG.info("compiling %s", function.__qualname__))
+    return cast(Callable[..., Any], result)
+
+
+@functools.cache
+def _callee(function: Callable[..., Any]) -> Any:
+    """Return the machine-code version of a kernel for the use of others, who are compiled and kept together with it.
+
+    numba would compile it once more for every constant it is called with.  Only parameters annotated `Literal` keep
+    that: where the constant pays.
+    """
+    import numba
+    from numba.core import types as numba_types
+
+    # Entry points for Python and C cost a quarter of the time it takes to compile small functions.
+    njit: Any = numba.njit
+    result = njit(**_OPTIONS, no_cpython_wrapper=True, no_cfunc_wrapper=True)(_with_compiled_callees(function))
+    if not hasattr(result, "py_func"):  # NUMBA_DISABLE_JIT
+        return function
+    template: Any = result.get_call_template
+    general: Any = numba_types.unliteral
+    annotations = function.__annotations__
+    constant = [str(annotations.get(name)).startswith("Literal") for name in inspect.signature(function).parameters]
+
+    def general_template(kinds: Any, keywords: Any) -> Any:
+        pairs = zip(kinds, constant, strict=False)  # those with a default may be left out
+        return template(tuple(kind if kept else general(kind) for kind, kept in pairs), keywords)
+
+    result.get_call_template = general_template
+    return result
+
+
+def _with_compiled_callees(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a kernel whose names of other kernels mean their machine-code versions."""
     scope = dict(function.__globals__)
     for name in function.__code__.co_names:
         callee = scope.get(name)
         if getattr(callee, "__kernel__", False):
-            scope[name] = compiled(callee)
+            scope[name] = _callee(callee)
     copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__, function.__closure__)
     copy.__qualname__ = function.__qualname__
     copy.__module__ = function.__module__
-    result: Callable[..., Any] = numba.njit(cache=True, nogil=True, error_model="numpy")(copy)
-    return result
+    return copy
+
+
+def _after_passes(act: Callable[[], None]) -> Any:
+    """Return a listener to numba's compiler that calls ``act`` after each of its passes."""
+    from numba.core.event import Listener
+
+    class AfterPasses(Listener):
+        def on_start(self, event: Any) -> None:
+            pass
+
+        def on_end(self, event: Any) -> None:
+            act()
+
+    return AfterPasses()
 
 
 def fastest(function: Callable[..., Any], size: int) -> Callable[..., Any]:
@@ -80,12 +189,13 @@ def over_chunks(
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
         run(*(array.tolist() for array in inputs), out, *constants)
         return
+    # One layout of arrays: a kernel is compiled for each there is, and read-only ones count as another.
+    inputs = [np.require(array, requirements=["C", "A", "W"]) for array in inputs]
     pieces = [
         (*(array[start : start + chunk] for array in inputs), out[start : start + chunk], *constants)
         for start in range(0, size, chunk)
     ]
-    if not run.signatures:  # compile it before threads could race to do it
-        run(*pieces.pop(0))
+    run = compiled_for(function, *pieces[0])
     threads = min(workers, len(pieces))
     if threads <= 1:
         for piece in pieces:

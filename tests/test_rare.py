@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import os
 import runpy
@@ -9,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -47,8 +49,7 @@ def test_a_failing_thread_ends_the_work() -> None:
 class _Broken:
     """What `compiled` returns of itself: machine code that fails."""
 
-    py_func = signatures = ("compiled",)
-    __kernel__ = True
+    py_func = "of a kernel"
 
     def __call__(self, values: np.ndarray, out: np.ndarray) -> None:
         raise RuntimeError("broken")
@@ -56,8 +57,13 @@ class _Broken:
 
 @pytest.fixture(autouse=True)
 def _stands_for_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
-    real = _compile.compiled
-    monkeypatch.setattr(_compile, "compiled", lambda f: f if isinstance(f, _Broken) else real(f))
+    for name in ("compiled", "compiled_for"):
+        real = getattr(_compile, name)
+        monkeypatch.setattr(_compile, name, functools.partial(_unless_broken, real))
+
+
+def _unless_broken(real: Callable[..., object], function: object, *arguments: object) -> object:
+    return function if isinstance(function, _Broken) else real(function, *arguments)
 
 
 def test_progress_is_shown_to_a_terminal_after_a_second(
@@ -68,7 +74,6 @@ def test_progress_is_shown_to_a_terminal_after_a_second(
     progress(1000, 4000)
     assert capsys.readouterr().err == ""
     assert progress.first is not None
-    progress.start -= 4.0
     progress.first = (progress.first[0] - 4.0, 1000)
     progress(3000, 4000)
     assert capsys.readouterr().err.rstrip() == "\r3,000 of 4,000 points, 500 a second, 2 s left"

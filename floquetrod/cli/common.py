@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import math
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
@@ -192,14 +194,38 @@ def number(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
+@contextmanager
+def compiling_told() -> Iterator[None]:
+    """Say on stderr, the first time that something is compiled, what the silence is about."""
+    log, teller = logging.getLogger("floquetrod.compile"), _CompilingTold()
+    level = log.level
+    log.setLevel(logging.INFO)
+    log.addHandler(teller)
+    try:
+        yield
+    finally:
+        log.removeHandler(teller)
+        log.setLevel(level)
+
+
+class _CompilingTold(logging.Handler):
+    told = False
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if not self.told:
+            print("floquetrod: compiling (once), some seconds", file=sys.stderr, flush=True)
+            self.told = True
+
+
 class Progress:
     """A line on stderr once work has taken a second, when there is a terminal to read it.
 
-    The rate is that since the first report: what was done before it may have been done in an earlier run.
+    Both are counted from the first report: what was done before it may have been done in an earlier run, or taken the
+    time to compile.
     """
 
     def __init__(self, what: str) -> None:
-        self.what, self.start = what, time.monotonic()
+        self.what = what
         self.first: tuple[float, int] | None = None
         self.open = False
 
@@ -207,7 +233,7 @@ class Progress:
         """Report ``done`` of ``total``."""
         now = time.monotonic()
         self.first = self.first or (now, done)
-        if now - self.start < 1.0 or not sys.stderr.isatty():
+        if now - self.first[0] < 1.0 or not sys.stderr.isatty():
             return
         rate = (done - self.first[1]) / max(now - self.first[0], 1e-9)
         speed = f", {rate:,.0f} a second, {(total - done) / rate:.0f} s left" if rate > 0.0 else ""

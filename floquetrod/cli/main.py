@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import floquetrod as fr
 from floquetrod.cli import check, compare, explore, ranges, reproduce, simulate, stability_map
-from floquetrod.cli.common import Parser
+from floquetrod.cli.common import Parser, compiling_told
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -23,7 +23,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     options = argparse.Namespace()
     try:
         options = _parser().parse_args(_attached(sys.argv[1:] if argv is None else argv))
-        with warnings.catch_warnings(record=True) as caught:
+        with compiling_told(), warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", fr.UniformForceWarning)
             answer = options.run(options)
         for warning in caught:

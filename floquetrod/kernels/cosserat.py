@@ -16,7 +16,7 @@ result does not depend on how a run is cut into calls.  Loops touch few arrays e
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -111,7 +111,7 @@ def _curve(rod: Any, p: Physics) -> None:
 
 
 @kernel
-def _segments(rod: Any, rubs: bool, p: Physics) -> None:
+def _segments(rod: Any, rubs: Literal[True, False], p: Physics) -> None:
     """Write the force in every segment, and give the segments their new angular velocities.
 
     Half a step of torque, a turn about the rod's own axis that stands for the gyroscopic torque of a body with two

@@ -1,0 +1,43 @@
+"""Ctrl-C held back from code that would lose it or break, and delivered at the next point where it is safe."""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+
+@contextmanager
+def held() -> Iterator[Callable[[], None]]:
+    """Hold Ctrl-C until the end of the block, or until the function it yields is called.
+
+    Both then do what Ctrl-C would have done without the block: as a rule, raise KeyboardInterrupt.  Only the main
+    thread hears signals, and only a handler written in Python can be called later: elsewhere nothing changes.
+    """
+    handler = signal.getsignal(signal.SIGINT)
+    if not callable(handler) or threading.current_thread() is not threading.main_thread():
+        yield _nothing
+        return
+    frames: list[FrameType | None] = []
+
+    def note(_: int, frame: FrameType | None) -> None:
+        frames.append(frame)
+
+    def deliver() -> None:
+        if frames and threading.current_thread() is threading.main_thread():
+            frame = frames[-1]
+            frames.clear()
+            handler(signal.SIGINT, frame)
+
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield deliver
+    finally:
+        signal.signal(signal.SIGINT, handler)
+        deliver()
+
+
+def _nothing() -> None:
+    pass

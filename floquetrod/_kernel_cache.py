@@ -1,0 +1,177 @@
+"""Compiled kernels kept on disk, in a file of its own for each kernel and types of arguments.
+
+numba's own cache of a function does not see that a function it calls, or a constant, has changed in another file; it
+raises where no folder can be written, and for files that are damaged.  This one is asked by numba in its place.  It
+keeps what was compiled beside a fingerprint of everything it was compiled from, and a file that does not fit, for
+whatever reason, is one that is not there.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import pickle
+import sys
+import types
+import uuid
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+_LAYOUT = 1  # of the files
+_DIGEST = hashlib.sha256().digest_size
+
+
+class KernelCache:
+    """What numba asks of the cache of one function: to load, and to save, what it compiled for given types.
+
+    ``sources`` is the `fingerprint` of the function; ``announce`` is called before numba compiles.
+    """
+
+    def __init__(self, function: Callable[..., Any], sources: bytes, announce: Callable[[], None]) -> None:
+        """Find the folder numba would use; where it finds none, keep nothing and say so once."""
+        self._function, self._sources, self._announce = function, sources, announce
+        from numba.core import caching
+
+        find: Any = caching.CompileResultCacheImpl
+        self._numba: Any = None
+        self.cache_path: str | None = None
+        try:
+            self._numba = find(function)
+            self.cache_path = self._numba.locator.get_cache_path()
+        except RuntimeError:  # "no locator available": neither of the folders it tries can be written
+            _warn_uncached()
+
+    def load_overload(self, signature: Any, target: Any) -> Any:
+        """Return what was compiled, or None."""
+        target.refresh()  # numba asks this of a cache: a function that is loaded uses what the target knows
+        kept = self._load(signature, target)
+        if kept is None:
+            self._announce()
+        return kept
+
+    def _load(self, signature: Any, target: Any) -> Any:
+        if self.cache_path is None:
+            return None
+        path, key = self._place(signature, target.codegen())
+        try:
+            content = path.read_bytes()
+            payload = content[2 * _DIGEST :]
+            if content[: 2 * _DIGEST] != key + hashlib.sha256(payload).digest():
+                return None
+            return self._numba.rebuild(target, pickle.loads(payload))
+        except Exception:  # whatever is wrong with the file or its folder, compiling mends it
+            return None
+
+    def save_overload(self, signature: Any, result: Any) -> None:
+        """Keep what was compiled; where the folder cannot be written, or is full, say so once and go on."""
+        if self.cache_path is None or not self._numba.check_cachable(result):
+            return
+        from numba.core import serialize
+
+        dumps: Any = serialize.dumps
+        path, key = self._place(signature, result.codegen)
+        payload = dumps(self._numba.reduce(result))
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            _replace(path, key + hashlib.sha256(payload).digest() + payload)
+        except OSError as error:
+            _warn_uncached(str(error))
+
+    def _place(self, signature: Any, codegen: Any) -> tuple[Path, bytes]:
+        """Return the file for these types on this processor, and the key that says whether its content still holds."""
+        import numba
+
+        config: Any = numba.config
+        variant = (str(signature), codegen.magic_tuple(), config.BOUNDSCHECK, config.OPT)
+        kind = hashlib.sha256(repr(variant).encode()).hexdigest()[:16]
+        key = hashlib.sha256(self._sources + repr((_LAYOUT, sys.version, numba.__version__)).encode()).digest()
+        name = f"{self._function.__module__}.{self._function.__qualname__}"
+        return Path(self.cache_path or "") / f"{name}-{kind}.{sys.implementation.cache_tag}.nbc", key
+
+
+@functools.cache
+def _warn_uncached(why: str = "neither the package's folder nor a cache in the home folder can be written") -> None:
+    """Say once in a process that compiled kernels are lost when it ends."""
+    if _warn_uncached.cache_info().misses > 1:
+        return  # for another reason: the remedy is the same
+    warnings.warn(
+        f"compiled kernels cannot be kept on disk ({why}), so every process compiles them again, for some seconds; "
+        "set the environment variable NUMBA_CACHE_DIR to a folder that can be written",
+        RuntimeWarning,
+        stacklevel=2,
+    )
+
+
+def _replace(path: Path, content: bytes) -> None:
+    """Write a file that is whole or not there, and that others who share the installation may read."""
+    temporary = path.with_name(f"{path.name}.{uuid.uuid4().hex}.tmp")
+    try:
+        with temporary.open("xb") as file:
+            file.write(content)
+        temporary.replace(path)
+    except BaseException:
+        temporary.unlink(missing_ok=True)
+        raise
+
+
+def fingerprint(function: Callable[..., Any], options: dict[str, Any]) -> bytes:
+    """Return a digest of a kernel and of how it is compiled.
+
+    That of a kernel is of its code, that of the kernels it calls, and the constants any of them reads.
+    """
+    seen: dict[str, str] = {}
+    _describe_kernel(function, seen)
+    return hashlib.sha256(repr((options, sorted(seen.items()))).encode()).digest()
+
+
+def _describe_kernel(function: Callable[..., Any], seen: dict[str, str]) -> None:
+    """Add a kernel, and those it calls, to ``seen``."""
+    name = f"{function.__module__}.{function.__qualname__}"
+    if name in seen:
+        return
+    seen[name] = ""
+    names = {}
+    for read in function.__code__.co_names:
+        if read in function.__globals__:
+            value = function.__globals__[read]
+            if getattr(value, "__kernel__", False):
+                _describe_kernel(value, seen)
+                names[read] = f"{value.__module__}.{value.__qualname__}"
+            else:
+                names[read] = _describe(value, f"{name} reads {read}")
+    defaults = _describe(function.__defaults__, f"a default of {name}")
+    code = list(_describe_code(function.__code__, name))
+    seen[name] = repr((code, defaults, sorted(function.__annotations__.items()), sorted(names.items())))
+
+
+def _describe_code(code: types.CodeType, where: str) -> Iterator[str]:
+    yield from (repr(code.co_code), repr(code.co_varnames), repr(code.co_names), repr(code.co_argcount))
+    yield from (_describe(constant, where) for constant in code.co_consts)
+
+
+def _describe(value: Any, where: str) -> str:
+    """Return a text that differs between values that compile differently."""
+    if (
+        value is None
+        or value is ...
+        or isinstance(value, (bool, int, float, complex, str, bytes, np.generic, np.dtype))
+    ):
+        return repr(value)
+    if isinstance(value, (tuple, frozenset)):
+        parts = [_describe(part, where) for part in value]
+        return f"{type(value).__name__}({parts if isinstance(value, tuple) else sorted(parts)})"
+    if isinstance(value, np.ndarray):
+        return f"{value.dtype.str}{value.shape}{value.tobytes()!r}"
+    if isinstance(value, types.CodeType):
+        return repr(list(_describe_code(value, where)))
+    if isinstance(value, (types.BuiltinFunctionType, np.ufunc)):
+        return repr(value.__name__)
+    if isinstance(value, type):
+        return f"{value.__module__}.{value.__qualname__}{getattr(value, '_fields', '')}"
+    if isinstance(value, types.ModuleType) and value.__name__ in ("math", "cmath", "numpy"):
+        return value.__name__
+    raise TypeError(f"{where}, of type {type(value).__name__}, whose changes the cache of compiled kernels cannot see")

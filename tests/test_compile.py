@@ -1,0 +1,512 @@
+"""Compiling: its cache, Ctrl-C meanwhile, threads and forks, and what is said of it.
+
+What one process may do only once, or not at all in the process of the tests, is done in another one.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from floquetrod import _compile, _interrupt, _kernel_cache, course
+from floquetrod.cli import common
+from floquetrod.kernels import mathieu, powers
+
+ROOT = Path(__file__).parents[1]
+JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") != "1"
+needs_jit = pytest.mark.skipif(not JIT, reason="nothing is compiled with NUMBA_DISABLE_JIT=1")
+
+TELL = "import logging, sys; logging.basicConfig(level='INFO', stream=sys.stdout, format='%(message)s')\n"
+SMALL = """
+import numpy as np
+from floquetrod._compile import compiled
+from floquetrod.kernels.powers import displacement_fill
+maps, out = np.array([[2.0, 0.0, 0.0, 2.0, 0.0]] * 3), np.empty(3)
+def once():
+    compiled(displacement_fill)(maps, out, 3)
+    return f"{out[0]:.3f}"
+"""
+ANSWER = "-inf"  # the map is a multiple of the unit matrix: A stays zero
+
+
+def python(program: str, cache: Path, **settings: str) -> subprocess.CompletedProcess[str]:
+    """Run a program with a cache of its own."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(cache), **settings}
+    return subprocess.run(
+        [sys.executable, "-P", "-c", program], capture_output=True, text=True, env=environment, timeout=120, check=False
+    )
+
+
+def kept(cache: Path) -> list[Path]:
+    return sorted(path for path in cache.rglob("*") if path.is_file())
+
+
+# --- the cache -------------------------------------------------------------------------------------------------------
+
+
+@needs_jit
+def test_a_second_process_compiles_nothing_and_a_damaged_file_is_replaced(tmp_path: Path) -> None:
+    first = python(TELL + SMALL + "print(once())", tmp_path)
+    assert (first.stdout, first.stderr) == (f"compiling displacement_fill\n{ANSWER}\n", "")
+    (file,) = kept(tmp_path)
+    damage = (
+        "from pathlib import Path\nfrom floquetrod import _compile\n"
+        f"file = Path({str(file)!r})\nwhole = file.read_bytes()\n"
+        "middle = len(whole) // 2\n"
+        "flipped = whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :]\n"
+        "for content in (b'', whole[:40], whole[:-1], flipped):\n"
+        "    file.write_bytes(content)\n"
+        "    for _ in range(2):\n"
+        "        _compile._compiled.cache_clear()\n"
+        "        print(once())"
+    )
+    again = python(TELL + SMALL + "print(once())\n" + damage, tmp_path)
+    assert again.stderr == ""
+    assert again.stdout == f"{ANSWER}\n" + 4 * f"compiling displacement_fill\n{ANSWER}\n{ANSWER}\n"
+
+
+@needs_jit
+def test_a_folder_in_place_of_a_file_does_no_harm(tmp_path: Path) -> None:
+    program = SMALL + "print(once())"
+    python(program, tmp_path)
+    (file,) = kept(tmp_path)
+    file.unlink()
+    file.mkdir()
+    run = python(program, tmp_path)
+    assert run.stdout == f"{ANSWER}\n"
+    assert run.stderr.count("NUMBA_CACHE_DIR") == 1
+
+
+@needs_jit
+def test_without_any_folder_it_runs_uncached_and_says_so_once(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "floquetrod", tmp_path / "floquetrod", ignore=shutil.ignore_patterns("__pycache__"))
+    (tmp_path / "floquetrod/kernels/__pycache__").write_text("a file: no folder can be made here, whoever runs this")
+    nowhere = str(tmp_path / "floquetrod/py.typed" / "below a file")
+    program = TELL + SMALL + "from floquetrod.kernels.leapfrog import leapfrog_run; compiled(leapfrog_run)\n"
+    run = python(
+        program + "print(once(), once())",
+        Path(nowhere),
+        PYTHONPATH=str(tmp_path),
+        HOME=nowhere,
+        XDG_CACHE_HOME=nowhere,
+        LOCALAPPDATA=nowhere,
+        PYTHONDONTWRITEBYTECODE="1",
+    )
+    assert run.stdout == f"compiling displacement_fill\n{ANSWER} {ANSWER}\n", run.stderr
+    assert run.stderr.count("RuntimeWarning") == 1
+    assert "every process compiles them again" in run.stderr
+    assert "set the environment variable NUMBA_CACHE_DIR" in run.stderr
+
+
+@needs_jit
+@pytest.mark.parametrize("trouble", ["full", "gone"])
+def test_a_disk_that_fails_meanwhile_costs_a_warning(trouble: str, tmp_path: Path) -> None:
+    spoil = {
+        "full": "import errno\n"
+        "def replace(path, content): raise OSError(errno.ENOSPC, 'No space left on device')\n"
+        "_kernel_cache._replace = replace",
+        "gone": "import shutil; shutil.rmtree(sys.argv[1]); open(sys.argv[1], 'w').close()",
+    }[trouble]
+    cache = tmp_path / "cache"
+    program = (
+        f"import sys; sys.argv[1:] = [{str(cache)!r}]\n"
+        + SMALL
+        + (f"from floquetrod import _kernel_cache\ncompiled(displacement_fill)\n{spoil}\nprint(once(), once())")
+    )
+    run = python(program, cache)
+    assert run.stdout == f"{ANSWER} {ANSWER}\n", run.stderr
+    assert run.stderr.count("RuntimeWarning") == 1
+    assert not kept(tmp_path / "cache")
+
+
+@needs_jit
+def test_code_with_checked_indices_is_kept_beside_the_other(tmp_path: Path) -> None:
+    short = TELL + SMALL + "out = np.empty(0)\ntry:\n    once()\nexcept IndexError:\n    print('checked')"
+    assert python(TELL + SMALL + "print(once())", tmp_path, NUMBA_BOUNDSCHECK="0").stdout.endswith(f"{ANSWER}\n")
+    for said in ("compiling displacement_fill\nchecked\n", "checked\n"):
+        assert python(short, tmp_path, NUMBA_BOUNDSCHECK="1").stdout == said
+    assert len(kept(tmp_path)) == 2
+
+
+def test_a_file_is_whole_or_not_there(tmp_path: Path) -> None:
+    file = tmp_path / "kernel.nbc"
+    _kernel_cache._replace(file, b"one")
+    umask = os.umask(0)
+    os.umask(umask)
+    assert file.stat().st_mode & 0o777 == 0o666 & ~umask  # others who share the installation read it
+    with pytest.raises(TypeError):
+        _kernel_cache._replace(file, "not bytes")  # type: ignore[arg-type]
+    assert file.read_bytes() == b"one"
+    assert kept(tmp_path) == [file]
+
+
+@needs_jit
+@pytest.mark.parametrize(
+    ("file", "old", "new", "said"),
+    [
+        ("low.py", "+ 1.0", "+ 2.0", "compiling outer\n22.0\n"),
+        ("deep.py", "2.0", "3.0", "compiling outer\n31.0\n"),
+        ("low.py", "import FACTOR", "import FACTOR\n\n# moved down", "21.0\n"),
+    ],
+)
+def test_a_kernel_is_compiled_again_when_what_it_calls_or_reads_changes_in_another_file(
+    file: str, old: str, new: str, said: str, tmp_path: Path
+) -> None:
+    sources = {
+        "low.py": "from floquetrod._compile import kernel\nfrom deep import FACTOR\n"
+        "@kernel\ndef inner(x: float) -> float:\n    return FACTOR * x + 1.0\n",
+        "deep.py": "FACTOR = 2.0\n",
+        "high.py": "from floquetrod._compile import kernel\nfrom low import inner\n"
+        "@kernel\ndef outer(x: float) -> float:\n    return inner(x)\n",
+    }
+    for name, text in sources.items():
+        (tmp_path / name).write_text(text)
+    program = TELL + "from floquetrod._compile import compiled; import high; print(compiled(high.outer)(10.0))"
+    settings = {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)]), "PYTHONDONTWRITEBYTECODE": "1"}
+    assert python(program, tmp_path / "cache", **settings).stdout == "compiling outer\n21.0\n"
+    (tmp_path / file).write_text(sources[file].replace(old, new))
+    assert python(program, tmp_path / "cache", **settings).stdout == said
+    assert len(kept(tmp_path / "cache")) == 1  # what no longer fits is replaced
+
+
+def test_what_a_fingerprint_cannot_see_is_refused() -> None:
+    scope: dict[str, Any] = {"__name__": "here", "TABLE": {1: 2.0}, "GOOD": (1, (2.0, "x"), np.arange(2000.0))}
+    exec("def f(x):\n    return GOOD\ndef g(x):\n    return TABLE[x]", scope)
+    options = _compile._OPTIONS
+    one = _kernel_cache.fingerprint(scope["f"], options)
+    assert one == _kernel_cache.fingerprint(scope["f"], options)
+    scope["GOOD"][2][1000] += 1e-9
+    assert one != _kernel_cache.fingerprint(scope["f"], options)
+    assert _kernel_cache.fingerprint(scope["f"], {**options, "fastmath": True}) != one
+    with pytest.raises(TypeError, match=r"here\.g reads TABLE, of type dict"):
+        _kernel_cache.fingerprint(scope["g"], options)
+
+
+def test_every_kernel_has_a_fingerprint_of_its_own() -> None:
+    import importlib
+    import pkgutil
+
+    from floquetrod import kernels
+
+    found = {
+        value
+        for module in pkgutil.iter_modules(kernels.__path__)
+        for value in vars(importlib.import_module(f"floquetrod.kernels.{module.name}")).values()
+        if getattr(value, "__kernel__", False)
+    }
+    assert len(found) > 60
+    assert len({_kernel_cache.fingerprint(function, {}) for function in found}) == len(found)
+
+
+# --- Ctrl-C ----------------------------------------------------------------------------------------------------------
+
+BIG = """
+import signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a process in the background would inherit "ignore"
+import numpy as np
+from floquetrod._compile import compiled
+from floquetrod.kernels.mathieu import damped_stable_fill
+points, out = np.linspace(-1.0, 1.0, 50), np.empty(50, dtype=bool)
+def once():
+    compiled(damped_stable_fill)(points, points, 0.1 + 0.0 * points, out)
+"""
+
+
+@needs_jit
+def test_ctrl_c_where_numba_forgets_exceptions_is_heard_and_compiling_can_be_tried_again(tmp_path: Path) -> None:
+    # LLVM calls this hook through ctypes, which prints an exception and goes on.
+    program = SMALL + (
+        "import os, signal\n"
+        "from numba.core.codegen import CPUCodeLibrary as Library\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "hook, times = Library._object_compiled_hook.__func__, []\n"
+        "def interrupted(cls, *arguments):\n"
+        "    if not times:\n"
+        "        times.append(1)\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "    hook(cls, *arguments)\n"
+        "Library._object_compiled_hook = classmethod(interrupted)\n"
+        "try:\n    once(); print('lost')\nexcept KeyboardInterrupt:\n    print('heard')\n"
+        "print(once(), len(times), signal.getsignal(signal.SIGINT) is signal.default_int_handler)"
+    )
+    run = python(program, tmp_path)
+    assert (run.stdout, run.stderr) == (f"heard\n{ANSWER} 1 True\n", "")
+
+
+@needs_jit
+@pytest.mark.parametrize("delay", [0.0, 0.4, 1.1])
+def test_ctrl_c_while_numba_compiles_ends_it(delay: float, tmp_path: Path) -> None:
+    program = BIG + "print('ready', flush=True)\ntry:\n    once()\nexcept KeyboardInterrupt:\n    print('heard')\n"
+    run = interrupted([sys.executable, "-P", "-c", program], delay, tmp_path)
+    assert run == ("heard\n", "", 0)
+
+
+@pytest.mark.slow
+@needs_jit
+@pytest.mark.parametrize("delay", np.linspace(0.05, 2.5, 25))
+def test_ctrl_c_ends_a_command_that_compiles(delay: float, tmp_path: Path) -> None:
+    program = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n" + (
+        "from floquetrod.cli import main; print('ready', flush=True); sys.exit(main())"
+    )
+    big = ["--mean", "0:1.1Fcr", "--amplitude", "0.2Fcr", "--frequency", "20:200", "--points", "6000x6000"]
+    out = ["--out", str(tmp_path / "map.npz")]
+    _, said, status = interrupted(
+        [sys.executable, "-P", "-c", program, "map", "--rod", "nitinol", *big, *out], delay, tmp_path
+    )
+    assert status == 130, said
+    assert "Traceback" not in said
+    assert said.endswith("floquetrod: interrupted\n")
+
+
+def interrupted(command: list[str], delay: float, cache: Path) -> tuple[str, str, int]:
+    """Interrupt a program, which says when it is ready, after a delay; return what else it says, and its status."""
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(cache)}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, text=True, env=environment, **pipes) as run:  # type: ignore[call-overload]
+        assert run.stdout.readline() == "ready\n"
+        time.sleep(delay)
+        run.send_signal(signal.SIGINT)
+        out, said = run.communicate(timeout=60)
+    return out, said, run.returncode
+
+
+def test_held_ctrl_c_is_delivered_when_asked_and_at_the_end() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    steps = []
+
+    def asked() -> None:
+        with _interrupt.held() as deliver:
+            deliver()
+            signal.raise_signal(signal.SIGINT)
+            steps.append("held")
+            deliver()
+            steps.append("not reached")
+
+    def at_the_end(error: Exception | None) -> None:
+        with _interrupt.held():
+            signal.raise_signal(signal.SIGINT)
+            steps.append("held to the end")
+            if error is not None:
+                raise error
+
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            asked()
+        with pytest.raises(KeyboardInterrupt):
+            at_the_end(None)
+        with pytest.raises(KeyboardInterrupt):
+            at_the_end(RuntimeError("which does not hide Ctrl-C"))
+        assert steps == ["held", "held to the end", "held to the end"]
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        heard: list[int] = []
+        signal.signal(signal.SIGINT, lambda number, frame: heard.append(number))
+        with _interrupt.held() as deliver:
+            signal.raise_signal(signal.SIGINT)
+            assert heard == []
+            deliver()
+            assert heard == [signal.SIGINT]
+        assert heard == [signal.SIGINT]
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        with _interrupt.held():
+            assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def test_other_threads_leave_signals_alone() -> None:
+    seen = []
+
+    def hold() -> None:
+        with _interrupt.held() as deliver:
+            deliver()
+            seen.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=hold)
+    thread.start()
+    thread.join()
+    assert seen == [signal.getsignal(signal.SIGINT)]
+
+
+# --- threads and forks -----------------------------------------------------------------------------------------------
+
+
+@needs_jit
+def test_many_threads_that_ask_first_get_one_compilation(tmp_path: Path) -> None:
+    program = (
+        TELL
+        + SMALL
+        + (
+            "from concurrent.futures import ThreadPoolExecutor\n"
+            "with ThreadPoolExecutor(8) as pool:\n"
+            "    print({task.result() for task in [pool.submit(once) for _ in range(8)]})"
+        )
+    )
+    assert python(program, tmp_path).stdout == f"compiling displacement_fill\n{{{ANSWER!r}}}\n"
+
+
+@needs_jit
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="there are no forks here")
+def test_a_child_forked_while_a_thread_compiles_is_not_stuck(tmp_path: Path) -> None:
+    program = SMALL + (
+        "import os, sys, threading, time, warnings\n"
+        "warnings.simplefilter('ignore', DeprecationWarning)  # Python warns of forks beside threads\n"
+        "thread = threading.Thread(target=once); thread.start(); time.sleep(0.6)\n"
+        "child = os.fork()\n"
+        "if child == 0:\n    os._exit(0 if once() == '-inf' else 1)\n"
+        "thread.join(); print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))"
+    )
+    assert python(program, tmp_path).stdout == "0\n"
+
+
+@pytest.mark.slow
+@needs_jit
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_worker_processes_compile_and_agree(method: str, tmp_path: Path) -> None:
+    import multiprocessing
+
+    if method not in multiprocessing.get_all_start_methods():
+        pytest.skip(f"there is no {method} here")
+    program = SMALL + (
+        "import multiprocessing, sys\n"
+        "from concurrent.futures import ProcessPoolExecutor\n"
+        "import floquetrod as fr\n"
+        f"context = multiprocessing.get_context({method!r})\n"
+        "with ProcessPoolExecutor(2, mp_context=context) as pool:\n"
+        "    points = [np.linspace(-1.0, 0.2, 100)] * 2\n"
+        "    first, second = pool.map(fr.mathieu.is_stable, [0.5, 0.5], points)\n"
+        "print((first == second).all(), (first == fr.mathieu.is_stable(0.5, points[0])).all())"
+    )
+    run = python(program, tmp_path)
+    assert run.stdout == "True True\n", run.stderr
+
+
+# --- what is said, and counted ---------------------------------------------------------------------------------------
+
+
+def test_the_terminal_says_once_that_it_compiles(capsys: pytest.CaptureFixture[str]) -> None:
+    log = logging.getLogger("floquetrod.compile")
+    level, handlers = log.level, list(log.handlers)
+    with common.compiling_told():
+        log.info("compiling %s", "one")
+        log.info("compiling %s", "two")
+    assert capsys.readouterr().err == "floquetrod: compiling (once), some seconds\n"
+    log.info("compiling %s", "three")
+    assert capsys.readouterr().err == ""
+    assert (log.level, log.handlers) == (level, handlers)
+
+
+@needs_jit
+def test_a_command_says_that_it_compiles(tmp_path: Path) -> None:
+    call = ["map", "--rod", "nitinol", "--mean", "0:1Fcr", "--amplitude", "0.2Fcr", "--frequency", "20:200"]
+    small = [*call, "--points", "30x30", "--paper-criterion", "leapfrog", "--out", str(tmp_path / "map.npz")]
+    command = f"from floquetrod.cli import main; main({small!r})"
+    assert python(command, tmp_path).stderr == "floquetrod: compiling (once), some seconds\n"
+    assert python(command, tmp_path).stderr == ""
+
+
+def test_the_clock_of_a_simulation_starts_when_all_is_compiled(monkeypatch: pytest.MonkeyPatch) -> None:
+    order: list[str] = []
+    clock = time.monotonic
+
+    def recorded(function: Callable[..., Any], *arguments: Any) -> Callable[..., Any]:
+        order.append(f"compile {function.__name__}")
+        return _compile.compiled_for(function, *arguments)
+
+    def tick() -> float:
+        order.append("clock")
+        return clock()
+
+    monkeypatch.setattr(course, "compiled_for", recorded)
+    monkeypatch.setattr(course.time, "monotonic", tick)
+    load = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
+    fr.simulate(fr.Rod.nitinol(), load, duration=1e-4, segments=60, frames=2)
+    assert order[:3] == ["compile advance", "compile drift", "clock"]
+    assert set(order[3:]) == {"clock"}
+
+
+# --- one compilation for a kernel ------------------------------------------------------------------------------------
+
+
+@needs_jit
+def test_a_kernel_is_compiled_once_whatever_arrays_come(tmp_path: Path) -> None:
+    locked = np.linspace(0.1, 1.0, 100)
+    locked.flags.writeable = False
+    plain, strided = locked.copy(), np.repeat(locked, 2)[::2]
+    runs = [fr.mathieu.is_stable(a, -0.3) for a in (plain, locked, strided, plain.astype(np.float32), plain.tolist())]
+    runs += [fr.PaperCriterion(by="leapfrog").growth(a, -0.3) > 0.0 for a in (plain, locked, strided)]
+    assert all(len(run) == 100 for run in runs)
+    for used in (mathieu.stable_fill, powers.displacement_fill):
+        before = len(_compile.compiled(used).signatures)
+        out = np.empty(100, dtype=np.bool_ if used is mathieu.stable_fill else np.float64)
+        inputs = (locked, locked) if used is mathieu.stable_fill else (np.ones((100, 5))[:, ::-1],)
+        constants = () if used is mathieu.stable_fill else (3,)
+        _compile.over_chunks(used, inputs, out, *constants)
+        assert len(_compile.compiled(used).signatures) == before
+
+
+COUNTED = """
+import json
+import numpy as np
+import floquetrod as fr
+from floquetrod import _compile
+made = {}
+plain = _compile._compiled
+def noted(function):
+    made[function.__name__] = plain(function)
+    return made[function.__name__]
+_compile._compiled = noted
+from numba.core import event
+callees = []
+class Compiled(event.Listener):
+    def on_start(self, e):
+        d = e.data["dispatcher"]
+        if d.py_func.__module__.startswith("floquetrod"):
+            callees.append(d.py_func.__qualname__)
+    def on_end(self, e):
+        pass
+event.register("numba:compile", Compiled())
+a = np.linspace(0.1, 1.0, 200)
+locked = a.copy()
+locked.flags.writeable = False
+rod = fr.Rod.nitinol()
+for x in (a, locked, a[::2], np.arange(1, 101), 1.5):
+    fr.mathieu.is_stable(x, -0.3 * a[0])
+    fr.mathieu.is_stable(np.ones(100), x if np.size(x) == 100 else -0.5, 0.1)
+    fr.mathieu.growth_rate(np.ones(100), -0.5, x if np.size(x) == 100 else 0)
+    rod.is_stable(x, 0.3, np.linspace(50.0, 99.0, np.size(x)), growth_tolerance=0)
+    rod.is_stable(0.3, x, 99, growth_tolerance=0.5)
+    rod.fastest(0.3, x, 99)
+load = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
+fr.simulate(rod, load, duration=1e-4, segments=60, frames=2)
+fr.simulate(rod, load, duration=1e-4, segments=60, frames=2, friction=0.1, time_step=1e-6)
+counts = {name: len(run.signatures) for name, run in made.items()}
+print(json.dumps({"signatures": counts, "callees": {name: callees.count(name) for name in callees}}))
+"""
+
+
+@pytest.mark.slow
+@needs_jit
+def test_public_calls_compile_each_kernel_and_each_callee_once(tmp_path: Path) -> None:
+    import json
+
+    run = python(COUNTED, tmp_path)
+    assert run.returncode == 0, run.stderr
+    found = json.loads(run.stdout)
+    assert {"modes_stable_fill", "damped_stable_fill", "modes_growth_fill", "advance"} <= set(found["signatures"])
+    assert {name: count for name, count in found["signatures"].items() if count != 1} == {}
+    # A segment's step is compiled for a rod that rubs and for one that does not: that constant pays.
+    assert {name: count for name, count in found["callees"].items() if count != 1} == {"_segments": 2}
