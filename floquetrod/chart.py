@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _files, _validate
+from floquetrod.result import NoTruthValue
 
 _FORMAT = "floquetrod chart 1"
 _AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
@@ -36,7 +37,7 @@ class Axis:
 
 
 @dataclass(frozen=True, repr=False)
-class Chart:
+class Chart(NoTruthValue):
     """Verdicts over a plane.
 
     Attributes
@@ -63,6 +64,8 @@ class Chart:
     version : str
         Version of the package that made it.
     """
+
+    ask = ".stable, an array"
 
     x: Axis
     y: Axis

@@ -43,7 +43,7 @@ from typing import Any, NamedTuple
 
 from floquetrod import _validate
 from floquetrod.equations import Equation, Hill, Mathieu, SquareWave, require
-from floquetrod.result import Interval, Status
+from floquetrod.result import Interval, Status, Verdict
 
 _FIRST_DIGITS = 15
 _LARGEST_WORK = 4e6  # interval operations, about ten seconds' worth (heuristic)
@@ -65,7 +65,7 @@ class Enclosure(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class Proof:
+class Proof(Verdict):
     """A proved verdict, or why there is none.
 
     Attributes
@@ -90,11 +90,6 @@ class Proof:
     digits: int
     statement: str
     enclosures: tuple[Enclosure, ...] = ()
-
-    @property
-    def stable(self) -> bool | None:
-        """True, False, or None when undecided."""
-        return {"stable": True, "unstable": False}.get(self.status)
 
     def __repr__(self) -> str:
         """Return the proof as a sentence."""

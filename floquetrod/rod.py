@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate, units
-from floquetrod._compile import broadcast, over_chunks
+from floquetrod._arrays import broadcast, shaped
+from floquetrod._compile import over_chunks
 from floquetrod.coulomb import Coulomb
 from floquetrod.criterion import PaperCriterion
 from floquetrod.kernels import mathieu as kernels
-from floquetrod.load import AxialLoad
+from floquetrod.load import LARGEST_FORCE, LARGEST_FREQUENCY, LEAST_FREQUENCY, AxialLoad
 from floquetrod.rod_data import MOST_MODES, NEGLIGIBLE_GROWTH, RodData
 from floquetrod.rod_friction import CriticalKick, RodFriction, critical_kick, critical_kicks, judge_kick, stable_loads
 from floquetrod.rod_ranges import SafeRanges, safe_ranges
@@ -187,7 +188,7 @@ class Rod(RodData):
         tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
         shape, *loads = self._loads(mean, amplitude, frequency)
         velocity, mode = critical_kicks(self, loads[:3], mu, tolerance, workers)
-        return velocity.reshape(shape), mode.reshape(shape)
+        return shaped(velocity, shape), shaped(mode, shape)
 
     def stable_mean_forces(
         self, amplitude: float, frequency: float, upto: float | None = None, growth_tolerance: float = 0.0
@@ -287,16 +288,16 @@ class Rod(RodData):
             criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if friction is None else friction.mu)
         if friction is not None:
             kept = stable_loads(self, (force, size, omega), _coulomb(friction), tolerance, workers)
-            return kept.reshape(shape) if shape else bool(kept[0])
+            return shaped(kept, shape)
         if criterion is not None:
             family = tuple(np.broadcast_to(part, omega.shape) for part in self.mode_family(force, size, omega))
             out = criterion.modes_are_stable(family, self.damping_rate / omega, workers=workers)
-            return out.reshape(shape) if shape else bool(out[0])
+            return shaped(out, shape)
         out = np.empty(omega.size, dtype=np.bool_)
         constants = (*self.mode_constants, self.damping_rate, tolerance, NEGLIGIBLE_GROWTH)
         loads = (force, size, omega)
         over_chunks(kernels.modes_stable_fill, loads, out, *constants, workers=workers, chunk=4096)
-        return out.reshape(shape) if shape else bool(out[0])
+        return shaped(out, shape)
 
     def growth_rate(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> Any:
         """Return the growth rate in 1/s of the fastest mode over arrays of loads; 0 where stable."""
@@ -310,24 +311,17 @@ class Rod(RodData):
         loads = (force, size, omega)
         over_chunks(kernels.modes_growth_fill, loads, out, *constants, workers=workers, chunk=4096)
         growth, mode = out[:, 0], out[:, 1].astype(np.int64)
-        if shape:
-            return growth.reshape(shape), mode.reshape(shape)
-        return float(growth[0]), int(mode[0])
+        return shaped(growth, shape), shaped(mode, shape)
 
     def _loads(
         self, mean: Any, amplitude: Any, frequency: Any
     ) -> tuple[tuple[int, ...], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return the common shape of loads that broadcast, and their flat arrays."""
-        arrays = (
-            _validate.array("mean", mean, least=-1e12, largest=1e12),
-            _validate.array("amplitude", amplitude, least=0.0, largest=1e12),
-            _validate.array("frequency", frequency, least=1e-9, largest=1e12),
+        shape, (force, size, omega) = broadcast(
+            mean=_validate.array("mean", mean, least=-LARGEST_FORCE, largest=LARGEST_FORCE),
+            amplitude=_validate.array("amplitude", amplitude, least=0.0, largest=LARGEST_FORCE),
+            frequency=_validate.array("frequency", frequency, least=LEAST_FREQUENCY, largest=LARGEST_FREQUENCY),
         )
-        try:
-            shape, (force, size, omega) = broadcast(*arrays)
-        except ValueError:
-            shapes = ", ".join(str(array.shape) for array in arrays)
-            raise ValueError(f"mean, amplitude and frequency must broadcast to one shape, got {shapes}") from None
         largest = float((force + size).max(initial=0.0))  # a + b over the stiffness, for the first mode
         if largest > MOST_MODES**2 * self.flexural_rigidity * self.wavenumber(1) ** 2:
             raise ValueError(f"mean needs more than {MOST_MODES} modes: far above the critical force; check its unit")

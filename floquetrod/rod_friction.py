@@ -19,7 +19,7 @@ from floquetrod.friction.critical import critical_perturbation
 from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning, fate, outcome
 from floquetrod.kernels.mathieu import mode_coefficients
 from floquetrod.load import AxialLoad
-from floquetrod.result import Status
+from floquetrod.result import Status, Verdict
 from floquetrod.rod_data import RodData
 from floquetrod.rod_stability import RodStability
 
@@ -37,7 +37,7 @@ class CriticalKick(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class RodFriction:
+class RodFriction(Verdict):
     """Verdict on a rod with friction, every mode of which is kicked alike.
 
     Attributes
@@ -72,11 +72,6 @@ class RodFriction:
         """Verdict: stable when no mode escapes."""
         found = {fate.status for fate in self.fates}
         return "unstable" if "escapes" in found else "undecided" if "undecided" in found else "stable"
-
-    @property
-    def stable(self) -> bool | None:
-        """True, False, or None when undecided."""
-        return {"stable": True, "unstable": False}.get(self.status)
 
     @cached_property
     def critical_kick(self) -> CriticalKick:

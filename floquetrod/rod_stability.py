@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from floquetrod.equations import Mathieu
 from floquetrod.load import AxialLoad
-from floquetrod.result import Stability, Status
+from floquetrod.result import Stability, Status, Verdict
 from floquetrod.rod_data import RodData
 from floquetrod.rod_tongues import UnstableRange, unstable_amplitudes, unstable_frequencies, unstable_mean_forces
 from floquetrod.tongues import damping_to_stabilise
@@ -38,7 +38,7 @@ class Margin(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class RodStability:
+class RodStability(Verdict):
     """Verdict on a rod under a load.
 
     Attributes
@@ -73,11 +73,6 @@ class RodStability:
     growth_tolerance: float
     left_out_bound: float
     cutoff: str
-
-    @property
-    def stable(self) -> bool | None:
-        """True, False, or None when undecided."""
-        return {"stable": True, "unstable": False}.get(self.status)
 
     @property
     def modes_checked(self) -> int:

@@ -16,6 +16,7 @@ from floquetrod import _files, _validate
 from floquetrod.growth import LEAST_PER_PERIOD, GrowthFit, fit_growth
 from floquetrod.load import AxialLoad
 from floquetrod.perturbation import LEAST_SEGMENTS, Perturbation
+from floquetrod.result import NoTruthValue
 from floquetrod.rod import Rod
 from floquetrod.segmented import ENERGIES, SegmentedRod
 
@@ -71,7 +72,7 @@ class Setting:
 
 
 @dataclass(frozen=True, repr=False)
-class Simulation:
+class Simulation(NoTruthValue):
     """The course of a simulated rod.
 
     Attributes
@@ -90,6 +91,8 @@ class Simulation:
     seconds : float
         Wall time it took.
     """
+
+    ask = ".buckled"
 
     setting: Setting
     time: NDArray[np.float64]
