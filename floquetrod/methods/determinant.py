@@ -77,7 +77,9 @@ def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
         interval=Interval.from_count(below) if status != "undecided" else None,
         undamped_status=status,
         cost=Cost(4 * rows + 1, "rows"),
-        note="" if settled else f"{rows} terms are too few, or this is a boundary; raise terms, or leave them to be chosen",
+        note=""
+        if settled
+        else f"{rows} terms are too few, or this is a boundary; raise terms, or leave them to be chosen",
     )
 
 
