@@ -75,15 +75,21 @@ def within(name: str, value: Any, least: float, largest: float, hint: str = "") 
 
 
 def coefficient(name: str, value: Any) -> float:
-    """Return ``value`` as a float of magnitude at most `LARGEST`, which it must be exactly.
+    """Return ``value`` as a float of magnitude at most `LARGEST`, which it must be exactly."""
+    return unrounded(
+        name, value, within(name, value, -LARGEST, LARGEST, "check the units of what it was computed from")
+    )
 
-    An equation is what its coefficients are: a verdict on 1/3 is not one on the nearest double.
+
+def unrounded(name: str, value: Any, number: float) -> float:
+    """Return ``number`` when it is ``value`` exactly.
+
+    An equation is what its parameters are: a verdict on the nearest double is not one on 1/3.
     """
-    number = within(name, value, -LARGEST, LARGEST, "check the units of what it was computed from")
     if value != number:
         raise ValueError(
             f"{name} = {_short(value)} is not a binary number of 53 digits; round it with float({name}), or prove the "
-            f"exact number with certify(Mathieu, {name}=...)"
+            f"exact number with certify(Mathieu, {name}=..., ...), say"
         )
     return number
 
@@ -120,14 +126,24 @@ def interval(name: str, value: Any, element: Callable[[str, Any], float] = finit
 # --- several numbers ---
 
 
+def sequence(name: str, values: Any, example: str = "(0.5, 0.1)") -> list[Any]:
+    """Return a one-dimensional sequence as a list of no more than `MOST_NUMBERS`."""
+    if isinstance(values, str | bytes | Mapping | Set | np.ma.MaskedArray) or not np.iterable(values):
+        raise TypeError(f"{name} must be a sequence of numbers such as {example}, got {_short(values)}")
+    listed = list(islice(values, MOST_NUMBERS + 1))
+    if len(listed) > MOST_NUMBERS:
+        raise ValueError(f"{name} must hold at most {MOST_NUMBERS} numbers, got more")
+    return listed
+
+
 def numbers(name: str, values: Any) -> tuple[float, ...]:
     """Return a one-dimensional sequence of coefficients as a tuple."""
-    return tuple(coefficient(f"{name}[{i}]", value) for i, value in enumerate(_listed(name, values, "(0.5, 0.1)")))
+    return tuple(coefficient(f"{name}[{i}]", value) for i, value in enumerate(sequence(name, values)))
 
 
 def integers(name: str, values: Any, least: int, most: int = MOST_NUMBERS) -> tuple[int, ...]:
     """Return a one-dimensional sequence of ints from ``least`` to ``most`` as a tuple."""
-    listed = _listed(name, values, "(6, 7, 8)")
+    listed = sequence(name, values, "(6, 7, 8)")
     return tuple(integer(f"{name}[{i}]", value, least, most) for i, value in enumerate(listed))
 
 
@@ -231,16 +247,6 @@ def _masked(values: Any) -> bool:
     if isinstance(values, list | tuple):
         return any(_masked(value) for value in values if not isinstance(value, float | int))
     return isinstance(values, np.ma.MaskedArray)
-
-
-def _listed(name: str, values: Any, example: str) -> list[Any]:
-    """Return a one-dimensional sequence as a list of no more than `MOST_NUMBERS`."""
-    if isinstance(values, str | bytes | Mapping | Set | np.ma.MaskedArray) or not np.iterable(values):
-        raise TypeError(f"{name} must be a sequence of numbers such as {example}, got {_short(values)}")
-    listed = list(islice(values, MOST_NUMBERS + 1))
-    if len(listed) > MOST_NUMBERS:
-        raise ValueError(f"{name} must hold at most {MOST_NUMBERS} numbers, got more")
-    return listed
 
 
 def _at(name: str, index: Sequence[int]) -> str:

@@ -135,7 +135,8 @@ class Hill:
         _set(self, "mean", _validate.coefficient("mean", self.mean))
         _set(self, "cosines", _validate.numbers("cosines", self.cosines))
         _set(self, "sines", _validate.numbers("sines", self.sines))
-        _set(self, "period", _validate.positive("period", self.period, "give the period of the coefficient in tau"))
+        period = _validate.positive("period", self.period, "give the period of the coefficient in tau")
+        _set(self, "period", _validate.unrounded("period", self.period, period))
         _set(self, "damping", _damping(self.damping))
 
     def coefficient(self, tau: Any) -> Any:
@@ -222,7 +223,7 @@ def _damping(value: Any) -> float:
     number = _validate.nonnegative("damping", value, "growth of the free motion is not damping")
     if number > math.sqrt(_validate.LARGEST):
         raise ValueError(f"damping must be at most {math.sqrt(_validate.LARGEST):g}, got {number!r}; check its unit")
-    return number
+    return _validate.unrounded("damping", value, number)
 
 
 def _times(tau: Any) -> NDArray[np.float64]:

@@ -14,14 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate, units
-from floquetrod._arrays import broadcast, shaped
+from floquetrod._arrays import broadcast, plain, shaped
 from floquetrod._compile import over_chunks
 from floquetrod.coulomb import Coulomb
 from floquetrod.criterion import PaperCriterion
+from floquetrod.friction.fates import UndecidedWarning
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.load import LARGEST_FORCE, LARGEST_FREQUENCY, LEAST_FREQUENCY, AxialLoad
 from floquetrod.rod_data import MOST_MODES, NEGLIGIBLE_GROWTH, RodData
-from floquetrod.rod_friction import CriticalKick, RodFriction, critical_kick, critical_kicks, judge_kick, stable_loads
+from floquetrod.rod_friction import CriticalKick, RodFriction, critical_kick, critical_kicks, judge_kick, kicked_loads
 from floquetrod.rod_ranges import SafeRanges, safe_ranges
 from floquetrod.rod_stability import RodStability, judge_modes
 from floquetrod.rod_tongues import UnstableRange, unstable_amplitudes, unstable_frequencies, unstable_mean_forces
@@ -277,27 +278,65 @@ class Rod(RodData):
         """Return whether the rod is stable, over arrays of loads (N, N, rad/s) that broadcast, all relevant modes.
 
         A mode counts as stable up to ``growth_tolerance`` (1/s), or when it passes the ``criterion``.  With
-        ``friction``: whether its kick sets off no mode; loads that cannot be decided are warned of and False.
+        ``friction``: whether its kick sets off no mode; loads that cannot be decided are warned of and False, and
+        `verdicts` tells which.
 
         >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
         array([False, False])
         """
+        found = self.verdicts(
+            mean,
+            amplitude,
+            frequency,
+            growth_tolerance=growth_tolerance,
+            criterion=criterion,
+            friction=friction,
+            workers=workers,
+        )
+        unsure = int(np.count_nonzero(np.equal(found, -1)))
+        if unsure:
+            warnings.warn(
+                f"{unsure} of {np.size(found)} loads could not be decided and count as unstable; verdicts tells which",
+                UndecidedWarning,
+                stacklevel=2,
+            )
+        return plain(np.equal(found, 1))
+
+    def verdicts(
+        self,
+        mean: Any,
+        amplitude: Any,
+        frequency: Any,
+        *,
+        growth_tolerance: float = 0.0,
+        criterion: PaperCriterion | None = None,
+        friction: Coulomb | None = None,
+        workers: int | None = None,
+    ) -> Any:
+        """Return 1 where the rod is stable, 0 where it is not and -1 where that cannot be decided, as int8.
+
+        Arguments as in `is_stable`; only kicks against friction are ever undecided.
+
+        >>> Rod.nitinol().verdicts([0.34, 0.9], 0.34, 150.0, friction=Coulomb(mu=0.1, velocity=0.01))
+        array([1, 0], dtype=int8)
+        """
         tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
-        shape, force, size, omega = self._loads(mean, amplitude, frequency)
+        friction = None if friction is None else _coulomb(friction)
         if criterion is not None:
+            _validate.instance("criterion", criterion, PaperCriterion)
             criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if friction is None else friction.mu)
+        shape, force, size, omega = self._loads(mean, amplitude, frequency)
         if friction is not None:
-            kept = stable_loads(self, (force, size, omega), _coulomb(friction), tolerance, workers)
-            return shaped(kept, shape)
+            return shaped(kicked_loads(self, (force, size, omega), friction, tolerance, workers), shape)
         if criterion is not None:
             family = tuple(np.broadcast_to(part, omega.shape) for part in self.mode_family(force, size, omega))
-            out = criterion.modes_are_stable(family, self.damping_rate / omega, workers=workers)
-            return shaped(out, shape)
+            passed = criterion.modes_are_stable(family, self.damping_rate / omega, workers=workers)
+            return shaped(passed.astype(np.int8), shape)
         out = np.empty(omega.size, dtype=np.bool_)
         constants = (*self.mode_constants, self.damping_rate, tolerance, NEGLIGIBLE_GROWTH)
         loads = (force, size, omega)
         over_chunks(kernels.modes_stable_fill, loads, out, *constants, workers=workers, chunk=4096)
-        return shaped(out, shape)
+        return shaped(out.view(np.int8), shape)
 
     def growth_rate(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> Any:
         """Return the growth rate in 1/s of the fastest mode over arrays of loads; 0 where stable."""
