@@ -317,7 +317,7 @@ class Rod(RodData):
 
         Arguments as in `is_stable`; only kicks against friction are ever undecided.
 
-        >>> Rod.nitinol().verdicts([0.34, 0.9], 0.34, 150.0, friction=Coulomb(mu=0.1, velocity=0.01))
+        >>> Rod.nitinol().verdicts([0.2, 0.72], 1.187, 150.0, friction=Coulomb(mu=0.1, velocity=0.05))
         array([1, 0], dtype=int8)
         """
         tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
