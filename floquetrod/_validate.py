@@ -38,13 +38,13 @@ def finite(name: str, value: Any, hint: str = "") -> float:
     if isinstance(value, bool | str | bytes | bytearray | np.ma.MaskedArray) or (
         isinstance(value, np.ndarray | np.generic) and (value.dtype.kind not in "iuf" or value.ndim > 0)
     ):
-        raise TypeError(f"{name} must be a real number, got {_short(value)}{_remedy(hint)}")
+        raise TypeError(f"{name} must be a real number, got {short(value)}{_remedy(hint)}")
     try:
         number = float(value)
     except OverflowError:
         raise ValueError(f"{name} must be finite, got a number beyond 1e308{_remedy(hint)}") from None
     except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a single real number, got {_short(value)}{_remedy(hint)}") from None
+        raise TypeError(f"{name} must be a single real number, got {short(value)}{_remedy(hint)}") from None
     if not math.isfinite(number):
         raise ValueError(f"{name} must be finite, got {number!r}{_remedy(hint)}")
     return number
@@ -88,7 +88,7 @@ def unrounded(name: str, value: Any, number: float) -> float:
     """
     if value != number:
         raise ValueError(
-            f"{name} = {_short(value)} is not a binary number of 53 digits; round it with float({name}), or prove the "
+            f"{name} = {short(value)} is not a binary number of 53 digits; round it with float({name}), or prove the "
             f"exact number with certify(Mathieu, {name}=..., ...), say"
         )
     return number
@@ -101,11 +101,11 @@ def integer(name: str, value: Any, least: int, most: int = _LARGEST_INTEGER, hin
     try:
         number = operator.index(value)
     except TypeError:
-        raise TypeError(f"{name} must be an integer, got {_short(value)}{_remedy(hint)}") from None
+        raise TypeError(f"{name} must be an integer, got {short(value)}{_remedy(hint)}") from None
     if number < least:
-        raise ValueError(f"{name} must be {least} or more, got {_short(number)}{_remedy(hint)}")
+        raise ValueError(f"{name} must be {least} or more, got {short(number)}{_remedy(hint)}")
     if number > most:
-        raise ValueError(f"{name} must be at most {most}, got {_short(number)}{_remedy(hint)}")
+        raise ValueError(f"{name} must be at most {most}, got {short(number)}{_remedy(hint)}")
     return number
 
 
@@ -116,7 +116,7 @@ def interval(name: str, value: Any, element: Callable[[str, Any], float] = finit
             raise TypeError
         low, high = value
     except (TypeError, ValueError):
-        raise TypeError(f"{name} must be two numbers (low, high), got {_short(value)}") from None
+        raise TypeError(f"{name} must be two numbers (low, high), got {short(value)}") from None
     ends = element(f"{name}[0]", low), element(f"{name}[1]", high)
     if not ends[0] < ends[1]:
         raise ValueError(f"{name} must increase, got ({ends[0]:g}, {ends[1]:g}); give the lower end first")
@@ -129,7 +129,7 @@ def interval(name: str, value: Any, element: Callable[[str, Any], float] = finit
 def sequence(name: str, values: Any, example: str = "(0.5, 0.1)") -> list[Any]:
     """Return a one-dimensional sequence as a list of no more than `MOST_NUMBERS`."""
     if isinstance(values, str | bytes | Mapping | Set | np.ma.MaskedArray) or not np.iterable(values):
-        raise TypeError(f"{name} must be a sequence of numbers such as {example}, got {_short(values)}")
+        raise TypeError(f"{name} must be a sequence of numbers such as {example}, got {short(values)}")
     listed = list(islice(values, MOST_NUMBERS + 1))
     if len(listed) > MOST_NUMBERS:
         raise ValueError(f"{name} must hold at most {MOST_NUMBERS} numbers, got more")
@@ -162,7 +162,7 @@ def array(name: str, values: Any, *, least: float = -LARGEST, largest: float = L
         flat = [finite(_at(name, index), value) for index, value in np.ndenumerate(raw)]
         raw = np.array(flat, dtype=np.float64).reshape(raw.shape)
     elif raw.dtype.kind not in "iuf" and raw.size:
-        raise TypeError(f"{name} must hold real numbers, got {_short(values)}")
+        raise TypeError(f"{name} must hold real numbers, got {short(values)}")
     with np.errstate(over="ignore"):  # of longer floats; infinity is then refused
         result = raw.astype(np.float64, copy=False)
     # One pass decides the common case: a NaN makes both comparisons false.
@@ -183,9 +183,9 @@ def integer_array(name: str, values: Any, least: int, most: int = MOST_NUMBERS) 
         if raw.dtype.kind == "O":  # names the entry that is none, or is too large
             for index, value in np.ndenumerate(raw):
                 integer(_at(name, index), value, least, most)
-        raise TypeError(f"{name} must hold integers, got {_short(values)}")
+        raise TypeError(f"{name} must hold integers, got {short(values)}")
     if raw.size and (raw.min() < least or raw.max() > most):
-        raise ValueError(f"{name} must lie between {least} and {most}, got {_short(values)}")
+        raise ValueError(f"{name} must lie between {least} and {most}, got {short(values)}")
     return raw.astype(np.int64)
 
 
@@ -196,7 +196,7 @@ def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
     """Return ``value`` when it is one of ``allowed``."""
     options = tuple(allowed)
     if not isinstance(value, str):
-        raise TypeError(f"{name} must be one of {', '.join(map(repr, options))}, got {_short(value)}")
+        raise TypeError(f"{name} must be one of {', '.join(map(repr, options))}, got {short(value)}")
     if value not in options:
         raise ValueError(f"{name} must be one of {', '.join(map(repr, options))}, got {value!r}")
     return str(value)
@@ -205,7 +205,7 @@ def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
 def flag(name: str, value: Any) -> bool:
     """Return ``value`` as a bool: True or False and nothing like it."""
     if not isinstance(value, bool | np.bool_):
-        raise TypeError(f"{name} must be True or False, got {_short(value)}")
+        raise TypeError(f"{name} must be True or False, got {short(value)}")
     return bool(value)
 
 
@@ -213,14 +213,14 @@ def instance(name: str, value: Any, kind: type[T], hint: str = "") -> T:
     """Return ``value`` when it is a ``kind``."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise TypeError(f"{name} must be {article} {kind.__name__}, got {_short(value)}{_remedy(hint)}")
+        raise TypeError(f"{name} must be {article} {kind.__name__}, got {short(value)}{_remedy(hint)}")
     return value
 
 
 def function(name: str, value: Any) -> Any:
     """Return ``value`` when it can be called."""
     if not callable(value):
-        raise TypeError(f"{name} must be a function, got {_short(value)}")
+        raise TypeError(f"{name} must be a function, got {short(value)}")
     return value
 
 
@@ -239,7 +239,7 @@ def _raw(name: str, values: Any) -> NDArray[Any]:
     try:
         return np.asarray(values)
     except (ValueError, OverflowError):  # ragged, or deeper than arrays go
-        raise ValueError(f"{name} must be an array or nested lists of equal lengths, got {_short(values)}") from None
+        raise ValueError(f"{name} must be an array or nested lists of equal lengths, got {short(values)}") from None
 
 
 def _masked(values: Any) -> bool:
@@ -257,7 +257,8 @@ def _remedy(hint: str) -> str:
     return f"; {hint}" if hint else ""
 
 
-def _short(value: Any) -> str:
+def short(value: Any) -> str:
+    """Return ``value`` as it is written in a message, however long it is."""
     try:
         text = repr(value)
     except ValueError:  # an integer of more digits than Python prints

@@ -16,6 +16,8 @@ from floquetrod.result import NoTruthValue
 _FORMAT = "floquetrod chart 1"
 _AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
 
+_MOST_VALUES = 100_000  # of an axis (a choice)
+
 Progress = Callable[[int, int], None]
 """Called with the number of points done and their total."""
 
@@ -162,15 +164,21 @@ def axis_values(name: str, values: Any) -> NDArray[np.float64]:
     """Return the values of an axis given as (low, high, number) or as an increasing array of another length than 3."""
     array = _validate.array(name, values, least=-1e12, largest=1e12)
     if array.ndim != 1 or array.size < 2:
-        raise ValueError(f"{name} must be (low, high, number) or an increasing array, got {values!r}")
+        raise ValueError(f"{name} must be (low, high, number) or an increasing array, got {_validate.short(values)}")
     if array.size == 3 and isinstance(values, tuple):
-        count = _validate.integer(f"{name}[2]", values[2], 2)
+        count = _validate.integer(f"{name}[2]", values[2], 2, _MOST_VALUES)
         if not array[0] < array[1]:
-            raise ValueError(f"{name} must be (low, high, number) with low < high, got {values!r}")
+            raise ValueError(f"{name} must be (low, high, number) with low < high, got {_validate.short(values)}")
         return np.linspace(array[0], array[1], count)
     if not (np.diff(array) > 0.0).all():
-        raise ValueError(f"{name} must increase from value to value, got {values!r}")
+        raise ValueError(f"{name} must increase from value to value, got {_validate.short(values)}")
     return array
+
+
+def require_progress(progress: Any) -> None:
+    """Raise TypeError unless ``progress`` is None or can be called."""
+    if progress is not None:
+        _validate.function("progress", progress)
 
 
 def fill_rows(

@@ -216,7 +216,7 @@ def require(value: Any, kinds: tuple[type, ...] = (Mathieu, SquareWave, Hill), b
     """Raise TypeError unless ``value`` is one of the equation ``kinds``."""
     if not isinstance(value, kinds):
         names = ", ".join(kind.__name__ for kind in kinds)
-        raise TypeError(f"equation must be {names}{' for ' + by if by else ''}, got {value!r}")
+        raise TypeError(f"equation must be {names}{' for ' + by if by else ''}, got {_validate.short(value)}")
 
 
 def _damping(value: Any) -> float:

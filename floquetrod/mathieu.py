@@ -19,7 +19,7 @@ from floquetrod._arrays import broadcast, shaped
 from floquetrod._compile import over_chunks
 from floquetrod._version import __version__
 from floquetrod.characteristic import TransitionCurves, characteristic_values, transition_curves
-from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows, require_progress
 from floquetrod.criterion import PaperCriterion
 from floquetrod.equations import Equation, Mathieu, SquareWave
 from floquetrod.kernels import mathieu as kernels
@@ -165,9 +165,14 @@ def chart(
     """
     x = Axis("alpha", r"\alpha", "", axis_values("alpha", alpha))
     y = Axis("beta", r"\beta", "", axis_values("beta", beta))
-    c = _validate.nonnegative("damping", damping)
+    c = _validate.within("damping", damping, 0.0, _validate.LARGEST**0.5, "give one number for the whole chart")
     tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+    growth = _validate.flag("growth", growth)
+    workers = _validate.workers(workers)
+    require_progress(progress)
+    kind = _name(_validate.function("equation", equation)(0.0, 0.0, 0.0))
     if criterion is not None:
+        _validate.instance("criterion", criterion, PaperCriterion)
         criterion.require_alone(growth_tolerance=tolerance)
         equations.require(equation(0.0, 0.0, 0.0), (Mathieu,), by="PaperCriterion")
     judge = _judge_mathieu if equation is Mathieu else functools.partial(_judge_each, equation)
@@ -179,7 +184,7 @@ def chart(
         return status, rate
 
     status, rate = fill_rows(rows, y.values, x.values.size, (np.int8, np.float64), progress)
-    subject = {"kind": _name(equation(0.0, 0.0, 0.0)), "fixed": [["damping", c, "per unit of tau"]]}
+    subject = {"kind": kind, "fixed": [["damping", c, "per unit of tau"]]}
     return Chart(
         x,
         y,
@@ -225,6 +230,7 @@ def _judge_each(
 
 
 def _name(equation: Equation) -> str:
+    equations.require(equation)
     names = {Mathieu: "Mathieu's equation", SquareWave: "Meissner's equation (square wave)"}
     return names.get(type(equation), "Hill's equation")
 

@@ -16,12 +16,12 @@ from numpy.typing import NDArray
 from floquetrod import _validate, units
 from floquetrod._arrays import broadcast, plain, shaped
 from floquetrod._compile import over_chunks
-from floquetrod.coulomb import Coulomb
+from floquetrod.coulomb import Coulomb, friction_coefficient
 from floquetrod.criterion import PaperCriterion
 from floquetrod.friction.fates import UndecidedWarning
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.load import LARGEST_FORCE, LARGEST_FREQUENCY, LEAST_FREQUENCY, AxialLoad
-from floquetrod.rod_data import MOST_MODES, NEGLIGIBLE_GROWTH, RodData
+from floquetrod.rod_data import NEGLIGIBLE_GROWTH, RodData
 from floquetrod.rod_friction import CriticalKick, RodFriction, critical_kick, critical_kicks, judge_kick, kicked_loads
 from floquetrod.rod_ranges import SafeRanges, safe_ranges
 from floquetrod.rod_stability import RodStability, judge_modes
@@ -136,8 +136,8 @@ class Rod(RodData):
         >>> rod.stability(load).unstable_modes
         (7,)
         """
-        if not isinstance(load, AxialLoad):
-            raise TypeError(f"load must be an AxialLoad, got {load!r}")
+        _validate.instance("load", load, AxialLoad)
+        friction = None if friction is None else _coulomb(friction)
         growth_tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
         self._warn_unless_uniform(load)
         if modes is None:
@@ -149,14 +149,12 @@ class Rod(RodData):
                 else f"modes 1 to {last}: no higher mode can grow"
             )
         else:
-            chosen = tuple(_validate.integer(f"modes[{i}]", mode, 1) for i, mode in enumerate(modes))
-            if not chosen:
-                raise ValueError("modes must name at least one mode, got none; leave it out to take all that matter")
+            chosen = _validate.modes(modes)
             left_out = math.inf
             cutoff = f"the {len(chosen)} modes asked for; nothing is said about others"
         equations = self.mode_equations(load, chosen)
         linear = judge_modes(self, load, chosen, equations, growth_tolerance, left_out, cutoff)
-        return linear if friction is None else judge_kick(linear, _coulomb(friction))
+        return linear if friction is None else judge_kick(linear, friction)
 
     def critical_velocity(self, load: AxialLoad, mu: float, growth_tolerance: float = 0.0) -> CriticalKick:
         """Return the smallest transverse velocity in m/s that buckles the rod against friction, and the mode.
@@ -171,7 +169,7 @@ class Rod(RodData):
         >>> round(1e3 * velocity, 1), mode
         (32.1, 9)
         """
-        mu = _validate.nonnegative("mu", mu, "friction opposes the motion")
+        mu = friction_coefficient(mu)
         return critical_kick(self.stability(load, None, growth_tolerance), mu)
 
     def critical_velocities(
@@ -185,7 +183,7 @@ class Rod(RodData):
         workers: int | None = None,
     ) -> tuple[Any, Any]:
         """Return what `critical_velocity` does over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
-        mu = _validate.nonnegative("mu", mu, "friction opposes the motion")
+        mu = friction_coefficient(mu)
         tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
         shape, *loads = self._loads(mean, amplitude, frequency)
         velocity, mode = critical_kicks(self, loads[:3], mu, tolerance, workers)
@@ -361,9 +359,7 @@ class Rod(RodData):
             amplitude=_validate.array("amplitude", amplitude, least=0.0, largest=LARGEST_FORCE),
             frequency=_validate.array("frequency", frequency, least=LEAST_FREQUENCY, largest=LARGEST_FREQUENCY),
         )
-        largest = float((force + size).max(initial=0.0))  # a + b over the stiffness, for the first mode
-        if largest > MOST_MODES**2 * self.flexural_rigidity * self.wavenumber(1) ** 2:
-            raise ValueError(f"mean needs more than {MOST_MODES} modes: far above the critical force; check its unit")
+        self.require_in_reach(force, size, omega)
         return shape, force, size, omega
 
     def _warn_unless_uniform(self, load: AxialLoad) -> None:
@@ -378,9 +374,7 @@ class Rod(RodData):
 
 
 def _coulomb(friction: Any) -> Coulomb:
-    if not isinstance(friction, Coulomb):
-        raise TypeError(f"friction must be a Coulomb, got {friction!r}; give Coulomb(mu=..., velocity=...)")
-    return friction
+    return _validate.instance("friction", friction, Coulomb, "give Coulomb(mu=..., velocity=...)")
 
 
 def _first_unstable(ranges: SafeRanges) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from floquetrod import _validate
 from floquetrod._version import __version__
-from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows, require_progress
 from floquetrod.coulomb import Coulomb
 from floquetrod.criterion import PaperCriterion
 from floquetrod.rod import Rod
@@ -70,12 +70,12 @@ def stability_map(
     for name, option, kind in (("criterion", criterion, PaperCriterion), ("friction", friction, Coulomb)):
         if option is not None:
             _validate.instance(name, option, kind)
-    if progress is not None:
-        _validate.function("progress", progress)
+    workers = _validate.workers(workers)
+    require_progress(progress)
     if friction is not None and growth:
         raise ValueError("growth is that of the rod without friction; leave out either growth or friction")
     given = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
-    fixed = [name for name, value in given.items() if np.ndim(value) == 0]
+    fixed = [name for name, value in given.items() if _validate.array(name, value, least=-1e12, largest=1e12).ndim == 0]
     if len(fixed) != 1:
         raise ValueError(
             "exactly one of mean, amplitude and frequency must be a single number and the others (low, high, number) "

@@ -11,6 +11,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import _validate
 from floquetrod.equations import Mathieu
 from floquetrod.load import AxialLoad
 from floquetrod.result import Stability, Status, Verdict
@@ -97,7 +98,7 @@ class RodStability(Verdict):
 
     def time_to_grow(self, factor: float = 10.0) -> float:
         """Return the time in s in which the fastest mode grows by ``factor``, infinite when none grows."""
-        if not factor > 1.0:
+        if not _validate.finite("factor", factor) > 1.0:
             raise ValueError(f"factor must be greater than 1, got {factor!r}")
         return math.log(factor) / self.growth_rate if self.growth_rate > 0.0 else math.inf
 

@@ -110,7 +110,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     ),
     (fr.friction.outcome, {**KICKS, "epsilon": 2.0, "effort": 1000}),
     (fr.friction.escapes, {**KICKS, "epsilon": 2.0, "effort": 10_000}),
-    (fr.friction.critical_perturbation, {**KICKS, "upto": 10.0, "samples": 4, "effort": 1000}),
+    (fr.friction.critical_perturbation, {**KICKS, "upto": 10.0, "samples": 4, "effort": 100_000}),
     (fr.friction.fate, {"equation": KICKED, "epsilon": 2.0, "effort": 1000}),
     (fr.friction.certain_kicks, {"equation": KICKED}),
     (fr.friction.escape_ranges, {"equation": KICKED, "samples": 4, "effort": 1000, "workers": 1}),
@@ -118,6 +118,12 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.Perturbation.modes, {"speeds": {8: 0.05}}),
 ]
 """Callables with a valid call each; simulations and ranges of loads have their own tests of junk."""
+
+NAN_MEANS = {
+    fr.mathieu.transition_curves: "order 0 has no second curve",
+    fr.friction.critical_perturbation: "could not be decided",
+}
+"""Callables whose documentation says what NaN means."""
 
 JUNK: list[Any] = [
     10**400,
@@ -172,8 +178,6 @@ JUNK: list[Any] = [
     np.longdouble("1e400"),
     object(),
     ...,
-    int,
-    print,
     types.SimpleNamespace(),
 ]
 
@@ -216,13 +220,13 @@ def test_junk_is_refused_by_name_or_answered(call: Callable[..., Any], given: di
                 faults.append(f"{short(junk)}: {type(error).__name__} does not name it: {error}")
         except (fr.friction.UndecidedWarning, fr.UniformForceWarning):  # warnings are errors here; these are answers
             continue
-        except Exception as error:  # noqa: BLE001  # whatever else comes is the fault looked for
+        except Exception as error:  # whatever else comes is the fault looked for
             faults.append(f"{short(junk)}: {type(error).__name__}: {error}")
         else:
-            if not isinstance(result, fr.mathieu.TransitionCurves):  # the second curve of order 0 is NaN: there is none
-                bad = [x for x in numbers_in(result) if x.dtype.kind in "fc" and np.isnan(x).any()]
-                if bad:
-                    faults.append(f"{short(junk)}: answered {result!r:.200}")
+            if call in NAN_MEANS:
+                continue
+            if any(x.dtype.kind in "fc" and np.isnan(x).any() for x in numbers_in(result)):
+                faults.append(f"{short(junk)}: answered {str(result)[:200]}")
     assert not faults, "\n".join(faults)
 
 
