@@ -183,7 +183,7 @@ def over_chunks(
     Kernels release the GIL, so the threads run side by side, and Ctrl-C is answered between pieces.  Arrays of up to
     ``interpret_up_to`` elements are left to the interpreter.
     """
-    workers = cores() if workers is None else _validate.integer("workers", workers, 1)
+    workers = _validate.workers(workers) or cores()
     size = len(out)
     run: Any = function if size <= interpret_up_to else compiled(function)
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
@@ -209,9 +209,3 @@ def over_chunks(
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
-
-
-def broadcast(*values: Any) -> tuple[tuple[int, ...], tuple[NDArray[np.float64], ...]]:
-    """Return the common shape and the flat, contiguous float64 versions of ``values``."""
-    arrays = np.broadcast_arrays(*values)
-    return arrays[0].shape, tuple(np.ascontiguousarray(array, dtype=np.float64).ravel() for array in arrays)

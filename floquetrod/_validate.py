@@ -1,11 +1,16 @@
-"""Checks at the public border: each returns the cleaned value or raises, naming argument, value and way out."""
+"""Checks at the public border: each returns the cleaned value or raises, naming argument, value and remedy.
+
+One rule for all: what is of the wrong kind (text, a truth value, None, complex numbers, dates, masked arrays) raises
+TypeError, a number out of place ValueError; both begin with the argument's name.
+"""
 
 from __future__ import annotations
 
 import math
 import operator
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from itertools import islice
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,17 +18,35 @@ from numpy.typing import NDArray
 LARGEST = 1e9
 """Largest magnitude of a dimensionless coefficient; beyond it a double no longer resolves the tongues it lies among."""
 
+MOST_THREADS = 1024
+"""Largest number of threads that may be asked for (a choice)."""
+
+MOST_NUMBERS = 20_000
+"""Most modes, orders or Fourier coefficients in one list (a choice)."""
+
+_LARGEST_INTEGER = 2**62  # by default; what machine code can hold with room to add
+
+T = TypeVar("T")
+
+
+# --- single numbers ---
+
 
 def finite(name: str, value: Any, hint: str = "") -> float:
     """Return ``value`` as a finite float."""
-    if isinstance(value, bool | np.bool_ | str | bytes):
-        raise TypeError(f"{name} must be a real number, got {value!r}{_way_out(hint)}")
+    # A truth value, text, an array or a numpy scalar that is no number: float() would take some of them.
+    if isinstance(value, bool | str | bytes | bytearray | np.ma.MaskedArray) or (
+        isinstance(value, np.ndarray | np.generic) and (value.dtype.kind not in "iuf" or value.ndim > 0)
+    ):
+        raise TypeError(f"{name} must be a real number, got {short(value)}{_remedy(hint)}")
     try:
         number = float(value)
+    except OverflowError:
+        raise ValueError(f"{name} must be finite, got a number beyond 1e308{_remedy(hint)}") from None
     except (TypeError, ValueError):
-        raise TypeError(f"{name} must be a single real number, got {_short(value)}{_way_out(hint)}") from None
+        raise TypeError(f"{name} must be a single real number, got {short(value)}{_remedy(hint)}") from None
     if not math.isfinite(number):
-        raise ValueError(f"{name} must be finite, got {number!r}{_way_out(hint)}")
+        raise ValueError(f"{name} must be finite, got {number!r}{_remedy(hint)}")
     return number
 
 
@@ -31,7 +54,7 @@ def positive(name: str, value: Any, hint: str = "") -> float:
     """Return ``value`` as a finite float above zero."""
     number = finite(name, value, hint)
     if number <= 0.0:
-        raise ValueError(f"{name} must be greater than zero, got {number!r}{_way_out(hint)}")
+        raise ValueError(f"{name} must be greater than zero, got {number!r}{_remedy(hint)}")
     return number
 
 
@@ -39,68 +62,216 @@ def nonnegative(name: str, value: Any, hint: str = "") -> float:
     """Return ``value`` as a finite float that is zero or more."""
     number = finite(name, value, hint)
     if number < 0.0:
-        raise ValueError(f"{name} must be zero or more, got {number!r}{_way_out(hint)}")
+        raise ValueError(f"{name} must be zero or more, got {number!r}{_remedy(hint)}")
     return number
 
 
+def within(name: str, value: Any, least: float, largest: float, hint: str = "") -> float:
+    """Return ``value`` as a float from ``least`` to ``largest``."""
+    number = finite(name, value, hint)
+    if not least <= number <= largest:
+        raise ValueError(f"{name} must lie between {least:g} and {largest:g}, got {number!r}{_remedy(hint)}")
+    return number
+
+
+def tolerance(name: str, value: Any) -> float:
+    """Return a growth rate up to which a motion counts as stable, zero to `LARGEST`."""
+    return within(name, nonnegative(name, value), 0.0, LARGEST)
+
+
 def coefficient(name: str, value: Any) -> float:
-    """Return ``value`` as a float of magnitude at most `LARGEST`."""
-    number = finite(name, value)
-    if abs(number) > LARGEST:
+    """Return ``value`` as a float of magnitude at most `LARGEST`, which it must be exactly."""
+    return unrounded(
+        name, value, within(name, value, -LARGEST, LARGEST, "check the units of what it was computed from")
+    )
+
+
+def unrounded(name: str, value: Any, number: float) -> float:
+    """Return ``number`` when it is ``value`` exactly.
+
+    An equation is what its parameters are: a verdict on the nearest double is not one on 1/3.
+    """
+    if value != number:
         raise ValueError(
-            f"{name} must lie between -{LARGEST:g} and {LARGEST:g}, got {number!r}; "
-            "check the units of what it was computed from"
+            f"{name} = {short(value)} is not a binary number of 53 digits; round it with float({name}), or prove the "
+            f"exact number with certify(Mathieu, {name}=..., ...), say"
         )
     return number
 
 
-def integer(name: str, value: Any, least: int) -> int:
-    """Return ``value`` as an int of at least ``least``."""
+def integer(name: str, value: Any, least: int, most: int = _LARGEST_INTEGER, hint: str = "") -> int:
+    """Return ``value`` as an int from ``least`` to ``most``."""
+    if isinstance(value, bool):
+        raise TypeError(f"{name} must be an integer, got {value!r}{_remedy(hint)}")
     try:
         number = operator.index(value)
     except TypeError:
-        raise TypeError(f"{name} must be an integer, got {_short(value)}") from None
+        raise TypeError(f"{name} must be an integer, got {short(value)}{_remedy(hint)}") from None
     if number < least:
-        raise ValueError(f"{name} must be {least} or more, got {number}")
+        raise ValueError(f"{name} must be {least} or more, got {short(number)}{_remedy(hint)}")
+    if number > most:
+        raise ValueError(f"{name} must be at most {most}, got {short(number)}{_remedy(hint)}")
     return number
 
 
-def choice(name: str, value: Any, allowed: Sequence[str]) -> str:
-    """Return ``value`` when it is one of ``allowed``."""
-    if value not in allowed:
-        raise ValueError(f"{name} must be one of {', '.join(map(repr, allowed))}, got {value!r}")
-    return str(value)
+def interval(name: str, value: Any, element: Callable[[str, Any], float] = finite) -> tuple[float, float]:
+    """Return ``value`` as two increasing numbers, each of which passes ``element``."""
+    try:
+        if isinstance(value, str | bytes | Mapping | Set):
+            raise TypeError
+        low, high = value
+    except (TypeError, ValueError):
+        raise TypeError(f"{name} must be two numbers (low, high), got {short(value)}") from None
+    ends = element(f"{name}[0]", low), element(f"{name}[1]", high)
+    if not ends[0] < ends[1]:
+        raise ValueError(f"{name} must increase, got ({ends[0]:g}, {ends[1]:g}); give the lower end first")
+    return ends
+
+
+# --- several numbers ---
+
+
+def sequence(name: str, values: Any, example: str = "(0.5, 0.1)") -> list[Any]:
+    """Return a one-dimensional sequence as a list of no more than `MOST_NUMBERS`."""
+    if isinstance(values, str | bytes | Mapping | Set | np.ma.MaskedArray) or not np.iterable(values):
+        raise TypeError(f"{name} must be a sequence of numbers such as {example}, got {short(values)}")
+    listed = list(islice(values, MOST_NUMBERS + 1))
+    if len(listed) > MOST_NUMBERS:
+        raise ValueError(f"{name} must hold at most {MOST_NUMBERS} numbers, got more")
+    return listed
 
 
 def numbers(name: str, values: Any) -> tuple[float, ...]:
-    """Return a one-dimensional sequence of finite numbers as a tuple."""
-    if isinstance(values, str | bytes) or not np.iterable(values):
-        raise TypeError(f"{name} must be a sequence of numbers such as (0.5, 0.1), got {_short(values)}")
-    return tuple(coefficient(f"{name}[{index}]", value) for index, value in enumerate(values))
+    """Return a one-dimensional sequence of coefficients as a tuple."""
+    return tuple(coefficient(f"{name}[{i}]", value) for i, value in enumerate(sequence(name, values)))
+
+
+def integers(name: str, values: Any, least: int, most: int = MOST_NUMBERS) -> tuple[int, ...]:
+    """Return a one-dimensional sequence of ints from ``least`` to ``most`` as a tuple."""
+    listed = sequence(name, values, "(6, 7, 8)")
+    return tuple(integer(f"{name}[{i}]", value, least, most) for i, value in enumerate(listed))
+
+
+def modes(values: Any, name: str = "modes") -> tuple[int, ...]:
+    """Return the mode numbers asked for, one at least, as a tuple."""
+    chosen = integers(name, values, 1)
+    if not chosen:
+        raise ValueError(f"{name} must name at least one mode, got none; leave it out to take all that matter")
+    return chosen
 
 
 def array(name: str, values: Any, *, least: float = -LARGEST, largest: float = LARGEST) -> NDArray[np.float64]:
     """Return ``values`` as a float64 array of finite numbers in ``[least, largest]``."""
-    raw = np.asarray(values)
-    if raw.dtype.kind not in "iuf":
-        raise TypeError(f"{name} must hold real numbers, got {_short(values)}")
-    result = raw.astype(np.float64, copy=False)
+    raw = _raw(name, values)
+    if raw.dtype.kind == "O":  # Fraction, Decimal, int beyond 64 bits: as a single number would be taken
+        flat = [finite(_at(name, index), value) for index, value in np.ndenumerate(raw)]
+        raw = np.array(flat, dtype=np.float64).reshape(raw.shape)
+    elif raw.dtype.kind not in "iuf" and raw.size:
+        raise TypeError(f"{name} must hold real numbers, got {short(values)}")
+    with np.errstate(over="ignore"):  # of longer floats; infinity is then refused
+        result = raw.astype(np.float64, copy=False)
     # One pass decides the common case: a NaN makes both comparisons false.
     if result.size and not (result.min() >= least and result.max() <= largest):
         wrong = ~((result >= least) & (result <= largest))
         index = tuple(int(i) for i in np.argwhere(wrong)[0])
-        where = f"{name}[{', '.join(map(str, index))}]" if index else name
         raise ValueError(
-            f"{name} must be finite and lie between {least:g} and {largest:g}, got {where} = {float(result[index])!r} "
-            f"({int(wrong.sum())} of {result.size} values are outside); mask or mend them first"
+            f"{name} must be finite and lie between {least:g} and {largest:g}, got {_at(name, index)} = "
+            f"{float(result[index])!r} ({int(wrong.sum())} of {result.size} values are outside); remove them first"
         )
     return result
 
 
-def _way_out(hint: str) -> str:
+def integer_array(name: str, values: Any, least: int, most: int = MOST_NUMBERS) -> NDArray[np.int64]:
+    """Return ``values`` as an int64 array of integers from ``least`` to ``most``."""
+    raw = _raw(name, values)
+    if raw.dtype.kind not in "iu" and raw.size:
+        if raw.dtype.kind == "O":  # names the entry that is none, or is too large
+            for index, value in np.ndenumerate(raw):
+                integer(_at(name, index), value, least, most)
+        raise TypeError(f"{name} must hold integers, got {short(values)}")
+    if raw.size and (raw.min() < least or raw.max() > most):
+        raise ValueError(f"{name} must lie between {least} and {most}, got {short(values)}")
+    return raw.astype(np.int64)
+
+
+# --- everything else ---
+
+
+def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
+    """Return ``value`` when it is one of ``allowed``."""
+    options = tuple(allowed)
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be one of {', '.join(map(repr, options))}, got {short(value)}")
+    if value not in options:
+        raise ValueError(f"{name} must be one of {', '.join(map(repr, options))}, got {value!r}")
+    return str(value)
+
+
+def flag(name: str, value: Any) -> bool:
+    """Return ``value`` as a bool: True or False and nothing like it."""
+    if not isinstance(value, bool | np.bool_):
+        raise TypeError(f"{name} must be True or False, got {short(value)}")
+    return bool(value)
+
+
+def instance(name: str, value: Any, kind: type[T], hint: str = "") -> T:
+    """Return ``value`` when it is a ``kind``."""
+    if not isinstance(value, kind):
+        article = "an" if kind.__name__[0] in "AEIOU" else "a"
+        raise TypeError(f"{name} must be {article} {kind.__name__}, got {short(value)}{_remedy(hint)}")
+    return value
+
+
+def function(name: str, value: Any) -> Any:
+    """Return ``value`` when it can be called."""
+    if not callable(value):
+        raise TypeError(f"{name} must be a function, got {short(value)}")
+    return value
+
+
+def progress(value: Any) -> None:
+    """Raise TypeError unless ``value`` is None or can be called with numbers done and total."""
+    if value is not None:
+        function("progress", value)
+
+
+def workers(value: Any) -> int | None:
+    """Return the number of threads asked for, None to leave it to the machine."""
+    return None if value is None else integer("workers", value, 1, MOST_THREADS, "leave it out for one per core")
+
+
+def _raw(name: str, values: Any) -> NDArray[Any]:
+    """Return ``values`` as an array of whatever type; ragged and masked ones are refused."""
+    if _masked(values):
+        raise TypeError(
+            f"{name} must not be a masked array: its mask would be lost; give {name}.compressed(), or "
+            f"{name}.filled(value) and mask the result"
+        )
+    try:
+        return np.asarray(values)
+    except (ValueError, OverflowError):  # ragged, or deeper than arrays go
+        raise ValueError(f"{name} must be an array or nested lists of equal lengths, got {short(values)}") from None
+
+
+def _masked(values: Any) -> bool:
+    """Return whether ``values`` is a masked array or holds one."""
+    if isinstance(values, list | tuple):
+        return any(_masked(value) for value in values if not isinstance(value, float | int))
+    return isinstance(values, np.ma.MaskedArray)
+
+
+def _at(name: str, index: Sequence[int]) -> str:
+    return f"{name}[{', '.join(map(str, index))}]" if index else name
+
+
+def _remedy(hint: str) -> str:
     return f"; {hint}" if hint else ""
 
 
-def _short(value: Any) -> str:
-    text = repr(value)
+def short(value: Any) -> str:
+    """Return ``value`` as it is written in a message, however long it is."""
+    try:
+        text = repr(value)
+    except ValueError:  # an integer of more digits than Python prints
+        text = f"a {type(value).__name__} too long to print"
     return text if len(text) <= 80 else f"{text[:77]}..."

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate
+from floquetrod._arrays import broadcast, shaped
 from floquetrod._compile import over_chunks
 from floquetrod._content import ByContent
 from floquetrod.kernels import characteristic as kernels
@@ -43,8 +44,8 @@ def characteristic_values(order: Any, q: Any, kind: str, *, workers: int | None 
     16.5475476467
     """
     odd_solution = _validate.choice("kind", kind, ("a", "b")) == "b"
-    orders = _orders(order, 1 if odd_solution else 0)
-    shape, (m, x) = _pairs(orders, _validate.array("q", q), "order", "q")
+    orders = _validate.integer_array("order", order, 1 if odd_solution else 0)
+    shape, (m, x) = broadcast(order=orders, q=_validate.array("q", q))
     out = np.empty(m.size)
     over_chunks(
         kernels.characteristic_fill,
@@ -53,7 +54,7 @@ def characteristic_values(order: Any, q: Any, kind: str, *, workers: int | None 
         workers=workers,
         chunk=_CHUNK,
     )
-    return out.reshape(shape) if shape else float(out[0])
+    return shaped(out, shape)
 
 
 def tongue_widths(order: Any, q: Any, *, workers: int | None = None) -> Any:
@@ -66,10 +67,10 @@ def tongue_widths(order: Any, q: Any, *, workers: int | None = None) -> Any:
     >>> f"{tongue_widths(20, 1.0):.6e}"
     '4.916838e-46'
     """
-    shape, (m, x) = _pairs(_orders(order, 1), _validate.array("q", q), "order", "q")
+    shape, (m, x) = broadcast(order=_validate.integer_array("order", order, 1), q=_validate.array("q", q))
     out = np.empty(m.size)
     over_chunks(kernels.width_fill, (m, x), out, workers=workers, chunk=_CHUNK)
-    return out.reshape(shape) if shape else float(out[0])
+    return shaped(out, shape)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -128,8 +129,10 @@ def transition_curves(alpha: Any, orders: Any) -> TransitionCurves:
     values = np.atleast_1d(_validate.array("alpha", alpha))
     if values.ndim != 1:
         raise ValueError(f"alpha must be one-dimensional, got shape {values.shape}; ravel it first")
-    chosen = range(_validate.integer("orders", orders, 0) + 1) if np.ndim(orders) == 0 else orders
-    listed = tuple(_validate.integer(f"orders[{i}]", order, 0) for i, order in enumerate(chosen))
+    if np.iterable(orders):
+        listed = _validate.integers("orders", orders, 0)
+    else:
+        listed = tuple(range(_validate.integer("orders", orders, 0, _validate.MOST_NUMBERS) + 1))
     m = np.array(listed, dtype=np.int64)[:, None]
     q = 2.0 * values
     even = -0.25 * characteristic_values(m, q, "a")
@@ -140,24 +143,3 @@ def transition_curves(alpha: Any, orders: Any) -> TransitionCurves:
         odd[some] = -0.25 * characteristic_values(m[some], q, "b")
         width[some] = 0.25 * tongue_widths(m[some], q)
     return TransitionCurves(values, listed, even, odd, width)
-
-
-def _orders(order: Any, least: int) -> NDArray[np.int64]:
-    orders = np.asarray(order)
-    if orders.dtype.kind not in "iu":
-        raise TypeError(f"order must hold integers, got {order!r}")
-    if orders.size and (orders.min() < least or orders.max() > 20000):
-        raise ValueError(f"order must lie between {least} and 20000 for this kind, got {order!r}")
-    return orders.astype(np.int64)
-
-
-def _pairs(
-    first: NDArray[Any], second: NDArray[Any], *names: str
-) -> tuple[tuple[int, ...], tuple[NDArray[Any], NDArray[Any]]]:
-    try:
-        one, two = np.broadcast_arrays(first, second)
-    except ValueError:
-        raise ValueError(
-            f"{names[0]} and {names[1]} must broadcast to one shape, got {first.shape} and {second.shape}"
-        ) from None
-    return one.shape, (np.ascontiguousarray(one).ravel(), np.ascontiguousarray(two).ravel())

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod import _files, _validate, units
 from floquetrod._content import ByContent
+from floquetrod.result import NoTruthValue
 
 _FORMAT = "floquetrod chart 2"
 _AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
@@ -19,6 +20,7 @@ _MOST_POINTS = 1 << 28  # of a chart, which are five gigabytes with growth rates
 
 _CRITICAL = "critical force"
 """Name of the rod's critical force among what is fixed."""
+
 
 Progress = Callable[[int, int], None]
 """Called with the number of points done and their total."""
@@ -41,7 +43,7 @@ class Axis(ByContent):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Chart(ByContent):
+class Chart(NoTruthValue, ByContent):
     """Verdicts over a plane.
 
     Attributes
@@ -68,6 +70,8 @@ class Chart(ByContent):
     version : str
         Version of the package that made it.
     """
+
+    ask = ".stable, an array"
 
     x: Axis
     y: Axis
@@ -210,15 +214,15 @@ def axis_values(name: str, values: Any) -> NDArray[np.float64]:
     """Return the values of an axis given as (low, high, number) or as an increasing array of another length than 3."""
     array = _validate.array(name, values, least=-1e12, largest=1e12)
     if array.ndim != 1 or array.size < 2:
-        raise ValueError(f"{name} must be (low, high, number) or an increasing array, got {values!r}")
+        raise ValueError(f"{name} must be (low, high, number) or an increasing array, got {_validate.short(values)}")
     if array.size == 3 and isinstance(values, tuple):
         count = _validate.integer(f"{name}[2]", values[2], 2)
         _require_bearable(count, f"{name}[2]")
         if not array[0] < array[1]:
-            raise ValueError(f"{name} must be (low, high, number) with low < high, got {values!r}")
+            raise ValueError(f"{name} must be (low, high, number) with low < high, got {_validate.short(values)}")
         return np.linspace(array[0], array[1], count)
     if not (np.diff(array) > 0.0).all():
-        raise ValueError(f"{name} must increase from value to value, got {values!r}")
+        raise ValueError(f"{name} must increase from value to value, got {_validate.short(values)}")
     return array
 
 

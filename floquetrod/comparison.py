@@ -8,12 +8,12 @@ from itertools import combinations
 
 from floquetrod import equations
 from floquetrod.equations import Equation
-from floquetrod.result import Stability
+from floquetrod.result import NoTruthValue, Stability
 from floquetrod.verdict import METHODS, run
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison:
+class Comparison(NoTruthValue):
     """Results of several methods for one equation.
 
     Attributes
@@ -25,6 +25,8 @@ class Comparison:
     seconds : tuple of float
         Wall time of each (the first call of a compiled method includes loading its machine code).
     """
+
+    ask = ".agree, or .stable of each of its .results"
 
     equation: Equation
     results: tuple[Stability, ...]

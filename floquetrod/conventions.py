@@ -16,6 +16,11 @@ from __future__ import annotations
 
 from typing import Any
 
+from floquetrod import _validate
+from floquetrod._arrays import plain
+
+_LARGEST = 4.0 * _validate.LARGEST
+
 
 def to_aq(alpha: Any, beta: Any) -> tuple[Any, Any]:
     """Return (a, q) = (-4 beta, 2 alpha), the parameters of y'' + (a - 2 q cos 2 z) y = 0.
@@ -23,7 +28,7 @@ def to_aq(alpha: Any, beta: Any) -> tuple[Any, Any]:
     >>> to_aq(0.5, -0.25)
     (1.0, 1.0)
     """
-    return -4.0 * beta, 2.0 * alpha
+    return _scaled("beta", beta, -4.0), _scaled("alpha", alpha, 2.0)
 
 
 def from_aq(a: Any, q: Any) -> tuple[Any, Any]:
@@ -32,7 +37,7 @@ def from_aq(a: Any, q: Any) -> tuple[Any, Any]:
     >>> from_aq(1.0, 1.0)
     (0.5, -0.25)
     """
-    return 0.5 * q, -0.25 * a
+    return _scaled("q", q, 0.5), _scaled("a", a, -0.25)
 
 
 def to_delta_epsilon(alpha: Any, beta: Any) -> tuple[Any, Any]:
@@ -43,7 +48,7 @@ def to_delta_epsilon(alpha: Any, beta: Any) -> tuple[Any, Any]:
     >>> to_delta_epsilon(0.5, -0.25)
     (0.25, 0.5)
     """
-    return -1.0 * beta, 1.0 * alpha
+    return _scaled("beta", beta, -1.0), _scaled("alpha", alpha, 1.0)
 
 
 def from_delta_epsilon(delta: Any, epsilon: Any) -> tuple[Any, Any]:
@@ -52,4 +57,8 @@ def from_delta_epsilon(delta: Any, epsilon: Any) -> tuple[Any, Any]:
     >>> from_delta_epsilon(0.25, 0.5)
     (0.5, -0.25)
     """
-    return 1.0 * epsilon, -1.0 * delta
+    return _scaled("epsilon", epsilon, 1.0), _scaled("delta", delta, -1.0)
+
+
+def _scaled(name: str, values: Any, factor: float) -> Any:
+    return plain(factor * _validate.array(name, values, least=-_LARGEST, largest=_LARGEST))

@@ -12,6 +12,8 @@ from floquetrod import _validate
 from floquetrod.load import AxialLoad
 from floquetrod.rod_data import RodData
 
+_LARGEST = 1e6  # coefficient of friction, and velocity in m/s (a choice: beyond any)
+
 
 @dataclass(frozen=True)
 class Coulomb:
@@ -42,12 +44,15 @@ class Coulomb:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        object.__setattr__(self, "mu", _validate.nonnegative("mu", self.mu, "friction opposes the motion"))
+        object.__setattr__(self, "mu", friction_coefficient(self.mu))
         hint = "friction needs a kick: give its size in m/s, 0.05 say; what it takes is told by critical_velocity"
-        object.__setattr__(self, "velocity", _validate.positive("velocity", self.velocity, hint))
+        velocity = _validate.positive("velocity", self.velocity, hint)
+        object.__setattr__(self, "velocity", _validate.within("velocity", velocity, 0.0, _LARGEST, "give it in m/s"))
 
     def in_mode_equation(self, rod: RodData, load: AxialLoad) -> ModeFriction:
         """Return gamma, epsilon and what they come from, the same for every mode."""
+        _validate.instance("rod", rod, RodData)
+        _validate.instance("load", load, AxialLoad)
         values = self.in_mode_equations(rod, load.amplitude, load.frequency)
         return ModeFriction(self.mu, *map(float, values))
 
@@ -90,6 +95,12 @@ class ModeFriction:
             f"<friction gamma {self.gamma:.4g}, kick eps {self.epsilon:.4g}; mu_theta {self.mu_theta:.4g} of "
             f"mu {self.mu:g}, axial sliding {1e3 * self.v_a:.4g} mm/s>"
         )
+
+
+def friction_coefficient(mu: Any) -> float:
+    """Return a coefficient of friction as a float."""
+    number = _validate.nonnegative("mu", mu, "friction opposes the motion")
+    return _validate.within("mu", number, 0.0, _LARGEST, "it is a coefficient such as 0.1")
 
 
 def axial_velocity(rod: RodData, amplitude: Any, frequency: Any) -> Any:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate
-from floquetrod._compile import broadcast, over_chunks
+from floquetrod._arrays import broadcast, plain, shaped
+from floquetrod._compile import over_chunks
 from floquetrod.kernels.leapfrog import leapfrog_map_fill
 from floquetrod.kernels.mathieu import mode_coefficients, modes_needed_fill
 from floquetrod.kernels.powers import displacement_fill
@@ -83,9 +84,11 @@ class PaperCriterion:
 
     def growth(self, alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
         """Return log10 of abs(A(end)) / A'(0) for Mathieu's equation; arguments broadcast as in `mathieu.is_stable`."""
-        arrays = [_validate.array("alpha", alpha), _validate.array("beta", beta)]
-        arrays.append(_validate.array("damping", damping, least=0.0, largest=_validate.LARGEST**0.5))
-        shape, inputs = broadcast(*arrays)
+        shape, inputs = broadcast(
+            alpha=_validate.array("alpha", alpha),
+            beta=_validate.array("beta", beta),
+            damping=_validate.array("damping", damping, least=0.0, largest=_validate.LARGEST**0.5),
+        )
         maps = np.empty((inputs[0].size, 5))
         if self.by == "exact":
             over_chunks(mathieu_map_fill, inputs, maps, workers=workers, chunk=_CHUNK, interpret_up_to=6)
@@ -95,11 +98,11 @@ class PaperCriterion:
             over_chunks(leapfrog_map_fill, inputs, maps, sine, workers=workers, chunk=_CHUNK, interpret_up_to=0)
         out = np.empty(len(maps))
         over_chunks(displacement_fill, (maps,), out, self.periods, workers=workers)
-        return out.reshape(shape) if shape else float(out[0])
+        return shaped(out, shape)
 
     def is_stable(self, alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
         """Return whether the motion passes the test; arguments as in `growth`."""
-        return self.growth(alpha, beta, damping, workers=workers) < math.log10(self.limit)
+        return plain(self.growth(alpha, beta, damping, workers=workers) < math.log10(self.limit))
 
     def modes_are_stable(
         self,

@@ -15,6 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate
+from floquetrod._arrays import plain
+
+_LATEST = 1e15  # beyond it neighbouring doubles lie a large part of a period apart
 
 
 @dataclass(frozen=True)
@@ -55,7 +58,7 @@ class Mathieu:
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau) = beta + alpha sin tau; broadcasts over ``tau``."""
-        return _plain(self.beta + self.alpha * np.sin(tau))
+        return plain(self.beta + self.alpha * np.sin(_times(tau)))
 
     def as_hill(self) -> Hill:
         """Return the same equation as a `Hill` value."""
@@ -95,7 +98,7 @@ class SquareWave:
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau) = beta + alpha sign(sin tau); broadcasts over ``tau``."""
-        return _plain(self.beta + self.alpha * np.sign(np.sin(tau)))
+        return plain(self.beta + self.alpha * np.sign(np.sin(_times(tau))))
 
 
 @dataclass(frozen=True)
@@ -132,18 +135,19 @@ class Hill:
         _set(self, "mean", _validate.coefficient("mean", self.mean))
         _set(self, "cosines", _validate.numbers("cosines", self.cosines))
         _set(self, "sines", _validate.numbers("sines", self.sines))
-        _set(self, "period", _validate.positive("period", self.period, "give the period of the coefficient in tau"))
+        period = _validate.positive("period", self.period, "give the period of the coefficient in tau")
+        _set(self, "period", _validate.unrounded("period", self.period, period))
         _set(self, "damping", _damping(self.damping))
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau); broadcasts over ``tau``."""
-        phase = (2.0 * math.pi / self.period) * np.asarray(tau, dtype=np.float64)
+        phase = (2.0 * math.pi / self.period) * _times(tau)
         total = np.full(phase.shape, self.mean)
         for k, value in enumerate(self.cosines, start=1):
             total = total + value * np.cos(k * phase)
         for k, value in enumerate(self.sines, start=1):
             total = total + value * np.sin(k * phase)
-        return _plain(total)
+        return plain(total)
 
     @property
     def harmonics(self) -> tuple[complex, ...]:
@@ -212,19 +216,19 @@ def require(value: Any, kinds: tuple[type, ...] = (Mathieu, SquareWave, Hill), b
     """Raise TypeError unless ``value`` is one of the equation ``kinds``."""
     if not isinstance(value, kinds):
         names = ", ".join(kind.__name__ for kind in kinds)
-        raise TypeError(f"equation must be {names}{' for ' + by if by else ''}, got {value!r}")
+        raise TypeError(f"equation must be {names}{' for ' + by if by else ''}, got {_validate.short(value)}")
 
 
 def _damping(value: Any) -> float:
     number = _validate.nonnegative("damping", value, "growth of the free motion is not damping")
     if number > math.sqrt(_validate.LARGEST):
         raise ValueError(f"damping must be at most {math.sqrt(_validate.LARGEST):g}, got {number!r}; check its unit")
-    return number
+    return _validate.unrounded("damping", value, number)
+
+
+def _times(tau: Any) -> NDArray[np.float64]:
+    return _validate.array("tau", tau, least=-_LATEST, largest=_LATEST)
 
 
 def _set(equation: object, name: str, value: object) -> None:
     object.__setattr__(equation, name, value)
-
-
-def _plain(values: NDArray[np.float64] | np.float64) -> Any:
-    return float(values) if np.ndim(values) == 0 else values

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 
 from floquetrod import _validate
 
+LARGEST_FORCE = 1e12  # N
+LEAST_FREQUENCY, LARGEST_FREQUENCY = 1e-9, 1e12  # rad/s: beyond any rod, and within what doubles can follow
+
 
 @dataclass(frozen=True)
 class AxialLoad:
@@ -33,17 +36,17 @@ class AxialLoad:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        object.__setattr__(self, "mean", _validate.finite("mean", self.mean))
-        object.__setattr__(
-            self,
-            "amplitude",
-            _validate.nonnegative("amplitude", self.amplitude, "a negative amplitude only shifts time: give its size"),
+        mean = _validate.within("mean", self.mean, -LARGEST_FORCE, LARGEST_FORCE, "give it in N")
+        amplitude = _validate.nonnegative(
+            "amplitude", self.amplitude, "a negative amplitude only shifts time: give its size"
         )
-        object.__setattr__(
-            self,
-            "frequency",
-            _validate.positive("frequency", self.frequency, "for a constant force set amplitude=0 and any frequency"),
+        _validate.within("amplitude", amplitude, 0.0, LARGEST_FORCE, "give it in N")
+        frequency = _validate.positive(
+            "frequency", self.frequency, "for a constant force set amplitude=0 and any frequency"
         )
+        _validate.within("frequency", frequency, LEAST_FREQUENCY, LARGEST_FREQUENCY, "give it in rad/s")
+        for name, value in (("mean", mean), ("amplitude", amplitude), ("frequency", frequency)):
+            object.__setattr__(self, name, value)
 
     @classmethod
     def hertz(cls, mean: float, amplitude: float, frequency: float) -> AxialLoad:

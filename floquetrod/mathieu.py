@@ -15,7 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate, equations
-from floquetrod._compile import broadcast, over_chunks
+from floquetrod._arrays import broadcast, shaped
+from floquetrod._compile import over_chunks
 from floquetrod._version import __version__
 from floquetrod.characteristic import TransitionCurves, characteristic_values, transition_curves
 from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
@@ -51,23 +52,27 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     Returns
     -------
     bool or ndarray of bool
-        In the broadcast shape.  A point on a transition curve to rounding may fall either way: `floquetrod.stability`
-        says so, `floquetrod.certify` proves the side.
+        In the broadcast shape; a Python bool for numbers alone.  A point on a transition curve to rounding may fall
+        either way: `floquetrod.stability` says so, `floquetrod.certify` proves the side.
 
     Examples
     --------
     >>> is_stable(0.5, [-0.3, -0.6])
     array([False,  True])
     """
-    if type(alpha) is float and type(beta) is float and damping == 0.0:  # the quick way for a single verdict
+    if type(alpha) is type(beta) is type(damping) is float and damping == 0.0:  # the quick way for a single verdict
+        _validate.workers(workers)
         return kernels.is_stable_scalar(_validate.coefficient("alpha", alpha), _validate.coefficient("beta", beta))
-    undamped = np.ndim(damping) == 0 and damping == 0.0
-    shape, arguments = _arguments(alpha, beta, *(() if undamped else (damping,)))
+    arrays = _arrays(alpha, beta, damping)
+    undamped = not arrays["damping"].shape and not arrays["damping"]
+    if undamped:
+        del arrays["damping"]
+    shape, arguments = broadcast(**arrays)
     out = np.empty(arguments[0].size, dtype=np.bool_)
     few = out.size < 64  # blocks pay from a few of them on
     fill = kernels.damped_stable_fill if not undamped else kernels.stable_one_by_one if few else kernels.stable_fill
     over_chunks(fill, arguments, out, workers=workers)
-    return _shaped(out, shape)
+    return shaped(out, shape)
 
 
 def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
@@ -77,13 +82,13 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
 
     Examples
     --------
-    >>> float(growth_rate(1e-8, -0.25))
+    >>> growth_rate(1e-8, -0.25)
     4.999999999999999e-09
     """
-    shape, (a, b, c) = _arguments(alpha, beta, damping)
+    shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty(a.size)
     over_chunks(kernels.growth_fill, (a, b, c), out, workers=workers)
-    return _shaped(out, shape)
+    return shaped(out, shape)
 
 
 def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
@@ -93,13 +98,13 @@ def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | No
 
     Examples
     --------
-    >>> round(float(discriminant(0.0, -1.0 / 16.0)), 12) + 0.0
+    >>> round(discriminant(0.0, -1.0 / 16.0), 12) + 0.0
     0.0
     """
-    shape, (a, b, c) = _arguments(alpha, beta, damping)
+    shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty(a.size)
     over_chunks(kernels.discriminant_fill, (a, b, c), out, workers=workers)
-    return _shaped(out, shape)
+    return shaped(out, shape)
 
 
 def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
@@ -112,7 +117,7 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     >>> multipliers(0.0, [-0.25, 0.0]).shape
     (2, 2)
     """
-    shape, (a, b, c) = _arguments(alpha, beta, damping)
+    shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty((a.size, 2), dtype=np.complex128)
     over_chunks(kernels.multipliers_fill, (a, b, c), out, workers=workers)
     return out.reshape((*shape, 2))
@@ -160,9 +165,14 @@ def chart(
     """
     x = Axis("alpha", r"\alpha", "", axis_values("alpha", alpha))
     y = Axis("beta", r"\beta", "", axis_values("beta", beta))
-    c = _validate.nonnegative("damping", damping)
-    tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+    c = _validate.within("damping", damping, 0.0, _validate.LARGEST**0.5, "give one number for the whole chart")
+    tolerance = _validate.tolerance("growth_tolerance", growth_tolerance)
+    growth = _validate.flag("growth", growth)
+    workers = _validate.workers(workers)
+    _validate.progress(progress)
+    kind = _name(_validate.function("equation", equation)(0.0, 0.0, 0.0))
     if criterion is not None:
+        _validate.instance("criterion", criterion, PaperCriterion)
         criterion.require_alone(growth_tolerance=tolerance)
         equations.require(equation(0.0, 0.0, 0.0), (Mathieu,), by="PaperCriterion")
     judge = _judge_mathieu if equation is Mathieu else functools.partial(_judge_each, equation)
@@ -174,7 +184,7 @@ def chart(
         return status, rate
 
     status, rate = fill_rows(rows, y.values, x.values.size, (np.int8, np.float64), progress)
-    subject = {"kind": _name(equation(0.0, 0.0, 0.0)), "fixed": [["damping", c, "per unit of tau"]]}
+    subject = {"kind": kind, "fixed": [["damping", c, "per unit of tau"]]}
     return Chart(
         x,
         y,
@@ -220,19 +230,14 @@ def _judge_each(
 
 
 def _name(equation: Equation) -> str:
+    equations.require(equation)
     names = {Mathieu: "Mathieu's equation", SquareWave: "Meissner's equation (square wave)"}
     return names.get(type(equation), "Hill's equation")
 
 
-def _arguments(alpha: Any, beta: Any, *damping: Any) -> tuple[tuple[int, ...], tuple[NDArray[np.float64], ...]]:
-    arrays = [_validate.array("alpha", alpha), _validate.array("beta", beta)]
-    arrays += [_validate.array("damping", c, least=0.0, largest=_validate.LARGEST**0.5) for c in damping]
-    try:
-        return broadcast(*arrays)
-    except ValueError:
-        shapes = ", ".join(str(array.shape) for array in arrays)
-        raise ValueError(f"alpha, beta and damping must broadcast to one shape, got shapes {shapes}") from None
-
-
-def _shaped(values: NDArray[Any], shape: tuple[int, ...]) -> Any:
-    return values.reshape(shape) if shape else values[0]
+def _arrays(alpha: Any, beta: Any, damping: Any) -> dict[str, NDArray[np.float64]]:
+    return {
+        "alpha": _validate.array("alpha", alpha),
+        "beta": _validate.array("beta", beta),
+        "damping": _validate.array("damping", damping, least=0.0, largest=_validate.LARGEST**0.5),
+    }

@@ -62,7 +62,9 @@ class Perturbation:
         8
         """
         if not isinstance(speeds, Mapping):
-            raise TypeError(f"speeds must map modes to speeds in m/s such as {{8: 0.05}}, got {speeds!r}")
+            raise TypeError(
+                f"speeds must map modes to speeds in m/s such as {{8: 0.05}}, got {_validate.short(speeds)}"
+            )
         return cls(speeds=tuple(speeds.items()))
 
     @classmethod

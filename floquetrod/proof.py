@@ -37,16 +37,19 @@ grows, its trace is enclosed (by Taylor series with Cauchy's bound on what is le
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field, fields
+from decimal import Decimal
 from fractions import Fraction
+from itertools import zip_longest
 from typing import Any, NamedTuple
 
 from floquetrod import _validate
 from floquetrod.equations import Equation, Hill, Mathieu, SquareWave, require
-from floquetrod.result import Interval, Status
+from floquetrod.result import Interval, Status, Verdict
 
 _FIRST_DIGITS = 15
 _LARGEST_WORK = 4e6  # interval operations, about ten seconds' worth (heuristic)
+_MOST_DIGITS = 10_000  # of an exact number, and of ``max_digits`` (a choice)
 _RADIUS = 4  # Taylor series are bounded on a disc of this many steps (heuristic)
 
 
@@ -65,13 +68,13 @@ class Enclosure(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class Proof:
+class Proof(Verdict):
     """A proved verdict, or why there is none.
 
     Attributes
     ----------
     equation : Equation
-        The equation judged, its parameters taken as the exact binary numbers they are.
+        The equation judged, its parameters taken as the exact binary numbers they are, but for those in ``exact``.
     status : {"stable", "unstable", "undecided"}
         What was proved; "stable": every solution stays bounded (decays, if damped and not at rest).
     interval : Interval or None
@@ -82,6 +85,8 @@ class Proof:
         What was proved, in a sentence.
     enclosures : tuple of Enclosure
         The quantities whose signs decided.
+    exact : tuple of (str, Fraction)
+        Parameters that are not binary numbers: what was proved holds for these, ``equation`` has the nearest doubles.
     """
 
     equation: Equation
@@ -90,27 +95,28 @@ class Proof:
     digits: int
     statement: str
     enclosures: tuple[Enclosure, ...] = ()
-
-    @property
-    def stable(self) -> bool | None:
-        """True, False, or None when undecided."""
-        return {"stable": True, "unstable": False}.get(self.status)
+    exact: tuple[tuple[str, Fraction], ...] = field(default=(), kw_only=True)
 
     def __repr__(self) -> str:
         """Return the proof as a sentence."""
         where = f", {self.interval}" if self.interval is not None else ""
+        where += "".join(f", {name} = {value} exactly" for name, value in self.exact)
         return f"<{self.status}{where}: {self.statement} ({self.digits} digits)>"
 
 
-def certify(equation: Equation, *, max_digits: int = 200) -> Proof:
+def certify(equation: Equation | type[Equation], *, max_digits: int = 200, **parameters: Any) -> Proof:
     """Prove an equation stable or unstable, in interval arithmetic of as many digits as it takes.
 
     Parameters
     ----------
     equation : Mathieu, SquareWave or Hill
-        The parameters are taken as the exact binary numbers they are; so is the period of a `Hill`.
+        A value, whose parameters are taken as the exact binary numbers they are; so is the period of a `Hill`.  Or one
+        of these classes, with its parameters following.
     max_digits : int
-        Decimal digits at which to stop trying, 5 or more.
+        Decimal digits at which to stop trying, 5 to 10,000.
+    **parameters
+        Of the class, by name: numbers that are taken exactly, int, float, Fraction, Decimal or text such as "1/3" or
+        "-0.1".  The period of a `Hill` is the double nearest to 2 pi where it is left out.
 
     Returns
     -------
@@ -123,21 +129,136 @@ def certify(equation: Equation, *, max_digits: int = 200) -> Proof:
     >>> from floquetrod.equations import Mathieu
     >>> certify(Mathieu(alpha=1e-8, beta=-0.25)).status
     'unstable'
+
+    To a double -0.25 - 1e-30 is -0.25, which lies within the tongue; the number itself does not:
+
+    >>> certify(Mathieu, alpha="1e-30", beta=Fraction(-1, 4) - Fraction(1, 10**30)).status
+    'stable'
     """
-    require(equation)
-    max_digits = _validate.integer("max_digits", max_digits, 5)
-    exact = _elementary(equation)
-    if exact is not None:
-        return exact
+    max_digits = _validate.integer("max_digits", max_digits, 5, _MOST_DIGITS)
+    if isinstance(equation, type) and issubclass(equation, Equation):
+        problem = _exactly(equation, parameters)
+    else:
+        require(equation)
+        if parameters:
+            names = ", ".join(parameters)
+            raise TypeError(f"{names} must follow a class: certify({type(equation).__name__}, ...), not a value of it")
+        problem = _problem(equation)
+    return _prove(problem, max_digits)
+
+
+class _Problem(NamedTuple):
+    """An equation with its parameters as exact numbers.
+
+    ``waves`` are (cosine, sine) coefficients, and a period of None is the exact 2 pi; ``equation`` holds the nearest
+    doubles.
+    """
+
+    equation: Equation
+    mean: Fraction
+    waves: tuple[tuple[Fraction, Fraction], ...]
+    damping: Fraction
+    period: Fraction | None
+    inexact: tuple[tuple[str, Fraction], ...]
+
+    @property
+    def alpha(self) -> Fraction:
+        """Amplitude of the only wave of `Mathieu` and `SquareWave`."""
+        return self.waves[0][1] if self.waves else Fraction(0)
+
+    def proof(
+        self, status: Status, interval: Interval | None, digits: int, statement: str, *enclosures: Enclosure
+    ) -> Proof:
+        """Return the `Proof` of a verdict on it."""
+        return Proof(self.equation, status, interval, digits, statement, enclosures, exact=self.inexact)
+
+
+def _problem(equation: Equation) -> _Problem:
+    """Return the problem of an equation, its parameters the exact binary numbers they are."""
+    return _exactly(type(equation), {f.name: getattr(equation, f.name) for f in fields(equation)})
+
+
+def _exactly(kind: Any, parameters: dict[str, Any]) -> _Problem:
+    """Return the problem with these parameters of an equation, given by name."""
+    names = [f.name for f in fields(kind)]
+    unknown = [name for name in parameters if name not in names]
+    if unknown:
+        raise TypeError(f"{', '.join(unknown)} is no parameter of {kind.__name__}; they are {', '.join(names)}")
+    exact: dict[str, Any] = {}
+    for name, value in parameters.items():
+        if name in ("cosines", "sines"):
+            listed = _validate.sequence(name, value)
+            exact[name] = tuple(_exact(f"{name}[{i}]", entry) for i, entry in enumerate(listed))
+        else:
+            exact[name] = _exact(name, value)
+    equation: Equation = kind(**{name: _nearest(name, value) for name, value in exact.items()})
+    given = [
+        (f"{name}[{i}]" if isinstance(values, tuple) else name, value)
+        for name, values in exact.items()
+        for i, value in enumerate(values if isinstance(values, tuple) else (values,))
+    ]
+    inexact = tuple((name, value) for name, value in given if value != Fraction(float(value)))
+    damping = exact.get("damping", Fraction(0))
+    if damping < 0:
+        raise ValueError("damping must be zero or more, got less; growth of the free motion is not damping")
+    if isinstance(equation, Hill):
+        pairs = zip_longest(exact.get("cosines", ()), exact.get("sines", ()), fillvalue=Fraction(0))
+        waves = [*pairs]
+        while waves and waves[-1] == (0, 0):
+            waves.pop()
+        period = exact.get("period", Fraction(equation.period))
+        return _Problem(equation, exact["mean"], tuple(waves), damping, period, inexact)
+    waves = [(Fraction(0), exact["alpha"])] if exact["alpha"] else []
+    return _Problem(equation, exact["beta"], tuple(waves), damping, None, inexact)
+
+
+def _nearest(name: str, value: Fraction | tuple[Fraction, ...]) -> float | tuple[float, ...]:
+    """Return the nearest doubles."""
+    if isinstance(value, tuple):
+        return tuple(_validate.finite(f"{name}[{i}]", entry) for i, entry in enumerate(value))
+    return _validate.finite(name, value)
+
+
+def _exact(name: str, value: Any) -> Fraction:
+    """Return a number as the exact fraction it is."""
+    if isinstance(value, str):
+        if len(value) > _MOST_DIGITS:
+            raise ValueError(f"{name} must have at most {_MOST_DIGITS} digits, got {len(value)}")
+        top, slash, bottom = value.partition("/")
+        try:
+            return Fraction(int(top), int(bottom)) if slash else _exact(name, Decimal(value))
+        except (ArithmeticError, ValueError) as error:
+            if isinstance(error, ZeroDivisionError) or not str(error).startswith(name):
+                raise ValueError(f"{name} must be a number such as '1/3' or '-0.1', got {value!r}") from None
+            raise
+    if isinstance(value, Fraction):
+        return value
+    if isinstance(value, Decimal):
+        if not value.is_finite() or (value and abs(value.adjusted()) > _MOST_DIGITS):
+            raise ValueError(f"{name} must be finite, its exponent at most {_MOST_DIGITS}, got {value}")
+        return Fraction(value)
+    if isinstance(value, int) and not isinstance(value, bool):
+        return Fraction(value)
+    number = _validate.finite(name, value, "give a number, or text such as '1/3'")
+    if value != number:
+        raise ValueError(f"{name} = {value!r} is not taken exactly; give a Fraction, a Decimal or text such as '1/3'")
+    return Fraction(number)
+
+
+def _prove(problem: _Problem, max_digits: int) -> Proof:
+    """Return the proof, with as many digits as it takes."""
+    elementary = _elementary(problem)
+    if elementary is not None:
+        return elementary
     digits = min(_FIRST_DIGITS, max_digits)
     while True:
         try:
-            return _attempt(equation, digits)
+            return _attempt(problem, digits)
         except _Unresolved as reason:
             if digits >= max_digits:
-                return Proof(equation, "undecided", None, digits, f"{reason} with {digits} digits")
+                return problem.proof("undecided", None, digits, f"{reason} with {digits} digits")
         except _TooMuchWork as reason:
-            return Proof(equation, "undecided", None, digits, f"{reason} are more work than is worth waiting for")
+            return problem.proof("undecided", None, digits, f"{reason} are more work than is worth waiting for")
         digits = min(2 * digits, max_digits)
 
 
@@ -149,61 +270,61 @@ class _TooMuchWork(Exception):
     """The arithmetic would take longer than a caller wants to wait."""
 
 
-def _elementary(equation: Equation) -> Proof | None:
+def _elementary(problem: _Problem) -> Proof | None:
     """Return the verdict where the solutions are elementary, so that a boundary can be hit exactly."""
-    if not (equation.harmonics if isinstance(equation, Hill) else equation.alpha):
-        level = equation.mean if isinstance(equation, Hill) else equation.beta
-        bounded = level < 0.0 or (level == 0.0 and equation.damping > 0.0)
+    if not problem.waves:
+        level = problem.mean
+        bounded = level < 0 or (level == 0 and problem.damping > 0)
         statement = f"the coefficient is constant and {_sign_name(level)}"
-        return Proof(equation, "stable" if bounded else "unstable", None, 0, statement)
-    if not isinstance(equation, SquareWave) or equation.damping > 0.0:
+        return problem.proof("stable" if bounded else "unstable", None, 0, statement)
+    if not isinstance(problem.equation, SquareWave) or problem.damping > 0:
         return None
-    halves = [Fraction(equation.beta) + sign * Fraction(equation.alpha) for sign in (1, -1)]
+    halves = [problem.mean + sign * problem.alpha for sign in (1, -1)]
     for half, other in (halves, halves[::-1]):
         if half < 0 and half.denominator == 1 and math.isqrt(-half.numerator) ** 2 == -half:
             statement = (
                 "over one half period the motion makes a whole number of half turns, so it is as bounded as with the "
                 f"other half's coefficient throughout, which is {_sign_name(other)}"
             )
-            return Proof(equation, "stable" if other < 0 else "unstable", None, 0, statement)
+            return problem.proof("stable" if other < 0 else "unstable", None, 0, statement)
     return None
 
 
-def _attempt(equation: Equation, digits: int) -> Proof:
+def _attempt(problem: _Problem, digits: int) -> Proof:
     """Prove a verdict with ``digits`` digits; raises `_Unresolved` when they are too few."""
     from mpmath.ctx_iv import MPIntervalContext
 
     context = MPIntervalContext()  # our own: the precision of mpmath.iv is shared by the whole process
     context.dps = digits
-    if isinstance(equation, SquareWave):
-        return _prove_square_wave(equation, context)
+    if isinstance(problem.equation, SquareWave):
+        return _prove_square_wave(problem, context)
     try:
-        if isinstance(equation, Mathieu):
-            count, enclosures = _count_mathieu(equation, context)
+        if isinstance(problem.equation, Mathieu):
+            count, enclosures = _count_mathieu(problem, context)
         else:
-            count, enclosures = _count_hill(equation, context)
+            count, enclosures = _count_hill(problem, context)
     except _Unresolved:
-        if equation.damping == 0.0:
+        if problem.damping == 0:
             raise
-        return _prove_by_trace(equation, context, None)  # on a boundary of u, damping decides
+        return _prove_by_trace(problem, context, None)  # on a boundary of u, damping decides
     interval = Interval.from_count(count)
     known = f"{count} of Hill's periodic and antiperiodic eigenvalues lie below the equation's and none at it"
     if count % 2 == 1:
-        end = "every solution decays" if equation.damping else "every solution is bounded"
-        return Proof(equation, "stable", interval, digits, f"{known}: an odd number, so {end}", enclosures)
-    if equation.damping > 0.0:
-        return _prove_by_trace(equation, context, interval)
-    return Proof(equation, "unstable", interval, digits, f"{known}: an even number, so a solution grows", enclosures)
+        end = "every solution decays" if problem.damping else "every solution is bounded"
+        return problem.proof("stable", interval, digits, f"{known}: an odd number, so {end}", *enclosures)
+    if problem.damping > 0:
+        return _prove_by_trace(problem, context, interval)
+    return problem.proof("unstable", interval, digits, f"{known}: an even number, so a solution grows", *enclosures)
 
 
 # --- Mathieu: pivots of four tridiagonal chains ---
 
 
-def _count_mathieu(equation: Mathieu, context: Any) -> tuple[int, tuple[Enclosure, ...]]:
+def _count_mathieu(problem: _Problem, context: Any) -> tuple[int, tuple[Enclosure, ...]]:
     """Return the number of characteristic values below a = -4 (beta + c^2), with the pivots closest to zero."""
-    a = -4 * (context.mpf(equation.beta) + context.mpf(equation.damping) ** 2)
-    q = 2 * abs(context.mpf(equation.alpha))
-    _check_work(16.0 * (20.0 + math.sqrt(8.0 * abs(equation.alpha) + max(0.0, -4.0 * equation.beta))), context)
+    a = _rational(-4 * (problem.mean + problem.damping**2), context)
+    q = _rational(2 * abs(problem.alpha), context)
+    _check_work(16.0 * (20.0 + math.sqrt(8.0 * abs(problem.alpha) + max(0.0, -4.0 * problem.mean))), context)
     square = q * q
     total, enclosures = 0, []
     for name, first, shift, coupling in (
@@ -250,9 +371,9 @@ def _count_chain(context: Any, a: Any, q: Any, first: int, shift: Any, coupling:
 # --- Hill: a banded matrix and what it leaves out ---
 
 
-def _count_hill(equation: Hill, context: Any) -> tuple[int, tuple[Enclosure, ...]]:
+def _count_hill(problem: _Problem, context: Any) -> tuple[int, tuple[Enclosure, ...]]:
     """Return the number of periodic and antiperiodic eigenvalues below zero, with the pivots closest to zero."""
-    mean, waves = _in_phase(equation, context)
+    mean, waves = _in_phase(problem, context)
     bound = sum((abs(x) + abs(y) for x, y in waves), context.zero)
     # Far enough for delta > bound, and with the digits for C C' / delta not to be felt at the other end (heuristic).
     need = max(0.0, float((2 * bound - mean + 1).b))
@@ -341,8 +462,8 @@ def _count_band(rows: list[dict[int, Any]], context: Any) -> tuple[int, Any]:
 # --- Square wave: the closed form, factorised ---
 
 
-def _prove_square_wave(equation: SquareWave, context: Any) -> Proof:
-    alpha, beta, damping = (context.mpf(x) for x in (equation.alpha, equation.beta, equation.damping))
+def _prove_square_wave(problem: _Problem, context: Any) -> Proof:
+    alpha, beta, damping = (_rational(x, context) for x in (problem.alpha, problem.mean, problem.damping))
     mean = beta + damping**2
     half = _pi(context) / 2
     l1, l2 = mean + alpha, mean - alpha
@@ -352,19 +473,19 @@ def _prove_square_wave(equation: SquareWave, context: Any) -> Proof:
     above, below = v1 * y2, y1 * v2  # (trace - 2) / 4 and (trace + 2) / 4
     enclosures = (_enclose("(trace - 2) / 4", above), _enclose("(trace + 2) / 4", below))
     if above < 0 and below > 0:
-        end = "every solution decays" if equation.damping else "every solution is bounded"
+        end = "every solution decays" if problem.damping else "every solution is bounded"
         statement = f"the undamped trace lies between -2 and 2, so {end}"
-        return Proof(equation, "stable", None, context.dps, statement, enclosures)
-    if equation.damping == 0.0:
+        return problem.proof("stable", None, context.dps, statement, *enclosures)
+    if problem.damping == 0:
         if above > 0 or below < 0:
             statement = "the trace exceeds 2 in magnitude, so a solution grows"
-            return Proof(equation, "unstable", None, context.dps, statement, enclosures)
+            return problem.proof("unstable", None, context.dps, statement, *enclosures)
         raise _Unresolved("the trace cannot be told from 2 in magnitude")
     limit = (damping * _pi(context) * _cosh_sinhc((damping * _pi(context)) ** 2, context)[1]) ** 2
-    return _against_damping(equation, context, above - limit, -below - limit, None)
+    return _against_damping(problem, context, above - limit, -below - limit, None)
 
 
-def _against_damping(equation: Equation, context: Any, above: Any, below: Any, interval: Interval | None) -> Proof:
+def _against_damping(problem: _Problem, context: Any, above: Any, below: Any, interval: Interval | None) -> Proof:
     """Conclude from (trace - 2 cosh(c period)) / 4 and (-trace - 2 cosh(c period)) / 4, the trace undamped."""
     enclosures = (
         _enclose("(trace - 2 cosh(c period)) / 4", above),
@@ -372,23 +493,23 @@ def _against_damping(equation: Equation, context: Any, above: Any, below: Any, i
     )
     if above < 0 and below < 0:
         statement = "freed of its damping no solution grows as fast as the damping, so every solution decays"
-        return Proof(equation, "stable", interval, context.dps, statement, enclosures)
+        return problem.proof("stable", interval, context.dps, statement, *enclosures)
     if above > 0 or below > 0:
         statement = "freed of its damping a solution grows faster than the damping, so a solution grows"
-        return Proof(equation, "unstable", interval, context.dps, statement, enclosures)
+        return problem.proof("unstable", interval, context.dps, statement, *enclosures)
     raise _Unresolved("growth and damping cannot be told apart")
 
 
 # --- Damped Mathieu and Hill: the trace, by Taylor series ---
 
 
-def _prove_by_trace(equation: Mathieu | Hill, context: Any, interval: Interval | None) -> Proof:
+def _prove_by_trace(problem: _Problem, context: Any, interval: Interval | None) -> Proof:
     """Compare the undamped trace with 2 cosh(c period)."""
-    mean, waves = _in_phase(equation, context)
-    rate = context.mpf(equation.damping) * _unit(equation, context) * 2 * _pi(context)
+    mean, waves = _in_phase(problem, context)
+    rate = _rational(problem.damping, context) * _unit(problem, context) * 2 * _pi(context)
     limit = _cosh_sinhc(rate**2, context)[0] / 2
     trace = _trace(context, mean, waves)
-    return _against_damping(equation, context, trace / 4 - limit, -trace / 4 - limit, interval)
+    return _against_damping(problem, context, trace / 4 - limit, -trace / 4 - limit, interval)
 
 
 def _trace(context: Any, mean: Any, waves: list[tuple[Any, Any]]) -> Any:
@@ -458,17 +579,16 @@ def _coefficient_series(
 # --- Shared tools ---
 
 
-def _unit(equation: Mathieu | Hill, context: Any) -> Any:
+def _unit(problem: _Problem, context: Any) -> Any:
     """Return period / (2 pi): 1 for Mathieu's equation, whose period is the exact 2 pi."""
-    return context.mpf(equation.period) / (2 * _pi(context)) if isinstance(equation, Hill) else context.one
+    return context.one if problem.period is None else _rational(problem.period, context) / (2 * _pi(context))
 
 
-def _in_phase(equation: Mathieu | Hill, context: Any) -> tuple[Any, list[tuple[Any, Any]]]:
+def _in_phase(problem: _Problem, context: Any) -> tuple[Any, list[tuple[Any, Any]]]:
     """Return the mean, c^2 added, and the (cosine, sine) coefficients with time in units of period / (2 pi)."""
-    square = _unit(equation, context) ** 2
-    hill = equation.as_hill()
-    mean = square * (context.mpf(hill.mean) + context.mpf(hill.damping) ** 2)
-    return mean, [(square * context.mpf(z.real), square * context.mpf(-z.imag)) for z in hill.harmonics]
+    square = _unit(problem, context) ** 2
+    mean = square * _rational(problem.mean + problem.damping**2, context)
+    return mean, [(square * _rational(x, context), square * _rational(y, context)) for x, y in problem.waves]
 
 
 def _pi(context: Any) -> Any:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple, NoReturn
 
 from floquetrod.equations import Equation
 
@@ -50,8 +50,37 @@ class Cost(NamedTuple):
         return f"{self.amount} {self.unit}"
 
 
+class NoTruthValue:
+    """An answer that `if` cannot be asked of: as an object it would count as true whatever it says.
+
+    Raises TypeError that names ``ask``, what to look at instead.
+    """
+
+    ask: ClassVar[str]
+
+    def __bool__(self) -> NoReturn:
+        """Raise TypeError."""
+        raise TypeError(f"the truth value of {type(self).__name__} is ambiguous; look at {self.ask}")
+
+
+class Verdict(NoTruthValue):
+    """An answer that is stable, unstable or undecided."""
+
+    ask = ".stable (True, False, or None when undecided)"
+    if TYPE_CHECKING:  # a field of some classes and a property of others
+
+        @property
+        def status(self) -> Status:
+            """Verdict."""
+
+    @property
+    def stable(self) -> bool | None:
+        """True, False, or None when undecided."""
+        return {"stable": True, "unstable": False}.get(self.status)
+
+
 @dataclass(frozen=True, repr=False)
-class Stability:
+class Stability(Verdict):
     """A verdict with what is needed to trust it.
 
     Attributes
@@ -94,11 +123,6 @@ class Stability:
     period: float
     cost: Cost = field(compare=False)
     note: str = ""
-
-    @property
-    def stable(self) -> bool | None:
-        """True, False, or None when undecided."""
-        return {"stable": True, "unstable": False}.get(self.status)
 
     @property
     def multipliers(self) -> tuple[complex, complex]:

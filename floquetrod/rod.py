@@ -15,13 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate, units
-from floquetrod._compile import broadcast, over_chunks
-from floquetrod.coulomb import Coulomb
+from floquetrod._arrays import broadcast, plain, shaped
+from floquetrod._compile import over_chunks
+from floquetrod.coulomb import Coulomb, friction_coefficient
 from floquetrod.criterion import PaperCriterion
+from floquetrod.friction.fates import UndecidedWarning
 from floquetrod.kernels import mathieu as kernels
-from floquetrod.load import AxialLoad
-from floquetrod.rod_data import MOST_MODES, NEGLIGIBLE_GROWTH, RodData
-from floquetrod.rod_friction import CriticalKick, RodFriction, critical_kick, critical_kicks, judge_kick, stable_loads
+from floquetrod.load import LARGEST_FORCE, LARGEST_FREQUENCY, LEAST_FREQUENCY, AxialLoad
+from floquetrod.rod_data import NEGLIGIBLE_GROWTH, RodData
+from floquetrod.rod_friction import CriticalKick, RodFriction, critical_kick, critical_kicks, judge_kick, kicked_loads
 from floquetrod.rod_ranges import QUANTITIES, SafeRanges, safe_ranges
 from floquetrod.rod_stability import RodStability, judge_modes
 from floquetrod.rod_tongues import HAIRLINE_GROWTH, Progress, Quantity, unstable_loads
@@ -136,9 +138,9 @@ class Rod(RodData):
         >>> rod.stability(load).unstable_modes
         (7,)
         """
-        if not isinstance(load, AxialLoad):
-            raise TypeError(f"load must be an AxialLoad, got {load!r}")
-        growth_tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+        _validate.instance("load", load, AxialLoad)
+        friction = None if friction is None else _coulomb(friction)
+        growth_tolerance = _validate.tolerance("growth_tolerance", growth_tolerance)
         self._warn_unless_uniform(load)
         if modes is None:
             last, left_out = self.modes_needed(load, growth_tolerance)
@@ -149,14 +151,12 @@ class Rod(RodData):
                 else f"modes 1 to {last}: no higher mode can grow"
             )
         else:
-            chosen = tuple(_validate.integer(f"modes[{i}]", mode, 1) for i, mode in enumerate(modes))
-            if not chosen:
-                raise ValueError("modes must name at least one mode, got none; leave it out to take all that matter")
+            chosen = _validate.modes(modes)
             left_out = math.inf
             cutoff = f"the {len(chosen)} modes asked for; nothing is said about others"
         equations = self.mode_equations(load, chosen)
         linear = judge_modes(self, load, chosen, equations, growth_tolerance, left_out, cutoff)
-        return linear if friction is None else judge_kick(linear, _coulomb(friction))
+        return linear if friction is None else judge_kick(linear, friction)
 
     def critical_velocity(self, load: AxialLoad, mu: float, growth_tolerance: float = 0.0) -> CriticalKick:
         """Return the smallest transverse velocity in m/s that buckles the rod against friction, and the mode.
@@ -171,7 +171,7 @@ class Rod(RodData):
         >>> round(1e3 * velocity, 1), mode
         (32.1, 9)
         """
-        mu = _validate.nonnegative("mu", mu, "friction opposes the motion")
+        mu = friction_coefficient(mu)
         return critical_kick(self.stability(load, None, growth_tolerance), mu)
 
     def critical_velocities(
@@ -185,11 +185,11 @@ class Rod(RodData):
         workers: int | None = None,
     ) -> tuple[Any, Any]:
         """Return what `critical_velocity` does over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
-        mu = _validate.nonnegative("mu", mu, "friction opposes the motion")
-        tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+        mu = friction_coefficient(mu)
+        tolerance = _validate.tolerance("growth_tolerance", growth_tolerance)
         shape, *loads = self._loads(mean, amplitude, frequency)
         velocity, mode = critical_kicks(self, loads[:3], mu, tolerance, workers)
-        return velocity.reshape(shape), mode.reshape(shape)
+        return shaped(velocity, shape), shaped(mode, shape)
 
     def stable_mean_forces(
         self,
@@ -223,7 +223,7 @@ class Rod(RodData):
         >>> len(ranges), 0.34 * rod.critical_force in ranges, 0.2 * rod.critical_force in ranges
         (5, True, False)
         """
-        upto = 1.5 * self.critical_force if upto is None else _validate.positive("upto", upto)
+        upto = 1.5 * self.critical_force if upto is None else _largest(upto)
         load = AxialLoad(upto, amplitude, frequency)
         return self._ranges("mean", load, (0.0, upto), growth_tolerance, progress)
 
@@ -242,7 +242,7 @@ class Rod(RodData):
         amplitude: with damping or tolerance unstable parts narrower than the ``resolution`` of the result may be missed
         (docs/ranges.md).  See `stable_mean_forces` for the other arguments.
         """
-        upto = self.critical_force if upto is None else _validate.positive("upto", upto)
+        upto = self.critical_force if upto is None else _largest(upto)
         load = AxialLoad(mean, upto, frequency)
         return self._ranges("amplitude", load, (0.0, upto), growth_tolerance, progress)
 
@@ -261,10 +261,10 @@ class Rod(RodData):
         that counting finds every tongue, and inside one the growth per period is concave in 1 / omega^2
         (docs/ranges.md).  See `stable_mean_forces` for the other arguments.
         """
-        low, high = (_validate.positive(f"between[{i}]", value) for i, value in enumerate(between))
-        if not low < high:
-            raise ValueError(f"between must increase, got ({low:g}, {high:g}); give the lower frequency first")
-        return self._ranges("frequency", AxialLoad(mean, amplitude, high), (low, high), growth_tolerance, progress)
+        low, high = _validate.interval("between", between, _frequency)
+        slowest = AxialLoad(mean, amplitude, low)
+        self.require_in_reach(slowest.mean, slowest.amplitude, low)
+        return self._ranges("frequency", replace(slowest, frequency=high), (low, high), growth_tolerance, progress)
 
     def critical_mean_force(
         self, amplitude: float, frequency: float, growth_tolerance: float = HAIRLINE_GROWTH
@@ -293,7 +293,8 @@ class Rod(RodData):
         progress: Progress | None,
     ) -> SafeRanges:
         """Search with as many modes as the largest load needs."""
-        tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+        _validate.progress(progress)
+        tolerance = _validate.tolerance("growth_tolerance", growth_tolerance)
         last, _ = self.modes_needed(largest, tolerance)
         modes = range(1, last + 1)
         found = unstable_loads(varied, self, largest, modes, tolerance, between, union=True, progress=progress)
@@ -301,7 +302,7 @@ class Rod(RodData):
 
     def _first_unstable(self, varied: Quantity, largest: AxialLoad, upto: float, growth_tolerance: float) -> float:
         """Search upwards from zero, piece by piece, until something is found."""
-        tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+        tolerance = _validate.tolerance("growth_tolerance", growth_tolerance)
         ends = np.linspace(0.0, upto, _PIECES + 1).tolist()
         for piece in pairwise(ends):
             modes = range(1, self.modes_needed(replace(largest, **{varied: piece[1]}), tolerance)[0] + 1)
@@ -324,27 +325,65 @@ class Rod(RodData):
         """Return whether the rod is stable, over arrays of loads (N, N, rad/s) that broadcast, all relevant modes.
 
         A mode counts as stable up to ``growth_tolerance`` (1/s), or when it passes the ``criterion``.  With
-        ``friction``: whether its kick sets off no mode; loads that cannot be decided are warned of and False.
+        ``friction``: whether its kick sets off no mode; loads that cannot be decided are warned of and False, and
+        `verdicts` tells which.
 
         >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
         array([False, False])
         """
-        tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
-        shape, force, size, omega = self._loads(mean, amplitude, frequency)
+        found = self.verdicts(
+            mean,
+            amplitude,
+            frequency,
+            growth_tolerance=growth_tolerance,
+            criterion=criterion,
+            friction=friction,
+            workers=workers,
+        )
+        unsure = int(np.count_nonzero(np.equal(found, -1)))
+        if unsure:
+            warnings.warn(
+                f"{unsure} of {np.size(found)} loads could not be decided and count as unstable; verdicts tells which",
+                UndecidedWarning,
+                stacklevel=2,
+            )
+        return plain(np.equal(found, 1))
+
+    def verdicts(
+        self,
+        mean: Any,
+        amplitude: Any,
+        frequency: Any,
+        *,
+        growth_tolerance: float = 0.0,
+        criterion: PaperCriterion | None = None,
+        friction: Coulomb | None = None,
+        workers: int | None = None,
+    ) -> Any:
+        """Return 1 where the rod is stable, 0 where it is not and -1 where that cannot be decided, as int8.
+
+        Arguments as in `is_stable`; only kicks against friction are ever undecided.
+
+        >>> Rod.nitinol().verdicts([0.2, 0.72], 1.187, 150.0, friction=Coulomb(mu=0.1, velocity=0.05))
+        array([1, 0], dtype=int8)
+        """
+        tolerance = _validate.tolerance("growth_tolerance", growth_tolerance)
+        friction = None if friction is None else _coulomb(friction)
         if criterion is not None:
+            _validate.instance("criterion", criterion, PaperCriterion)
             criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if friction is None else friction.mu)
+        shape, force, size, omega = self._loads(mean, amplitude, frequency)
         if friction is not None:
-            kept = stable_loads(self, (force, size, omega), _coulomb(friction), tolerance, workers)
-            return kept.reshape(shape) if shape else bool(kept[0])
+            return shaped(kicked_loads(self, (force, size, omega), friction, tolerance, workers), shape)
         if criterion is not None:
             family = tuple(np.broadcast_to(part, omega.shape) for part in self.mode_family(force, size, omega))
-            out = criterion.modes_are_stable(family, self.damping_rate / omega, workers=workers)
-            return out.reshape(shape) if shape else bool(out[0])
+            passed = criterion.modes_are_stable(family, self.damping_rate / omega, workers=workers)
+            return shaped(passed.astype(np.int8), shape)
         out = np.empty(omega.size, dtype=np.bool_)
         constants = (*self.mode_constants, self.damping_rate, tolerance, NEGLIGIBLE_GROWTH)
         loads = (force, size, omega)
         over_chunks(kernels.modes_stable_fill, loads, out, *constants, workers=workers, chunk=4096)
-        return out.reshape(shape) if shape else bool(out[0])
+        return shaped(out.view(np.int8), shape)
 
     def growth_rate(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> Any:
         """Return the growth rate in 1/s of the fastest mode over arrays of loads; 0 where stable."""
@@ -358,27 +397,18 @@ class Rod(RodData):
         loads = (force, size, omega)
         over_chunks(kernels.modes_growth_fill, loads, out, *constants, workers=workers, chunk=4096)
         growth, mode = out[:, 0], out[:, 1].astype(np.int64)
-        if shape:
-            return growth.reshape(shape), mode.reshape(shape)
-        return float(growth[0]), int(mode[0])
+        return shaped(growth, shape), shaped(mode, shape)
 
     def _loads(
         self, mean: Any, amplitude: Any, frequency: Any
     ) -> tuple[tuple[int, ...], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return the common shape of loads that broadcast, and their flat arrays."""
-        arrays = (
-            _validate.array("mean", mean, least=-1e12, largest=1e12),
-            _validate.array("amplitude", amplitude, least=0.0, largest=1e12),
-            _validate.array("frequency", frequency, least=1e-9, largest=1e12),
+        shape, (force, size, omega) = broadcast(
+            mean=_validate.array("mean", mean, least=-LARGEST_FORCE, largest=LARGEST_FORCE),
+            amplitude=_validate.array("amplitude", amplitude, least=0.0, largest=LARGEST_FORCE),
+            frequency=_validate.array("frequency", frequency, least=LEAST_FREQUENCY, largest=LARGEST_FREQUENCY),
         )
-        try:
-            shape, (force, size, omega) = broadcast(*arrays)
-        except ValueError:
-            shapes = ", ".join(str(array.shape) for array in arrays)
-            raise ValueError(f"mean, amplitude and frequency must broadcast to one shape, got {shapes}") from None
-        largest = float((force + size).max(initial=0.0))  # a + b over the stiffness, for the first mode
-        if largest > MOST_MODES**2 * self.flexural_rigidity * self.wavenumber(1) ** 2:
-            raise ValueError(f"mean needs more than {MOST_MODES} modes: far above the critical force; check its unit")
+        self.require_in_reach(force, size, omega)
         return shape, force, size, omega
 
     def _warn_unless_uniform(self, load: AxialLoad) -> None:
@@ -392,7 +422,16 @@ class Rod(RodData):
             )
 
 
+def _largest(upto: Any) -> float:
+    """Return the end of a range of forces in N."""
+    return _validate.within("upto", _validate.positive("upto", upto), 0.0, LARGEST_FORCE, "give it in N")
+
+
+def _frequency(name: str, value: Any) -> float:
+    """Return an end of a range of frequencies in rad/s."""
+    positive = _validate.positive(name, value)
+    return _validate.within(name, positive, LEAST_FREQUENCY, LARGEST_FREQUENCY, "give it in rad/s")
+
+
 def _coulomb(friction: Any) -> Coulomb:
-    if not isinstance(friction, Coulomb):
-        raise TypeError(f"friction must be a Coulomb, got {friction!r}; give Coulomb(mu=..., velocity=...)")
-    return friction
+    return _validate.instance("friction", friction, Coulomb, "give Coulomb(mu=..., velocity=...)")

@@ -11,12 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate
+from floquetrod._arrays import plain
 from floquetrod.equations import Mathieu
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.load import AxialLoad
 
 NEGLIGIBLE_GROWTH = 1e-12  # growth in 1/s that modes left out may have: a doubling in 20,000 years
 MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
+
+
+_LEAST, _LARGEST = 1e-12, 1e15  # of any parameter in its SI unit: what is computed from them stays in range (a choice)
+_UNITS = {
+    "youngs_modulus": "Pa",
+    "density": "kg/m^3",
+    "radius": "m",
+    "length": "m",
+    "channel_radius": "m",
+    "gravity": "m/s^2",
+}
 
 
 @dataclass(frozen=True)
@@ -46,18 +58,12 @@ class RodData:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        hints = {
-            "youngs_modulus": "give it in Pa",
-            "density": "give it in kg/m^3",
-            "radius": "give it in m",
-            "length": "give it in m",
-            "channel_radius": "give it in m",
-            "gravity": "give it in m/s^2",
-        }
-        for name, hint in hints.items():
-            object.__setattr__(self, name, _validate.positive(name, getattr(self, name), hint))
+        for name, unit in _UNITS.items():
+            number = _validate.positive(name, getattr(self, name), f"give it in {unit}")
+            _validate.within(name, number, _LEAST, _LARGEST, f"give it in {unit}")
+            object.__setattr__(self, name, number)
         rate = _validate.nonnegative("damping_rate", self.damping_rate, "give the decay rate in 1/s")
-        object.__setattr__(self, "damping_rate", rate)
+        object.__setattr__(self, "damping_rate", _validate.within("damping_rate", rate, 0.0, _LARGEST))
         if self.radius >= self.channel_radius:
             raise ValueError(
                 f"channel_radius must exceed the rod's radius, got channel_radius = {self.channel_radius:g} m and "
@@ -125,23 +131,31 @@ class RodData:
 
     def wavenumber(self, mode: Any) -> Any:
         """Return w_m = m pi / L in 1/m."""
-        return np.multiply(mode, math.pi / self.length) if np.ndim(mode) else mode * math.pi / self.length
+        return plain(_modes(mode) * (math.pi / self.length))
 
     def natural_frequency(self, mode: Any) -> Any:
         """Return the frequency in rad/s of free motion in a mode, without axial force or damping."""
         bending = self.flexural_rigidity / self.mass_per_length * self.wavenumber(mode) ** 4
-        return (bending + self.pendulum_frequency**2) ** 0.5
+        return plain((bending + self.pendulum_frequency**2) ** 0.5)
 
     def mode_parameters(self, load: AxialLoad, modes: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return alpha_m and beta_m of Eq. (4) as arrays over ``modes``."""
+        _validate.instance("load", load, AxialLoad)
         family = self.mode_family(load.mean, load.amplitude, load.frequency)
-        alpha, beta = kernels.mode_coefficients(*family, np.asarray(modes, dtype=np.float64))
+        alpha, beta = kernels.mode_coefficients(*family, _modes(modes, "modes"))
         return np.asarray(alpha), np.asarray(beta)
 
     def mode_equations(self, load: AxialLoad, modes: Iterable[int]) -> tuple[Mathieu, ...]:
         """Return the Mathieu equation (3) of each mode, in the time tau = omega t, damping included."""
-        chosen = tuple(_validate.integer(f"modes[{i}]", mode, 1) for i, mode in enumerate(modes))
+        chosen = _validate.integers("modes", modes, 1)
         alpha, beta = self.mode_parameters(load, chosen)
+        self.require_in_reach(load.mean, load.amplitude, load.frequency)
+        for mode, size in zip(chosen, np.maximum(abs(alpha), abs(beta)), strict=True):
+            if size > _validate.LARGEST:
+                raise ValueError(
+                    f"modes must have coefficients up to {_validate.LARGEST:g}, got {size:.3g} for mode {mode} at "
+                    f"frequency {load.frequency:g} rad/s; leave out modes so high, or check the units"
+                )
         damping = self.damping_rate / load.frequency
         return tuple(Mathieu(float(a), float(b), damping) for a, b in zip(alpha, beta, strict=True))
 
@@ -158,6 +172,35 @@ class RodData:
         """
         return kernels.mode_family(*self.mode_constants, mean, amplitude, frequency)
 
+    def require_in_reach(self, mean: Any, amplitude: Any, frequency: Any) -> None:
+        """Raise ValueError for loads that need too many modes, or whose mode equations have too large coefficients.
+
+        Over arrays of mean force (N), amplitude (N) and frequency (rad/s); the largest of all are taken together.
+        """
+        push = max(0.0, float(np.max(mean, initial=-math.inf) + np.max(amplitude, initial=0.0)))
+        slowest = float(np.min(frequency, initial=math.inf))
+        w2, mass, rigidity, pendulum = self.mode_constants
+        modes = math.sqrt(push / rigidity / w2)  # beyond which bending outweighs the force
+        if modes > MOST_MODES:
+            raise ValueError(
+                f"load needs more than {MOST_MODES} modes: mean and amplitude come to {push:g} N, far above the "
+                f"critical force {self.critical_force:g} N of this rod; check units and length"
+            )
+        force = float(np.max(np.abs(mean), initial=0.0) + np.max(amplitude, initial=0.0))
+        w2 *= max(1.0, modes) ** 2
+        size = (force * w2 + rigidity * w2 * w2) / mass + pendulum**2
+        least = math.sqrt(size / _validate.LARGEST)
+        if slowest < least:
+            raise ValueError(
+                f"frequency must be at least {least:.3g} rad/s for this rod and load, got {slowest:g}: coefficients of "
+                f"its mode equations would exceed {_validate.LARGEST:g}; check the units"
+            )
+        if self.damping_rate > math.sqrt(_validate.LARGEST) * slowest:
+            raise ValueError(
+                f"damping_rate must be at most {math.sqrt(_validate.LARGEST):.3g} times the frequency, got "
+                f"{self.damping_rate:g} 1/s at {slowest:g} rad/s; check the units"
+            )
+
     def modes_needed(self, load: AxialLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
 
@@ -170,16 +213,18 @@ class RodData:
         a, q and c^2 go like 1 / omega^2, so a higher frequency leaves fewer evanescent factors q / (a - k^2 - q), each
         larger, before a rate that in 1/s does not depend on it.
         """
+        _validate.instance("load", load, AxialLoad)
+        growth_tolerance = _validate.tolerance("growth_tolerance", growth_tolerance)
+        self.require_in_reach(load.mean, load.amplitude, load.frequency)
         family = self.mode_family(load.mean, load.amplitude, load.frequency)
         c = self.damping_rate / load.frequency
         a, b, stiffness, d = family
         d -= c * c
         target = c + max(growth_tolerance, NEGLIGIBLE_GROWTH) / load.frequency
-        if math.sqrt(max(0.0, a + b) / stiffness) > MOST_MODES:
-            raise ValueError(
-                f"load needs more than {MOST_MODES} modes: mean = {load.mean:g} N is far above the critical force "
-                f"{self.critical_force:g} N of this rod; check units and length"
-            )
         last = kernels.modes_needed(a, b, stiffness, d, target, 1)
         bound = kernels.modes_left_out(a, b, stiffness, d, last)
         return last, max(0.0, bound - c) * load.frequency
+
+
+def _modes(mode: Any, name: str = "mode") -> NDArray[np.float64]:
+    return _validate.array(name, mode, least=0.0, largest=10.0 * MOST_MODES)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -16,10 +15,10 @@ from floquetrod import mathieu
 from floquetrod.coulomb import Coulomb, ModeFriction, critical_velocities
 from floquetrod.equations import FrictionalMathieu
 from floquetrod.friction.critical import critical_perturbation
-from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning, fate, outcome
+from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, outcome
 from floquetrod.kernels.mathieu import mode_coefficients
 from floquetrod.load import AxialLoad
-from floquetrod.result import Status
+from floquetrod.result import Status, Verdict
 from floquetrod.rod_data import RodData
 from floquetrod.rod_stability import RodStability
 
@@ -37,7 +36,7 @@ class CriticalKick(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class RodFriction:
+class RodFriction(Verdict):
     """Verdict on a rod with friction, every mode of which is kicked alike.
 
     Attributes
@@ -72,11 +71,6 @@ class RodFriction:
         """Verdict: stable when no mode escapes."""
         found = {fate.status for fate in self.fates}
         return "unstable" if "escapes" in found else "undecided" if "undecided" in found else "stable"
-
-    @property
-    def stable(self) -> bool | None:
-        """True, False, or None when undecided."""
-        return {"stable": True, "unstable": False}.get(self.status)
 
     @cached_property
     def critical_kick(self) -> CriticalKick:
@@ -170,14 +164,14 @@ def growing_modes(
     return load, modes[column], *chosen
 
 
-def stable_loads(
+def kicked_loads(
     rod: RodData,
     loads: Sequence[NDArray[np.float64]],
     friction: Coulomb,
     tolerance: float,
     workers: int | None,
-) -> NDArray[np.bool_]:
-    """Return whether the kick sets off no mode, for flat arrays of loads; undecided ones are warned of and False."""
+) -> NDArray[np.int8]:
+    """Return whether the kick sets off no mode (1), one (0), or cannot be told (-1), for flat arrays of loads."""
     found = np.full(loads[0].size, BOUNDED, dtype=np.int8)
     for part in _parts(loads[0].size):
         some = [values[part] for values in loads]
@@ -186,13 +180,7 @@ def stable_loads(
         fates = outcome(alpha, beta, gamma[load], epsilon[load], damping, workers=workers)
         found[part][load[fates == UNDECIDED]] = UNDECIDED
         found[part][load[fates == ESCAPES]] = ESCAPES
-    unsure = int((found == UNDECIDED).sum())
-    if unsure:
-        warnings.warn(
-            f"{unsure} of {found.size} loads could not be decided and count as unstable", UndecidedWarning, stacklevel=3
-        )
-    stable: NDArray[np.bool_] = found == BOUNDED
-    return stable
+    return np.where(found == UNDECIDED, -1, found == BOUNDED).astype(np.int8)
 
 
 def critical_kicks(

@@ -65,18 +65,23 @@ def stability_map(
     >>> stability_map(rod, mean=(0.0, 1.7, 4), amplitude=0.34, frequency=(20.0, 200.0, 5)).stable.shape
     (4, 5)
     """
-    if not isinstance(rod, Rod):
-        raise TypeError(f"rod must be a Rod, got {rod!r}")
+    _validate.instance("rod", rod, Rod)
+    growth = _validate.flag("growth", growth)
+    for name, option, kind in (("criterion", criterion, PaperCriterion), ("friction", friction, Coulomb)):
+        if option is not None:
+            _validate.instance(name, option, kind)
+    workers = _validate.workers(workers)
+    _validate.progress(progress)
     if friction is not None and growth:
         raise ValueError("growth is that of the rod without friction; leave out either growth or friction")
     given = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
-    fixed = [name for name, value in given.items() if np.ndim(value) == 0]
+    fixed = [name for name, value in given.items() if _validate.array(name, value, least=-1e12, largest=1e12).ndim == 0]
     if len(fixed) != 1:
         raise ValueError(
             "exactly one of mean, amplitude and frequency must be a single number and the others (low, high, number) "
             f"or arrays; single numbers here: {', '.join(fixed) or 'none'}"
         )
-    tolerance = _validate.nonnegative("growth_tolerance", growth_tolerance)
+    tolerance = _validate.tolerance("growth_tolerance", growth_tolerance)
     if damping is not None:
         rod = rod.replace(damping_rate=damping)
     across, up = (name for name in _AXES if name not in fixed)
@@ -85,13 +90,13 @@ def stability_map(
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
         load = {across: x.values, up: values, fixed[0]: value}
-        stable = rod.is_stable(
+        found = rod.verdicts(
             **load, growth_tolerance=tolerance, criterion=criterion, friction=friction, workers=workers
         )
-        return (stable, *rod.fastest(**load, workers=workers)) if growth else (stable,)
+        return (found, *rod.fastest(**load, workers=workers)) if growth else (found,)
 
-    kinds = (np.bool_, np.float64, np.int64)[: 3 if growth else 1]
-    stable, *rest = fill_rows(rows, y.values, x.values.size, kinds, progress)
+    kinds = (np.int8, np.float64, np.int64)[: 3 if growth else 1]
+    verdicts, *rest = fill_rows(rows, y.values, x.values.size, kinds, progress)
     name, _, unit = _AXES[fixed[0]]
     fixed_values: list[list[Any]] = [[name, value, unit], ["critical force", rod.critical_force, "N"]]
     if friction is not None:
@@ -103,4 +108,5 @@ def stability_map(
     }
     rate, mode = rest if growth else (None, None)
     words = "" if criterion is None else str(criterion)
-    return Chart(x, y, stable, rate, mode, "1/s", subject, tolerance, words, 0, __version__)
+    undecided = int((verdicts == -1).sum())
+    return Chart(x, y, verdicts == 1, rate, mode, "1/s", subject, tolerance, words, undecided, __version__)

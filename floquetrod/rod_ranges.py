@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from floquetrod.result import NoTruthValue
 from floquetrod.rod_tongues import Quantity, UnstableLoads
 
 QUANTITIES: dict[Quantity, tuple[str, str]] = {
@@ -26,7 +27,7 @@ class SafeInterval(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class SafeRanges:
+class SafeRanges(NoTruthValue):
     """All stable intervals of one quantity of the load within a range.
 
     Attributes
@@ -48,6 +49,8 @@ class SafeRanges:
 
     Iterating gives the intervals; ``value in ranges`` asks whether a value is safe.
     """
+
+    ask = "len(...) or .intervals: how many intervals are stable says nothing of a load"
 
     quantity: str
     unit: str

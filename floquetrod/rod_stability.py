@@ -12,9 +12,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import _validate
 from floquetrod.equations import Mathieu
 from floquetrod.load import AxialLoad
-from floquetrod.result import Stability, Status
+from floquetrod.result import Stability, Status, Verdict
 from floquetrod.rod_data import RodData
 from floquetrod.rod_tongues import HAIRLINE_GROWTH, Quantity, gaps, unstable_loads
 from floquetrod.tongues import damping_to_stabilise
@@ -37,7 +38,7 @@ class Margin(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class RodStability:
+class RodStability(Verdict):
     """Verdict on a rod under a load.
 
     Attributes
@@ -74,11 +75,6 @@ class RodStability:
     cutoff: str
 
     @property
-    def stable(self) -> bool | None:
-        """True, False, or None when undecided."""
-        return {"stable": True, "unstable": False}.get(self.status)
-
-    @property
     def modes_checked(self) -> int:
         """Number of modes looked at; `cutoff` says why that many."""
         return len(self.modes)
@@ -101,7 +97,7 @@ class RodStability:
 
     def time_to_grow(self, factor: float = 10.0) -> float:
         """Return the time in s in which the fastest mode grows by ``factor``, infinite when none grows."""
-        if not factor > 1.0:
+        if not _validate.finite("factor", factor) > 1.0:
             raise ValueError(f"factor must be greater than 1, got {factor!r}")
         return math.log(factor) / self.growth_rate if self.growth_rate > 0.0 else math.inf
 

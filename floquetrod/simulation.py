@@ -19,6 +19,7 @@ from floquetrod._version import __version__
 from floquetrod.growth import LEAST_PER_PERIOD, GrowthFit, fit_growth
 from floquetrod.load import AxialLoad
 from floquetrod.perturbation import LEAST_SEGMENTS, Perturbation
+from floquetrod.result import NoTruthValue
 from floquetrod.rod import Rod
 from floquetrod.segmented import ENERGIES, STEP_LIMITS, SegmentedRod
 
@@ -85,7 +86,7 @@ class Setting:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Simulation(ByContent):
+class Simulation(NoTruthValue, ByContent):
     """The course of a simulated rod.
 
     Attributes
@@ -108,6 +109,8 @@ class Simulation(ByContent):
 
     Simulations are equal when all but time taken and version is, to the bit.
     """
+
+    ask = ".buckled"
 
     setting: Setting
     time: NDArray[np.float64]

@@ -5,15 +5,18 @@ from __future__ import annotations
 import cmath
 import math
 
+import mpmath
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod.methods.determinant import determinant
+from floquetrod.methods.reference import reference_excess
 from floquetrod.methods.spectral import spectral
 from floquetrod.result import Cost, Interval, judge
-from strategies import hills, mathieus, near_boundary_points, square_waves
+from floquetrod.verdict import METHODS
+from strategies import decades, hills, mathieus, near_boundary_points, numbers, square_waves
 
 EXACT = {"spectral", "determinant", "monodromy", "reference", "square_wave"}
 
@@ -99,11 +102,66 @@ def test_the_papers_truncation() -> None:
     assert "40 terms are too few" in few.note
 
 
-def test_determinants_converge_as_the_fifth_power_of_the_terms() -> None:
+def test_determinants_converge_as_the_seventh_power_of_the_terms() -> None:
     exact = spectral(fr.Mathieu(2.0, -1.3)).discriminant
     errors = [abs(determinant(fr.Mathieu(2.0, -1.3), terms=n).discriminant - exact) for n in (20, 40, 80)]
     orders = [math.log2(errors[i] / errors[i + 1]) for i in (0, 1)]
-    assert orders == pytest.approx([5.0, 5.0], abs=0.4)
+    assert orders == pytest.approx([7.0, 7.0], abs=0.4)
+
+
+EXTREMES = st.sampled_from((0.0, 5e-324, -5e-324, 1e-320, 1e-300, -1e-200, 1e-160, 1e-120, 1e-30))
+"""What leaves the range of a double when it is squared, and what is left of it."""
+
+
+def extreme_equations() -> st.SearchStrategy[fr.Mathieu | fr.SquareWave | fr.Hill]:
+    """Equations at, near and far from boundaries, with denormal coefficients and long periods among them."""
+    amplitudes = EXTREMES | numbers(-30.0, 30.0) | decades(1e-9, 1.0)
+    edges = st.tuples(st.integers(0, 10), EXTREMES | numbers(-1e-9, 1e-9)).map(lambda p: -0.25 * p[0] ** 2 + p[1])
+    means = EXTREMES | numbers(-60.0, 10.0) | edges
+    damping = st.just(0.0) | decades(1e-9, 0.5) | st.just(5e-324)
+    series = st.lists(EXTREMES | numbers(-3.0, 3.0), max_size=3).map(tuple)
+    hill = st.builds(fr.Hill, EXTREMES | numbers(-3.0, 1.0), series, series, decades(1e-2, 100.0), damping)
+    return (
+        st.builds(fr.Mathieu, amplitudes, means, damping) | st.builds(fr.SquareWave, amplitudes, means, damping) | hill
+    )
+
+
+@settings(max_examples=100)
+@given(extreme_equations(), st.none() | st.integers(2, 60) | st.integers(2, 20000))
+@example(fr.Mathieu(1e-9, -23.0), 10)
+@example(fr.Mathieu(5e-324, -0.25), None)
+@example(fr.Mathieu(0.0, 0.0), 5)
+@example(fr.Hill(-0.5, cosines=(0.7,), period=1000.0), None)
+def test_stated_errors_cover_the_truth(equation: fr.Mathieu | fr.SquareWave | fr.Hill, terms: int | None) -> None:
+    exact = reference_excess(equation, 30)
+    with mpmath.workdps(40):
+        period = mpmath.mpf(equation.period) if isinstance(equation, fr.Hill) else 2 * mpmath.pi
+        truth = exact.sign * (4 * exact.excess + 2) * mpmath.exp(-period * equation.damping)
+    for name, kinds in METHODS.items():
+        if not isinstance(equation, kinds) or name == "reference":
+            continue
+        if name == "square_wave" and isinstance(equation, fr.Mathieu):  # an approximation, and says so
+            continue
+        options = {"terms": terms} if name == "determinant" else {}
+        result = fr.stability(equation, method=name, **options)
+        assert not math.isnan(result.error)
+        assert not math.isnan(result.growth_rate)
+        if math.isinf(result.error):
+            assert result.status == "undecided"
+            assert result.note
+        elif name != "leapfrog":  # whose discriminant is that of its own scheme
+            off = truth - result.discriminant if math.isfinite(result.discriminant) else 0
+            assert abs(off) <= result.error * max(1, abs(truth))
+            if abs(exact.excess) > exact.error and not equation.damping:
+                assert result.status in ("undecided", "unstable" if exact.excess > 0 else "stable")
+
+
+def test_a_period_too_long_for_eigenvalues_is_undecided_and_says_so() -> None:
+    long = fr.Hill(-0.5, cosines=(0.7,), period=1000.0)
+    result = fr.stability(long, method="spectral")
+    assert result.status == "undecided"
+    assert "use method='monodromy'" in result.note
+    assert fr.stability(long).growth_rate == pytest.approx(0.0863327067952, rel=1e-10)  # by the reference method
 
 
 def test_a_boundary_within_rounding_is_undecided_by_doubles_and_decided_by_more_digits() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
+from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ from mpmath.ctx_iv import MPIntervalContext
 
 from floquetrod.equations import Equation, Hill, Mathieu, SquareWave
 from floquetrod.methods.reference import reference, reference_excess
-from floquetrod.proof import _cosh_sinhc, _pi, _prove_by_trace, _trace, certify
+from floquetrod.proof import _cosh_sinhc, _pi, _problem, _prove_by_trace, _trace, certify
 from floquetrod.result import Interval
 from strategies import hills, mathieu_points, mathieus, near_boundary_points, numbers, square_waves, transition_betas
 
@@ -291,7 +292,7 @@ def test_both_ways_of_treating_damping_agree() -> None:
     # Where counting proves decay, the trace must prove it too.
     equation = Mathieu(1.0, -0.6, damping=0.05)
     assert certify(equation).statement.endswith("every solution decays")
-    assert _prove_by_trace(equation, arithmetic(30), None).status == certify(equation).status == "stable"
+    assert _prove_by_trace(_problem(equation), arithmetic(30), None).status == certify(equation).status == "stable"
 
 
 def test_huge_parameters() -> None:
@@ -330,3 +331,72 @@ def test_wrong_digits(digits: Any, error: type[Exception]) -> None:
 def test_wrong_equation() -> None:
     with pytest.raises(TypeError, match="equation must be Mathieu"):
         certify("Mathieu")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("offset", [Fraction(1, 10**30), Fraction(1, 7 * 10**25)])
+def test_the_exact_number_is_proved_and_not_its_nearest_double(offset: Fraction) -> None:
+    # Tongue 1 reaches from -1/4 - alpha / 2 to -1/4 + alpha / 2, to first order; -1/4 lies in the middle.
+    beside = Fraction(-1, 4) - Fraction(51, 100) * offset
+    assert float(beside) == -0.25
+    proof = certify(Mathieu, alpha=offset, beta=beside)
+    assert proof.status == "stable"
+    assert proof.equation == Mathieu(float(offset), -0.25)
+    assert dict(proof.exact)["beta"] == beside
+    assert "beta = " in repr(proof)
+    assert certify(Mathieu(float(offset), -0.25)).status == "unstable"
+    assert certify(Mathieu, alpha=offset, beta=Fraction(-1, 4) - Fraction(49, 100) * offset).status == "unstable"
+
+
+@pytest.mark.parametrize("kind", [Mathieu, SquareWave])
+def test_a_mean_too_small_for_a_double_keeps_its_sign(kind: type[Equation]) -> None:
+    assert certify(kind, alpha=0, beta="-1e-400").status == "stable"
+    assert certify(kind, alpha=0, beta="1e-400").status == "unstable"
+    assert certify(kind, alpha=0, beta="0", damping="1e-400").status == "stable"
+
+
+def test_exact_hill_and_square_wave() -> None:
+    exact = certify(Hill, mean="-1/4", sines=("1e-20",), cosines=[0], period="6.283185307179586476925286766559005768")
+    assert exact.status == "unstable"
+    assert [name for name, _ in exact.exact] == ["sines[0]", "period"]
+    # The nearest double to 2 pi is off by more than that tongue is wide.
+    assert certify(Hill, mean="-1/4", sines=("1e-20",)).status == "stable"
+    assert certify(SquareWave, alpha="0.5", beta="-0.5") == certify(SquareWave(0.5, -0.5))
+
+
+@given(mathieus(20.0, (-20.0, 5.0), 0.3) | square_waves(10.0, 0.3) | hills(2, 5.0, 0.3))
+@settings(max_examples=15)
+def test_values_and_classes_are_proved_alike(equation: Equation) -> None:
+    parameters = {name: getattr(equation, name) for name in equation.__dataclass_fields__}
+    assert certify(type(equation), **parameters) == certify(equation)
+    assert certify(equation).exact == ()
+
+
+@pytest.mark.parametrize("value", [Fraction(1, 3), Decimal("0.1"), 2**53 + 1, np.longdouble(1) / 3])
+def test_equations_refuse_what_they_would_round(value: Any) -> None:
+    with pytest.raises(ValueError, match=r"^alpha "):
+        Mathieu(value, -0.25)
+    with pytest.raises(ValueError, match=r"^mean "):
+        Hill(value)
+    with pytest.raises(ValueError, match=r"^cosines\[1\] "):
+        Hill(-0.3, cosines=(0.5, value))
+    with pytest.raises(ValueError, match=r"^damping "):
+        Mathieu(0.5, -0.25, damping=value)
+
+
+@pytest.mark.parametrize(
+    "value", ["", "1/", "1/0", "nan", "inf", "1e999999999", "x", "9" * 20_000, None, True, 1j, math.nan, [1], 10**400]
+)
+def test_junk_is_no_exact_number(value: Any) -> None:
+    with pytest.raises((TypeError, ValueError), match=r"^alpha "):
+        certify(Mathieu, alpha=value, beta=-0.25)
+
+
+def test_parameters_follow_a_class_and_are_its_own() -> None:
+    with pytest.raises(TypeError, match="alpha must follow a class"):
+        certify(Mathieu(0.5, -0.25), alpha="1/3")
+    with pytest.raises(TypeError, match="gamma is no parameter of Mathieu; they are alpha, beta, damping"):
+        certify(Mathieu, alpha=1, beta=0, gamma=1)
+    with pytest.raises(TypeError, match="beta"):
+        certify(Mathieu, alpha=1)
+    with pytest.raises(ValueError, match="damping must be zero or more"):
+        certify(Mathieu, alpha=1, beta=0, damping="-1e-400")

@@ -23,6 +23,7 @@ from floquetrod.friction.preparation import (
     size_of,
 )
 from floquetrod.kernels import friction as kernels
+from floquetrod.result import NoTruthValue
 
 UNDECIDED, BOUNDED, ESCAPES = -1, 0, 1
 """Values of `outcome`."""
@@ -133,7 +134,7 @@ def _fates(
 
 
 @dataclass(frozen=True, repr=False)
-class Fate:
+class Fate(NoTruthValue):
     """What becomes of one kick.
 
     Attributes
@@ -148,6 +149,8 @@ class Fate:
     reversals, sticks : int
         How often the motion had come to a stop by then, and how often it had stuck.
     """
+
+    ask = ".status"
 
     equation: FrictionalMathieu
     epsilon: float

@@ -12,6 +12,7 @@ from floquetrod._compile import fastest
 from floquetrod.friction.preparation import arguments, over_friction, size_of
 from floquetrod.kernels.frictional_leapfrog import frictional_leapfrog_fill
 
+_MOST_STEPS = 1e9  # of one motion, a choice: some seconds
 _HARDEST = 1e100  # kick over friction; beyond it friction is lost in rounding, and the ratio makes no difference
 
 
@@ -41,8 +42,10 @@ def leapfrog_escapes(
     if not (gamma > 0.0).all():
         raise ValueError("gamma must be greater than zero here; without friction use method='leapfrog' of stability")
     periods = _validate.integer("periods", periods, 1)
-    count = math.ceil(2.0 * math.pi / _validate.positive("step", step))
+    count = math.ceil(2.0 * math.pi / _validate.within("step", step, 1e-6, 0.5))
     limit = _validate.positive("limit", limit)
+    if float(periods) * count > _MOST_STEPS:
+        raise ValueError(f"periods must be at most {_MOST_STEPS // count:.0f} of {count} steps, got {periods}")
     sine = np.sin(2.0 * math.pi * np.arange(count) / count)
     out = np.empty(alpha.size, dtype=np.bool_)
 

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate, mathieu
-from floquetrod._compile import broadcast, fastest
+from floquetrod._arrays import broadcast
+from floquetrod._compile import fastest
 from floquetrod.equations import FrictionalMathieu
 from floquetrod.kernels import friction as kernels
 
@@ -26,11 +27,7 @@ def arguments(alpha: Any, beta: Any, gamma: Any, damping: Any, **kicks: NDArray[
         "damping": _validate.array("damping", damping, least=0.0, largest=_validate.LARGEST**0.5),
         **kicks,
     }
-    try:
-        shape, flat = broadcast(*arrays.values())
-    except ValueError:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
-        raise ValueError(f"arguments must broadcast to one shape, got {shapes}") from None
+    shape, flat = broadcast(**arrays)
     return (shape, *flat)
 
 

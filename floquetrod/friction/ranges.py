@@ -13,10 +13,11 @@ from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.critical import KickRange, certain_kicks
 from floquetrod.friction.fates import ESCAPES, UNDECIDED, outcome
 from floquetrod.friction.preparation import EFFORT
+from floquetrod.result import NoTruthValue
 
 
 @dataclass(frozen=True, repr=False)
-class EscapeRanges:
+class EscapeRanges(NoTruthValue):
     """All ranges of kicks that escape, as finely as kicks were tried.
 
     Attributes
@@ -31,6 +32,8 @@ class EscapeRanges:
     undecided : int
         Kicks tried whose fate could not be told; they count as not escaping.
     """
+
+    ask = ".intervals"
 
     equation: FrictionalMathieu
     intervals: tuple[KickRange, ...]

@@ -5,12 +5,16 @@ from __future__ import annotations
 import cmath
 import math
 
+import numpy as np
+
 from floquetrod import _validate, equations
 from floquetrod.equations import Mathieu
 from floquetrod.result import Cost, Interval, Stability, Status, judge
 
 _EPS = 2.220446049250313e-16
 _MOST_TERMS = 20000  # a choice: about 30 ms
+_MOST_LEFT_OUT = 0.1  # of a determinant, beyond which its error can no longer be told (a choice)
+_PRODUCT_TERMS = 32  # powers of h^2 / k^2, at most 1/4: 4^-32 is far below rounding
 
 
 def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
@@ -41,7 +45,7 @@ def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
     'unstable'
     """
     equations.require(equation, (Mathieu,), by="Hill's four determinants")
-    rows = _enough(equation) if terms is None else _validate.integer("terms", terms, 2)
+    rows = _enough(equation) if terms is None else _validate.integer("terms", terms, 2, _MOST_TERMS)
     q = 2.0 * abs(equation.alpha)
     a = -4.0 * (equation.beta + equation.damping**2)
     even = _Chain(a, q, 0, rows + 1)
@@ -57,7 +61,7 @@ def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
     if size < 0.0 and math.ldexp(size, min(exponent, 60)) < -0.5:
         sign, size, exponent = -1, -plus.value * minus.value, plus.exponent + minus.exponent
     scale = min(1.0, abs(math.ldexp(size, min(exponent, 60))))
-    rounding = 16.0 * _EPS * (rows + (abs(a) + 2.0 * q) * max(chain.sensitivity for chain in chains))
+    rounding = 16.0 * _EPS * (rows + (abs(a) + 2.0 * q + 1e-300) * max(chain.sensitivity for chain in chains))
     error = (sum(chain.left_out for chain in chains) + rounding) * max(scale, 1e-300)
     status: Status = "undecided" if not settled or abs(size) == 0.0 else "stable" if below % 2 else "unstable"
     # The signs are known to rounding only: where a determinant is within its rounding of zero they say nothing.
@@ -73,15 +77,17 @@ def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
         interval=Interval.from_count(below) if status != "undecided" else None,
         undamped_status=status,
         cost=Cost(4 * rows + 1, "rows"),
-        note=f"{rows} terms are too few here; raise terms, or leave them to be chosen" if not settled else "",
+        note=""
+        if settled
+        else f"{rows} terms are too few, or this is a boundary; raise terms, or leave them to be chosen",
     )
 
 
 def _enough(equation: Mathieu) -> int:
-    """Return the number of terms from which the first correction left out is below about 1e-13."""
+    """Return the number of terms from which what `_coupling` leaves out is below about 1e-13."""
     h2 = abs(equation.beta + equation.damping**2)
     big_q = 0.25 * equation.alpha**2
-    needed = (big_q * (1.0 + 2.0 * h2 + big_q) * 1e13) ** 0.2
+    needed = (big_q * (1.6 * (1.0 + h2) ** 2 + big_q) * 1e13) ** (1.0 / 7.0)
     turning = math.sqrt(h2 + abs(equation.alpha))
     return int(min(_MOST_TERMS, max(40.0, needed, 3.0 * turning + 20.0)))
 
@@ -115,52 +121,80 @@ class _Chain:
             coupling, scale = q * q, d
             if not 1e-100 < abs(here) + abs(before) < 1e100:
                 power = math.frexp(abs(here) + abs(before))[1]
-                here, before = math.ldexp(here, -power), math.ldexp(before, -power)
-                slope, slope_before = math.ldexp(slope, -power), math.ldexp(slope_before, -power)
+                here, before, slope, slope_before = (_ldexp(x, -power) for x in (here, before, slope, slope_before))
                 self.exponent += power
-        ratio = here * k * k / before if before else math.inf
-        self.settled = ratio > q and (k + 2) ** 2 - a >= 2.0 * q
-        self.sensitivity = abs(slope / here) if here else math.inf
-        # What the rows left out would have done: exactly for the diagonal, to first order for the coupling.
+        ratio = here * k * k / before if before else math.inf if here else 0.0
         kappa, h2, big_q = 0.5 * k, 0.25 * a, q * q / 16.0
-        log_rest = _log_rest(kappa, h2)
-        cubic = big_q / (3.0 * (kappa + 1.0) ** 3)
-        edge = big_q / ((kappa + 1.0) ** 2) * 4.0 / ratio if ratio else math.inf
-        edge_scale = 1.0 / (1.0 - h2 / (kappa + 1.0) ** 2) if self.settled else 1.0
-        factor = math.exp(-cubic) * (1.0 - edge * edge_scale) if self.settled else 1.0
+        self.settled = ratio > q and (k + 2) ** 2 - a >= 2.0 * q
+        if not self.settled:
+            self.value, self.sensitivity, self.left_out = here, math.inf, math.inf
+            return
+        self.sensitivity = abs(slope / here) if math.isfinite(slope) else math.inf
+        log_rest, rounding = _log_product(kappa, h2)
+        coupled, self.left_out = _coupling(kappa, h2, big_q)
+        # The last row kept is coupled to the first left out, a part `edge` of the whole.
+        edge = 4.0 * big_q / ratio / ((kappa + 1.0) ** 2 - h2)
+        gap = (kappa + 1.0) ** 2 - h2
+        self.left_out += rounding + abs(edge) * big_q / gap / ((kappa + 2.0) ** 2 - h2)
+        if not self.left_out < _MOST_LEFT_OUT:
+            self.settled, self.left_out = False, math.inf
         power = int(log_rest / math.log(2.0))
-        value, shift_power = math.frexp(here * factor * math.exp(log_rest - power * math.log(2.0)))
-        self.value = value
-        self.exponent += power + shift_power
-        fifth = (1.0 + 2.0 * abs(h2) + big_q) / (kappa + 1.0) ** 5
-        self.left_out = big_q * fifth if self.settled else math.inf
+        rest = math.exp(log_rest - power * math.log(2.0))
+        self.value, shift = math.frexp(here * math.exp(-coupled) * (1.0 - edge) * rest)
+        self.exponent += power + shift
 
 
-def _log_rest(kappa: float, h2: float) -> float:
-    """Return the logarithm of the product of 1 - h^2 / k^2 over k = kappa + 1, kappa + 2, ... (needs h < kappa + 1)."""
-    if h2 >= (kappa + 1.0) ** 2:
-        return 0.0
-    if kappa >= 10.0 and abs(h2) < 0.25 * kappa * kappa:
+def _ldexp(value: float, power: int) -> float:
+    try:
+        return math.ldexp(value, power)
+    except OverflowError:
+        return math.copysign(math.inf, value)
+
+
+def _coupling(kappa: float, h2: float, big_q: float) -> tuple[float, float]:
+    """Return minus the logarithm of what the coupling of the rows left out multiplies by, and its error.
+
+    To first order it is S, the sum of Q / ((j^2 - h^2) ((j + 1)^2 - h^2)) over j = kappa + 1, kappa + 2, ...  With
+    m = j + 1/2 and u = h^2 + 1/4 a term is Q m^-4 [1 + 2 u / m^2 + ...]: two terms are summed where the series is
+    short.  Second order is below 3 Q S / (2 gap), gap the smallest denominator.
+    """
+    from scipy.special import zeta
+
+    least = (kappa + 1.0) ** 2 - h2  # 4 least >= 2 q: positive
+    gap = least * ((kappa + 2.0) ** 2 - h2)
+    middle, u = kappa + 1.5, h2 + 0.25
+    four, six = float(zeta(4.0, middle)), float(zeta(6.0, middle))
+    if abs(u) < 0.25 * middle * middle:
+        first = big_q * (four + 2.0 * u * six)
+        # The next terms are (3 h^4 + ...) / m^8 and fall like powers of u / m^2, at most 1/4.
+        error = 8.0 * big_q * (u * u + abs(u) + 1.0) * six / (middle * middle)
+    else:
+        # Each term lies between 0 and the first, and below that of h^2 = 0 where h^2 < 0.
+        highest = big_q * four if h2 <= 0.0 else big_q / gap + big_q / math.sqrt(gap)
+        first, error = 0.5 * highest, 0.5 * highest
+    return first, error + 3.0 * big_q / gap * (first + error)
+
+
+def _log_product(kappa: float, h2: float) -> tuple[float, float]:
+    """Return the logarithm of the product of 1 - h^2 / k^2 over k = kappa + 1, kappa + 2, ..., and its rounding.
+
+    h^2 must be below (kappa + 1)^2.
+    """
+    first = kappa + 1.0
+    if abs(h2) < 0.25 * first * first:
         # Term by term, without the cancellation between logarithms of Gamma functions.
-        total, power, j = 0.0, h2, 1
-        while abs(power) * _zeta(2.0 * j, kappa + 1.0) > 1e-18 and j < 60:
-            total -= power / j * _zeta(2.0 * j, kappa + 1.0)
-            power, j = power * h2, j + 1
-        return total
+        from scipy.special import zeta
+
+        powers = np.arange(1, _PRODUCT_TERMS)
+        sums = zeta(2.0 * powers, first) * first ** (2.0 * powers)  # of (first / k)^2j, at most first + 1
+        value = -float(np.sum((h2 / (first * first)) ** powers / powers * sums))
+        return value, 8.0 * _EPS * (1.0 + abs(value))
+    h = math.sqrt(abs(h2))
+    far = first + h + 20.0  # where Stirling's series starts, as far as it matters to rounding
+    rounding = 8.0 * _EPS * far * math.log(far)
     if h2 >= 0.0:
-        h = math.sqrt(h2)
-        return 2.0 * math.lgamma(kappa + 1.0) - math.lgamma(kappa + 1.0 - h) - math.lgamma(kappa + 1.0 + h)
-    h = math.sqrt(-h2)
-    return 2.0 * (math.lgamma(kappa + 1.0) - _log_gamma(complex(kappa + 1.0, h)).real)
-
-
-def _zeta(s: float, x: float) -> float:
-    """Return the sum of k^-s over k = x, x + 1, ... by the Euler-Maclaurin series (DLMF 25.11.43), x >= 10."""
-    i2 = 1.0 / (x * x)
-    series = 1.0 / (s - 1.0) + 0.5 / x + s * i2 / 12.0
-    last = s * (s + 1.0) * (s + 2.0) * i2 * i2
-    series += -last / 720.0 + last * (s + 3.0) * (s + 4.0) * i2 / 30240.0
-    return float(series * x ** (1.0 - s))
+        return 2.0 * math.lgamma(first) - math.lgamma(first - h) - math.lgamma(first + h), rounding
+    return 2.0 * (math.lgamma(first) - _log_gamma(complex(first, h)).real), rounding
 
 
 def _log_gamma(z: complex) -> complex:

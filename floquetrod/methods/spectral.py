@@ -14,7 +14,8 @@ from floquetrod.kernels import mathieu as kernels
 from floquetrod.result import Cost, Interval, Stability, Status, judge
 
 _EPS = 2.220446049250313e-16
-_MOST_ROWS = 1200  # rows of a banded matrix beyond which `spectral` declines (a choice: about a second of work)
+_MOST_ROWS = 250  # rows of a banded matrix beyond which `spectral` declines (a choice: a few seconds of work)
+_LARGEST_ERROR = 1e-3  # of the excess, relative: beyond it the growth rate is no longer worth stating (a choice)
 
 
 def spectral(equation: Mathieu | Hill) -> Stability:
@@ -56,6 +57,10 @@ def spectral(equation: Mathieu | Hill) -> Stability:
 def _mathieu(equation: Mathieu) -> Stability:
     sign, value, exponent, error, rows = kernels.excess(equation.alpha, equation.beta, equation.damping)
     size = min(1.0, abs(math.ldexp(value, min(exponent, 60))))
+    excess_error = error * size if value != 0.0 else error
+    if not excess_error < math.inf:  # alpha^2 is beyond the range of a double, and X that of alpha = 0 to rounding
+        _, unforced, shift, unforced_error, _ = kernels.excess(0.0, equation.beta, equation.damping)
+        excess_error = unforced_error + abs(size - min(1.0, abs(math.ldexp(unforced, min(shift, 60)))))
     below, pivots = _certain_count(equation)
     status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
     interval = None if below is None else Interval.from_count(below)
@@ -68,7 +73,7 @@ def _mathieu(equation: Mathieu) -> Stability:
         sign=sign,
         excess=value,
         exponent=exponent,
-        excess_error=error * size if value != 0.0 else error,
+        excess_error=excess_error,
         interval=interval,
         undamped_status=status,
         cost=Cost(pivots + rows, "pivots"),
@@ -152,21 +157,27 @@ def _hill(equation: Hill) -> Stability:
     coarse = _central_exponent(mean, harmonics, turn, cut)
     fine = _central_exponent(mean, harmonics, turn, cut + 4)
     sign, excess, exponent = _excess_of_exponent(fine, turn, status)
+    note = "an eigenvalue cannot be told from zero in double precision" if status == "undecided" else ""
     # X responds to the square of the exponent near a boundary and to T times it far away.
     scale = math.pi / turn
     change = abs(fine - coarse) * scale * 2.0 * max(abs(fine * scale), 1.0) + abs(fine - coarse) ** 2 * scale**2
     rounding = 8.0 * _EPS * (1.0 + scale * (abs(mean) + bound + (cut * turn) ** 2) / turn)
+    error = change + rounding
+    if not error <= _LARGEST_ERROR:
+        # The count holds, but the eigenvalues of a matrix so far from normal say nothing of the growth.
+        status, error = "undecided", math.inf
+        note = "grows too much in a period for eigenvalues in double precision to tell; use method='monodromy'"
     return judge(
         equation,
         "spectral",
         sign=sign,
         excess=excess,
         exponent=exponent,
-        excess_error=change + rounding,
+        excess_error=error,
         interval=None if below is None else Interval.from_count(below),
         undamped_status=status,
         cost=Cost(rows + 8 * cut, "rows"),
-        note="an eigenvalue cannot be told from zero in double precision" if status == "undecided" else "",
+        note=note,
     )
 
 

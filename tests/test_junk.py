@@ -1,0 +1,281 @@
+"""Every argument of every public callable, given junk: TypeError or ValueError that names it, or a sane answer."""
+
+from __future__ import annotations
+
+import dataclasses
+import datetime
+import inspect
+import math
+import types
+from collections.abc import Callable
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from floquetrod.methods.monodromy import monodromy_matrix
+
+ROD = fr.Rod.nitinol()
+LOAD = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
+MATHIEU = fr.Mathieu(0.5, -0.25)
+KICKED = fr.FrictionalMathieu(1.0, 0.3, 1.0)
+COULOMB = fr.Coulomb(mu=0.1, velocity=0.05)
+KICK = fr.Perturbation.modes({8: 0.05})
+ALL: dict[str, Any] = {"alpha": 0.5, "beta": -0.25, "damping": 0.01, "workers": 1}
+LOADS: dict[str, Any] = {"mean": 0.3, "amplitude": 0.3, "frequency": 150.0}
+KICKS: dict[str, Any] = {"alpha": 1.0, "beta": 0.3, "gamma": 1.0, "damping": 0.01, "workers": 1}
+
+CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
+    (fr.Mathieu, {"alpha": 0.5, "beta": -0.25, "damping": 0.0}),
+    (fr.SquareWave, {"alpha": 0.5, "beta": -0.25, "damping": 0.0}),
+    (fr.Hill, {"mean": -0.25, "cosines": (0.1,), "sines": (0.2,), "period": 6.0, "damping": 0.0}),
+    (fr.FrictionalMathieu, {"alpha": 0.5, "beta": -0.25, "gamma": 1.0, "damping": 0.0}),
+    (MATHIEU.coefficient, {"tau": 1.0}),
+    (fr.SquareWave(0.5, -0.25).coefficient, {"tau": 1.0}),
+    (fr.Hill(-0.25, (0.1,)).coefficient, {"tau": 1.0}),
+    (fr.conventions.to_aq, {"alpha": 0.5, "beta": -0.25}),
+    (fr.conventions.from_aq, {"a": 0.5, "q": -0.25}),
+    (fr.conventions.to_delta_epsilon, {"alpha": 0.5, "beta": -0.25}),
+    (fr.conventions.from_delta_epsilon, {"delta": 0.5, "epsilon": -0.25}),
+    (fr.stability, {"equation": MATHIEU, "method": "spectral"}),
+    (fr.compare, {"equation": MATHIEU}),
+    (fr.certify, {"equation": MATHIEU, "max_digits": 30}),
+    (lambda **given: fr.certify(fr.Mathieu, **given), {"alpha": "1/3", "beta": "-0.25", "damping": "0"}),
+    (lambda **given: fr.stability(MATHIEU, "determinant", **given), {"terms": 40}),
+    (lambda **given: fr.stability(MATHIEU, "monodromy", **given), {"rtol": 1e-10}),
+    (lambda **given: fr.stability(MATHIEU, "leapfrog", **given), {"step": 0.01, "periods": 10, "limit": 1e3}),
+    (lambda **given: fr.stability(MATHIEU, "reference", **given), {"digits": 20}),
+    (monodromy_matrix, {"equation": MATHIEU, "rtol": 1e-10, "start": 0.5}),
+    (fr.mathieu.is_stable, ALL),
+    (fr.mathieu.growth_rate, ALL),
+    (fr.mathieu.discriminant, ALL),
+    (fr.mathieu.multipliers, ALL),
+    (
+        fr.mathieu.chart,
+        {
+            "alpha": (0.0, 1.0, 2),
+            "beta": (-1.0, 0.0, 2),
+            "damping": 0.0,
+            "equation": fr.Mathieu,
+            "growth": False,
+            "growth_tolerance": 0.0,
+            "criterion": None,
+            "workers": 1,
+            "progress": None,
+        },
+    ),
+    (fr.mathieu.characteristic_values, {"order": 3, "q": 1.0, "kind": "a", "workers": 1}),
+    (fr.mathieu.transition_curves, {"alpha": [0.1, 0.2], "orders": 2}),
+    (fr.PaperCriterion, {"periods": 10, "limit": 1e6, "by": "exact", "step": 0.01}),
+    (fr.PaperCriterion().growth, ALL),
+    (fr.PaperCriterion().is_stable, ALL),
+    (fr.AxialLoad, LOADS),
+    (fr.AxialLoad.hertz, LOADS),
+    (fr.Coulomb, {"mu": 0.1, "velocity": 0.05}),
+    (COULOMB.in_mode_equation, {"rod": ROD, "load": LOAD}),
+    (fr.Rod, dataclasses.asdict(ROD)),
+    (ROD.replace, {"length": 3.0, "damping_rate": 0.1}),
+    (ROD.stability, {"load": LOAD, "modes": (6, 7), "growth_tolerance": 0.0, "friction": COULOMB}),
+    (ROD.stability, {"load": LOAD}),
+    (ROD.critical_velocity, {"load": LOAD, "mu": 0.1, "growth_tolerance": 0.0}),
+    (ROD.critical_velocities, {**LOADS, "mu": 0.1, "growth_tolerance": 0.0, "workers": 1}),
+    (ROD.is_stable, {**LOADS, "growth_tolerance": 0.0, "criterion": None, "friction": None, "workers": 1}),
+    (ROD.verdicts, {**LOADS, "growth_tolerance": 0.0, "criterion": None, "friction": COULOMB, "workers": 1}),
+    (ROD.growth_rate, {**LOADS, "workers": 1}),
+    (ROD.fastest, {**LOADS, "workers": 1}),
+    (
+        ROD.stable_mean_forces,
+        {"amplitude": 0.3, "frequency": 150.0, "upto": 0.5, "growth_tolerance": 0.1, "progress": None},
+    ),
+    (
+        ROD.stable_amplitudes,
+        {"mean": 0.3, "frequency": 150.0, "upto": 0.5, "growth_tolerance": 0.1, "progress": None},
+    ),
+    (
+        ROD.stable_frequencies,
+        {"mean": 0.3, "amplitude": 0.3, "between": (99.0, 150.0), "growth_tolerance": 0.1, "progress": None},
+    ),
+    (ROD.critical_mean_force, {"amplitude": 0.3, "frequency": 150.0, "growth_tolerance": 0.1}),
+    (ROD.critical_amplitude, {"mean": 0.3, "frequency": 150.0, "growth_tolerance": 0.1}),
+    (ROD.natural_frequency, {"mode": 7}),
+    (ROD.wavenumber, {"mode": 7}),
+    (ROD.mode_equations, {"load": LOAD, "modes": (6, 7)}),
+    (ROD.mode_parameters, {"load": LOAD, "modes": (6, 7)}),
+    (ROD.modes_needed, {"load": LOAD, "growth_tolerance": 0.0}),
+    (ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
+    (
+        fr.stability_map,
+        {
+            "rod": ROD,
+            "mean": (0.1, 0.5, 2),
+            "amplitude": 0.3,
+            "frequency": (100.0, 150.0, 2),
+            "growth": False,
+            "growth_tolerance": 0.0,
+            "damping": None,
+            "criterion": None,
+            "friction": None,
+            "workers": 1,
+            "progress": None,
+        },
+    ),
+    (fr.friction.outcome, {**KICKS, "epsilon": 2.0, "effort": 1000}),
+    (fr.friction.escapes, {**KICKS, "epsilon": 2.0, "effort": 10_000}),
+    (fr.friction.critical_perturbation, {**KICKS, "upto": 10.0, "samples": 4, "effort": 100_000}),
+    (
+        fr.friction.leapfrog_escapes,
+        {
+            "alpha": 1.0,
+            "beta": 0.3,
+            "gamma": 1.0,
+            "epsilon": 2.0,
+            "damping": 0.0,
+            "periods": 2,
+            "step": 0.1,
+            "limit": 1e6,
+        },
+    ),
+    (fr.friction.fate, {"equation": KICKED, "epsilon": 2.0, "effort": 1000}),
+    (fr.friction.certain_kicks, {"equation": KICKED}),
+    (fr.friction.escape_ranges, {"equation": KICKED, "samples": 4, "effort": 1000, "workers": 1}),
+    (fr.friction.trajectory, {"equation": KICKED, "epsilon": 2.0, "periods": 2}),
+    (fr.Perturbation.modes, {"speeds": {8: 0.05}}),
+]
+"""Callables with a valid call each; simulations have their own tests of junk."""
+
+NAN_MEANS = {
+    fr.mathieu.transition_curves: "order 0 has no second curve",
+    fr.friction.critical_perturbation: "could not be decided",
+}
+"""Callables whose documentation says what NaN means."""
+
+JUNK: list[Any] = [
+    10**400,
+    10**5000,
+    1e-300,
+    1e300,
+    5e-324,
+    2**64,
+    -(2**64),
+    -0.0,
+    0,
+    -1,
+    math.nan,
+    math.inf,
+    1j,
+    None,
+    "x",
+    "1/3",
+    "",
+    b"1",
+    True,
+    np.True_,
+    Fraction(1, 3),
+    Decimal("0.1"),
+    Decimal("nan"),
+    Decimal("sNaN"),
+    datetime.date(2026, 1, 1),
+    np.datetime64("2026"),
+    np.timedelta64(1, "s"),
+    [1.0, [2.0]],
+    [[1.0, 2.0], [3.0]],
+    [None],
+    ["a"],
+    [10**400],
+    [],
+    (),
+    {},
+    {1: 2},
+    {"a"},
+    (0.0, 1.0, 2.5),
+    (0.0, 1.0, -1),
+    (1.0, 0.0, 2),
+    (0.0, 1.0, 10**400),
+    [0.1, 0.2],
+    np.array([]),
+    np.array(0.5),
+    np.array([0.5]),
+    np.array([1.0, None], dtype=object),
+    np.ma.array([1.0, 2.0], mask=[True, False]),
+    np.ma.masked,
+    np.float32(0.1),
+    np.longdouble("1e400"),
+    object(),
+    ...,
+    types.SimpleNamespace(),
+]
+
+
+def named(call: Callable[..., Any]) -> str:
+    """Return a name for the report."""
+    return getattr(call, "__qualname__", repr(call))
+
+
+CASES = [(call, given, name) for call, given in CALLS for name in given]
+
+
+def short(value: Any) -> str:
+    """Return what a value looks like, however long it is."""
+    try:
+        return repr(value)[:40]
+    except ValueError:
+        return "a huge integer"
+
+
+def numbers_in(result: Any) -> list[np.ndarray]:
+    """Return the numbers of an answer."""
+    if dataclasses.is_dataclass(result) and not isinstance(result, type):
+        return [x for f in dataclasses.fields(result) for x in numbers_in(getattr(result, f.name))]
+    if isinstance(result, tuple | list):
+        return [x for part in result for x in numbers_in(part)]
+    if isinstance(result, int | float | complex | np.ndarray | np.generic) and not isinstance(result, bool):
+        return [np.asarray(result)]
+    return []
+
+
+@pytest.mark.parametrize(("call", "given", "name"), CASES, ids=[f"{named(c)}-{n}" for c, _, n in CASES])
+def test_junk_is_refused_by_name_or_answered(call: Callable[..., Any], given: dict[str, Any], name: str) -> None:
+    faults = []
+    for junk in JUNK:
+        try:
+            result = call(**{**given, name: junk})
+        except (TypeError, ValueError) as error:
+            if name not in str(error):
+                faults.append(f"{short(junk)}: {type(error).__name__} does not name it: {error}")
+        except (fr.friction.UndecidedWarning, fr.UniformForceWarning):  # warnings are errors here; these are answers
+            continue
+        except Exception as error:  # whatever else comes is the fault looked for
+            faults.append(f"{short(junk)}: {type(error).__name__}: {error}")
+        else:
+            if call in NAN_MEANS:
+                continue
+            if any(x.dtype.kind in "fc" and np.isnan(x).any() for x in numbers_in(result)):
+                faults.append(f"{short(junk)}: answered {str(result)[:200]}")
+    assert not faults, "\n".join(faults)
+
+
+def test_the_table_has_every_public_function_and_every_argument() -> None:
+    elsewhere = {"simulate", "Explorer"}  # a run of a rod, and a window
+    results = {"Chart", "Comparison", "Proof", "RodFriction", "RodStability", "SafeRanges", "Simulation", "Stability"}
+    public = {
+        name
+        for module in (fr, fr.mathieu, fr.friction, fr.conventions)
+        for name in (getattr(module, "__all__", None) or dir(module))
+        if callable(getattr(module, name)) and not name.startswith("_")
+    }
+    results |= {"EscapeRanges", "Fate", "KickRange", "Trajectory", "TransitionCurves"}
+    errors = {name for name in public if name.endswith(("Warning", "Diverged"))}
+    tabled = {getattr(call, "__name__", "") for call, _ in CALLS}
+    missing = public - tabled - elsewhere - results - errors - {"Perturbation", "certify", "plain", "Any"}
+    assert not missing, f"not in the table: {sorted(missing)}"
+    for call, _ in CALLS:
+        names = {
+            name
+            for name, p in inspect.signature(call).parameters.items()
+            if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)
+        }
+        covered = {name for other, given in CALLS if other == call for name in given}
+        assert names <= covered, f"{named(call)}: {sorted(names - covered)} not in the table"
