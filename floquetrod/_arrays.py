@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[Any], ...]]:
     """Return the common shape of arrays and each of them in it, flat and contiguous; ValueError names them."""
     try:
-        together = np.broadcast_arrays(*arrays.values())
+        shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError:
         *some, last = arrays
         shapes = ", ".join(str(array.shape) for array in arrays.values())
         raise ValueError(f"{', '.join(some)} and {last} must broadcast to one shape, got shapes {shapes}") from None
-    return together[0].shape, tuple(np.ascontiguousarray(array).ravel() for array in together)
+    whole = (array if array.shape == shape else np.broadcast_to(array, shape) for array in arrays.values())
+    return shape, tuple(np.ascontiguousarray(array).ravel() for array in whole)
 
 
 def shaped(values: NDArray[Any], shape: tuple[int, ...]) -> Any:

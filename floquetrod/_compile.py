@@ -13,7 +13,7 @@ import os
 import threading
 import types
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from typing import Any, TypeVar, cast
 
@@ -29,6 +29,7 @@ _LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the 
 _INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
 _OPTIONS = {"nogil": True, "error_model": "numpy"}
 _CHUNK = 8192  # elements a thread takes at a time (heuristic: well above the cost of a call, well below a map)
+_HEARD_WITHIN = 0.1  # seconds until Ctrl-C is looked at while threads work (a choice)
 
 
 def kernel(function: F) -> F:
@@ -201,11 +202,23 @@ def over_chunks(
         for piece in pieces:
             run(*piece)
         return
+    with _interrupt.held() as deliver:
+        _in_threads(run, pieces, threads, deliver)
+
+
+def _in_threads(
+    run: Callable[..., Any], pieces: Sequence[tuple[Any, ...]], threads: int, deliver: Callable[[], None]
+) -> None:
+    """Call ``run`` on every piece; Ctrl-C, which the end of a thread could swallow, is held and heard between them."""
     with ThreadPoolExecutor(threads) as pool:
         running = [pool.submit(run, *piece) for piece in pieces]
         try:
-            for task in running:
-                task.result()
+            left = set(running)
+            while left:
+                done, left = wait(left, timeout=_HEARD_WITHIN)
+                deliver()
+                for task in done:
+                    task.result()
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise

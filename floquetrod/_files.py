@@ -25,6 +25,8 @@ from typing import IO, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import _validate
+
 Result = TypeVar("Result")
 
 _LARGEST = 1 << 33  # bytes of a file, and of its arrays: what a person may still want to load (a choice)
@@ -170,7 +172,7 @@ def write_npz(path: str | Path, meta: Mapping[str, Any], arrays: Mapping[str, ND
 
     The comment at the end of the archive is a checksum of every byte before it.
     """
-    path = Path(path)
+    path = _validate.path("path", path)
     content = {"meta": np.array(json.dumps(meta)), **arrays}
     size = sum(array.nbytes for array in content.values())
     if size > _LARGEST:
@@ -212,7 +214,7 @@ def read_npz(
     Raises ValueError, saying that the file is not ``what``, for one that is damaged, foreign, or not as ``build``
     wants it.
     """
-    path = Path(path)
+    path = _validate.path("path", path)
     try:
         meta, arrays = _unpack(path)
         if meta["format"] != file_format:

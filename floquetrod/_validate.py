@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import math
 import operator
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from itertools import islice
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
@@ -146,10 +148,10 @@ def numbers(name: str, values: Any) -> tuple[float, ...]:
     return tuple(coefficient(f"{name}[{i}]", value) for i, value in enumerate(sequence(name, values)))
 
 
-def integers(name: str, values: Any, least: int, most: int = MOST_NUMBERS) -> tuple[int, ...]:
+def integers(name: str, values: Any, least: int, most: int = MOST_NUMBERS, hint: str = "") -> tuple[int, ...]:
     """Return a one-dimensional sequence of ints from ``least`` to ``most`` as a tuple."""
     listed = sequence(name, values, "(6, 7, 8)")
-    return tuple(integer(f"{name}[{i}]", value, least, most) for i, value in enumerate(listed))
+    return tuple(integer(f"{name}[{i}]", value, least, most, hint) for i, value in enumerate(listed))
 
 
 def modes(values: Any, name: str = "modes") -> tuple[int, ...]:
@@ -212,6 +214,15 @@ def flag(name: str, value: Any) -> bool:
     if not isinstance(value, bool | np.bool_):
         raise TypeError(f"{name} must be True or False, got {short(value)}")
     return bool(value)
+
+
+def path(name: str, value: Any) -> Path:
+    """Return the path of a file or folder."""
+    if not isinstance(value, str | os.PathLike) or not isinstance(os.fspath(value), str):
+        raise TypeError(f"{name} must be a path such as 'result.npz', got {short(value)}")
+    if "\0" in os.fspath(value):
+        raise ValueError(f"{name} must not hold a null byte, got {short(value)}")
+    return Path(value)
 
 
 def instance(name: str, value: Any, kind: type[T], hint: str = "") -> T:

@@ -98,6 +98,7 @@ class TransitionCurves(ByContent):
 
     def period(self, order: int) -> float:
         """Return the period of the solution on the curves of ``order``: 2 pi when even, 4 pi when odd."""
+        order = _validate.integer("order", order, 0)
         return 2.0 * math.pi if order % 2 == 0 else 4.0 * math.pi
 
     def plot(self, ax: Any = None) -> Any:

@@ -19,6 +19,8 @@ from typing import Any
 from floquetrod import _validate
 from floquetrod._arrays import plain
 
+__all__ = ["from_aq", "from_delta_epsilon", "to_aq", "to_delta_epsilon"]
+
 _LARGEST = 4.0 * _validate.LARGEST
 
 

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from floquetrod import _validate
-from floquetrod.load import AxialLoad
+from floquetrod._arrays import plain
+from floquetrod.load import AxialLoad, load_array
 from floquetrod.rod_data import RodData
 
 _LARGEST = 1e6  # coefficient of friction, and velocity in m/s (a choice: beyond any)
@@ -51,13 +52,15 @@ class Coulomb:
 
     def in_mode_equation(self, rod: RodData, load: AxialLoad) -> ModeFriction:
         """Return gamma, epsilon and what they come from, the same for every mode."""
-        _validate.instance("rod", rod, RodData)
         _validate.instance("load", load, AxialLoad)
         values = self.in_mode_equations(rod, load.amplitude, load.frequency)
         return ModeFriction(self.mu, *map(float, values))
 
     def in_mode_equations(self, rod: RodData, amplitude: Any, frequency: Any) -> tuple[Any, Any, Any, Any]:
         """Return mu_theta, v_a, gamma and epsilon, Eqs. (15)-(18), over amplitudes (N) and frequencies (rad/s)."""
+        _validate.instance("rod", rod, RodData)
+        amplitude = plain(load_array("amplitude", amplitude))
+        frequency = plain(load_array("frequency", frequency))
         axial = axial_velocity(rod, amplitude, frequency)
         total = np.hypot(axial, self.velocity)
         share = np.divide(self.velocity, total, out=np.ones(np.shape(total)), where=total > 0.0)
@@ -97,10 +100,10 @@ class ModeFriction:
         )
 
 
-def friction_coefficient(mu: Any) -> float:
+def friction_coefficient(mu: Any, name: str = "mu") -> float:
     """Return a coefficient of friction as a float."""
-    number = _validate.nonnegative("mu", mu, "friction opposes the motion")
-    return _validate.within("mu", number, 0.0, _LARGEST, "it is a coefficient such as 0.1")
+    number = _validate.nonnegative(name, mu, "friction opposes the motion")
+    return _validate.within(name, number, 0.0, _LARGEST, "it is a coefficient such as 0.1")
 
 
 def axial_velocity(rod: RodData, amplitude: Any, frequency: Any) -> Any:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from floquetrod import _validate
 from floquetrod._arrays import plain
 
-_LATEST = 1e15  # beyond it neighbouring doubles lie a large part of a period apart
+_LATEST = 1e14  # periods, after which neighbouring doubles lie a large part of one apart
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Mathieu:
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau) = beta + alpha sin tau; broadcasts over ``tau``."""
-        return plain(self.beta + self.alpha * np.sin(_times(tau)))
+        return plain(self.beta + self.alpha * np.sin(_times(tau, self.period)))
 
     def as_hill(self) -> Hill:
         """Return the same equation as a `Hill` value."""
@@ -98,7 +98,7 @@ class SquareWave:
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau) = beta + alpha sign(sin tau); broadcasts over ``tau``."""
-        return plain(self.beta + self.alpha * np.sign(np.sin(_times(tau))))
+        return plain(self.beta + self.alpha * np.sign(np.sin(_times(tau, self.period))))
 
 
 @dataclass(frozen=True)
@@ -141,7 +141,7 @@ class Hill:
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau); broadcasts over ``tau``."""
-        phase = (2.0 * math.pi / self.period) * _times(tau)
+        phase = (2.0 * math.pi / self.period) * _times(tau, self.period)
         total = np.full(phase.shape, self.mean)
         for k, value in enumerate(self.cosines, start=1):
             total = total + value * np.cos(k * phase)
@@ -226,8 +226,8 @@ def _damping(value: Any) -> float:
     return _validate.unrounded("damping", value, number)
 
 
-def _times(tau: Any) -> NDArray[np.float64]:
-    return _validate.array("tau", tau, least=-_LATEST, largest=_LATEST)
+def _times(tau: Any, period: float) -> NDArray[np.float64]:
+    return _validate.array("tau", tau, least=-_LATEST * period, largest=_LATEST * period)
 
 
 def _set(equation: object, name: str, value: object) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from floquetrod import mathieu
+from floquetrod import _validate, mathieu
 from floquetrod import units as known
 from floquetrod.load import AxialLoad
 from floquetrod.plotting.explorer import View, Window
@@ -40,6 +40,9 @@ class Explorer:
 
     def __init__(self, rod: Rod, load: AxialLoad | None = None, units: Mapping[str, str] | None = None) -> None:
         """Open the window."""
+        _validate.instance("rod", rod, Rod)
+        if load is not None:
+            _validate.instance("load", load, AxialLoad)
         shown = _units(rod, units or {})
         unit, pendulum = rod.critical_force, rod.pendulum_frequency
         self.rod = rod
@@ -80,6 +83,7 @@ class Explorer:
 
 def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:
     kinds = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
+    _validate.instance("units", names, dict)
     if not names.keys() <= kinds.keys():
         raise ValueError(f"units must be of mean, amplitude and frequency, got {dict(names)!r}")
     return {

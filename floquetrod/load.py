@@ -4,11 +4,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod import _validate
 
 LARGEST_FORCE = 1e12  # N
 LEAST_FREQUENCY, LARGEST_FREQUENCY = 1e-9, 1e12  # rad/s: beyond any rod, and within what doubles can follow
+
+_BOUNDS = {
+    "mean": (-LARGEST_FORCE, LARGEST_FORCE),
+    "amplitude": (0.0, LARGEST_FORCE),
+    "frequency": (LEAST_FREQUENCY, LARGEST_FREQUENCY),
+}
+
+
+def load_array(name: str, values: Any) -> NDArray[np.float64]:
+    """Return mean forces (N), amplitudes (N) or frequencies (rad/s), as ``name`` says, within what a load may have."""
+    least, largest = _BOUNDS[name]
+    return _validate.array(name, values, least=least, largest=largest)
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,11 +46,12 @@ class Perturbation:
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
         speeds = tuple(
-            (_mode(f"mode {mode!r}", mode), _speed(f"speed of mode {mode}", speed)) for mode, speed in self.speeds
+            (_mode("mode in speeds", mode), _speed(f"speeds: speed of mode {mode}", speed))
+            for mode, speed in _pairs("speeds", self.speeds, "((8, 0.05),)")
         )
         noises = tuple(
             (_validate.nonnegative("speed", _speed("speed", speed), "in m/s"), _validate.integer("seed", seed, 0))
-            for speed, seed in self.noises
+            for speed, seed in _pairs("noises", self.noises, "((0.05, 1),)")
         )
         object.__setattr__(self, "speeds", speeds)
         object.__setattr__(self, "noises", noises)
@@ -143,6 +145,19 @@ class Perturbation:
         for speed, seed in self.noises:
             total[1:-1] += np.random.default_rng(seed).uniform(-speed, speed, segments - 1)
         return total
+
+
+def _pairs(name: str, values: Any, example: str) -> list[tuple[Any, Any]]:
+    """Return a sequence of pairs as a list."""
+    pairs = []
+    for value in _validate.sequence(name, values, example):
+        try:
+            first, second = value
+        except (TypeError, ValueError):
+            message = f"{name} must be a sequence of pairs such as {example}, got {_validate.short(value)} in it"
+            raise TypeError(message) from None
+        pairs.append((first, second))
+    return pairs
 
 
 def _mode(name: str, value: int) -> int:

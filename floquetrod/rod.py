@@ -21,7 +21,7 @@ from floquetrod.coulomb import Coulomb, friction_coefficient
 from floquetrod.criterion import PaperCriterion
 from floquetrod.friction.fates import UndecidedWarning
 from floquetrod.kernels import mathieu as kernels
-from floquetrod.load import LARGEST_FORCE, LARGEST_FREQUENCY, LEAST_FREQUENCY, AxialLoad
+from floquetrod.load import LARGEST_FORCE, LARGEST_FREQUENCY, LEAST_FREQUENCY, AxialLoad, load_array
 from floquetrod.rod_data import NEGLIGIBLE_GROWTH, RodData
 from floquetrod.rod_friction import CriticalKick, RodFriction, critical_kick, critical_kicks, judge_kick, kicked_loads
 from floquetrod.rod_ranges import QUANTITIES, SafeRanges, safe_ranges
@@ -72,7 +72,7 @@ class Rod(RodData):
         Keys are the parameters of `Rod`; values are numbers in SI units, or strings with a unit such as "68GPa" or
         "0.8mm".  Raises ValueError, naming file and key, for what cannot be read, is missing or is not known.
         """
-        path = Path(path)
+        path = _validate.path("path", path)
         try:
             table = tomllib.loads(path.read_text(encoding="utf-8"))
         except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
@@ -306,7 +306,7 @@ class Rod(RodData):
         ends = np.linspace(0.0, upto, _PIECES + 1).tolist()
         for piece in pairwise(ends):
             modes = range(1, self.modes_needed(replace(largest, **{varied: piece[1]}), tolerance)[0] + 1)
-            found = unstable_loads(varied, self, largest, modes, tolerance, piece, union=True).ranges
+            found = unstable_loads(varied, self, largest, modes, tolerance, piece, union=True, nearest=piece[0]).ranges
             if found:
                 return min(part.low for part in found)
         return math.inf
@@ -404,9 +404,9 @@ class Rod(RodData):
     ) -> tuple[tuple[int, ...], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return the common shape of loads that broadcast, and their flat arrays."""
         shape, (force, size, omega) = broadcast(
-            mean=_validate.array("mean", mean, least=-LARGEST_FORCE, largest=LARGEST_FORCE),
-            amplitude=_validate.array("amplitude", amplitude, least=0.0, largest=LARGEST_FORCE),
-            frequency=_validate.array("frequency", frequency, least=LEAST_FREQUENCY, largest=LARGEST_FREQUENCY),
+            mean=load_array("mean", mean),
+            amplitude=load_array("amplitude", amplitude),
+            frequency=load_array("frequency", frequency),
         )
         self.require_in_reach(force, size, omega)
         return shape, force, size, omega

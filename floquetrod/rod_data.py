@@ -14,7 +14,7 @@ from floquetrod import _validate
 from floquetrod._arrays import plain
 from floquetrod.equations import Mathieu
 from floquetrod.kernels import mathieu as kernels
-from floquetrod.load import AxialLoad
+from floquetrod.load import AxialLoad, load_array
 
 NEGLIGIBLE_GROWTH = 1e-12  # growth in 1/s that modes left out may have: a doubling in 20,000 years
 MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
@@ -170,7 +170,8 @@ class RodData:
 
         Broadcasts over arrays of mean force (N), amplitude (N) and frequency (rad/s).
         """
-        return kernels.mode_family(*self.mode_constants, mean, amplitude, frequency)
+        load = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
+        return kernels.mode_family(*self.mode_constants, *(plain(load_array(*item)) for item in load.items()))
 
     def require_in_reach(self, mean: Any, amplitude: Any, frequency: Any) -> None:
         """Raise ValueError for loads that need too many modes, or whose mode equations have too large coefficients.

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from floquetrod import _validate
 from floquetrod.result import NoTruthValue
 from floquetrod.rod_tongues import Quantity, UnstableLoads
 
@@ -93,6 +94,9 @@ class SafeRanges(NoTruthValue):
 
     def table(self, unit: str, size: float) -> str:
         """Return the intervals as a table in another unit, ``size`` of `unit` each: ("Hz", 2 pi), say."""
+        if not isinstance(unit, str):
+            raise TypeError(f"unit must be a word such as 'Hz', got {_validate.short(unit)}")
+        size = _validate.positive("size", size, "give it in the unit of the ranges")
         low, high = (value / size for value in self.between)
         lines = [f"stable {self.quantity} in {unit}, between {low:.6g} and {high:.6g}"]
         for part in self.intervals:

@@ -176,7 +176,8 @@ class RodStability(Verdict):
             return None
         tolerance = self.margin_tolerance
         modes = self._modes_for(self.rod, replace(self.load, **{varied: high}), tolerance)
-        found = unstable_loads(varied, self.rod, self.load, modes, tolerance, (low, high), union=True)
+        start = piece[0] if self.stable else None  # nothing beyond the first unstable part matters
+        found = unstable_loads(varied, self.rod, self.load, modes, tolerance, (low, high), union=True, nearest=start)
         stable = gaps(found.ranges, (low, high))
         if not stable:
             return piece[0] if self.stable else None

@@ -53,12 +53,14 @@ def unstable_loads(
     between: tuple[float, float],
     *,
     union: bool = False,
+    nearest: float | None = None,
     progress: Progress | None = None,
 ) -> UnstableLoads:
     """Return where modes grow faster than ``tolerance`` (1/s) as one quantity of ``load`` goes through ``between``.
 
     With ``union`` only the union of all parts is right: modes likely to grow are searched first, and what they cover is
-    not searched again, nor are its tongues counted.
+    not searched again, nor are its tongues counted.  With ``nearest``, an end of ``between``, only the edge nearest to
+    it is: what lies beyond the nearest part found is not searched either.
     """
     if not union:
         return _search(varied, rod, load, modes, tolerance, [between])
@@ -67,6 +69,8 @@ def unstable_loads(
     hairlines, resolution, done, size = 0, 0.0, 0, 1
     while done < len(chosen):
         left = gaps(found, between)
+        if nearest is not None:
+            left = [gap for gap in left if nearest in gap]
         if not left:
             break
         part = _search(varied, rod, load, chosen[done : done + size], tolerance, left)

@@ -141,12 +141,20 @@ class Simulation(NoTruthValue, ByContent):
 
         Raises ValueError for a mode that has fewer than 6 segments in half a wave.
         """
-        chosen = [_validate.integer(f"modes[{i}]", mode, 1) for i, mode in enumerate(modes)]
-        most = self.setting.segments // LEAST_SEGMENTS
-        if chosen and max(chosen) > most:
-            raise ValueError(f"modes must be at most {most} with {self.setting.segments} segments, got {max(chosen)}")
+        return self._amplitudes(_validate.integers("modes", modes, 1, self._most_modes, self._why_no_more))
+
+    @property
+    def _why_no_more(self) -> str:
+        return f"with {self.setting.segments} segments no higher mode is resolved"
+
+    @property
+    def _most_modes(self) -> int:
+        """The highest mode that has enough segments in half a wave."""
+        return self.setting.segments // LEAST_SEGMENTS
+
+    def _amplitudes(self, modes: Iterable[int]) -> NDArray[np.float64]:
         nodes = np.arange(self.setting.segments + 1) * (math.pi / self.setting.segments)
-        shapes = np.sin(np.multiply.outer(nodes, np.asarray(chosen, dtype=np.float64)))
+        shapes = np.sin(np.multiply.outer(nodes, np.asarray(tuple(modes), dtype=np.float64)))
         return np.asarray(self.angle @ shapes * (2.0 / self.setting.segments))
 
     def growth_rate(self, mode: int) -> GrowthFit:
@@ -166,6 +174,7 @@ class Simulation(NoTruthValue, ByContent):
         >>> 3.9 < run.growth_rate(7).rate < 4.1
         True
         """
+        mode = _validate.integer("mode", mode, 1, self._most_modes, self._why_no_more)
         if self.setting.friction > 0.0:
             raise ValueError("growth_rate asks for a frictionless run; with friction look at mode_amplitudes")
         beyond = np.flatnonzero(self.largest_angle > _LINEAR_UP_TO)
@@ -182,7 +191,7 @@ class Simulation(NoTruthValue, ByContent):
                 f"growth_rate needs three forcing periods of motion below {_LINEAR_UP_TO:g} rad, got "
                 f"{max(0, count - 1) * step / period:.2g}; simulate longer, or from a smaller perturbation"
             )
-        amplitude = self.mode_amplitudes([mode])[:count, 0]
+        amplitude = self._amplitudes([mode])[:count, 0]
         return fit_growth(self.time[:count], amplitude, period, self.rod.damping_rate)
 
     @property
@@ -208,8 +217,8 @@ class Simulation(NoTruthValue, ByContent):
     @property
     def _power(self) -> NDArray[np.float64]:
         """Sum of squares of every mode's amplitude over the last quarter, from mode 1 on."""
-        modes = range(1, self.setting.segments // LEAST_SEGMENTS + 1)
-        return np.asarray(np.sum(self.mode_amplitudes(modes)[-self._last_quarter :] ** 2, axis=0))
+        modes = range(1, self._most_modes + 1)
+        return np.asarray(np.sum(self._amplitudes(modes)[-self._last_quarter :] ** 2, axis=0))
 
     @property
     def _predicted_rates(self) -> tuple[float, ...]:

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from floquetrod import _validate
+from floquetrod.coulomb import friction_coefficient
 from floquetrod.course import Course, Progress
 from floquetrod.load import AxialLoad
 from floquetrod.perturbation import Perturbation
@@ -98,11 +99,9 @@ def simulate(
         rod, load, duration, friction, perturbation, segments, time_step, frames, poisson_ratio, indentation,
         contact_damping,
     )  # fmt: skip
-    if not isinstance(checkpoint, str | Path | None):
-        raise TypeError(f"checkpoint must be the path of a file, got {checkpoint!r}")
-    if not (progress is None or callable(progress)):
-        raise TypeError(f"progress must be a function of steps done and to do, got {progress!r}")
-    return Course(setting, None if checkpoint is None else Path(checkpoint)).run(progress)
+    where = None if checkpoint is None else _validate.path("checkpoint", checkpoint)
+    _validate.progress(progress)
+    return Course(setting, where).run(progress)
 
 
 def _setting(
@@ -128,7 +127,7 @@ def _setting(
         raise TypeError(f"perturbation must be a Perturbation such as Perturbation.modes({{8: 0.05}}), got {kick!r}")
     duration = _validate.positive("duration", duration, "in s")
     frames = _validate.integer("frames", frames, 2)
-    friction = _validate.nonnegative("friction", friction, "mu is a coefficient such as 0.1")
+    friction = friction_coefficient(friction, "friction")
     try:
         _require_small_strain(rod, load)
         cut = SegmentedRod(rod, segments, poisson_ratio, indentation, contact_damping)
@@ -138,7 +137,8 @@ def _setting(
         per_frame = _steps_per_frame(cut.segments, duration, frames, step, asked=time_step is not None)
     except ArithmeticError as error:  # of a rod whose data lie further apart than a double reaches
         raise ValueError(
-            f"rod or load too extreme to be simulated ({error.args[-1]}); check the units of {rod}"
+            f"rod, load, indentation or contact_damping too extreme to be simulated ({error.args[-1]}); check "
+            f"the units of {rod}"
         ) from None
     return Setting(
         rod=rod,

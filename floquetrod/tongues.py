@@ -334,5 +334,6 @@ def _characteristic(order: Ints, q: Floats, odd_solution: bool) -> Floats:
     """Return a_order(q) or, for ``odd_solution``, b_order(q); for b_0, which does not exist, a_0."""
     out = np.empty(order.size)
     odd = np.full(order.size, odd_solution) & (order > 0)
-    over_chunks(characteristic.characteristic_fill, (order, q, odd), out, chunk=1024)
+    few = _few(4.0 * order.astype(np.float64) ** 2, q, 50.0)  # a count for each step of a bisection
+    over_chunks(characteristic.characteristic_fill, (order, q, odd), out, chunk=1024, interpret_up_to=few)
     return out

@@ -71,6 +71,8 @@ def units_of(kind: str, critical_force: float | None = None) -> dict[str, float]
 
 def unit(name: str, what: str, kind: str, critical_force: float | None = None) -> Unit:
     """Return a unit by its name, "" for the SI unit; ValueError, which begins with ``what``, for an unknown one."""
+    if not isinstance(name, str):
+        raise TypeError(f"{what} must be the name of a unit of {kind}, got {name!r}")
     units = units_of(kind, critical_force)
     chosen = name or next(iter(units))
     if chosen not in units:

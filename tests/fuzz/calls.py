@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import inspect
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -26,6 +25,7 @@ LEFT_OUT = {
     "Comparison": "constructed by compare",
     "Proof": "constructed by certify",
     "RodFriction": "constructed by Rod.stability",
+    "CheckpointWarning": "a warning",
     "SimulationDiverged": "an exception",
     "Stability": "constructed by every method",
     "UniformForceWarning": "a warning",
@@ -39,6 +39,7 @@ LEFT_OUT = {
     "Hill.as_hill": "takes no argument",
     "Mathieu.as_hill": "takes no argument",
     "Rod.nitinol": "takes no argument",
+    "Rod.require_in_reach": "for the methods of a rod, whose arguments are checked there",
     "Chart.plot": "its axes are an object of matplotlib",
     "Chart.to_xarray": "takes no argument",
     "Simulation.animate": "takes no argument",
@@ -69,7 +70,7 @@ def public() -> set[str]:
     names |= {
         f"{m.__name__.rpartition('.')[2]}.{n}" for m in (fr.mathieu, fr.friction) for n in _callables(m, m.__all__)
     }
-    names |= {f"conventions.{name}" for name in _callables(fr.conventions, _functions(fr.conventions))}
+    names |= {f"conventions.{name}" for name in _callables(fr.conventions, fr.conventions.__all__)}
     for kind in (*VALUES, *RESULTS):
         names |= {f"{_title(kind)}.{name}" for name in _callables(kind, dir(kind)) if not name.startswith("_")}
     return names
@@ -77,10 +78,6 @@ def public() -> set[str]:
 
 def _callables(owner: Any, names: Any) -> list[str]:
     return [name for name in names if callable(getattr(owner, name))]
-
-
-def _functions(module: Any) -> list[str]:
-    return [name for name, _ in inspect.getmembers(module, inspect.isfunction) if not name.startswith("_")]
 
 
 def _title(kind: type) -> str:
@@ -107,6 +104,7 @@ def table() -> dict[str, Call]:
     place = folder()
     chart = fr.mathieu.chart((0.0, 1.0, 5), (-1.0, 0.2, 4), growth=True)
     chart.save(place / "chart.npz")
+    mapped = fr.stability_map(ROD, mean=(0.1, 0.5, 3), amplitude=0.3, frequency=(100.0, 150.0, 4))
     run = simulation()
     run.save(place / "run.npz")
     sheet = "\n".join(f"{name} = {getattr(ROD, name)!r}" for name in ROD.__dataclass_fields__)
@@ -120,6 +118,7 @@ def table() -> dict[str, Call]:
         "PaperCriterion.is_stable": Call(
             criterion.is_stable, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "workers": 1}
         ),
+        "Chart.in_units": Call(mapped.in_units, {"mean": "Fcr", "frequency": "Hz"}),
         "Chart.save": Call(chart.save, {"path": str(place / "again.npz")}),
         "Chart.load": Call(fr.Chart.load, {"path": str(place / "chart.npz")}),
         "RodStability.time_to_grow": Call(ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
@@ -190,17 +189,19 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.critical_velocity": Call(ROD.critical_velocity, {"load": LOAD, **mu, **tolerance}),
         "Rod.critical_velocities": Call(ROD.critical_velocities, {**load, **mu, **tolerance, "workers": 1}),
         "Rod.stable_mean_forces": Call(
-            ROD.stable_mean_forces, {"amplitude": 0.34, "frequency": 150.0, "upto": 1.7, **tolerance}
+            ROD.stable_mean_forces, {"amplitude": 0.34, "frequency": 150.0, "upto": 1.7, "progress": None, **tolerance}
         ),
         "Rod.stable_amplitudes": Call(
-            ROD.stable_amplitudes, {"mean": 0.34, "frequency": 150.0, "upto": 1.7, **tolerance}
+            ROD.stable_amplitudes, {"mean": 0.34, "frequency": 150.0, "upto": 1.7, "progress": None, **tolerance}
         ),
         "Rod.stable_frequencies": Call(
-            ROD.stable_frequencies, {"mean": 0.34, "amplitude": 0.34, "between": (100.0, 150.0), **tolerance}
+            ROD.stable_frequencies,
+            {"mean": 0.34, "amplitude": 0.34, "between": (100.0, 150.0), "progress": None, **tolerance},
         ),
         "Rod.critical_mean_force": Call(ROD.critical_mean_force, {"amplitude": 0.34, "frequency": 150.0, **tolerance}),
         "Rod.critical_amplitude": Call(ROD.critical_amplitude, {"mean": 0.34, "frequency": 150.0, **tolerance}),
         "Rod.is_stable": Call(ROD.is_stable, {**load, **tolerance, **judged}),
+        "Rod.verdicts": Call(ROD.verdicts, {**load, **tolerance, **judged}),
         "Rod.growth_rate": Call(ROD.growth_rate, {**load, "workers": 1}),
         "Rod.fastest": Call(ROD.fastest, {**load, "workers": 1}),
         "Explorer": Call(fr.Explorer, {"rod": ROD, "load": LOAD}),
