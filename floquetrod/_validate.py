@@ -220,6 +220,8 @@ def path(name: str, value: Any) -> Path:
     """Return the path of a file or folder."""
     if not isinstance(value, str | os.PathLike) or not isinstance(os.fspath(value), str):
         raise TypeError(f"{name} must be a path such as 'result.npz', got {short(value)}")
+    if not os.fspath(value):
+        raise ValueError(f"{name} must name a file, got {value!r}")
     if "\0" in os.fspath(value):
         raise ValueError(f"{name} must not hold a null byte, got {short(value)}")
     return Path(value)

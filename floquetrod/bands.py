@@ -108,7 +108,8 @@ def _start(growth: Growth, low: Floats, high: Floats, points: Ints) -> _Pieces:
     which = np.repeat(np.arange(low.size), sizes)
     number = np.arange(which.size) - np.repeat(np.cumsum(sizes) - sizes, sizes)  # of a point in its interval
     share = 0.5 - 0.5 * np.cos(np.pi * np.clip((number - 0.5) / points[which], 0.0, 1.0))
-    x = np.clip(low[which] + (high - low)[which] * share, low[which], high[which])
+    x = np.minimum(low[which] + (high - low)[which] * share, high[which])
+    x = np.where(share == 1.0, high[which], x)  # the end to the bit
     g = growth(x, which)
     left = np.flatnonzero((which[1:] == which[:-1]) & (x[1:] > x[:-1]))
     window = left[:, None] + np.arange(-1, 3)

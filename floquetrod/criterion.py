@@ -91,7 +91,8 @@ class PaperCriterion:
         )
         maps = np.empty((inputs[0].size, 5))
         if self.by == "exact":
-            over_chunks(mathieu_map_fill, inputs, maps, workers=workers, chunk=_CHUNK, interpret_up_to=6)
+            few = int(6.0 / (1.0 + 1e-2 * math.sqrt(max(np.abs(part).max(initial=0.0) for part in inputs[:2]))))
+            over_chunks(mathieu_map_fill, inputs, maps, workers=workers, chunk=_CHUNK, interpret_up_to=few)
         else:
             count = 4 * math.ceil(0.5 * math.pi / self.step)
             sine = np.sin(np.arange(count) * (2.0 * math.pi / count))

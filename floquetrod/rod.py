@@ -143,7 +143,7 @@ class Rod(RodData):
         growth_tolerance = _validate.tolerance("growth_tolerance", growth_tolerance)
         self._warn_unless_uniform(load)
         if modes is None:
-            last, left_out = self.modes_needed(load, growth_tolerance)
+            last, left_out = self.modes_needed(load)  # the growth rate is that of all modes, tolerated or not
             chosen = tuple(range(1, last + 1))
             cutoff = (
                 f"modes 1 to {last}: every higher mode grows at less than {left_out:.1g} per second"

@@ -47,6 +47,13 @@ def test_the_part_above_is_found_whole(start: float, power: float, tilt: float, 
     assert (found == (surplus > 0.0))[clear].all()
 
 
+@given(st.floats(1e-9, 1e3), st.floats(1e-9, 1e3))
+def test_a_part_that_fills_its_interval_ends_with_it_to_the_bit(low: float, width: float) -> None:
+    ends = np.array([low]), np.array([low + width])
+    parts = parts_above(lambda x, _: np.ones(x.size), *ends, level(0.5, size=1))
+    assert (parts.first, parts.last) == ends
+
+
 @pytest.mark.parametrize("excess", [1e-8, 1e-5, 1e-2])
 @pytest.mark.parametrize("place", [0.013, 0.5, 0.9999])
 def test_a_peak_barely_above_its_level_is_found(place: float, excess: float) -> None:

@@ -173,7 +173,7 @@ def test_damages_damage(rng: np.random.Generator) -> None:
 def test_kills_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator) -> None:
     run = runs.reference()
 
-    def careless(checkpoint: Path) -> fr.Simulation:
+    def careless(checkpoint: Path, progress: object) -> fr.Simulation:
         (checkpoint.parent / ".run.ckpt.abc.part").write_bytes(b"")
         return dataclasses.replace(run, time=run.time + 1e-12)
 
@@ -186,7 +186,7 @@ def test_kills_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generato
 def test_disks_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     run = runs.reference()
 
-    def careless(checkpoint: Path) -> fr.Simulation:
+    def careless(checkpoint: Path, progress: object) -> fr.Simulation:
         os.replace(checkpoint, checkpoint)  # noqa: PTH105  (what is broken below)
         return run
 

@@ -154,6 +154,8 @@ def _names_an_argument(message: str, call: Call) -> bool:
     for value in (*call.arguments.values(), getattr(call.function, "__self__", None)):
         if dataclasses.is_dataclass(value):
             names |= {part.name for part in dataclasses.fields(value)}
+    if "path" in names:
+        names.add("file")  # a message about a file names it by its path
     return any(re.search(rf"\b{re.escape(name)}\b", message) for name in names)
 
 

@@ -13,7 +13,7 @@ from fuzz import rods
 from fuzz.core import Found, limit
 
 CASES = 20
-QUICK = 2
+QUICK = 1
 
 POINTS = 4000
 _HUMPS = 16  # local maxima of growth that are looked at more closely, of each mode

@@ -16,13 +16,21 @@ ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.4, 0.6, 150.0)
 
 
-def simulate(checkpoint: Path | None = None, frames: int = 12) -> fr.Simulation:
+def simulate(checkpoint: Path | None = None, frames: int = 12, progress: Any = None) -> fr.Simulation:
     """Run, with a checkpoint after every piece of work instead of every few seconds."""
     before = course._BETWEEN_CHECKPOINTS, course._AT_ONCE
     course._BETWEEN_CHECKPOINTS, course._AT_ONCE = -1.0, 1  # pieces of a thousand steps, saved one by one
     try:
         return fr.simulate(
-            ROD, LOAD, duration=0.05, friction=0.1, segments=40, frames=frames, time_step=4e-6, checkpoint=checkpoint
+            ROD,
+            LOAD,
+            duration=0.05,
+            friction=0.1,
+            segments=40,
+            frames=frames,
+            time_step=4e-6,
+            checkpoint=checkpoint,
+            progress=progress,
         )
     finally:
         course._BETWEEN_CHECKPOINTS, course._AT_ONCE = before
