@@ -159,17 +159,18 @@ class Rod(RodData):
         return linear if friction is None else judge_kick(linear, friction)
 
     def critical_velocity(self, load: AxialLoad, mu: float, growth_tolerance: float = 0.0) -> CriticalKick:
-        """Return the smallest transverse velocity in m/s that buckles the rod against friction, and the mode.
+        """Return the smallest transverse velocity in m/s found to buckle the rod against friction, and the mode.
 
         Every mode is taken to be kicked with that amplitude; infinite where nothing grows even without friction.
+        Beside it stands the velocity up to which no kick buckles the rod, which is proved.
 
         Examples
         --------
         >>> rod = Rod.nitinol()
         >>> load = AxialLoad(mean=0.825 * rod.critical_force, amplitude=0.7 * rod.critical_force, frequency=150.0)
-        >>> velocity, mode = rod.critical_velocity(load, mu=0.1)
-        >>> round(1e3 * velocity, 1), mode
-        (32.1, 9)
+        >>> velocity, mode, none_up_to = rod.critical_velocity(load, mu=0.1)
+        >>> round(1e3 * velocity, 1), mode, round(1e3 * none_up_to, 1)
+        (32.1, 9, 27.8)
         """
         mu = friction_coefficient(mu)
         return critical_kick(self.stability(load, None, growth_tolerance), mu)
@@ -183,13 +184,13 @@ class Rod(RodData):
         *,
         growth_tolerance: float = 0.0,
         workers: int | None = None,
-    ) -> tuple[Any, Any]:
+    ) -> CriticalKick:
         """Return what `critical_velocity` does over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
         mu = friction_coefficient(mu)
         tolerance = _validate.tolerance("growth_tolerance", growth_tolerance)
         shape, *loads = self._loads(mean, amplitude, frequency)
-        velocity, mode = critical_kicks(self, loads[:3], mu, tolerance, workers)
-        return shaped(velocity, shape), shaped(mode, shape)
+        found = critical_kicks(self, loads[:3], mu, tolerance, workers)
+        return CriticalKick(*(shaped(part, shape) for part in found))
 
     def stable_mean_forces(
         self,

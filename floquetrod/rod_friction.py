@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from floquetrod import mathieu
 from floquetrod.coulomb import Coulomb, ModeFriction, critical_velocities
 from floquetrod.equations import FrictionalMathieu
-from floquetrod.friction.critical import critical_perturbation
+from floquetrod.friction.critical import critical_bounds, critical_perturbation
 from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, outcome
 from floquetrod.kernels.mathieu import mode_coefficients
 from floquetrod.load import AxialLoad
@@ -26,13 +26,21 @@ _AT_ONCE = 4096  # loads whose modes are held at once (a choice: some megabytes)
 
 
 class CriticalKick(NamedTuple):
-    """Smallest transverse velocity in m/s that buckles the rod, and the mode it buckles into.
+    """Smallest transverse velocity found to buckle the rod, and the mode it buckles into; what is proved beside it.
 
-    Infinite and None where no kick does; NaN and None where that could not be decided.
+    Attributes
+    ----------
+    velocity : float or ndarray
+        The smallest found, m/s; infinite where no kick buckles the rod, NaN where that could not be decided.
+    mode : int or None, or ndarray
+        The mode that it sets off; none is 0 in an array.
+    none_up_to : float or ndarray
+        Proved: no velocity up to it, m/s, sets off a mode (that grows faster than the tolerance asked for).
     """
 
-    velocity: float
-    mode: int | None
+    velocity: Any
+    mode: Any
+    none_up_to: Any
 
 
 @dataclass(frozen=True, repr=False)
@@ -74,12 +82,12 @@ class RodFriction(Verdict):
 
     @cached_property
     def critical_kick(self) -> CriticalKick:
-        """Smallest kick that buckles the rod, and the mode it buckles into."""
+        """Smallest kick found to buckle the rod, the mode it buckles into, and the kick up to which none does."""
         return critical_kick(self.linear, self.friction.mu)
 
     @cached_property
     def critical_velocities(self) -> dict[int, float]:
-        """Smallest kick in m/s that sets off each of ``modes``."""
+        """Smallest kick in m/s found to set off each of ``modes``."""
         return _critical_velocities(self.linear, self.friction.mu)
 
     def __repr__(self) -> str:
@@ -105,13 +113,14 @@ def judge_kick(linear: RodStability, friction: Coulomb) -> RodFriction:
 
 
 def critical_kick(linear: RodStability, mu: float) -> CriticalKick:
-    """Return the smallest kick that sets off a mode, modes that grow fast asked first."""
+    """Return the smallest kick found to set off a mode, and that up to which none does."""
     mode = np.array(_growing(linear), dtype=np.int64)
-    best, first = np.full(1, math.inf), np.zeros(1, dtype=np.int64)
-    _least_kicks((np.zeros(mode.size, dtype=np.int64), mode, *_parameters(linear)), 1, best, first)
+    least = _Least.of(1)
+    _least_kicks((np.zeros(mode.size, dtype=np.int64), mode, *_parameters(linear)), 1, least)
     load = linear.load
-    (velocity,) = critical_velocities(linear.rod, load.amplitude, load.frequency, mu, best)
-    return CriticalKick(float(velocity), int(first[0]) or None)
+    ratios = np.concatenate([least.found, least.proved])
+    velocity, none_up_to = critical_velocities(linear.rod, load.amplitude, load.frequency, mu, ratios)
+    return CriticalKick(float(velocity), int(least.mode[0]) or None, float(none_up_to))
 
 
 def _growing(linear: RodStability) -> tuple[int, ...]:
@@ -185,32 +194,50 @@ def kicked_loads(
 
 def critical_kicks(
     rod: RodData, loads: Sequence[NDArray[np.float64]], mu: float, tolerance: float, workers: int | None
-) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-    """Return the smallest velocity in m/s that sets off a mode, and the mode (0 for none), for flat arrays of loads."""
-    ratio = np.full(loads[0].size, math.inf)
-    first = np.zeros(ratio.size, dtype=np.int64)
-    for part in _parts(ratio.size):
+) -> CriticalKick:
+    """Return what `critical_kick` does for flat arrays of loads."""
+    least = _Least.of(loads[0].size)
+    for part in _parts(loads[0].size):
         growing = growing_modes(rod, [values[part] for values in loads], tolerance, workers)
-        _least_kicks(growing, workers, ratio[part], first[part])
-    return critical_velocities(rod, loads[1], loads[2], mu, ratio), first
+        _least_kicks(growing, workers, least.part(part))
+    velocity, none_up_to = (critical_velocities(rod, loads[1], loads[2], mu, r) for r in (least.found, least.proved))
+    return CriticalKick(velocity, least.mode, none_up_to)
 
 
-def _least_kicks(
-    growing: GrowingModes, workers: int | None, best: NDArray[np.float64], first: NDArray[np.int64]
-) -> None:
-    """Lower ``best`` to the smallest kick over friction that sets off a mode of each load, ``first`` to the mode."""
+class _Least(NamedTuple):
+    """Of each load: the smallest kick over friction found to set off a mode, that mode, and the proved bound below."""
+
+    found: NDArray[np.float64]
+    mode: NDArray[np.int64]
+    proved: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, size: int) -> _Least:
+        """Return what is known of loads before any mode is asked."""
+        return cls(np.full(size, math.inf), np.zeros(size, dtype=np.int64), np.full(size, math.inf))
+
+    def part(self, part: slice) -> _Least:
+        """Return a view of some loads."""
+        return _Least(self.found[part], self.mode[part], self.proved[part])
+
+
+def _least_kicks(growing: GrowingModes, workers: int | None, least: _Least) -> None:
+    """Lower ``least`` to what the growing modes of each load need; NaN where none was found and one is unknown."""
     load, mode, alpha, beta, damping = growing
     # The fastest mode of every load first: what it needs is as far as the others are followed.
     order = np.lexsort((-mathieu.growth_rate(alpha, beta, damping, workers=workers), load))
     place = np.arange(load.size) - np.searchsorted(load, load)  # of each mode among those of its load
+    unknown = np.zeros(least.found.size, dtype=np.bool_)
     for turn in range(int(place.max(initial=-1)) + 1):
         now = order[place == turn]
-        now = now[~np.isnan(best[load[now]])]  # where it could not be told, it stays so
         at = load[now]
-        ratio = critical_perturbation(alpha[now], beta[now], 1.0, damping[now], upto=best[at], workers=workers)
-        better = ~(ratio >= best[at])
-        best[at[better]] = ratio[better]
-        first[at[better]] = np.where(np.isnan(ratio[better]), 0, mode[now][better])
+        proved, found = critical_bounds(alpha[now], beta[now], 1.0, damping[now], upto=least.found[at], workers=workers)
+        least.proved[at] = np.minimum(least.proved[at], proved)
+        unknown[at] |= np.isnan(found)
+        better = found < least.found[at]
+        least.found[at[better]] = found[better]
+        least.mode[at[better]] = mode[now][better]
+    least.found[unknown & np.isinf(least.found)] = math.nan
 
 
 def _parts(size: int) -> list[slice]:

@@ -136,7 +136,8 @@ def test_check_with_friction(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*KICK, "--kick", "50mm/s"]) == 0
     out = capsys.readouterr().out
     assert out.startswith("UNSTABLE: the kick sets off modes 9, 10\n")
-    assert "32.1184 mm/s buckles the rod, into mode 9" in out
+    assert "needed    32.1184 mm/s is the smallest found to buckle the rod, into mode 9" in out
+    assert "proved    no kick up to 27.8299 mm/s buckles it" in out
     assert "without friction:\nUNSTABLE: modes 8, 9, 10, 12 grow" in out
     assert cli.main([*KICK, "--kick", "30mm/s", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)
@@ -145,7 +146,9 @@ def test_check_with_friction(capsys: pytest.CaptureFixture[str]) -> None:
     assert record["without_friction"]["status"] == "unstable"
     rod = fr.Rod.nitinol()
     load = fr.AxialLoad(0.825 * rod.critical_force, 0.7 * rod.critical_force, 150.0)
-    assert record["with_friction"]["critical_kick_m_per_s"] == rod.critical_velocity(load, mu=0.1).velocity
+    needed = rod.critical_velocity(load, mu=0.1)
+    assert record["with_friction"]["critical_kick_m_per_s"] == needed.velocity
+    assert record["with_friction"]["no_kick_buckles_up_to_m_per_s"] == needed.none_up_to
     assert cli.main([*KICK, "--kick", "50mm/s", "--mean", "0.34Fcr", "--amplitude", "0"]) == 0
     assert "no mode grows even without friction" in capsys.readouterr().out
 
@@ -386,11 +389,11 @@ def test_answers_are_in_the_units_asked_for(units: str, lines: list[str], capsys
 def test_kicks_are_answered_in_the_unit_of_the_kick(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*KICK, "--kick", "0.05m/s"]) == 0
     out = capsys.readouterr().out
-    assert "0.0321184 m/s buckles the rod" in out
+    assert "0.0321184 m/s is the smallest found to buckle the rod" in out
     assert "kick needed m/s" in out
     assert "mm/s" not in out
     assert cli.main([*KICK, "--kick", "0.05m/s", "--unit", "cm/s"]) == 0
-    assert "3.21184 cm/s buckles the rod" in capsys.readouterr().out
+    assert "3.21184 cm/s is the smallest found to buckle the rod" in capsys.readouterr().out
 
 
 def test_a_map_speaks_the_units_of_its_ranges(

@@ -41,19 +41,22 @@ def test_escape_speeds_at_150() -> None:
     assert verdict.unstable_modes == (9, 10)
     speeds = {mode: round(1e3 * speed, 2) for mode, speed in verdict.critical_velocities.items()}
     assert speeds == {8: 51.06, 9: 32.12, 10: 48.76, 12: 128.79}
-    assert ROD.critical_velocity(load(0.825, 150.0), mu=0.1) == (pytest.approx(0.03211843, rel=1e-6), 9)
+    velocity, mode, none_up_to = ROD.critical_velocity(load(0.825, 150.0), mu=0.1)
+    assert (velocity, mode) == (pytest.approx(0.03211843, rel=1e-6), 9)
+    assert none_up_to == pytest.approx(0.0278299, rel=1e-5)
 
 
 def test_the_critical_kick_is_where_the_verdict_turns() -> None:
-    velocity, mode = ROD.critical_velocity(load(0.6, 110.0), mu=0.2)
+    velocity, mode, none_up_to = ROD.critical_velocity(load(0.6, 110.0), mu=0.2)
+    assert ROD.stability(load(0.6, 110.0), friction=fr.Coulomb(0.2, none_up_to)).stable
     assert ROD.stability(load(0.6, 110.0), friction=fr.Coulomb(0.2, velocity * (1.0 - 1e-6))).stable
     assert mode in ROD.stability(load(0.6, 110.0), friction=fr.Coulomb(0.2, velocity * (1.0 + 1e-6))).unstable_modes
 
 
 def test_without_friction_or_growth() -> None:
-    assert ROD.critical_velocity(load(0.825, 150.0), mu=0.0) == (0.0, 9)  # of those that grow, the fastest
+    assert ROD.critical_velocity(load(0.825, 150.0), mu=0.0) == (0.0, 9, 0.0)  # of those that grow, the fastest
     quiet = load(0.05, 150.0, amplitude=0.2)
-    assert ROD.critical_velocity(quiet, mu=0.1) == (math.inf, None)
+    assert ROD.critical_velocity(quiet, mu=0.1) == (math.inf, None, math.inf)
     assert ROD.stability(quiet, friction=fr.Coulomb(0.0, 1.0)).stable
 
 
@@ -61,13 +64,14 @@ def test_maps_agree_with_single_loads() -> None:
     shares, frequencies = np.array([0.118, 0.424, 0.825]), np.array([60.0, 85.0, 110.0, 150.0])
     unit = ROD.critical_force
     chart = fr.stability_map(ROD, mean=shares * unit, amplitude=0.7 * unit, frequency=frequencies, friction=KICK)
-    speeds, modes = ROD.critical_velocities(shares[:, None] * unit, 0.7 * unit, frequencies, 0.1)
+    speeds, modes, proved = ROD.critical_velocities(shares[:, None] * unit, 0.7 * unit, frequencies, 0.1)
     for i, share in enumerate(shares):
         for j, frequency in enumerate(frequencies):
             assert chart.stable[i, j] == ROD.stability(load(share, frequency), friction=KICK).stable
-            velocity, mode = ROD.critical_velocity(load(share, frequency), mu=0.1)
+            velocity, mode, none_up_to = ROD.critical_velocity(load(share, frequency), mu=0.1)
             assert speeds[i, j] == pytest.approx(velocity, rel=1e-12)
             assert modes[i, j] == (mode or 0)
+            assert proved[i, j] == pytest.approx(none_up_to, rel=1e-12)
     assert "kick 0.05 m/s" in chart.caption
 
 

@@ -23,6 +23,8 @@ MISTAKES = [
     ("square_wave.md", "(p / q - q / p)", "(p / q + q / p)"),
     ("leapfrog.md", "w + w**3 * h**2 / 24", "w - w**3 * h**2 / 24"),
     ("friction.md", "A * (psi.diff(tau) - 2 * c * psi)", "A * (psi.diff(tau) + 2 * c * psi)"),
+    ("friction.md", "(-2 * c * W + S)", "(-2 * c * W - S)"),
+    ("friction.md", "(1 - p * at) / S", "(1 + p * at) / S"),
     ("friction.md", "excess = d - a * t**2", "excess = d + a * t**2"),
     ("friction.md", "2 / sp.pi * sp.sin(u)", "4 / sp.pi * sp.sin(u)"),
     ("friction.md", "found[dz] - sp.I * sigma", "found[dz] + sp.I * sigma"),

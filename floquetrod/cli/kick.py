@@ -27,6 +27,8 @@ def report(result: fr.RodFriction, shown: Unit) -> list[str]:
         f"kick      {shown.show(result.friction.velocity)} in each mode: eps {inside.epsilon:.4g}",
         f"needed    {_needed(result, shown)}",
     ]
+    if math.isfinite(result.critical_kick.none_up_to):
+        lines.append(f"proved    no kick up to {shown.show(result.critical_kick.none_up_to)} buckles it")
     if result.modes:
         lines += ["", f"mode  {f'kick needed {shown.name}':>16}  this kick"]
     for mode, fate in zip(result.modes, result.fates, strict=True):
@@ -40,7 +42,7 @@ def _needed(result: fr.RodFriction, shown: Unit) -> str:
         return "no kick buckles the rod: no mode grows even without friction"
     if kick.mode is None:
         return "the smallest kick that buckles the rod could not be decided"
-    return f"{shown.show(kick.velocity)} buckles the rod, into mode {kick.mode}"
+    return f"{shown.show(kick.velocity)} is the smallest found to buckle the rod, into mode {kick.mode}"
 
 
 def record(result: fr.RodFriction) -> dict[str, Any]:
@@ -57,6 +59,7 @@ def record(result: fr.RodFriction) -> dict[str, Any]:
         "epsilon": inside.epsilon,
         "critical_kick_m_per_s": number(kick.velocity),
         "critical_mode": kick.mode,
+        "no_kick_buckles_up_to_m_per_s": number(kick.none_up_to),
         "modes": [
             {"mode": mode, "critical_kick_m_per_s": number(result.critical_velocities[mode]), "fate": fate.status}
             for mode, fate in zip(result.modes, result.fates, strict=True)

@@ -355,4 +355,4 @@ def _theory(record: dict[str, Any], speed: Unit) -> str:
     if record["critical_kick_m_per_s"] is None:
         return linear
     kick = f"{speed.show(record['critical_kick_m_per_s'], 3)} in mode {record['critical_kick_mode']} alone"
-    return f"{linear}; against friction the smallest kick that buckles it is {kick}"
+    return f"{linear}; against friction the smallest kick found to buckle it is {kick}"

@@ -7,7 +7,13 @@ Eq. (14) of DOI 10.1115/1.4031710; derivations and proofs are in docs/friction.m
 
 from __future__ import annotations
 
-from floquetrod.friction.critical import KickRange, certain_kicks, critical_perturbation
+from floquetrod.friction.critical import (
+    CriticalPerturbation,
+    KickRange,
+    certain_kicks,
+    critical_bounds,
+    critical_perturbation,
+)
 from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning, escapes, fate, outcome
 from floquetrod.friction.leapfrog import leapfrog_escapes
 from floquetrod.friction.ranges import EscapeRanges, escape_ranges
@@ -17,12 +23,14 @@ __all__ = [
     "BOUNDED",
     "ESCAPES",
     "UNDECIDED",
+    "CriticalPerturbation",
     "EscapeRanges",
     "Fate",
     "KickRange",
     "Trajectory",
     "UndecidedWarning",
     "certain_kicks",
+    "critical_bounds",
     "critical_perturbation",
     "escape_ranges",
     "escapes",

@@ -6,12 +6,29 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod import _validate
-from floquetrod._compile import over_chunks
 from floquetrod.equations import FrictionalMathieu, require
-from floquetrod.friction.preparation import arguments, cells, growth_of, growth_without_friction, over_friction
+from floquetrod.friction.preparation import (
+    Prepared,
+    arguments,
+    growth_of,
+    growth_without_friction,
+    over_friction,
+    parts,
+    prepare,
+    prepare_one,
+)
 from floquetrod.kernels import friction as kernels
+
+_LARGEST = 1e12  # kick over the floor: up to here kicks are tried where none is proved to escape
+_CLOSE = 1e-9  # relative accuracy of an edge
+_STEEPEST = 0.1  # largest step on the way up, logarithmic (a choice)
+_BLOCK = 4  # kicks tried at once on the way up (a choice: with more, more are tried in vain)
+_CLOSER = ((16, 1e-3, 0.0),) * 6 + ((8, 1e-4, 15.0),) * 4 + ((3, 1e-8, 0.0),) * 8
+"""Rounds of a closer look (heuristic, measured): how many intervals of an equation are halved at most, how narrow they
+may be, relative to the kick, and how long one of their ends must live."""
 
 
 class KickRange(NamedTuple):
@@ -21,6 +38,21 @@ class KickRange(NamedTuple):
     high: float
 
 
+class CriticalPerturbation(NamedTuple):
+    """What is proved of the smallest kick that escapes, and what was found.
+
+    Attributes
+    ----------
+    none_escapes_up_to : float or ndarray
+        Proved: no kick up to it escapes.
+    smallest_found : float or ndarray
+        The smallest kick found to escape.
+    """
+
+    none_escapes_up_to: Any
+    smallest_found: Any
+
+
 def critical_perturbation(
     alpha: Any,
     beta: Any,
@@ -28,34 +60,60 @@ def critical_perturbation(
     damping: Any = 0.0,
     *,
     upto: Any = math.inf,
-    samples: int = 32,
-    effort: int = 100_000,
+    samples: int = 24,
+    effort: int = 20_000,
     workers: int | None = None,
 ) -> Any:
-    """Return the infimum of kicks epsilon that escape; infinite where none does, NaN where it could not be decided.
+    """Return the smallest kick epsilon found to escape, an edge accurate to 1e-9; infinite where none does.
 
-    No kick up to gamma / sqrt(abs(alpha) + abs(beta)) escapes, and every kick beyond a bound known in closed form does
-    (docs/friction.md).  In between ``samples`` kicks are tried upwards in geometric steps, closer together where
-    neighbouring orbits differ in kind; the first escape is bisected to 1e-9, and kicks below it are tried at distances
-    that shrink.  A range of escaping kicks that lies lower and between two kicks tried is missed: about one equation
-    in thirty has one, up to five per cent lower (measured on a few hundred; `escape_ranges` looks closer).
+    `critical_bounds` returns the kick below which none escapes, which is proved, beside it.
 
     Parameters
     ----------
     alpha, beta, gamma, damping : array_like
         Broadcast against each other; the result is proportional to gamma.
     upto : array_like
-        Kicks beyond it are not looked at: the result is infinite where none up to it escapes.  Quicker, and decided
-        where only large kicks cannot be.
+        Kicks beyond it are not looked at: the result is infinite where none up to it was found.  Quicker.
     samples : int
-        Kicks tried.
+        Kicks tried on the way up from the proved bound; more are tried where neighbouring orbits differ in kind.
     effort, workers : int
-        As in `outcome`.
+        As in `outcome`.  A kick that cannot be decided counts as not found to escape.
+
+    Notes
+    -----
+    A range of escaping kicks that lies lower and between two kicks tried is missed; how often is in docs/friction.md.
+    The result is NaN where something grows without friction, too slowly for any kick tried to be seen to escape.
 
     Examples
     --------
-    >>> round(float(critical_perturbation(0.0, 0.25)), 9)
+    >>> round(critical_perturbation(0.0, 0.25), 9)
     2.0
+    """
+    return critical_bounds(
+        alpha, beta, gamma, damping, upto=upto, samples=samples, effort=effort, workers=workers
+    ).smallest_found
+
+
+def critical_bounds(
+    alpha: Any,
+    beta: Any,
+    gamma: Any = 1.0,
+    damping: Any = 0.0,
+    *,
+    upto: Any = math.inf,
+    samples: int = 24,
+    effort: int = 20_000,
+    workers: int | None = None,
+) -> CriticalPerturbation:
+    """Return the kick up to which none escapes, proved, and the smallest found to escape; see `critical_perturbation`.
+
+    The first does not depend on ``upto``, ``samples`` and ``effort``.
+
+    Examples
+    --------
+    >>> none_escapes_up_to, smallest_found = critical_bounds(1.0, 0.3)
+    >>> round(none_escapes_up_to, 6), round(smallest_found, 6)
+    (0.973181, 0.973181)
     """
     limited = _validate.array("upto", upto, least=0.0, largest=math.inf)
     if not (limited > 0.0).all():
@@ -64,13 +122,19 @@ def critical_perturbation(
     samples = _validate.integer("samples", samples, 1)
     effort = _validate.integer("effort", effort, 1)
     rate = growth_without_friction(alpha, beta, c, workers)
-    held = gamma > 0.0
-    out = np.empty(alpha.size)
-    counts = np.full(alpha.size, samples, dtype=np.int64), np.full(alpha.size, effort, dtype=np.int64)
-    inputs = (alpha, beta, c, np.where(held, rate, -1.0), *counts, over_friction(limit, gamma))
-    over_chunks(kernels.critical_fill, inputs, out, workers=workers, chunk=64, interpret_up_to=0)
-    out = np.where(held | (rate < 0.0), np.where(held, gamma, 1.0) * out, 0.0)  # without friction the slightest kick
-    return out.reshape(shape) if shape else float(out[0])
+    grows = rate >= 0.0
+    floor = np.where(grows & (gamma == 0.0), 0.0, math.inf)  # without friction the slightest kick
+    found = floor.copy()
+    limit = over_friction(limit, gamma)
+    for part in parts(np.flatnonzero(grows & (gamma > 0.0) & ((alpha != 0.0) | (beta != 0.0))), alpha, beta, c):
+        equations = prepare(alpha[part], beta[part], c[part], rate[part], workers)
+        floor[part] = gamma[part] * equations.floor
+        smallest = _Search(equations, limit[part], effort, workers).smallest(samples)
+        unknown = np.isinf(smallest) & np.isinf(limit[part])
+        found[part] = np.where(unknown, math.nan, gamma[part] * smallest)
+    if shape:
+        return CriticalPerturbation(floor.reshape(shape), found.reshape(shape))
+    return CriticalPerturbation(float(floor[0]), float(found[0]))
 
 
 def certain_kicks(equation: FrictionalMathieu) -> KickRange:
@@ -80,17 +144,115 @@ def certain_kicks(equation: FrictionalMathieu) -> KickRange:
 
     Examples
     --------
-    >>> certain_kicks(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0)).low
+    >>> round(certain_kicks(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0)).low, 9)
     2.0
     """
     require(equation, (FrictionalMathieu,), "certain_kicks")
-    largest = abs(equation.alpha) + abs(equation.beta)
     rate = growth_of(equation)
     if rate < 0.0:
         return KickRange(math.inf, math.inf)
-    if largest == 0.0:
+    if equation.alpha == equation.beta == 0.0:
         return KickRange(math.inf, math.inf) if equation.gamma > 0.0 else KickRange(0.0, 0.0)
-    table, _ = cells(equation, rate)
-    first = abs(float(table[0, 10]))
-    high = equation.gamma / first if first > 0.0 else math.inf
-    return KickRange(equation.gamma / math.sqrt(largest), high)
+    found = prepare_one(equation, rate)
+    return KickRange(equation.gamma * float(found.floor[0]), equation.gamma * float(found.ceiling[0]))
+
+
+class _Search:
+    """The search for the smallest kick that escapes, of many equations side by side; gamma = 1.
+
+    Attributes
+    ----------
+    found : ndarray
+        The smallest kick found to escape.
+    tried : ndarray
+        Kicks tried so far, a row for each equation, increasing, NaN after the last; none above the smallest found.
+    kind, life : ndarray
+        What distinguishes the orbits of two kicks, and how long each went on until its fate was known.
+    """
+
+    def __init__(self, equations: Prepared, limit: NDArray[np.float64], effort: int, workers: int | None) -> None:
+        self.equations, self.effort, self.workers = equations, effort, workers
+        self.top = np.minimum(np.minimum(equations.ceiling, _LARGEST * equations.floor), limit)
+        self.found = np.where(equations.ceiling <= limit, equations.ceiling, math.inf)
+        self.tried = equations.floor[:, None]
+        self.kind = np.full(self.tried.shape, float(kernels.STUCK))
+        self.life = np.zeros(self.tried.shape)
+        self.known = equations.nothing_known()
+
+    def smallest(self, samples: int) -> NDArray[np.float64]:
+        """Return the smallest kick found to escape, infinite where none up to the limit was."""
+        self.try_the_floor()
+        self.climb(samples)
+        self.look_closer()
+        return self.narrow()
+
+    def look(self, which: NDArray[np.int64], kicks: NDArray[np.float64]) -> None:
+        """Follow kicks, a row for each equation in ``which`` (NaN is none), and note what becomes of them."""
+        if not kicks.size:
+            return
+        known = self.known[which]
+        runs = self.equations.judge(which, kicks, self.effort, self.workers, known, patient=False)
+        self.known[which] = known
+        fate, life, reversals, sticks = np.moveaxis(runs, 2, 0)
+        escaped = (fate == kernels.GROWS) | (fate == kernels.MIXED)  # mixed: some escape as close to it as you like
+        self.found[which] = np.minimum(self.found[which], np.where(escaped, kicks, math.inf).min(axis=1))
+        rests = (fate == kernels.STUCK) | (fate == kernels.KEPT)
+        self._insert(which, kicks, np.where(rests, 10.0 + reversals + 1e6 * sticks, fate), life)
+
+    def _insert(self, which: NDArray[np.int64], *news: NDArray[np.float64]) -> None:
+        """Sort kicks, their kinds and lives into the rows ``which``."""
+        whole = []
+        for old, new in zip((self.tried, self.kind, self.life), news, strict=True):
+            more = np.full((len(old), new.shape[1]), math.nan)
+            more[which] = new
+            whole.append(np.hstack([old, more]))
+        whole[0][whole[0] > self.found[:, None]] = math.nan
+        longest = int((~np.isnan(whole[0])).sum(axis=1).max(initial=1))
+        order = np.argsort(whole[0], axis=1)[:, :longest]
+        self.tried, self.kind, self.life = (np.take_along_axis(part, order, axis=1) for part in whole)
+
+    def try_the_floor(self) -> None:
+        """Try the kick just above the proved floor: the critical one where creeping outwards ends in escape."""
+        near = self.equations.floor * (1.0 + _CLOSE)
+        which = np.flatnonzero(near < self.top)
+        self.look(which, near[which, None])
+
+    def climb(self, samples: int) -> None:
+        """Try kicks upwards in geometric steps, a few at once, until one escapes."""
+        floor = self.equations.floor
+        ratio = np.maximum(self.top / floor, 1.0)
+        steps = np.maximum(samples, np.ceil(np.log(ratio) / _STEEPEST))
+        for block in range(0, int(steps.max(initial=0.0)), _BLOCK):
+            which = np.flatnonzero((ratio > 1.0) & (block < steps) & ~(self.found < self.top))
+            share = np.arange(block + 1.0, block + _BLOCK + 1.0) / steps[which, None]
+            kicks = floor[which, None] * ratio[which, None] ** np.minimum(share, 1.0)
+            kicks = np.where(share == 1.0, self.top[which, None], kicks)
+            self.look(which, np.where(share > 1.0, math.nan, kicks))
+
+    def look_closer(self) -> None:
+        """Halve intervals between kicks whose orbits differ in kind: the wide ones, then where they live longest.
+
+        A long life passes close to a motion that is caught by nothing and escapes by nothing: edges are near.
+        """
+        for most, narrowest, lasting in _CLOSER:
+            low, high = self.tried[:, :-1], self.tried[:, 1:]
+            life = np.maximum(self.life[:, :-1], self.life[:, 1:])
+            differ = (self.kind[:, :-1] != self.kind[:, 1:]) & (high - low > narrowest * high) & (life > lasting)
+            life = np.where(differ, life, -1.0)
+            middle = np.where(differ, 0.5 * (low + high), math.nan)
+            longest = np.argsort(-life, axis=1, kind="stable")[:, :most]
+            kicks = np.take_along_axis(middle, longest, axis=1)
+            which = np.flatnonzero(~np.isnan(kicks).all(axis=1))
+            self.look(which, kicks[which])
+
+    def narrow(self) -> NDArray[np.float64]:
+        """Bisect down to an edge below the smallest kick that escapes, and return it."""
+        low = np.where(self.tried < self.found[:, None], self.tried, 0.0).max(axis=1)
+        while True:
+            which = np.flatnonzero(np.isfinite(self.found) & (self.found - low > _CLOSE * self.found))
+            if not which.size:
+                return self.found
+            middle = 0.5 * (low[which] + self.found[which])
+            self.look(which, middle[:, None])
+            caught = self.found[which] > middle
+            low[which[caught]] = middle[caught]

@@ -11,15 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate
-from floquetrod._compile import compiled, over_chunks
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.preparation import (
     EFFORT,
+    SHORT,
+    Prepared,
     arguments,
     cells,
     growth_of,
     growth_without_friction,
     over_friction,
+    parts,
+    prepare,
+    prepare_one,
     size_of,
 )
 from floquetrod.kernels import friction as kernels
@@ -28,7 +32,7 @@ from floquetrod.result import NoTruthValue
 UNDECIDED, BOUNDED, ESCAPES = -1, 0, 1
 """Values of `outcome`."""
 
-_SHORT = 2000  # cells that are cheaper interpreted than numba is to load (measured)
+_ROW = 64  # kicks of one equation that a thread takes at a time (a choice)
 
 
 class UndecidedWarning(UserWarning):
@@ -45,7 +49,7 @@ def outcome(
     effort: int = EFFORT,
     workers: int | None = None,
 ) -> Any:
-    """Return the fate of each kick: `ESCAPES` (1), `BOUNDED` (0) or `UNDECIDED` (-1), as int8.
+    """Return the fate of each kick: `ESCAPES` (1), `BOUNDED` (0) or `UNDECIDED` (-1), as int8; of a single kick as int.
 
     Parameters
     ----------
@@ -70,7 +74,7 @@ def outcome(
     shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, epsilon=size_of(epsilon))
     fates = _fates(alpha, beta, gamma, kick, c, effort, workers)
     result = np.where(fates == kernels.GROWS, ESCAPES, np.where(fates < kernels.GROWS, BOUNDED, UNDECIDED))
-    return result.astype(np.int8).reshape(shape) if shape else np.int8(result[0])
+    return result.astype(np.int8).reshape(shape) if shape else int(result[0])
 
 
 def escapes(
@@ -104,7 +108,7 @@ def escapes(
             UndecidedWarning,
             stacklevel=2,
         )
-    return fate == ESCAPES
+    return bool(fate == ESCAPES) if np.ndim(fate) == 0 else fate == ESCAPES
 
 
 def _fates(
@@ -119,18 +123,41 @@ def _fates(
     """Return why each run ended, as the kernels number it."""
     effort = _validate.integer("effort", effort, 1)
     rate = growth_without_friction(alpha, beta, damping, workers)
-    out = np.empty(kick.size, dtype=np.int8)
+    out = np.full(kick.size, kernels.NO_GROWTH, dtype=np.int8)
     if kick.size == 1:
         one = FrictionalMathieu(float(alpha[0]), float(beta[0]), float(gamma[0]), float(damping[0]))
-        out[0] = _code(one, float(kick[0]), float(rate[0]), effort, np.zeros(7))
+        out[0] = int(_end(one, float(kick[0]), float(rate[0]), effort)[0])
         return out
     free = gamma == 0.0
-    runs = np.where(free, -1.0, rate)
-    limit = np.full(kick.size, effort, dtype=np.int64)
-    inputs = (alpha, beta, damping, runs, over_friction(kick, gamma), limit)
-    over_chunks(kernels.outcome_fill, inputs, out, workers=workers, chunk=64, interpret_up_to=0)
     out[free & (rate >= 0.0) & (kick > 0.0)] = kernels.GROWS
+    chosen = np.flatnonzero(~free & (rate >= 0.0))
+    alpha, beta, damping, rate = (part[chosen] for part in (alpha, beta, damping, rate))
+    ratio = over_friction(kick, gamma)[chosen]
+    # Kicks of one equation that come one after the other share its cells.
+    new = np.ones(chosen.size, dtype=np.bool_)
+    new[1:] = (alpha[1:] != alpha[:-1]) | (beta[1:] != beta[:-1]) | (damping[1:] != damping[:-1])
+    begins = np.flatnonzero(new)
+    for part in parts(begins, alpha, beta, damping):
+        end = begins[np.searchsorted(begins, part[-1]) + 1 :][:1]
+        members = np.arange(part[0], end[0] if end.size else chosen.size)
+        equations = prepare(alpha[part], beta[part], damping[part], rate[part], workers)
+        out[chosen[members]] = _judged(equations, np.cumsum(new[members]) - 1, ratio[members], effort, workers)
     return out
+
+
+def _judged(
+    equations: Prepared, of: NDArray[np.int64], kicks: NDArray[np.float64], effort: int, workers: int | None
+) -> NDArray[np.float64]:
+    """Return why the run of each kick ended; ``of`` is its equation, ascending."""
+    place = np.arange(of.size) - np.searchsorted(of, of)
+    column = place % _ROW
+    row = np.cumsum(column == 0) - 1
+    rows = np.full((int(row[-1]) + 1, int(column.max()) + 1), math.nan)
+    rows[row, column] = kicks
+    equation = of[column == 0]
+    runs = equations.judge(equation, rows, effort, workers, equations.nothing_known()[equation], patient=True)
+    fates: NDArray[np.float64] = runs[row, column, 0]
+    return fates
 
 
 @dataclass(frozen=True, repr=False)
@@ -169,7 +196,7 @@ class Fate(NoTruthValue):
 _REASONS: dict[int, tuple[Literal["bounded", "escapes", "undecided"], str]] = {
     kernels.NO_GROWTH: ("bounded", "nothing grows without friction"),
     kernels.STUCK: ("bounded", "sticks for ever"),
-    kernels.CREEPS: ("bounded", "creeps inwards, a little every period"),
+    kernels.KEPT: ("bounded", "no later stop lies farther out"),
     kernels.TRAPPED: ("bounded", "sticks and slips within bounds, as far as sampling shows"),
     kernels.GROWS: ("escapes", "the growing Floquet solution has outgrown friction"),
     kernels.LIMIT: ("undecided", "not decided within the effort allowed"),
@@ -188,29 +215,27 @@ def fate(equation: FrictionalMathieu, epsilon: float, *, effort: int = EFFORT) -
     epsilon = _validate.finite("epsilon", epsilon)
     effort = _validate.integer("effort", effort, 1)
     e = equation
-    start = np.zeros(7)
-    code = _code(e, abs(epsilon), growth_of(e), effort, start)
-    status, reason = _REASONS[code]
-    return Fate(e, epsilon, status, reason, float(start[2] + 2.0 * math.pi * start[6]), int(start[4]), int(start[5]))
+    code, tau, reversals, sticks = _end(e, abs(epsilon), growth_of(e), effort)
+    status, reason = _REASONS[int(code)]
+    return Fate(e, epsilon, status, reason, float(tau), int(reversals), int(sticks))
 
 
-def _code(e: FrictionalMathieu, kick: float, rate: float, effort: int, start: NDArray[np.float64]) -> int:
-    """Return why the run of one kick ended, as the kernels number it."""
-    if rate < 0.0:
-        return kernels.NO_GROWTH
-    if e.gamma == 0.0:
-        return kernels.GROWS if kick > 0.0 else kernels.STUCK
-    return _one(e, rate, kick / e.gamma, effort, start)
-
-
-def _one(e: FrictionalMathieu, rate: float, kick: float, effort: int, start: NDArray[np.float64]) -> int:
-    """Return the fate of one kick: interpreted where that is soon known, else compiled."""
+def _end(e: FrictionalMathieu, kick: float, rate: float, effort: int) -> NDArray[np.float64]:
+    """Return why the run of one kick ended, as the kernels number it, the time, and the numbers of stops and sticks."""
+    start = np.zeros(8)
+    start[1], start[7] = (kick / e.gamma if e.gamma > 0.0 else kick), math.inf
+    if rate < 0.0 or e.gamma == 0.0 or start[1] ** 2 * (abs(e.alpha) + abs(e.beta)) <= 1.0:
+        escapes = rate >= 0.0 and e.gamma == 0.0 and kick > 0.0
+        code = kernels.GROWS if escapes else kernels.NO_GROWTH if rate < 0.0 else kernels.STUCK
+        return np.array([code, 0.0, 0.0, 0.0])
+    # Interpreted where that is soon known, else compiled.
     table, work = cells(e, rate)
-    if kick * kick * (abs(e.alpha) + abs(e.beta)) > 1.0:
-        start[1] = kick
-        none = np.empty((0, 4))
-        code = int(kernels.run(e.alpha, e.beta, e.damping, table, start, min(effort, _SHORT), effort, True, none, work))
-        if code < kernels.LIMIT:
-            return code
-    judge = compiled(kernels.judge) if effort > _SHORT else kernels.judge
-    return int(judge(e.alpha, e.beta, e.damping, table, kick, effort, True, start, work))
+    most = min(effort, SHORT)
+    code = kernels.run(e.alpha, e.beta, e.damping, table, start, most, np.empty((0, 4)), work)
+    if code < kernels.LIMIT or (code == kernels.LIMIT and most == effort):
+        return np.array([code, start[2] + 2.0 * math.pi * start[6], start[4], start[5]])
+    equations = prepare_one(e, rate)
+    known = equations.nothing_known()
+    runs = equations.judge(np.zeros(1, dtype=np.int64), np.array([[kick / e.gamma]]), effort, 1, known, patient=True)
+    end: NDArray[np.float64] = runs[0, 0]
+    return end

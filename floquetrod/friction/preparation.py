@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -9,12 +10,17 @@ from numpy.typing import NDArray
 
 from floquetrod import _validate, mathieu
 from floquetrod._arrays import broadcast
-from floquetrod._compile import fastest
+from floquetrod._compile import fastest, over_chunks
 from floquetrod.equations import FrictionalMathieu
 from floquetrod.kernels import friction as kernels
 
 EFFORT = 500_000
 """Cells an orbit may take, 32 or more to a period: a few thousandths of a second (a choice)."""
+
+SHORT = 4000
+"""Cells of one orbit that are interpreted, in up to a second: cheaper than numba is to load (measured)."""
+
+_AT_ONCE = 200_000  # cells held at once (a choice: some 20 MB)
 
 
 def arguments(alpha: Any, beta: Any, gamma: Any, damping: Any, **kicks: NDArray[np.float64]) -> tuple[Any, ...]:
@@ -65,3 +71,90 @@ def cells(equation: FrictionalMathieu, rate: float) -> tuple[NDArray[np.float64]
     table, work = np.empty((count, kernels.COLUMNS)), kernels.workspace()
     fastest(kernels.prepare, count // 4)(e.alpha, e.beta, e.damping, rate, table, work)
     return table, work
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """Equations that grow without friction, ready for kicks to be judged; gamma = 1.
+
+    Attributes
+    ----------
+    values : ndarray
+        alpha, beta and damping of each.
+    first, tables : ndarray
+        Where the cells of each begin, and the cells of all.
+    floor, ceiling : ndarray
+        Proved: no kick up to the one escapes, every kick above the other does; infinite where no such kick is known.
+    """
+
+    values: NDArray[np.float64]
+    first: NDArray[np.int64]
+    tables: NDArray[np.float64]
+    floor: NDArray[np.float64]
+    ceiling: NDArray[np.float64]
+
+    def nothing_known(self) -> NDArray[np.float64]:
+        """Return what orbits of each equation have shown before the first was followed."""
+        return np.full((self.first.size, kernels.KNOWN), -1.0)
+
+    def judge(
+        self,
+        equation: NDArray[np.int64],
+        kicks: NDArray[np.float64],
+        effort: int,
+        workers: int | None,
+        known: NDArray[np.float64],
+        patient: bool,
+    ) -> NDArray[np.float64]:
+        """Return fate, time, reversals and sticks of rows of kicks, one equation to a row; NaN is no kick.
+
+        ``known``, a row for each, is what orbits have shown; see the kernel for ``patient``.
+        """
+        out = np.full((*kicks.shape, 4), np.nan)
+        kicks = np.ascontiguousarray(kicks)  # one layout: the kernel is compiled for each there is
+        constants = equation, self.values, self.first, known, kicks, effort, patient, self.tables
+        rows = np.arange(equation.size)
+        over_chunks(kernels.judge_fill, (rows,), out, *constants, workers=workers, chunk=32, interpret_up_to=0)
+        return out
+
+
+def prepare(
+    alpha: NDArray[np.float64],
+    beta: NDArray[np.float64],
+    damping: NDArray[np.float64],
+    rate: NDArray[np.float64],
+    workers: int | None,
+) -> Prepared:
+    """Return equations ready for kicks to be judged; ``rate`` is their growth without friction."""
+    counts = _cell_counts(alpha, beta, damping)
+    first = np.cumsum(counts) - counts
+    tables = np.empty((int(counts.sum()), kernels.COLUMNS))
+    floor = np.empty(alpha.size)
+    inputs = (alpha, beta, damping, rate, first)
+    over_chunks(kernels.prepare_fill, inputs, floor, tables, workers=workers, chunk=64, interpret_up_to=0)
+    with np.errstate(divide="ignore"):
+        ceiling = 1.0 / np.abs(tables[first, 10])
+    return Prepared(np.stack([alpha, beta, damping], axis=1), first, tables, np.minimum(floor, ceiling), ceiling)
+
+
+def prepare_one(equation: FrictionalMathieu, rate: float) -> Prepared:
+    """Return one equation ready for kicks to be judged."""
+    alpha, beta, damping, rates = np.array([[equation.alpha], [equation.beta], [equation.damping], [rate]])
+    return prepare(alpha, beta, damping, rates, 1)
+
+
+def parts(
+    chosen: NDArray[np.int64], alpha: NDArray[np.float64], beta: NDArray[np.float64], damping: NDArray[np.float64]
+) -> list[NDArray[np.int64]]:
+    """Return the indices ``chosen`` in parts whose cells fit into memory at once."""
+    if not chosen.size:
+        return []
+    turn = np.cumsum(_cell_counts(alpha[chosen], beta[chosen], damping[chosen])) // _AT_ONCE
+    return np.split(chosen, np.flatnonzero(np.diff(turn)) + 1)
+
+
+def _cell_counts(
+    alpha: NDArray[np.float64], beta: NDArray[np.float64], damping: NDArray[np.float64]
+) -> NDArray[np.int64]:
+    equations = zip(alpha.tolist(), beta.tolist(), damping.tolist(), strict=True)
+    return np.array([kernels.cell_count(*equation) for equation in equations], dtype=np.int64)

@@ -9,11 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import _validate
-from floquetrod._compile import fastest
+from floquetrod._compile import compiled
 from floquetrod._content import ByContent
 from floquetrod.equations import FrictionalMathieu, require
-from floquetrod.friction.preparation import cells
+from floquetrod.friction.preparation import SHORT, cells
 from floquetrod.kernels import friction as kernels
+
+_MOST = 5_000_000  # rows of a record (a choice: 160 MB, a second or two)
+_HARD = 1e100  # kick over friction at which friction is lost in rounding: what follows a motion without any
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -57,18 +60,24 @@ def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20
     epsilon = _validate.finite("epsilon", epsilon)
     periods = _validate.integer("periods", periods, 1)
     e = equation
-    scale = e.gamma if e.gamma > 0.0 else abs(epsilon)
     table, work = cells(e, 0.0)
-    if e.gamma == 0.0:
-        table[:, 4:6] = 0.0
-    start = np.zeros(7)
-    start[1] = abs(epsilon) / scale if scale > 0.0 else 0.0
     most = periods * (2 * len(table) + 40)
+    if most > _MOST:
+        raise ValueError(
+            f"periods must be at most {_MOST // (2 * len(table) + 40)} for this equation, got {periods}: "
+            f"the record would have up to {most} rows; friction.fate decides about all time"
+        )
+    start = np.zeros(8)
+    with np.errstate(over="ignore"):
+        start[1] = abs(epsilon) / e.gamma if e.gamma > 0.0 else _HARD if epsilon != 0.0 else 0.0
+    scale, more = (e.gamma, 1.0) if e.gamma > 0.0 else (abs(epsilon), 1.0 / _HARD)
+    start[7] = periods
     record = np.empty((most + 16, 4))
-    run = fastest(kernels.run, most // 1000)
+    run = kernels.run if most <= SHORT else compiled(kernels.run)
     with np.errstate(over="ignore", invalid="ignore"):
-        run(e.alpha, e.beta, e.damping, table, start, most, periods, False, record, work)
+        run(e.alpha, e.beta, e.damping, table, start, most, record, work)
         rows = record[: int(np.argmax(np.isinf(record[:, 0])))]
+        rows[:, 1:3] *= more
         rows[:, 1:3] *= math.copysign(scale, epsilon)
     rows[:, 3] *= math.copysign(1.0, epsilon)
     rows = rows[: int(np.argmin(np.append(np.isfinite(rows[:, 1:3]).all(axis=1), False)))]

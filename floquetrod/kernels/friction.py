@@ -13,8 +13,8 @@ How an orbit ends for ever (proofs in docs/friction.md; p lies between -P and Q)
 Where abs(E) exceeds the integral of abs(psi) over all later time, E keeps its sign for good and the motion grows like
 the growing Floquet solution.  Every motion that does not stay bounded passes this test at some time.
 
-*Caught.*  Stuck where (abs(alpha) + abs(beta)) abs(A) <= 1: for ever.  Stuck where Q abs(A) <= 1, P abs(A) <= 2: it can
-only creep inwards and never reaches zero.
+*Caught.*  At rest where (abs(alpha) + abs(beta)) abs(A) <= 1: for ever.  At rest where Q abs(A) <= 1 and
+abs(alpha) abs(A) <= 2: no later stop lies farther out.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from floquetrod._compile import kernel
 # Why a run ended; what is below LIMIT is final.
 NO_GROWTH = 0  # without friction no solution grows
 STUCK = 1  # at rest for ever
-CREEPS = 2  # inwards, a little every period
+KEPT = 2  # at rest where energy allows no later stop farther out
 TRAPPED = 3  # sticks and slips for ever
 GROWS = 4  # the escape test
 LIMIT = 5  # the bound on the number of cells was reached
@@ -40,16 +40,22 @@ MIXED = 7  # creeps outwards, and such orbits differ in fate: kicks that escape 
 _ORDER = 16  # of Taylor series: with the cells below, what is left out is under 1e-17
 _CELL_WAVE = 0.7  # longest cell times the largest sqrt(abs(p)), and times 2 c
 _FEWEST_CELLS = 32  # a period
-_FINER = 2  # halvings of a step between kicks whose orbits differ in kind (heuristic)
 _SLOW = 5e-3  # relative excess of the freeing force below which creeping outwards is not followed (heuristic)
+_SAMPLES = 8  # of creeping outwards (heuristic)
 _WATCHED = 50  # periods in which sticking and slipping is watched for its range (heuristic)
 _TRIED = 25  # amplitudes of that range tried (heuristic)
+_FEW = 5  # while it is still growing (heuristic)
 _GROWN = 20  # times that range is grown (heuristic)
 _ROUNDING = 1e-12  # relative, in amplitudes a period apart (heuristic): what drifts by more is not at rest
+_ROUNDED = 1e-12  # relative: a proved kick is lowered by it, far more than its error of rounding (measured)
+_STEEP = 1e12  # a slope beyond which the kick that stops is at its limit, to rounding
+_LONGEST_PUSH = 8.0 * math.pi  # how long first stops are followed (a choice: a shorter time gives a lower bound)
 _HALVINGS = 45  # of a cell in search of a reversal
 _NARROWEST = 2.0**-_HALVINGS
+_NEAR = 1e-9  # relative step of Newton's method after which the next would be below rounding
 _EPS = 2.220446049250313e-16
 
+KNOWN = 5  # numbers that orbits of an equation have shown, see `workspace`
 COLUMNS = 11  # of a table: matrix (4), forcing (2), bounds (3), escape test (2)
 
 
@@ -67,13 +73,14 @@ def _series(
     """Fill ``a`` with the Taylor coefficients of A in x = (t - tau) / h, from A = a0 and h A' = a1 at tau."""
     sine = alpha * math.sin(tau) * h * h
     cosine = alpha * math.cos(tau) * h * h
-    for i in range(_ORDER + 1):
+    order = len(a) - 2  # of the arrays, not the constant: loops that the compiler need not unroll
+    for i in range(order + 1):
         p[i] = sine
         sine, cosine = cosine * h / (i + 1.0), -sine * h / (i + 1.0)
     p[0] += beta * h * h
     a[0] = a0
     a[1] = a1
-    for j in range(_ORDER):
+    for j in range(order):
         total = -2.0 * c * h * (j + 1.0) * a[j + 1]
         if j == 0:
             total -= s * h * h
@@ -86,7 +93,7 @@ def _series(
 def _value(a: Any, x: float) -> float:
     """Return A from its series."""
     total = 0.0
-    for j in range(_ORDER + 1, -1, -1):
+    for j in range(len(a) - 1, -1, -1):
         total = total * x + a[j]
     return total
 
@@ -95,7 +102,7 @@ def _value(a: Any, x: float) -> float:
 def _slope(a: Any, x: float) -> float:
     """Return dA/dx from the series of A."""
     total = 0.0
-    for j in range(_ORDER + 1, 0, -1):
+    for j in range(len(a) - 1, 0, -1):
         total = total * x + j * a[j]
     return total
 
@@ -104,6 +111,12 @@ def _slope(a: Any, x: float) -> float:
 def _bracketed_root(q: Any, n: int, low: float, high: float) -> float:
     """Return the zero of the polynomial q of degree n in [low, high], where it falls from positive to not positive."""
     x = 0.5 * (low + high)
+    if low == 0.0 and high == 1.0:  # a whole cell: from the chord
+        end = q[n]
+        for j in range(n - 1, -1, -1):
+            end += q[j]
+        if q[0] > 0.0 >= end:
+            x = q[0] / (q[0] - end)
     for _ in range(80):
         f = q[n]
         d = 0.0
@@ -115,9 +128,10 @@ def _bracketed_root(q: Any, n: int, low: float, high: float) -> float:
         else:
             high = x
         new = x - f / d if d != 0.0 else low
-        if not (low < new < high):
+        inside = low < new < high
+        if not inside:
             new = 0.5 * (low + high)
-        if abs(new - x) <= 2.0 * _EPS * x or high - low <= 2.0 * _EPS * high:
+        if (inside and abs(new - x) <= _NEAR * x) or high - low <= 2.0 * _EPS * high:
             return new
         x = new
     return x
@@ -127,13 +141,24 @@ def _bracketed_root(q: Any, n: int, low: float, high: float) -> float:
 def _first_root(q: Any, n: int, weights: Any, stack: Any) -> float:
     """Return the first zero in (0, 1] of the polynomial q of degree n, positive at 0; -1 where there is none.
 
-    Bernstein coefficients without a change of sign exclude a zero, one change means one zero, more are halved.  Zeros
-    that `_HALVINGS` do not part are a touch of zero, which is no reversal.
+    Most are monotone by a bound on the slope.  Else Bernstein coefficients without a change of sign exclude a zero, one
+    change means one zero, more are halved.  Zeros that `_HALVINGS` do not part are a touch of zero: no reversal.
     """
+    bound = 0.0
+    end = 0.0
+    for j in range(n, 1, -1):
+        bound += j * abs(q[j])
+        end += q[j]
+    end += q[1] + q[0]
+    if q[1] >= bound or (q[1] <= -bound and end > 0.0):
+        return -1.0
+    if q[1] <= -bound:
+        return _bracketed_root(q, n, 0.0, 1.0)
+    shift = (_ORDER - n) * (_ORDER + 2)
     for i in range(n + 1):
         total = 0.0
         for j in range(i + 1):
-            total += weights[_ORDER - n, i, j] * q[j]
+            total += weights[shift + i, j] * q[j]
         stack[0, i] = total
     depth = 0
     low = 0.0
@@ -171,11 +196,10 @@ def _first_root(q: Any, n: int, weights: Any, stack: Any) -> float:
 
 
 @kernel
-def _left_vector(table: Any, sign_and_decay: Any) -> tuple[float, float]:
+def _left_vector(table: Any, decay: float) -> tuple[float, float]:
     """Return the left eigenvector of the period's matrix that belongs to the growing solution, of length 1.
 
-    Rows of M - L I, L the smaller eigenvalue, are multiples of it (Cayley and Hamilton).  ``sign_and_decay`` holds
-    exp(-2 pi (growth + c)), the size of L, and receives the sign of both eigenvalues.
+    Rows of M - L I, L the smaller eigenvalue, are multiples of it (Cayley and Hamilton).  ``decay`` is the size of L.
     """
     a, b, c, d = 1.0, 0.0, 0.0, 1.0
     scale = 1.0
@@ -185,9 +209,7 @@ def _left_vector(table: Any, sign_and_decay: Any) -> tuple[float, float]:
         size = max(abs(a), abs(b), abs(c), abs(d))
         if size > 1e100:
             a, b, c, d, scale = a / size, b / size, c / size, d / size, scale / size
-    sign = 1.0 if a + d >= 0.0 else -1.0
-    small = sign * sign_and_decay[1] * scale
-    sign_and_decay[0] = sign
+    small = decay * scale if a + d >= 0.0 else -decay * scale
     a -= small
     d -= small
     first = math.hypot(a, b)
@@ -202,7 +224,7 @@ def _integral_of_size(a: Any) -> float:
     """Return the integral over x in [0, 1] of abs(A), A given by its series, with at most one change of sign."""
     end = 0.0
     whole = 0.0
-    for j in range(_ORDER + 1, -1, -1):
+    for j in range(len(a) - 1, -1, -1):
         whole += a[j] / (j + 1.0)
         end += a[j]
     if (a[0] >= 0.0) == (end >= 0.0):
@@ -216,7 +238,7 @@ def _integral_of_size(a: Any) -> float:
         else:
             high = x
     part = 0.0
-    for j in range(_ORDER + 1, -1, -1):
+    for j in range(len(a) - 1, -1, -1):
         part = (part + a[j] / (j + 1.0)) * low
     return abs(part) + abs(whole - part)
 
@@ -233,13 +255,13 @@ def prepare(alpha: float, beta: float, c: float, rate: float, table: Any, work: 
     count = len(table)
     h = 2.0 * math.pi / count
     p, a = work[0], work[1]
-    work[5][:] = -1.0
+    _set(work[5], -1.0)
     for k in range(count):
         for column in range(3):
             s = 1.0 if column == 2 else 0.0
             _series(alpha, beta, c, s, k * h, h, 1.0 if column == 0 else 0.0, h if column == 1 else 0.0, p, a)
             bound = 0.0
-            for j in range(_ORDER + 1, 1, -1):
+            for j in range(len(a) - 1, 1, -1):
                 bound += j * abs(a[j])
             value = _value(a, 1.0)
             slope = _slope(a, 1.0) / h
@@ -261,8 +283,7 @@ def _prepare_escape(alpha: float, beta: float, c: float, rate: float, p: Any, a:
     """Fill the columns of the escape test: psi and its derivative over what is left of the integral of abs(psi)."""
     count = len(table)
     h = 2.0 * math.pi / count
-    end = np.array([1.0, math.exp(-2.0 * math.pi * (rate + 2.0 * c))])
-    l1, l2 = _left_vector(table, end)
+    l1, l2 = _left_vector(table, math.exp(-2.0 * math.pi * (rate + 2.0 * c)))
     left = 0.0
     for sweep in range(2):
         for k in range(count - 1, -1, -1):
@@ -307,18 +328,19 @@ def run(
     table: Any,
     start: Any,
     most: int,
-    span: int,
-    decide: bool,
     record: Any,
     work: Any,
 ) -> int:
-    """Follow one orbit until its fate is known, over at most ``most`` cells or to period ``span``; return why it ended.
+    """Follow one orbit until its fate is known, over at most ``most`` cells; return why it ended.
 
-    Unless ``decide``, only rest for ever ends it early.  ``start`` holds A, A', the phase in [0, 2 pi), the sign of E
-    once it has escaped, the numbers of reversals and sticks and that of whole periods: as they are and then as they
-    become, so that a run can be resumed.  ``record`` (rows of tau, A, A', state) is filled as far as it reaches; its
-    last row is the one whose tau is infinite.  ``work`` is scratch space from `workspace`.
+    ``start`` holds A, A', the phase in [0, 2 pi), the sign of E once it has escaped, the numbers of reversals and
+    sticks and that of whole periods: as they are and then as they become, so that a run can be resumed; then the
+    period at which to end.  ``record`` (rows of tau, A, A', state) is filled as far as it reaches; its last row is the
+    one whose tau is infinite.  A run with rows to record goes on when its fate is known, but for rest for ever.
+    ``work`` is scratch space from `workspace`.
     """
+    decide = len(record) == 0
+    span = start[7]
     count = len(table)
     h = 2.0 * math.pi / count
     p, a, q, weights, stack, known = work
@@ -353,9 +375,9 @@ def run(
                 k += 1
             else:
                 _series(alpha, beta, c, s, k * h, h, x, v * h, p, a)
-                for j in range(_ORDER + 1):
+                for j in range(len(a) - 1):
                     q[j] = s * (j + 1.0) * a[j + 1]
-                root = _first_root(q, _ORDER, weights, stack)
+                root = _first_root(q, len(a) - 2, weights, stack)
                 if root < 0.0:
                     x = _value(a, 1.0)
                     v = _slope(a, 1.0) / h
@@ -376,8 +398,11 @@ def run(
             if v == 0.0:
                 tau = k * h + offset
                 force = (beta + alpha * math.sin(tau)) * x
+                size = abs(x)
+                if decide and size * big > 1.0 and outward * size <= 1.0 and abs(alpha) * size <= 2.0:
+                    fate = KEPT
+                    break
                 if abs(force) <= 1.0:
-                    size = abs(x)
                     sticks += 1.0
                     if rows < len(record):
                         record[rows, 0] = tau + periods * 2.0 * math.pi
@@ -387,9 +412,6 @@ def run(
                         fate = STUCK
                         break
                     if decide:
-                        if outward * size <= 1.0 and inward * size <= 2.0:
-                            fate = CREEPS
-                            break
                         if outward * size > 1.0 and inward <= 0.0:
                             side = x
                             fate = GROWS
@@ -425,9 +447,9 @@ def run(
             if released:
                 a[2] = 0.0  # the force is what holds it: exactly, not to rounding
                 first = 2
-            for j in range(_ORDER + 1 - first):
+            for j in range(len(a) - 1 - first):
                 q[j] = s * (j + 1.0 + first) * a[j + 1 + first]
-            root = _first_root(q, _ORDER - first, weights, stack) if left > 0.0 else -1.0
+            root = _first_root(q, len(a) - 2 - first, weights, stack) if left > 0.0 else -1.0
             if root < 0.0:
                 if left > 0.0:
                     x = _value(a, 1.0)
@@ -465,15 +487,24 @@ def workspace() -> tuple[Any, Any, Any, Any, Any, Any]:
     amplitudes that traps; below zero where not known.  The last entry is positive while slow creeping is followed.
     """
     size = _ORDER + 2
-    weights = np.zeros((3, size, size))  # binomial(i, j) / binomial(n, j) for the degrees n that occur
+    weights = np.empty((3 * size, size))  # binomial(i, j) / binomial(n, j), j <= i, for the degrees n that occur
     for less in range(3):
         n = _ORDER - less
         for i in range(n + 1):
             weight = 1.0
             for j in range(i + 1):
-                weights[less, i, j] = weight
+                weights[less * size + i, j] = weight
                 weight *= (i - j) / max(1.0, float(n - j))
-    return np.empty(size), np.empty(size), np.empty(size), weights, np.empty((_HALVINGS + 3, size)), np.full(5, -1.0)
+    known = np.empty(KNOWN)
+    _set(known, -1.0)
+    return np.empty(size), np.empty(size), np.empty(size), weights, np.empty((_HALVINGS + 3, size)), known
+
+
+@kernel
+def _set(values: Any, value: float) -> None:
+    """Fill an array; like `numpy.full`, which takes longer to compile than all that is done with it here."""
+    for i in range(len(values)):
+        values[i] = value
 
 
 @kernel
@@ -499,9 +530,12 @@ def _trapped(alpha: float, beta: float, c: float, table: Any, start: Any, work: 
     outward = beta + abs(alpha)
     inward = abs(alpha) - beta
     whole = np.empty((_WATCHED * (len(table) + 40), 4))
-    here = start.copy()
+    here = np.empty(8)
+    for i in range(6):
+        here[i] = start[i]
     here[6] = 0.0
-    run(alpha, beta, c, table, here, len(whole), _WATCHED, False, whole, work)
+    here[7] = _WATCHED
+    run(alpha, beta, c, table, here, len(whole), whole, work)
     phases = 32
     best = -1.0
     phase = 0.0
@@ -521,21 +555,24 @@ def _trapped(alpha: float, beta: float, c: float, table: Any, start: Any, work: 
     if low <= 0.0 or (outward * low > 1.0 and outward * high < 1.0 + _SLOW and inward * high <= 1.0):
         return False  # never held, or creeping outwards, which may be too slow to show but has no end
     short = np.empty((3 * (len(table) + 40), 4))
+    tried = _FEW
     for _ in range(_GROWN):
         least, most = low, high
-        for i in range(_TRIED):
-            size = low + (high - low) * i / (_TRIED - 1.0)
-            here[0], here[1], here[2], here[6] = size, 0.0, phase, 0.0
+        for i in range(tried):
+            size = low + (high - low) * i / (tried - 1.0)
+            here[0], here[1], here[2], here[6], here[7] = size, 0.0, phase, 0.0, 2.0
             if abs((beta + alpha * math.sin(phase)) * size) > 1.0:
                 return False
-            if run(alpha, beta, c, table, here, len(short), 2, False, short, work) == LIMIT:
+            if run(alpha, beta, c, table, here, len(short), short, work) == LIMIT:
                 after = abs(_stuck_at(short, phase + turn))
                 if after == 0.0:
                     return False
                 least, most = min(least, after), max(most, after)
         if most - least <= (high - low) * (1.0 + 1e-6) + _ROUNDING * high:
-            work[5][1], work[5][2], work[5][3] = phase, low, high
-            return True
+            if tried == _TRIED:
+                work[5][1], work[5][2], work[5][3] = phase, low, high
+                return True
+            tried = _TRIED
         low, high = least, most
     return False
 
@@ -547,45 +584,12 @@ def _follow(alpha: float, beta: float, c: float, table: Any, start: Any, most: i
     part = min(most, _WATCHED * len(table))
     fate = LIMIT
     while fate == LIMIT and most > 0:
-        fate = run(alpha, beta, c, table, start, part, most, True, none, work)
+        fate = run(alpha, beta, c, table, start, part, none, work)
         most -= part
         part = min(most, 8 * part)
         if fate == LIMIT and start[5] > 0.0 and _trapped(alpha, beta, c, table, start, work):
             return TRAPPED
     return fate
-
-
-@kernel
-def _creeps_out(alpha: float, beta: float, c: float, table: Any, most: int, work: Any) -> int:
-    """Return the fate of an orbit that creeps outwards from where the largest force just frees it.
-
-    A step of it takes the relative excess d to d + (9/2) Q^2 / abs(alpha) d^2 + ..., so every such orbit passes through
-    one step's length beginning at d = `_SLOW`, anywhere in it.  All fates sampled there must agree.
-    """
-    known = work[5]
-    if known[0] >= 0.0:
-        return int(known[0])
-    outward = beta + abs(alpha)
-    step = 4.5 * outward * outward / abs(alpha) * _SLOW * _SLOW
-    here = np.empty(7)
-    known[0] = LIMIT  # should one of them come back here
-    samples = 8
-    escaped, bounded = 0, 0
-    for i in range(samples):
-        excess = _SLOW * (1.0 + 1e-9) + 1.2 * step * i / (samples - 1.0)
-        here[:] = 0.0
-        here[0] = (1.0 + excess) / outward
-        here[2] = 1.5 * math.pi if alpha > 0.0 else 0.5 * math.pi
-        fate = _follow(alpha, beta, c, table, here, most, work)
-        escaped += 1 if fate == GROWS else 0
-        bounded += 1 if fate < GROWS else 0
-    if escaped == samples:
-        known[0] = GROWS
-    elif bounded == samples:
-        known[0] = TRAPPED
-    elif escaped > 0 and bounded > 0:
-        known[0] = MIXED
-    return int(known[0])
 
 
 @kernel
@@ -596,167 +600,132 @@ def judge(
 
     ``start`` receives what `run` leaves there.  Slow creeping whose end depends on where it began is followed when
     ``patient``, else it is `MIXED`.
+
+    Orbits that creep outwards from where the largest force just frees them go from the relative excess d to
+    d + (9/2) Q^2 / abs(alpha) d^2 + ..., so all pass through one step's length beginning at d = `_SLOW`, anywhere in
+    it.  Their fate is known where all fates sampled there agree.
     """
-    start[:] = 0.0
+    known = work[5]
+    _set(start, 0.0)
     start[1] = kick
+    start[7] = math.inf
     if kick * kick * (abs(alpha) + abs(beta)) <= 1.0:
         return STUCK  # stops no farther out than where the largest force may act for ever
     fate = _follow(alpha, beta, c, table, start, most, work)
     if fate != SLOW_RELEASE:
         return fate
-    fate = _creeps_out(alpha, beta, c, table, most, work)
-    if fate == MIXED and patient:
-        work[5][4] = 1.0
+    outward = beta + abs(alpha)
+    quadratic = 4.5 * outward * outward / abs(alpha)
+    if known[0] < 0.0:
+        known[0] = LIMIT  # should one of the samples come back here
+        step = quadratic * _SLOW * _SLOW
+        here = np.empty(8)
+        escaped, bounded = 0, 0
+        for i in range(_SAMPLES):
+            _set(here, 0.0)
+            here[0] = (1.0 + _SLOW * (1.0 + 1e-9) + 1.2 * step * i / (_SAMPLES - 1.0)) / outward
+            here[2] = 1.5 * math.pi if alpha > 0.0 else 0.5 * math.pi
+            here[7] = math.inf
+            fate = _follow(alpha, beta, c, table, here, most, work)
+            escaped += 1 if fate == GROWS else 0
+            bounded += 1 if fate < GROWS else 0
+            if escaped > 0 and bounded > 0:
+                known[0] = MIXED
+                break
+        if escaped == _SAMPLES:
+            known[0] = GROWS
+        elif bounded == _SAMPLES:
+            known[0] = TRAPPED
+    if known[0] == MIXED and patient:
+        excess = outward * abs(start[0]) - 1.0
+        if (1.0 / excess - 1.0 / _SLOW) / quadratic > most:
+            return LIMIT  # more periods than cells are allowed
+        known[4] = 1.0
         fate = _follow(alpha, beta, c, table, start, most, work)
-        work[5][4] = -1.0
-    return fate
+        known[4] = -1.0
+        return fate
+    return int(known[0])
 
 
 @kernel
-def outcome_fill(alpha: Any, beta: Any, damping: Any, rate: Any, kick: Any, most: Any, out: Any) -> None:
-    """Fill ``out`` with fates (see `judge`); ``rate`` is the growth rate without friction, negative where none grows.
+def floor_of(alpha: float, beta: float, c: float, work: Any) -> float:
+    """Return a kick up to which none escapes: none of these stops first beyond ``safe``, where a stop is kept.
 
-    The table of a period is kept while alpha, beta and damping stay the same from one point to the next.
+    Up to the first stop A = kick S + F, S and F the motions from A' = 1 without friction and from rest with it; the
+    kick g = -F' / S' stops at tau, at A = g S + F.  Both grow with tau until A is ``safe`` (docs/friction.md), and the
+    kick that stops there is returned, or that of the time where S' is so steep that g has its limit to rounding.
     """
+    outward = beta + abs(alpha)
+    safe = 2.0 / abs(alpha) if alpha != 0.0 else math.inf
+    if outward > 0.0:
+        safe = min(safe, 1.0 / outward)
+    h = 2.0 * math.pi / cell_count(alpha, beta, c)
+    p, a, b = work[0], work[1], work[2]
+    s0, s1, f0, f1 = 0.0, 1.0, 0.0, 0.0
+    best = 1.0 / math.sqrt(abs(alpha) + abs(beta))  # by comparison with the largest force throughout
+    k = 0
+    while s1 < _STEEP and k * h < _LONGEST_PUSH:
+        _series(alpha, beta, c, 0.0, k * h, h, s0, s1 * h, p, a)
+        _series(alpha, beta, c, 1.0, k * h, h, f0, f1 * h, p, b)
+        s0, s1, f0, f1 = _value(a, 1.0), _slope(a, 1.0) / h, _value(b, 1.0), _slope(b, 1.0) / h
+        if s1 * (safe - f0) + s0 * f1 <= 0.0:  # the kick that stops here stops beyond ``safe``: halve down to it
+            low, high = 0.0, 1.0
+            for _ in range(60):
+                x = 0.5 * (low + high)
+                slope = _slope(a, x)
+                if slope * (safe - _value(b, x)) + _value(a, x) * _slope(b, x) <= 0.0:
+                    high = x
+                else:
+                    low = x
+            if low > 0.0:
+                best = max(best, -_slope(b, low) / _slope(a, low))
+            break
+        best = max(best, -f1 / s1)
+        k += 1
+    return best * (1.0 - _ROUNDED)
+
+
+@kernel
+def prepare_fill(alpha: Any, beta: Any, damping: Any, rate: Any, first: Any, out: Any, tables: Any) -> None:
+    """Fill the rows of ``tables`` from ``first`` on with the cells of each equation, ``out`` with `floor_of`."""
     work = workspace()
-    start = np.zeros(7)
-    table = np.empty((0, COLUMNS))
     for i in range(len(alpha)):
-        if rate[i] < 0.0:
-            out[i] = NO_GROWTH
-            continue
-        if (
-            i == 0
-            or len(table) == 0
-            or not (alpha[i] == alpha[i - 1] and beta[i] == beta[i - 1] and damping[i] == damping[i - 1])
-        ):
-            table = np.empty((cell_count(alpha[i], beta[i], damping[i]), COLUMNS))
-            prepare(alpha[i], beta[i], damping[i], rate[i], table, work)
-        out[i] = judge(alpha[i], beta[i], damping[i], table, kick[i], most[i], True, start, work)
+        count = cell_count(alpha[i], beta[i], damping[i])
+        prepare(alpha[i], beta[i], damping[i], rate[i], tables[first[i] : first[i] + count], work)
+        out[i] = floor_of(alpha[i], beta[i], damping[i], work)
 
 
 @kernel
-def _looks_alike(one: Any, other: Any) -> bool:
-    """Return whether two orbits have the same fate after as many reversals and sticks."""
-    return bool(one[0] == other[0] and one[1] == other[1] and one[2] == other[2])
-
-
-@kernel
-def _look(
-    alpha: float, beta: float, c: float, table: Any, kick: float, most: int, start: Any, work: Any, seen: Any
-) -> int:
-    """Return a fate and note what `_looks_alike` compares."""
-    fate = judge(alpha, beta, c, table, kick, most, False, start, work)
-    if fate == MIXED:
-        fate = GROWS  # the infimum is what is asked for
-    seen[0], seen[1], seen[2] = fate, start[4], start[5]
-    return fate
-
-
-@kernel
-def _edge(
-    alpha: float,
-    beta: float,
-    c: float,
-    table: Any,
-    below: float,
-    found: float,
+def judge_fill(
+    row: Any,
+    out: Any,
+    equation: Any,
+    values: Any,
+    first: Any,
+    known: Any,
+    kicks: Any,
     most: int,
-    start: Any,
-    work: Any,
-    seen: Any,
-) -> float:
-    """Return where escapes begin between ``below``, which does not, and ``found``, which does; NaN if undecided.
+    patient: bool,
+    tables: Any,
+) -> None:
+    """Fill ``out`` with fate, time, reversals and sticks of the kicks in each row; NaN is no kick, and left alone.
 
-    A bisection ends at some edge, not always the lowest: kicks below it are tried, at distances that shrink
-    geometrically, and the search goes on from the first that escapes, until none does.
+    A row has an equation, whose alpha, beta and damping are in ``values`` and whose cells begin at ``first`` in
+    ``tables``, and remembers in ``known`` what its orbits have shown.
     """
-    while True:
-        bottom = below
-        while found - below > 1e-9 * found:
-            middle = 0.5 * (below + found)
-            fate = _look(alpha, beta, c, table, middle, most, start, work, seen)
-            if fate == LIMIT:
-                return math.nan
-            if fate == GROWS:
-                found = middle
-            else:
-                below = middle
-        gap = found - bottom
-        lowest = True
-        before = bottom
-        while lowest and gap > 1e-7 * found:
-            gap *= 0.3
-            kick = found - gap
-            fate = _look(alpha, beta, c, table, kick, most, start, work, seen)
-            if fate == LIMIT:
-                return math.nan
-            if fate == GROWS:
-                lowest = False
-                below, found = before, kick
-            before = kick
-        if lowest:
-            return found
-
-
-@kernel
-def critical_kick(
-    alpha: float, beta: float, c: float, table: Any, samples: int, most: int, upto: float, work: Any
-) -> float:
-    """Return the smallest kick that escapes, NaN where that hangs on an orbit whose fate cannot be told.
-
-    Kicks above ``upto`` are not looked at: infinite then says that none below it escapes.
-
-    Between what provably never and what always escapes, ``samples`` kicks are tried upwards in geometric steps; a step
-    whose ends do not look alike is halved up to `_FINER` times.  The first escape found goes to `_edge`.
-    """
-    start = np.zeros(7)
-    low = 1.0 / math.sqrt(abs(alpha) + abs(beta))
-    high = 1.0 / abs(table[0, 10]) if table[0, 10] != 0.0 else math.inf
-    if not high < 1e12 * low:
-        high = 1e12 * low  # the first kick points along the decaying solution: no kick escapes at once
-    if upto <= low:
-        return math.inf
-    if high <= low * (1.0 + 1e-10):
-        return high
-    limited = upto < high
-    if limited:
-        high = upto
-    ends = np.empty((_FINER + 1, 4))  # of pieces still to be looked at, and what was seen there
-    seen = np.empty(3)
-    below = low
-    _look(alpha, beta, c, table, low, most, start, work, seen)
-    before = seen.copy()
-    for i in range(1, samples + 1):
-        top = low * (high / low) ** (i / samples) if i < samples else high * (1.0 + 1e-9)
-        _look(alpha, beta, c, table, top, most, start, work, seen)
-        finest = (top - below) * 0.5**_FINER
-        depth = 0
-        ends[0, 0], ends[0, 1], ends[0, 2], ends[0, 3] = top, seen[0], seen[1], seen[2]
-        while depth >= 0:
-            if ends[depth, 0] - below > 1.5 * finest and not _looks_alike(before, ends[depth, 1:]):
-                middle = 0.5 * (below + ends[depth, 0])
-                _look(alpha, beta, c, table, middle, most, start, work, seen)
-                depth += 1
-                ends[depth, 0], ends[depth, 1], ends[depth, 2], ends[depth, 3] = middle, seen[0], seen[1], seen[2]
-                continue
-            if ends[depth, 1] == GROWS:
-                return _edge(alpha, beta, c, table, below, float(ends[depth, 0]), most, start, work, seen)
-            if ends[depth, 1] == LIMIT:
-                return math.nan
-            below = ends[depth, 0]
-            before[:] = ends[depth, 1:]
-            depth -= 1
-    return math.inf if limited else math.nan
-
-
-@kernel
-def critical_fill(alpha: Any, beta: Any, damping: Any, rate: Any, samples: Any, most: Any, upto: Any, out: Any) -> None:
-    """Fill ``out`` with critical kicks; infinite where ``rate`` is negative: nothing grows without friction."""
     work = workspace()
-    for i in range(len(alpha)):
-        out[i] = math.inf
-        if rate[i] >= 0.0 and abs(alpha[i]) + abs(beta[i]) > 0.0:
-            table = np.empty((cell_count(alpha[i], beta[i], damping[i]), COLUMNS))
-            prepare(alpha[i], beta[i], damping[i], rate[i], table, work)
-            out[i] = critical_kick(alpha[i], beta[i], damping[i], table, samples[i], most[i], upto[i], work)
+    start = np.empty(8)
+    for i in range(len(row)):
+        r = row[i]
+        e = equation[r]
+        alpha, beta, c = values[e, 0], values[e, 1], values[e, 2]
+        table = tables[first[e] : first[e] + cell_count(alpha, beta, c)]
+        for j in range(KNOWN):
+            work[5][j] = known[r, j]
+        for j in range(kicks.shape[1]):
+            if not math.isnan(kicks[r, j]):
+                out[i, j, 0] = judge(alpha, beta, c, table, kicks[r, j], most, patient, start, work)
+                out[i, j, 1] = start[2] + 2.0 * math.pi * start[6]
+                out[i, j, 2], out[i, j, 3] = start[4], start[5]
+        for j in range(KNOWN):
+            known[r, j] = work[5][j]

@@ -80,9 +80,9 @@ def figure_kick(points: int) -> Any:
     """Draw the map of the smallest kick that buckles the rod."""
     figure, axes = drawing.panels(1, 1, (7.0, 5.4))
     omega, force = np.linspace(20.0, 200.0, points), np.linspace(0.0, 1.1, points)
-    velocity, _ = ROD.critical_velocities(
+    velocity = ROD.critical_velocities(
         force[:, None] * UNIT, AMPLITUDE * UNIT, omega, FRICTION.mu, growth_tolerance=SLOWEST
-    )
+    ).velocity
     drawing.draw_kick_map(axes[0], omega, force, 1e3 * velocity)
     drawing.caption(
         figure,

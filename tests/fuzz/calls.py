@@ -32,6 +32,7 @@ LEFT_OUT = {
     "friction.EscapeRanges": "constructed by escape_ranges",
     "friction.Fate": "constructed by fate",
     "friction.KickRange": "a pair of numbers, constructed by certain_kicks",
+    "friction.CriticalPerturbation": "a pair of numbers, constructed by critical_bounds",
     "friction.Trajectory": "constructed by trajectory",
     "friction.UndecidedWarning": "a warning",
     "PaperCriterion.modes_are_stable": "for the maps of a rod, whose arguments are checked there",
@@ -247,6 +248,9 @@ def _of_friction() -> dict[str, Call]:
         "friction.fate": Call(f.fate, {"equation": FRICTION, "epsilon": 1.5, "effort": 1000}),
         "friction.critical_perturbation": Call(
             f.critical_perturbation, {**point, "upto": 10.0, "samples": 8, "effort": 1000, "workers": 1}
+        ),
+        "friction.critical_bounds": Call(
+            f.critical_bounds, {**point, "upto": 10.0, "samples": 8, "effort": 1000, "workers": 1}
         ),
         "friction.certain_kicks": Call(f.certain_kicks, {"equation": FRICTION}),
         "friction.escape_ranges": Call(
