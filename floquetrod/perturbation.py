@@ -46,7 +46,7 @@ class Perturbation:
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
         speeds = tuple(
-            (_mode("mode in speeds", mode), _speed(f"speeds: speed of mode {mode}", speed))
+            (_mode(f"speeds: mode {mode!r}", mode), _speed(f"speeds: speed of mode {mode!r}", speed))
             for mode, speed in _pairs("speeds", self.speeds, "((8, 0.05),)")
         )
         noises = tuple(

@@ -173,7 +173,7 @@ def test_damages_damage(rng: np.random.Generator) -> None:
 def test_kills_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator) -> None:
     run = runs.reference()
 
-    def careless(checkpoint: Path, progress: object) -> fr.Simulation:
+    def careless(checkpoint: Path) -> fr.Simulation:
         (checkpoint.parent / ".run.ckpt.abc.part").write_bytes(b"")
         return dataclasses.replace(run, time=run.time + 1e-12)
 
@@ -193,7 +193,7 @@ def test_disks_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None
     monkeypatch.setattr(runs, "simulate", careless)
     broken = disks.run(tmp_path, lambda: disks.break_os("replace", 1.0, np.random.default_rng(1)))
     assert "the result of a run is lost: OSError" in broken[0]
-    monkeypatch.setattr(runs, "simulate", lambda checkpoint: run)
+    monkeypatch.setattr(runs, "simulate", lambda checkpoint, progress: run)
     assert disks.run(tmp_path, lambda: None) == ["no warning that nothing was saved"]
 
 

@@ -224,7 +224,7 @@ def _end(e: FrictionalMathieu, kick: float, rate: float, effort: int) -> NDArray
     """Return why the run of one kick ended, as the kernels number it, the time, and the numbers of stops and sticks."""
     start = np.zeros(8)
     start[1], start[7] = (kick / e.gamma if e.gamma > 0.0 else kick), math.inf
-    if rate < 0.0 or e.gamma == 0.0 or start[1] ** 2 * (abs(e.alpha) + abs(e.beta)) <= 1.0:
+    if rate < 0.0 or e.gamma == 0.0 or start[1] * math.sqrt(abs(e.alpha) + abs(e.beta)) <= 1.0:
         escapes = rate >= 0.0 and e.gamma == 0.0 and kick > 0.0
         code = kernels.GROWS if escapes else kernels.NO_GROWTH if rate < 0.0 else kernels.STUCK
         return np.array([code, 0.0, 0.0, 0.0])

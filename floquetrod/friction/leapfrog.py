@@ -50,5 +50,6 @@ def leapfrog_escapes(
     out = np.empty(alpha.size, dtype=np.bool_)
 
     run = fastest(frictional_leapfrog_fill, alpha.size * periods * count // 1000)
-    run(alpha, beta, c, np.minimum(over_friction(kick, gamma), _HARDEST), sine, periods, limit, out)
+    with np.errstate(over="ignore", invalid="ignore"):  # interpreted: what grows beyond doubles has escaped
+        run(alpha, beta, c, np.minimum(over_friction(kick, gamma), _HARDEST), sine, periods, limit, out)
     return out.reshape(shape) if shape else bool(out[0])

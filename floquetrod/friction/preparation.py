@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,8 +72,7 @@ def cells(equation: FrictionalMathieu, rate: float) -> tuple[NDArray[np.float64]
     return table, work
 
 
-@dataclass(frozen=True, eq=False)
-class Prepared:
+class Prepared(NamedTuple):
     """Equations that grow without friction, ready for kicks to be judged; gamma = 1.
 
     Attributes

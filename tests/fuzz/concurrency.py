@@ -64,7 +64,7 @@ def forks(rng: np.random.Generator) -> Found:
     fresh = rng.random() < 0.1
     failures = []
     for name in names:
-        done, found = (True, _spawned(name)) if fresh else apart.answer(functools.partial(ask, name))
+        done, found = _spawned(name) if fresh else apart.answer(functools.partial(ask, name))
         if not done:
             failures.append(f"{name} in a fork: {found}")
         elif not _alike(ask(name), found):
@@ -72,9 +72,10 @@ def forks(rng: np.random.Generator) -> Found:
     return Found(len(names), failures)
 
 
-def _spawned(name: str) -> Any:
+def _spawned(name: str) -> tuple[bool, Any]:
     with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
-        return pool.submit(ask, name).result()
+        task = pool.submit(ask, name)
+        return (False, task.exception()) if task.exception() else (True, task.result())
 
 
 def _alike(one: Any, other: Any) -> bool:

@@ -7,7 +7,7 @@ import io
 import json
 import math
 from collections.abc import Iterator
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from typing import Any
 
 import numpy as np
@@ -76,15 +76,25 @@ def _ranges(q: rods.Question, rng: np.random.Generator) -> Iterator[str]:
             "amplitude": (rod.critical_amplitude(q.mean, q.frequency, q.tolerance), unit),
         }
     for varied, (value, upto) in critical.items():
-        first = _first_end(found[varied])
-        if first < min(upto, 1.2 * unit) and not math.isclose(first, value, rel_tol=1e-9, abs_tol=1e-12 * unit):
-            yield f"the critical {varied} is {value!r}, the ranges give {first!r}"
+        firsts = _first_ends(found[varied])
+        may_be_missed = found[varied].resolution > 0.0 and value < firsts[0]
+        same = any(math.isclose(first, value, rel_tol=1e-9, abs_tol=1e-12 * unit) for first in firsts)
+        if firsts[0] < min(upto, 1.2 * unit) and not same and not may_be_missed:
+            yield f"the critical {varied} is {value!r}, the ranges give {firsts!r}"
 
 
-def _first_end(ranges: Any) -> float:
+def _first_ends(ranges: Any) -> list[float]:
+    """Return where the first unstable part begins, and those before it that are so narrow that they may be missed."""
     low, high = ranges.between
-    parts = [part for part in ranges if part.low == low]
-    return low if not parts else parts[0].high if parts[0].high < high else math.inf
+    parts = list(ranges)
+    if not parts or parts[0].low > low:
+        return [low]
+    ends = []
+    for part, after in zip_longest(parts, parts[1:]):
+        ends.append(part.high if part.high < high else math.inf)
+        if after is None or after.low - part.high > ranges.resolution:
+            break
+    return ends
 
 
 def _beside(ranges: Any, rng: np.random.Generator) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
