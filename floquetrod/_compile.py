@@ -29,6 +29,9 @@ _LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the 
 _INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
 _OPTIONS = {"nogil": True, "error_model": "numpy"}
 _CHUNK = 8192  # elements a thread takes at a time (heuristic: well above the cost of a call, well below a map)
+_ASKED: dict[
+    Callable[..., Any], float
+] = {}  # of kernels interpreted: elements, in multiples of what is always interpreted
 _HEARD_WITHIN = 0.1  # seconds until Ctrl-C is looked at while threads work (a choice)
 
 
@@ -178,15 +181,17 @@ def over_chunks(
     workers: int | None = None,
     chunk: int = _CHUNK,
     interpret_up_to: int = _INTERPRETED_UP_TO,
+    patience: int = 0,
 ) -> None:
     """Call ``function(*inputs, out, *constants)`` on matching pieces of equally long arrays, in threads if it pays.
 
     Kernels release the GIL, so the threads run side by side, and Ctrl-C is answered between pieces.  Arrays of up to
-    ``interpret_up_to`` elements are left to the interpreter.
+    ``interpret_up_to`` elements are left to the interpreter, and so are larger ones until the process has asked for
+    ``patience`` times as many: compiling takes seconds, which a single question should not have to wait.
     """
     workers = _validate.workers(workers) or cores()
     size = len(out)
-    run: Any = function if size <= interpret_up_to else compiled(function)
+    run: Any = function if _is_cold(function, size, interpret_up_to, patience) else compiled(function)
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
         run(*(array.tolist() for array in inputs), out, *constants)
         return
@@ -204,6 +209,17 @@ def over_chunks(
         return
     with _interrupt.held() as deliver:
         _in_threads(run, pieces, threads, deliver)
+
+
+def _is_cold(function: Callable[..., Any], size: int, interpret_up_to: int, patience: int) -> bool:
+    """Return whether a kernel is better interpreted: the work is small, or the process has not asked for much yet."""
+    if size <= interpret_up_to:
+        return True
+    asked = _ASKED.get(function, 0.0) + size / max(interpret_up_to, 1)
+    if not interpret_up_to or asked > patience:
+        return False
+    _ASKED[function] = asked
+    return True
 
 
 def _in_threads(

@@ -25,6 +25,9 @@ from floquetrod.equations import Equation, Mathieu, SquareWave
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.verdict import stability
 
+_PATIENCE = 100
+"""Times as many points as are always interpreted before growth is compiled, which takes seconds (heuristic)."""
+
 __all__ = [
     "TransitionCurves",
     "characteristic_values",
@@ -64,14 +67,16 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
         _validate.workers(workers)
         return kernels.is_stable_scalar(_validate.coefficient("alpha", alpha), _validate.coefficient("beta", beta))
     arrays = _arrays(alpha, beta, damping)
-    undamped = not arrays["damping"].shape and not arrays["damping"]
-    if undamped:
+    undamped = not arrays["damping"].any()
+    if undamped and not arrays["damping"].shape:
         del arrays["damping"]
     shape, arguments = broadcast(**arrays)
+    if undamped:
+        arguments = arguments[:2]
     out = np.empty(arguments[0].size, dtype=np.bool_)
     few = out.size < 64  # blocks pay from a few of them on
     fill = kernels.damped_stable_fill if not undamped else kernels.stable_one_by_one if few else kernels.stable_fill
-    over_chunks(fill, arguments, out, workers=workers)
+    over_chunks(fill, arguments, out, workers=workers, patience=0 if undamped else _PATIENCE)
     return shaped(out, shape)
 
 
@@ -87,7 +92,7 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     """
     shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty(a.size)
-    over_chunks(kernels.growth_fill, (a, b, c), out, workers=workers)
+    over_chunks(kernels.growth_fill, (a, b, c), out, workers=workers, patience=_PATIENCE)
     return shaped(out, shape)
 
 

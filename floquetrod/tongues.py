@@ -23,6 +23,7 @@ _FEWEST = 32  # points in a tongue crossed along the amplitude where growth need
 _SPACING = 1e-3  # of points along the amplitude there, at the most, as a share of the range (a choice)
 _FINEST = 2.0**-12  # share of such a tongue down to which pieces seen to be convex are divided (a choice)
 _INTERPRETED_ROWS = 4000.0  # of Hill's matrices, left to the interpreter: about a millisecond (heuristic)
+_PATIENCE = 300  # times as many before anything is compiled: what compiling takes at the least (heuristic)
 
 
 class Tongues(NamedTuple):
@@ -304,7 +305,14 @@ def _amplitude_pieces(b: Floats, low: Floats, high: Floats) -> tuple[Ints, Ints,
 def _growth(alpha: Floats, b: Floats) -> Floats:
     out = np.empty(b.size)
     inputs = (alpha, b, np.zeros(b.size))
-    over_chunks(mathieu.growth_fill, inputs, out, chunk=1024, interpret_up_to=_few(-4.0 * b, 2.0 * alpha, 4.0))
+    over_chunks(
+        mathieu.growth_fill,
+        inputs,
+        out,
+        chunk=1024,
+        interpret_up_to=_few(-4.0 * b, 2.0 * alpha, 4.0),
+        patience=_PATIENCE,
+    )
     return out
 
 
@@ -314,13 +322,13 @@ def _growth_at(b: Floats, alpha: Floats, which: Ints) -> Floats:
 
 def _counts(a: Floats, q: Floats) -> Ints:
     out = np.empty(a.size, dtype=np.int64)
-    over_chunks(mathieu.count_fill, (a, q), out, chunk=4096, interpret_up_to=_few(a, q, 1.0))
+    over_chunks(mathieu.count_fill, (a, q), out, chunk=4096, interpret_up_to=_few(a, q, 1.0), patience=_PATIENCE)
     return out
 
 
 def _growth_bounds(a: Floats, q: Floats) -> Floats:
     out = np.empty(a.size)
-    over_chunks(mathieu.growth_bound_fill, (a, q), out, chunk=4096, interpret_up_to=_few(a, q, 1.0))
+    over_chunks(mathieu.growth_bound_fill, (a, q), out, chunk=4096, interpret_up_to=_few(a, q, 1.0), patience=_PATIENCE)
     return out
 
 
@@ -335,5 +343,7 @@ def _characteristic(order: Ints, q: Floats, odd_solution: bool) -> Floats:
     out = np.empty(order.size)
     odd = np.full(order.size, odd_solution) & (order > 0)
     few = _few(4.0 * order.astype(np.float64) ** 2, q, 50.0)  # a count for each step of a bisection
-    over_chunks(characteristic.characteristic_fill, (order, q, odd), out, chunk=1024, interpret_up_to=few)
+    over_chunks(
+        characteristic.characteristic_fill, (order, q, odd), out, chunk=1024, interpret_up_to=few, patience=_PATIENCE
+    )
     return out

@@ -19,6 +19,8 @@ EFFORT = 500_000
 SHORT = 4000
 """Cells of one orbit that are interpreted, in up to a second: cheaper than numba is to load (measured)."""
 
+_INTERPRETED_CELLS = 200  # prepared in one call without compiling: less than a tenth of a second (measured)
+_PATIENCE = 10  # times as many before that is compiled, which takes two seconds (heuristic)
 _AT_ONCE = 200_000  # cells held at once (a choice: some 20 MB)
 
 
@@ -129,7 +131,10 @@ def prepare(
     tables = np.empty((int(counts.sum()), kernels.COLUMNS))
     floor = np.empty(alpha.size)
     inputs = (alpha, beta, damping, rate, first)
-    over_chunks(kernels.prepare_fill, inputs, floor, tables, workers=workers, chunk=64, interpret_up_to=0)
+    few = _INTERPRETED_CELLS // int(counts.max(initial=1))
+    over_chunks(
+        kernels.prepare_fill, inputs, floor, tables, workers=workers, chunk=64, interpret_up_to=few, patience=_PATIENCE
+    )
     with np.errstate(divide="ignore"):
         ceiling = 1.0 / np.abs(tables[first, 10])
     return Prepared(np.stack([alpha, beta, damping], axis=1), first, tables, np.minimum(floor, ceiling), ceiling)

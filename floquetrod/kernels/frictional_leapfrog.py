@@ -38,4 +38,4 @@ def frictional_leapfrog_fill(
                 p = beta[i] + alpha[i] * sine[j + 1 if j + 1 < count else 0]
                 v = _held(v + 0.5 * h * p * a, 0.5 * h) * decay
             period += 1
-        out[i] = abs(a) >= limit * kick[i] and kick[i] > 0.0
+        out[i] = kick[i] > 0.0 and not abs(a) < limit * kick[i]  # NaN: beyond doubles within a period
