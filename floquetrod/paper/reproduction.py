@@ -46,7 +46,7 @@ class Detail(NamedTuple):
 
 
 FULL = Detail()
-QUICK = Detail(maps=50, rod=(120, 100), hill=60, friction=48, kicks=24, few_runs=True)
+QUICK = Detail(maps=50, rod=(120, 100), hill=60, friction=32, kicks=20, few_runs=True)
 
 
 @dataclass(frozen=True)
