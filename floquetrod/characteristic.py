@@ -15,6 +15,7 @@ from floquetrod._compile import over_chunks
 from floquetrod._content import ByContent
 from floquetrod.kernels import characteristic as kernels
 
+_LARGEST_ALPHA = 0.5 * _validate.LARGEST  # as far as q = 2 alpha may go
 _CHUNK = 64  # values a thread takes at a time: each costs microseconds
 
 
@@ -127,7 +128,7 @@ def transition_curves(alpha: Any, orders: Any) -> TransitionCurves:
     >>> transition_curves([0.0, 0.5], 1).even.round(6).tolist()
     [[-0.0, 0.113785], [-0.25, -0.464777]]
     """
-    values = np.atleast_1d(_validate.array("alpha", alpha))
+    values = np.atleast_1d(_validate.array("alpha", alpha, least=-_LARGEST_ALPHA, largest=_LARGEST_ALPHA))
     if values.ndim != 1:
         raise ValueError(f"alpha must be one-dimensional, got shape {values.shape}; ravel it first")
     if np.iterable(orders):

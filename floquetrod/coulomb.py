@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod import _validate
-from floquetrod._arrays import plain
+from floquetrod._arrays import broadcast, shaped
 from floquetrod.load import AxialLoad, load_array
 from floquetrod.rod_data import RodData
 
@@ -59,13 +59,16 @@ class Coulomb:
     def in_mode_equations(self, rod: RodData, amplitude: Any, frequency: Any) -> tuple[Any, Any, Any, Any]:
         """Return mu_theta, v_a, gamma and epsilon, Eqs. (15)-(18), over amplitudes (N) and frequencies (rad/s)."""
         _validate.instance("rod", rod, RodData)
-        amplitude = plain(load_array("amplitude", amplitude))
-        frequency = plain(load_array("frequency", frequency))
-        axial = axial_velocity(rod, amplitude, frequency)
-        total = np.hypot(axial, self.velocity)
-        share = np.divide(self.velocity, total, out=np.ones(np.shape(total)), where=total > 0.0)
-        gamma = 4.0 * self.mu * share * rod.gravity / (math.pi * frequency**2 * rod.gap)
-        return self.mu * share, axial, gamma, self.velocity / (frequency * rod.gap)
+        shape, (force, omega) = broadcast(
+            amplitude=load_array("amplitude", amplitude), frequency=load_array("frequency", frequency)
+        )
+        axial = axial_velocity(rod, force, omega)
+        share = self.velocity / np.hypot(axial, self.velocity)
+        gamma = 4.0 * self.mu * share * rod.gravity / (math.pi * omega**2 * rod.gap)
+        mu_theta, axial, gamma, epsilon = (
+            shaped(part, shape) for part in (self.mu * share, axial, gamma, self.velocity / (omega * rod.gap))
+        )
+        return mu_theta, axial, gamma, epsilon
 
 
 @dataclass(frozen=True, repr=False)

@@ -9,13 +9,15 @@ import numpy as np
 
 from floquetrod import _validate, mathieu
 from floquetrod import units as known
-from floquetrod.load import AxialLoad
+from floquetrod.load import LARGEST_FREQUENCY, AxialLoad
 from floquetrod.plotting.explorer import View, Window
 from floquetrod.rod import Rod
 from floquetrod.rod_map import stability_map
 
 _MAP = 120, 90  # columns and rows of the map: a few milliseconds
 _CHART = 160, 120
+_STRONGEST = 50.0  # critical forces of mean and amplitude (a choice)
+_SLOWEST = 1000.0  # times slower than the pendulum (a choice)
 _MODES = 14  # shown on the chart and as bars; the verdict looks at all that matter
 
 
@@ -26,7 +28,8 @@ class Explorer:
     ----------
     rod : Rod
     load : AxialLoad, optional
-        Where to begin; by default 0.2 critical forces of both kinds at twice the pendulum frequency times 1.5.
+        Where to begin; by default 0.2 critical forces of both kinds at three times the pendulum frequency.  At most
+        50 critical forces, and no slower than a thousandth of the pendulum frequency.
     units : mapping, optional
         Units that axes and sliders speak, by quantity: ``{"mean": "Fcr", "frequency": "Hz"}``; by default N and rad/s.
 
@@ -47,6 +50,12 @@ class Explorer:
         unit, pendulum = rod.critical_force, rod.pendulum_frequency
         self.rod = rod
         self.load = load or AxialLoad(0.2 * unit, 0.2 * unit, 3.0 * pendulum)
+        # Beyond, the map takes longer than a window can be kept waiting.
+        for name in ("mean", "amplitude"):
+            force = getattr(self.load, name)
+            _validate.within(f"load.{name}", force, -_STRONGEST * unit, _STRONGEST * unit, "these are in N")
+        slowest = pendulum / _SLOWEST
+        _validate.within("load.frequency", self.load.frequency, slowest, LARGEST_FREQUENCY, "these are in rad/s")
         self._limits = {
             "mean": (0.0, max(1.1 * unit, self.load.mean)),
             "amplitude": (0.0, max(0.7 * unit, self.load.amplitude)),

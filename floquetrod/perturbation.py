@@ -50,7 +50,10 @@ class Perturbation:
             for mode, speed in _pairs("speeds", self.speeds, "((8, 0.05),)")
         )
         noises = tuple(
-            (_validate.nonnegative("speed", _speed("speed", speed), "in m/s"), _validate.integer("seed", seed, 0))
+            (
+                _validate.nonnegative("speed", _speed("noises: speed", speed), "in m/s"),
+                _validate.integer("noises: seed", seed, 0),
+            )
             for speed, seed in _pairs("noises", self.noises, "((0.05, 1),)")
         )
         object.__setattr__(self, "speeds", speeds)

@@ -28,7 +28,7 @@ from floquetrod.rod_ranges import QUANTITIES, SafeRanges, safe_ranges
 from floquetrod.rod_stability import RodStability, judge_modes
 from floquetrod.rod_tongues import HAIRLINE_GROWTH, Progress, Quantity, unstable_loads
 
-_PIECES = 32  # in which the first unstable load is looked for, one after another (a choice)
+_PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
 _UNIFORM_UP_TO = 0.1  # ratio of forcing speed to wave speed up to which the force counts as uniform (heuristic)
 
 
@@ -304,7 +304,7 @@ class Rod(RodData):
     def _first_unstable(self, varied: Quantity, largest: AxialLoad, upto: float, growth_tolerance: float) -> float:
         """Search upwards from zero, piece by piece, until something is found."""
         tolerance = _validate.tolerance("growth_tolerance", growth_tolerance)
-        ends = np.linspace(0.0, upto, _PIECES + 1).tolist()
+        ends = np.linspace(0.0, upto, _PIECES[varied] + 1).tolist()
         for piece in pairwise(ends):
             modes = range(1, self.modes_needed(replace(largest, **{varied: piece[1]}), tolerance)[0] + 1)
             found = unstable_loads(varied, self, largest, modes, tolerance, piece, union=True, nearest=piece[0]).ranges
@@ -383,7 +383,9 @@ class Rod(RodData):
         out = np.empty(omega.size, dtype=np.bool_)
         constants = (*self.mode_constants, self.damping_rate, tolerance, NEGLIGIBLE_GROWTH)
         loads = (force, size, omega)
-        over_chunks(kernels.modes_stable_fill, loads, out, *constants, workers=workers, chunk=4096)
+        over_chunks(
+            kernels.modes_stable_fill, loads, out, *constants, workers=workers, chunk=self.loads_at_once(*loads)
+        )
         return shaped(out.view(np.int8), shape)
 
     def growth_rate(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> Any:
@@ -396,7 +398,9 @@ class Rod(RodData):
         out = np.empty((omega.size, 2))
         constants = (*self.mode_constants, self.damping_rate, NEGLIGIBLE_GROWTH)
         loads = (force, size, omega)
-        over_chunks(kernels.modes_growth_fill, loads, out, *constants, workers=workers, chunk=4096)
+        over_chunks(
+            kernels.modes_growth_fill, loads, out, *constants, workers=workers, chunk=self.loads_at_once(*loads)
+        )
         growth, mode = out[:, 0], out[:, 1].astype(np.int64)
         return shaped(growth, shape), shaped(mode, shape)
 

@@ -178,19 +178,15 @@ class RodData:
 
         Over arrays of mean force (N), amplitude (N) and frequency (rad/s); the largest of all are taken together.
         """
-        push = max(0.0, float(np.max(mean, initial=-math.inf) + np.max(amplitude, initial=0.0)))
         slowest = float(np.min(frequency, initial=math.inf))
-        w2, mass, rigidity, pendulum = self.mode_constants
-        modes = math.sqrt(push / rigidity / w2)  # beyond which bending outweighs the force
+        modes, fastest = self._extent(mean, amplitude)
         if modes > MOST_MODES:
+            push = float(np.max(mean, initial=-math.inf) + np.max(amplitude, initial=0.0))
             raise ValueError(
                 f"load needs more than {MOST_MODES} modes: mean and amplitude come to {push:g} N, far above the "
                 f"critical force {self.critical_force:g} N of this rod; check units and length"
             )
-        force = float(np.max(np.abs(mean), initial=0.0) + np.max(amplitude, initial=0.0))
-        w2 *= max(1.0, modes) ** 2
-        size = (force * w2 + rigidity * w2 * w2) / mass + pendulum**2
-        least = math.sqrt(size / _validate.LARGEST)
+        least = fastest / math.sqrt(_validate.LARGEST)
         if slowest < least:
             raise ValueError(
                 f"frequency must be at least {least:.3g} rad/s for this rod and load, got {slowest:g}: coefficients of "
@@ -201,6 +197,21 @@ class RodData:
                 f"damping_rate must be at most {math.sqrt(_validate.LARGEST):.3g} times the frequency, got "
                 f"{self.damping_rate:g} 1/s at {slowest:g} rad/s; check the units"
             )
+
+    def loads_at_once(self, mean: Any, amplitude: Any, frequency: Any) -> int:
+        """Return how many loads a thread takes at a time: the slower they are the fewer, so that Ctrl-C is heard."""
+        modes, fastest = self._extent(mean, amplitude)
+        rows = fastest / float(np.min(frequency, initial=math.inf))  # of Hill's matrix
+        return max(1, int(4096.0 / (1.0 + 1e-4 * modes * rows)))
+
+    def _extent(self, mean: Any, amplitude: Any) -> tuple[float, float]:
+        """Return up to which mode the largest push outweighs bending, and a bound in rad/s on motion up to there."""
+        push = max(0.0, float(np.max(mean, initial=-math.inf) + np.max(amplitude, initial=0.0)))
+        force = float(np.max(np.abs(mean), initial=0.0) + np.max(amplitude, initial=0.0))
+        w2, mass, rigidity, pendulum = self.mode_constants
+        modes = math.sqrt(push / rigidity / w2)
+        w2 *= max(1.0, modes) ** 2
+        return modes, math.sqrt((force * w2 + rigidity * w2 * w2) / mass + pendulum**2)
 
     def modes_needed(self, load: AxialLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.

@@ -251,10 +251,11 @@ def _where_bounded(settled: Callable[[Floats, Ints], NDArray[np.bool_]], low: Fl
     bottom, top = low.copy(), high.copy()
     holds = settled(bottom, every)
     all_of_it = settled(top, every) & holds
-    for _ in range(40):
-        middle = 0.5 * (bottom + top)
-        here = settled(middle, every)
-        bottom, top = np.where(here, middle, bottom), np.where(here, top, middle)
+    some = np.flatnonzero(holds & ~all_of_it)
+    for _ in range(40 if some.size else 0):
+        middle = 0.5 * (bottom[some] + top[some])
+        here = settled(middle, some)
+        bottom[some], top[some] = np.where(here, middle, bottom[some]), np.where(here, top[some], middle)
     return np.where(all_of_it, high, np.where(holds, bottom, low))
 
 

@@ -23,6 +23,7 @@ from floquetrod.friction.preparation import (
 from floquetrod.kernels import friction as kernels
 
 _LARGEST = 1e12  # kick over the floor: up to here kicks are tried where none is proved to escape
+_MOST_SAMPLES = 10_000  # kicks tried on the way up (a choice)
 _CLOSE = 1e-9  # relative accuracy of an edge
 _STEEPEST = 0.1  # largest step on the way up, logarithmic (a choice)
 _BLOCK = 4  # kicks tried at once on the way up (a choice: with more, more are tried in vain)
@@ -119,7 +120,7 @@ def critical_bounds(
     if not (limited > 0.0).all():
         raise ValueError(f"upto must be greater than zero, got {upto!r}; leave it out to look at every kick")
     shape, alpha, beta, gamma, c, limit = arguments(alpha, beta, gamma, damping, upto=limited)
-    samples = _validate.integer("samples", samples, 1)
+    samples = _validate.integer("samples", samples, 1, _MOST_SAMPLES)
     effort = _validate.integer("effort", effort, 1)
     rate = growth_without_friction(alpha, beta, c, workers)
     grows = rate >= 0.0

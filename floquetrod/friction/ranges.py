@@ -15,6 +15,8 @@ from floquetrod.friction.fates import ESCAPES, UNDECIDED, outcome
 from floquetrod.friction.preparation import EFFORT
 from floquetrod.result import NoTruthValue
 
+_MOST_SAMPLES = 1_000_000  # kicks followed (a choice)
+
 
 @dataclass(frozen=True, repr=False)
 class EscapeRanges(NoTruthValue):
@@ -70,7 +72,7 @@ def escape_ranges(
     <escapes for kicks in (2, inf); tried in steps of 0 %>
     """
     require(equation, (FrictionalMathieu,), "escape_ranges")
-    samples = _validate.integer("samples", samples, 2)
+    samples = _validate.integer("samples", samples, 2, _MOST_SAMPLES)
     e = equation
     low, high = certain_kicks(e)
     if not high < math.inf:
