@@ -53,9 +53,9 @@ class Explorer:
         # Beyond, the map takes longer than a window can be kept waiting.
         for name in ("mean", "amplitude"):
             force = getattr(self.load, name)
-            _validate.within(f"load.{name}", force, -_STRONGEST * unit, _STRONGEST * unit, "these are in N")
+            _validate.within(name, force, -_STRONGEST * unit, _STRONGEST * unit, "these are in N")
         slowest = pendulum / _SLOWEST
-        _validate.within("load.frequency", self.load.frequency, slowest, LARGEST_FREQUENCY, "these are in rad/s")
+        _validate.within("frequency", self.load.frequency, slowest, LARGEST_FREQUENCY, "these are in rad/s")
         self._limits = {
             "mean": (0.0, max(1.1 * unit, self.load.mean)),
             "amplitude": (0.0, max(0.7 * unit, self.load.amplitude)),

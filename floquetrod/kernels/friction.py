@@ -655,6 +655,8 @@ def floor_of(alpha: float, beta: float, c: float, work: Any) -> float:
     kick g = -F' / S' stops at tau, at A = g S + F.  Both grow with tau until A is ``safe`` (docs/friction.md), and the
     kick that stops there is returned, or that of the time where S' is so steep that g has its limit to rounding.
     """
+    if alpha == 0.0 and beta == 0.0:
+        return math.inf
     outward = beta + abs(alpha)
     safe = 2.0 / abs(alpha) if alpha != 0.0 else math.inf
     if outward > 0.0:

@@ -25,6 +25,7 @@ QUICK = 8
 
 PROMPT = 15.0
 """Seconds within which Ctrl-C has to be answered: the pieces of work between are far shorter."""
+_AGAIN = 3.0  # seconds until it is sent once more
 
 QUIET = {"Explorer", "simulate", "compare", "Chart.save", "Simulation.save"}
 """Calls that write or draw, or say how long they took: not for many threads at once."""
@@ -111,17 +112,23 @@ def _whole(run: fr.Simulation) -> None:
 
 
 def interrupts(rng: np.random.Generator) -> Found:
-    """Send Ctrl-C to a long call."""
+    """Send Ctrl-C to a long call, as often as a person would.
+
+    Python itself loses one that arrives in a callback of its garbage collector: tools of tests have such callbacks.
+    """
     name = str(rng.choice(sorted(LONG)))
     process, reader = apart.start(LONG[name])
     time.sleep(float(rng.uniform(0.3, 0.8)))
-    asked = time.monotonic()
+    asked = pressed = time.monotonic()
     os.kill(process, signal.SIGINT)
     kill = signal.SIGKILL
     while (
         time.monotonic() - asked < PROMPT and os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None
     ):
         time.sleep(0.01)
+        if time.monotonic() - pressed > _AGAIN:
+            pressed = time.monotonic()
+            os.kill(process, signal.SIGINT)
     late = os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None
     if late:
         os.kill(process, kill)
