@@ -74,7 +74,7 @@ JUNK: tuple[str, ...] = (
     "np.array([True, False])",
     "np.ma.array([0.3, 0.4], mask=[False, True])",
     "np.ma.masked",
-    "np.full(3000, 0.3)",
+    "np.full(100, 0.3)",
     "np.arange(4, dtype=np.uint64) + np.uint64(2**63)",
     "np.datetime64('2020-01-01')",
     "fr.Mathieu(0.5, -0.3)",

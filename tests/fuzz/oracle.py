@@ -99,7 +99,7 @@ def _excess(coarse: Array, fine: Array, scale: Array, count: int) -> tuple[Array
     y1, d1, y2, d2 = fine
     with np.errstate(over="ignore", invalid="ignore"):
         size = np.abs(y1) + np.abs(d1) / scale + np.abs(y2) * scale + np.abs(d2)
-        rounding = 2.0**-52 * count * size * np.array([np.ones_like(scale), scale, 1.0 / scale, np.ones_like(scale)])
+        rounding = 2.0**-50 * count * size * np.array([np.ones_like(scale), scale, 1.0 / scale, np.ones_like(scale)])
         e1, f1, e2, f2 = 0.125 * np.abs(fine - coarse) + rounding
         plus, minus = d1 * y2, -y1 * d2
         plus_error = np.abs(d1) * e2 + np.abs(y2) * f1 + f1 * e2
