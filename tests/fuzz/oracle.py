@@ -7,8 +7,7 @@ half a period; s = 0 is an instant of even symmetry, so that with the cosine- an
 
 and X = max(y1' y2, -y1 y2') is positive exactly where u grows, at 2 asinh(sqrt(X)) / (2 pi) per unit of s.  Both
 factors vanish at the ends of a tongue and are known to a few units of rounding, so that growth far below the rounding
-of D is seen.  The step is halved until two runs agree; an eighth of their difference is the error stated, of which a
-64th is expected.
+of D is seen.  The step is halved until two runs agree; their difference is the error stated, a 64th the one expected.
 """
 
 from __future__ import annotations
@@ -100,7 +99,7 @@ def _excess(coarse: Array, fine: Array, scale: Array, count: int) -> tuple[Array
     with np.errstate(over="ignore", invalid="ignore"):
         size = np.abs(y1) + np.abs(d1) / scale + np.abs(y2) * scale + np.abs(d2)
         rounding = 2.0**-50 * count * size * np.array([np.ones_like(scale), scale, 1.0 / scale, np.ones_like(scale)])
-        e1, f1, e2, f2 = 0.125 * np.abs(fine - coarse) + rounding
+        e1, f1, e2, f2 = np.abs(fine - coarse) + rounding
         plus, minus = d1 * y2, -y1 * d2
         plus_error = np.abs(d1) * e2 + np.abs(y2) * f1 + f1 * e2
         minus_error = np.abs(y1) * f2 + np.abs(d2) * e1 + e1 * f2
