@@ -21,6 +21,9 @@ _LONGEST = 1800.0  # seconds that one attack may take from one seed: beyond, it 
 def main(argv: list[str] | None = None) -> int:
     """Run what was asked for; the exit status is 1 when something failed and 130 after Ctrl-C."""
     options = _parser().parse_args(argv)
+    # A job in the background inherits that Ctrl-C is ignored: attacks send it, and what was found is printed after it.
+    if threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     attacks = options.only or list(ATTACKS)
     if options.case is not None or options.record:
         return _here(attacks[0], options)
