@@ -117,7 +117,7 @@ def interrupts(rng: np.random.Generator) -> Found:
     Python itself loses one that arrives in a callback of its garbage collector: tools of tests have such callbacks.
     """
     name = str(rng.choice(sorted(LONG)))
-    process, reader = apart.start(LONG[name])
+    process, reader = apart.start(functools.partial(_hearing, LONG[name]))
     time.sleep(float(rng.uniform(0.3, 0.8)))
     asked = pressed = time.monotonic()
     os.kill(process, signal.SIGINT)
@@ -138,6 +138,13 @@ def interrupts(rng: np.random.Generator) -> Found:
     if done or not str(found).startswith("KeyboardInterrupt"):
         return Found(1, [f"{name} answers Ctrl-C with {found!r:.300}"])
     return Found(1, [])
+
+
+def _hearing(call: Callable[[], Any]) -> Any:
+    """Call, hearing Ctrl-C even where this runs in the background, which a process inherits."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+    return call()
 
 
 @functools.cache
