@@ -9,7 +9,7 @@ import numpy as np
 
 from floquetrod import _validate, mathieu
 from floquetrod import units as known
-from floquetrod.load import LARGEST_FREQUENCY, AxialLoad
+from floquetrod.load import AxialLoad
 from floquetrod.plotting.explorer import View, Window
 from floquetrod.rod import Rod
 from floquetrod.rod_map import stability_map
@@ -17,7 +17,7 @@ from floquetrod.rod_map import stability_map
 _MAP = 120, 90  # columns and rows of the map: a few milliseconds
 _CHART = 160, 120
 _STRONGEST = 50.0  # critical forces of mean and amplitude (a choice)
-_SLOWEST = 1000.0  # times slower than the pendulum (a choice)
+_SLOWEST = 1000.0  # times slower than the pendulum, and faster (a choice)
 _MODES = 14  # shown on the chart and as bars; the verdict looks at all that matter
 
 
@@ -29,7 +29,7 @@ class Explorer:
     rod : Rod
     load : AxialLoad, optional
         Where to begin; by default 0.2 critical forces of both kinds at three times the pendulum frequency.  At most
-        50 critical forces, and no slower than a thousandth of the pendulum frequency.
+        50 critical forces, and between a thousandth of the pendulum frequency and a thousand times it.
     units : mapping, optional
         Units that axes and sliders speak, by quantity: ``{"mean": "Fcr", "frequency": "Hz"}``; by default N and rad/s.
 
@@ -54,8 +54,8 @@ class Explorer:
         for name in ("mean", "amplitude"):
             force = getattr(self.load, name)
             _validate.within(name, force, -_STRONGEST * unit, _STRONGEST * unit, "these are in N")
-        slowest = pendulum / _SLOWEST
-        _validate.within("frequency", self.load.frequency, slowest, LARGEST_FREQUENCY, "these are in rad/s")
+        slowest, fastest = pendulum / _SLOWEST, pendulum * _SLOWEST
+        _validate.within("frequency", self.load.frequency, slowest, fastest, "these are in rad/s")
         self._limits = {
             "mean": (0.0, max(1.1 * unit, self.load.mean)),
             "amplitude": (0.0, max(0.7 * unit, self.load.amplitude)),

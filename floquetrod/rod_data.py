@@ -192,6 +192,13 @@ class RodData:
                 f"frequency must be at least {least:.3g} rad/s for this rod and load, got {slowest:g}: coefficients of "
                 f"its mode equations would exceed {_validate.LARGEST:g}; check the units"
             )
+        bending = math.sqrt(self.flexural_rigidity / self.mass_per_length)
+        most = bending * (MOST_MODES * math.pi / self.length) ** 2  # the natural frequency of the last mode
+        if float(np.max(frequency, initial=0.0)) > most:
+            raise ValueError(
+                f"frequency must be at most {most:.3g} rad/s for this rod, got {float(np.max(frequency)):g}: it sets "
+                f"off modes beyond {MOST_MODES}; check the units"
+            )
         if self.damping_rate > math.sqrt(_validate.LARGEST) * slowest:
             raise ValueError(
                 f"damping_rate must be at most {math.sqrt(_validate.LARGEST):.3g} times the frequency, got "
@@ -234,6 +241,11 @@ class RodData:
         d -= c * c
         target = c + max(growth_tolerance, NEGLIGIBLE_GROWTH) / load.frequency
         last = kernels.modes_needed(a, b, stiffness, d, target, 1)
+        if last > MOST_MODES:
+            raise ValueError(
+                f"load needs {last} modes, more than {MOST_MODES}: its frequency {load.frequency:g} rad/s or its "
+                f"forces are far beyond those of this rod; check the units"
+            )
         bound = kernels.modes_left_out(a, b, stiffness, d, last)
         return last, max(0.0, bound - c) * load.frequency
 

@@ -479,6 +479,7 @@ class Compiled(event.Listener):
     def on_end(self, e):
         pass
 event.register("numba:compile", Compiled())
+fr.mathieu._PATIENCE = 0  # short questions are compiled here too
 a = np.linspace(0.1, 1.0, 200)
 locked = a.copy()
 locked.flags.writeable = False

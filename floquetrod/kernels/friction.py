@@ -1,7 +1,5 @@
 """Kernels for A'' + 2 c A' = (beta + alpha sin tau) A - sign(A'), event by event, for ever.
 
-They call each other, so they share this file: the cached code of a caller does not see that a callee elsewhere changed.
-
 By homogeneity gamma = 1 throughout.  A period is cut into equal cells short against every wave.  Between reversals of
 A' the equation is linear with the forcing -s, s = sign(A'), so a cell is a 2 x 2 matrix and a vector, made once for all
 orbits.  Only a cell that a bound cannot clear of reversals is looked into: the motion in it is one Taylor series, the
