@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import io
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import pairwise, zip_longest
 from typing import Any
 
@@ -76,15 +77,20 @@ def _ranges(q: rods.Question, rng: np.random.Generator) -> Iterator[str]:
             "amplitude": (rod.critical_amplitude(q.mean, q.frequency, q.tolerance), unit),
         }
     for varied, (value, upto) in critical.items():
-        firsts = _first_ends(found[varied])
+        firsts = _first_ends(found[varied], functools.partial(_negligible, q, varied))
         may_be_missed = found[varied].resolution > 0.0 and value < firsts[0]
         same = any(math.isclose(first, value, rel_tol=1e-9, abs_tol=1e-12 * unit) for first in firsts)
         if firsts[0] < min(upto, 1.2 * unit) and not same and not may_be_missed:
             yield f"the critical {varied} is {value!r}, the ranges give {firsts!r}"
 
 
-def _first_ends(ranges: Any) -> list[float]:
-    """Return where the first unstable part begins, and those before it that are so narrow that they may be missed."""
+def _negligible(q: rods.Question, varied: str, value: float) -> bool:
+    """Return whether nothing grows there by more than what modes left out may grow by, 1e-12 per second."""
+    return bool(q.rod.is_stable(**_load(q, **{varied: value}), growth_tolerance=q.tolerance))
+
+
+def _first_ends(ranges: Any, negligible: Callable[[float], bool]) -> list[float]:
+    """Return where the first unstable part begins, and those before it that may be missed: narrow, or negligible."""
     low, high = ranges.between
     parts = list(ranges)
     if not parts or parts[0].low > low:
@@ -92,7 +98,9 @@ def _first_ends(ranges: Any) -> list[float]:
     ends = []
     for part, after in zip_longest(parts, parts[1:]):
         ends.append(part.high if part.high < high else math.inf)
-        if after is None or after.low - part.high > ranges.resolution:
+        if after is None:
+            break
+        if after.low - part.high > ranges.resolution and not negligible(0.5 * (part.high + after.low)):
             break
     return ends
 
