@@ -29,10 +29,10 @@ _LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the 
 _INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
 _OPTIONS = {"nogil": True, "error_model": "numpy"}
 _CHUNK = 8192  # elements a thread takes at a time (heuristic: well above the cost of a call, well below a map)
-_ASKED: dict[
-    Callable[..., Any], float
-] = {}  # of kernels interpreted: elements, in multiples of what is always interpreted
 _HEARD_WITHIN = 0.1  # seconds until Ctrl-C is looked at while threads work (a choice)
+
+_ASKED: dict[Callable[..., Any], float] = {}
+"""Elements that kernels were asked for while interpreted, in multiples of what is always interpreted."""
 
 
 def kernel(function: F) -> F:
