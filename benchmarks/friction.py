@@ -50,4 +50,4 @@ def critical_chart() -> Row:
     fr.friction.critical_perturbation(0.5, 0.2)
     start = time.perf_counter()
     fr.friction.critical_perturbation(alpha, beta)
-    return Row("200 x 200 critical kicks, all cores", time.perf_counter() - start, "s", at_most=60.0)
+    return Row("200 x 200 critical kicks, all cores", time.perf_counter() - start, "s", at_most=51.0)

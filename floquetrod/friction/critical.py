@@ -27,7 +27,7 @@ _MOST_SAMPLES = 10_000  # kicks tried on the way up (a choice)
 _CLOSE = 1e-9  # relative accuracy of an edge
 _STEEPEST = 0.1  # largest step on the way up, logarithmic (a choice)
 _BLOCK = 4  # kicks tried at once on the way up (a choice: with more, more are tried in vain)
-_CLOSER = ((16, 1e-3, 0.0),) * 6 + ((8, 1e-4, 15.0),) * 4 + ((3, 1e-8, 0.0),) * 8
+_CLOSER = ((8, 1e-3, 0.0),) * 6 + ((8, 1e-4, 15.0),) * 4 + ((3, 1e-8, 0.0),) * 8
 """Rounds of a closer look (heuristic, measured): how many intervals of an equation are halved at most, how narrow they
 may be, relative to the kick, and how long one of their ends must live."""
 
@@ -128,9 +128,9 @@ def critical_bounds(
     found = floor.copy()
     limit = over_friction(limit, gamma)
     for part in parts(np.flatnonzero(grows & (gamma > 0.0) & ((alpha != 0.0) | (beta != 0.0))), alpha, beta, c):
-        equations = prepare(alpha[part], beta[part], c[part], rate[part], workers)
-        floor[part] = gamma[part] * equations.floor
-        smallest = _Search(equations, limit[part], effort, workers).smallest(samples)
+        search = _Search(prepare(alpha[part], beta[part], c[part], rate[part], workers), limit[part], effort, workers)
+        floor[part] = gamma[part] * search.floor
+        smallest = search.smallest(samples)
         unknown = np.isinf(smallest) & np.isinf(limit[part])
         found[part] = np.where(unknown, math.nan, gamma[part] * smallest)
     if shape:
@@ -154,8 +154,8 @@ def certain_kicks(equation: FrictionalMathieu) -> KickRange:
         return KickRange(math.inf, math.inf)
     if equation.alpha == equation.beta == 0.0:
         return KickRange(math.inf, math.inf) if equation.gamma > 0.0 else KickRange(0.0, 0.0)
-    found = prepare_one(equation, rate)
-    return KickRange(equation.gamma * float(found.floor[0]), equation.gamma * float(found.ceiling[0]))
+    low, high = prepare_one(equation, rate).certain()
+    return KickRange(equation.gamma * float(low[0]), equation.gamma * float(high[0]))
 
 
 class _Search:
@@ -163,6 +163,8 @@ class _Search:
 
     Attributes
     ----------
+    floor : ndarray
+        Proved: no kick up to it escapes.
     found : ndarray
         The smallest kick found to escape.
     tried : ndarray
@@ -173,9 +175,10 @@ class _Search:
 
     def __init__(self, equations: Prepared, limit: NDArray[np.float64], effort: int, workers: int | None) -> None:
         self.equations, self.effort, self.workers = equations, effort, workers
-        self.top = np.minimum(np.minimum(equations.ceiling, _LARGEST * equations.floor), limit)
-        self.found = np.where(equations.ceiling <= limit, equations.ceiling, math.inf)
-        self.tried = equations.floor[:, None]
+        self.floor, ceiling = equations.certain()
+        self.top = np.minimum(np.minimum(ceiling, _LARGEST * self.floor), limit)
+        self.found = np.where(ceiling <= limit, ceiling, math.inf)
+        self.tried = self.floor[:, None]
         self.kind = np.full(self.tried.shape, float(kernels.STUCK))
         self.life = np.zeros(self.tried.shape)
         self.known = equations.nothing_known()
@@ -214,13 +217,13 @@ class _Search:
 
     def try_the_floor(self) -> None:
         """Try the kick just above the proved floor: the critical one where creeping outwards ends in escape."""
-        near = self.equations.floor * (1.0 + _CLOSE)
+        near = self.floor * (1.0 + _CLOSE)
         which = np.flatnonzero(near < self.top)
         self.look(which, near[which, None])
 
     def climb(self, samples: int) -> None:
         """Try kicks upwards in geometric steps, a few at once, until one escapes."""
-        floor = self.equations.floor
+        floor = self.floor
         ratio = np.maximum(self.top / floor, 1.0)
         steps = np.maximum(samples, np.ceil(np.log(ratio) / _STEEPEST))
         for block in range(0, int(steps.max(initial=0.0)), _BLOCK):

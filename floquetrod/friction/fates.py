@@ -17,9 +17,9 @@ from floquetrod.friction.preparation import (
     SHORT,
     Prepared,
     arguments,
-    cells,
     growth_of,
     growth_without_friction,
+    never_freed,
     over_friction,
     parts,
     prepare,
@@ -224,18 +224,18 @@ def _end(e: FrictionalMathieu, kick: float, rate: float, effort: int) -> NDArray
     """Return why the run of one kick ended, as the kernels number it, the time, and the numbers of stops and sticks."""
     start = np.zeros(8)
     start[1], start[7] = (kick / e.gamma if e.gamma > 0.0 else kick), math.inf
-    if rate < 0.0 or e.gamma == 0.0 or start[1] * math.sqrt(abs(e.alpha) + abs(e.beta)) <= 1.0:
+    if rate < 0.0 or e.gamma == 0.0 or never_freed(e.alpha, e.beta, start[1]):
         escapes = rate >= 0.0 and e.gamma == 0.0 and kick > 0.0
         code = kernels.GROWS if escapes else kernels.NO_GROWTH if rate < 0.0 else kernels.STUCK
         return np.array([code, 0.0, 0.0, 0.0])
     # Interpreted where that is soon known, else compiled.
-    table, work = cells(e, rate)
+    equations = prepare_one(e, rate)
     most = min(effort, SHORT)
-    code = kernels.run(e.alpha, e.beta, e.damping, table, start, most, np.empty((0, 4)), work)
+    _, table, basis, _ = equations.cells
+    known, none, work = equations.nothing_known(), np.empty((0, 4)), kernels.workspace()
+    code = kernels.run(e.alpha, e.beta, e.damping, table, basis, start, most, False, none, known[0, 1:], work)
     if code < kernels.LIMIT or (code == kernels.LIMIT and most == effort):
         return np.array([code, start[2] + 2.0 * math.pi * start[6], start[4], start[5]])
-    equations = prepare_one(e, rate)
-    known = equations.nothing_known()
     runs = equations.judge(np.zeros(1, dtype=np.int64), np.array([[kick / e.gamma]]), effort, 1, known, patient=True)
     end: NDArray[np.float64] = runs[0, 0]
     return end

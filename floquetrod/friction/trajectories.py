@@ -12,7 +12,7 @@ from floquetrod import _validate
 from floquetrod._compile import compiled
 from floquetrod._content import ByContent
 from floquetrod.equations import FrictionalMathieu, require
-from floquetrod.friction.preparation import SHORT, cells
+from floquetrod.friction.preparation import SHORT, prepare_one
 from floquetrod.kernels import friction as kernels
 
 _MOST = 5_000_000  # rows of a record (a choice: 160 MB, a second or two)
@@ -60,7 +60,7 @@ def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20
     epsilon = _validate.finite("epsilon", epsilon)
     periods = _validate.integer("periods", periods, 1)
     e = equation
-    table, work = cells(e, 0.0)
+    _, table, basis, _ = prepare_one(e, 0.0).cells
     most = periods * (2 * len(table) + 40)
     if most > _MOST:
         raise ValueError(
@@ -75,7 +75,8 @@ def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20
     record = np.empty((most + 16, 4))
     run = kernels.run if most <= SHORT else compiled(kernels.run)
     with np.errstate(over="ignore", invalid="ignore"):
-        run(e.alpha, e.beta, e.damping, table, start, most, record, work)
+        none, work = np.full(kernels.TRAP, -1.0), kernels.workspace()
+        run(e.alpha, e.beta, e.damping, table, basis, start, most, False, record, none, work)
         rows = record[: int(np.argmax(np.isinf(record[:, 0])))]
         rows[:, 1:3] *= more
         rows[:, 1:3] *= math.copysign(scale, epsilon)
