@@ -14,9 +14,9 @@ from typing import Any
 
 import floquetrod as fr
 from benchmarks.measure import Row, best_of
-from floquetrod._compile import compiled
+from floquetrod._util.compilation import compiled
 from floquetrod.kernels import cosserat
-from floquetrod.segmented import SegmentedRod
+from floquetrod.simulation.mesh import SegmentedRod
 
 SEGMENTS, STEPS = 250, 1000
 PEER, PEER_STEP = "PyElastica", 0.4e-6  # s: the largest step that it takes for this rod

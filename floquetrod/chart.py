@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import _files, _validate, units
-from floquetrod._content import ByContent
-from floquetrod.result import NoTruthValue
+from floquetrod import units
+from floquetrod._util import files, validate
+from floquetrod._util.content import ByContent, NoTruthValue
 
 _FORMAT = "floquetrod chart 2"
 _AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
@@ -154,7 +154,7 @@ class Chart(NoTruthValue, ByContent):
             "undecided": self.undecided,
             "version": self.version,
         }
-        return _files.write_npz(path, meta, arrays, compress=True)
+        return files.write_npz(path, meta, arrays, compress=True)
 
     @classmethod
     def load(cls, path: str | Path) -> Chart:
@@ -162,7 +162,7 @@ class Chart(NoTruthValue, ByContent):
 
         Raises ValueError for a file that is damaged, if only in one bit, or foreign.
         """
-        return _files.read_npz(path, _FORMAT, "a chart", _chart)
+        return files.read_npz(path, _FORMAT, "a chart", _chart)
 
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[xarray])."""
@@ -179,31 +179,31 @@ def _chart(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Chart:
     """Return the chart that a file describes; ValueError or KeyError where it is not as `Chart.save` writes it."""
     x, y = (_axis(meta, arrays, name) for name in "xy")
     shape = y.values.size, x.values.size
-    tolerance, undecided = _files.entry(meta, "growth_tolerance", float), _files.entry(meta, "undecided", int)
+    tolerance, undecided = files.entry(meta, "growth_tolerance", float), files.entry(meta, "undecided", int)
     if tolerance < 0.0 or not 0 <= undecided <= shape[0] * shape[1]:
         raise ValueError(f"growth_tolerance is {tolerance!r} and undecided {undecided!r}")
-    subject = _files.entry(meta, "subject", dict)
+    subject = files.entry(meta, "subject", dict)
     for name, value, unit in [(subject["kind"], 0.0, ""), *subject["fixed"]]:
         if type(name) is not str or type(value) not in (int, float) or type(unit) is not str:
             raise ValueError(f"subject is {subject!r}")
     return Chart(
         x,
         y,
-        _files.field(arrays, "stable", np.bool_, shape),
-        _files.field(arrays, "growth_rate", np.float64, shape) if "growth_rate" in arrays else None,
-        _files.field(arrays, "first_mode", np.int64, shape) if "first_mode" in arrays else None,
-        _files.entry(meta, "growth_unit", str),
+        files.field(arrays, "stable", np.bool_, shape),
+        files.field(arrays, "growth_rate", np.float64, shape) if "growth_rate" in arrays else None,
+        files.field(arrays, "first_mode", np.int64, shape) if "first_mode" in arrays else None,
+        files.entry(meta, "growth_unit", str),
         subject,
         tolerance,
-        _files.entry(meta, "criterion", str),
+        files.entry(meta, "criterion", str),
         undecided,
-        _files.entry(meta, "version", str),
+        files.entry(meta, "version", str),
     )
 
 
 def _axis(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], name: str) -> Axis:
-    words = _files.entry(meta, name, list)
-    values = _files.field(arrays, name, np.float64, (None,), finite=True)
+    words = files.entry(meta, name, list)
+    values = files.field(arrays, name, np.float64, (None,), finite=True)
     if [type(word) for word in words] != [str] * 3 or not (np.diff(values) > 0.0).all():
         raise ValueError(f"axis {name} is {words!r} with values {values!r}")
     word, symbol, unit = words
@@ -212,17 +212,17 @@ def _axis(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], name: str) -> A
 
 def axis_values(name: str, values: Any) -> NDArray[np.float64]:
     """Return the values of an axis given as (low, high, number) or as an increasing array of another length than 3."""
-    array = _validate.array(name, values, least=-1e12, largest=1e12)
+    array = validate.array(name, values, least=-1e12, largest=1e12)
     if array.ndim != 1 or array.size < 2:
-        raise ValueError(f"{name} must be (low, high, number) or an increasing array, got {_validate.short(values)}")
+        raise ValueError(f"{name} must be (low, high, number) or an increasing array, got {validate.short(values)}")
     if array.size == 3 and isinstance(values, tuple):
-        count = _validate.integer(f"{name}[2]", values[2], 2)
+        count = validate.integer(f"{name}[2]", values[2], 2)
         _require_bearable(count, f"{name}[2]")
         if not array[0] < array[1]:
-            raise ValueError(f"{name} must be (low, high, number) with low < high, got {_validate.short(values)}")
+            raise ValueError(f"{name} must be (low, high, number) with low < high, got {validate.short(values)}")
         return np.linspace(array[0], array[1], count)
     if not (np.diff(array) > 0.0).all():
-        raise ValueError(f"{name} must increase from value to value, got {_validate.short(values)}")
+        raise ValueError(f"{name} must increase from value to value, got {validate.short(values)}")
     return array
 
 

@@ -7,12 +7,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from floquetrod import _validate, mathieu
+from floquetrod import mathieu
 from floquetrod import units as known
-from floquetrod.load import AxialLoad
+from floquetrod._util import validate
 from floquetrod.plotting.explorer import View, Window
-from floquetrod.rod import Rod
-from floquetrod.rod_map import stability_map
+from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.map import stability_map
+from floquetrod.rod.rod import Rod
 
 _MAP = 120, 90  # columns and rows of the map: a few milliseconds
 _CHART = 160, 120
@@ -43,9 +44,9 @@ class Explorer:
 
     def __init__(self, rod: Rod, load: AxialLoad | None = None, units: Mapping[str, str] | None = None) -> None:
         """Open the window."""
-        _validate.instance("rod", rod, Rod)
+        validate.instance("rod", rod, Rod)
         if load is not None:
-            _validate.instance("load", load, AxialLoad)
+            validate.instance("load", load, AxialLoad)
         shown = _units(rod, units or {})
         unit, pendulum = rod.critical_force, rod.pendulum_frequency
         self.rod = rod
@@ -53,9 +54,9 @@ class Explorer:
         # Beyond, the map takes longer than a window can be kept waiting.
         for name in ("mean", "amplitude"):
             force = getattr(self.load, name)
-            _validate.within(name, force, -_STRONGEST * unit, _STRONGEST * unit, "these are in N")
+            validate.within(name, force, -_STRONGEST * unit, _STRONGEST * unit, "these are in N")
         slowest, fastest = pendulum / _SLOWEST, pendulum * _SLOWEST
-        _validate.within("frequency", self.load.frequency, slowest, fastest, "these are in rad/s")
+        validate.within("frequency", self.load.frequency, slowest, fastest, "these are in rad/s")
         self._limits = {
             "mean": (0.0, max(1.1 * unit, self.load.mean)),
             "amplitude": (0.0, max(0.7 * unit, self.load.amplitude)),
@@ -92,7 +93,7 @@ class Explorer:
 
 def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:
     kinds = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
-    _validate.instance("units", names, dict)
+    validate.instance("units", names, dict)
     if not names.keys() <= kinds.keys():
         raise ValueError(f"units must be of mean, amplitude and frequency, got {dict(names)!r}")
     return {

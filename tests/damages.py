@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from floquetrod import _files
+from floquetrod._util import files
 
 
 def damaged(whole: bytes, others: Sequence[bytes], rng: np.random.Generator) -> bytes:
@@ -66,4 +66,4 @@ def shuffled(whole: bytes, others: Sequence[bytes], rng: np.random.Generator) ->
 
 def sealed(content: bytes) -> bytes:
     """Return the same bytes with the seal that belongs to them: no accident, somebody did that on purpose."""
-    return content[: -_files._SEALED] + _files._seal(io.BytesIO(content))
+    return content[: -files._SEALED] + files._seal(io.BytesIO(content))

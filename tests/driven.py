@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 import floquetrod as fr
-from floquetrod._compile import compiled
+from floquetrod._util.compilation import compiled
 from floquetrod.kernels import cosserat
-from floquetrod.segmented import SegmentedRod
+from floquetrod.simulation.mesh import SegmentedRod
 
 SHORT = fr.Rod(youngs_modulus=68e9, density=6500.0, radius=0.8e-3, length=0.4, channel_radius=4.7e-3)
 """A piece of the reference rod, shorter than half a wave of its critical mode."""

@@ -23,7 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import floquetrod as fr
-from floquetrod import course
+from floquetrod.simulation import integration as course
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)

@@ -7,7 +7,6 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
-from fnmatch import fnmatch
 from pathlib import Path
 
 import pytest
@@ -40,10 +39,12 @@ FILES = module_files()
 DRAWN = drawn_layers()
 
 
-def layers_of(module: str) -> list[int]:
-    """Return every layer in which the drawing puts ``module``."""
-    # A package within ours is of the layer its modules are in: "kernels" matches "kernels.*".
-    return [layer for layer, pattern in DRAWN if fnmatch(module, pattern) or fnmatch(f"{module}.", pattern)]
+def room_of(module: str) -> str:
+    """Return the package a module lies in, or the module itself where it lies in none."""
+    return "cli" if module == "__main__" else module.split(".")[0]
+
+
+LAYERS = {name: layer for layer, name in DRAWN}
 
 
 def imports(tree: ast.AST, module: str, path: Path) -> Iterator[str]:
@@ -83,25 +84,45 @@ def parse(module: str) -> ast.Module:
     return ast.parse(FILES[module].read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("module", FILES)
-def test_every_module_is_drawn_once(module: str) -> None:
-    assert len(layers_of(module)) == 1, f"{module} is in layers {layers_of(module)} of docs/architecture.md"
+def test_every_room_is_drawn_once_and_exists() -> None:
+    drawn = [name for _, name in DRAWN]
+    assert sorted(drawn) == sorted({room_of(module) for module in FILES})
 
 
-def test_everything_drawn_exists() -> None:
-    absent = [pattern for _, pattern in DRAWN if not any(fnmatch(module, pattern) for module in FILES)]
-    assert not absent
+def targets(module: str) -> set[str]:
+    """Return the modules of this package that a module imports."""
+    found = set()
+    for name in imports(parse(module), module, FILES[module]):
+        target = own_module(name)
+        if target is not None and not (module == "__init__" and name == "floquetrod."):
+            found.add(target)  # the package itself loads by name what it also lists for type checkers
+    return found
 
 
 @pytest.mark.parametrize("module", FILES)
 def test_imports_go_downwards(module: str) -> None:
-    (layer,) = layers_of(module)
-    for name in imports(parse(module), module, FILES[module]):
-        target = own_module(name)
-        if name == "floquetrod." and module == "__init__":
-            continue  # loads by name what it also lists for type checkers, above
-        if target is not None:
-            assert layers_of(target)[0] < layer, f"{module} (layer {layer}) imports {name}"
+    here = room_of(module)
+    for target in targets(module):
+        there = room_of(target)
+        assert there == here or LAYERS[there] < LAYERS[here], f"{module} (layer {LAYERS[here]}) imports {target}"
+
+
+@pytest.mark.parametrize("room", LAYERS)
+def test_imports_within_a_room_form_no_circle(room: str) -> None:
+    inner = {module: {t for t in targets(module) if room_of(t) == room} for module in FILES if room_of(module) == room}
+    # A package's own page of names imports its modules, and none of them asks for it.
+    assert not [module for module, found in inner.items() if room in found - {module}]
+    while inner:
+        free = [module for module, found in inner.items() if not found & inner.keys() - {module}]
+        assert free, f"a circle among {', '.join(sorted(inner))}"
+        for module in free:
+            del inner[module]
+
+
+def test_no_method_imports_another() -> None:
+    for module in FILES:
+        if module.startswith("floquet.methods."):
+            assert not {t for t in targets(module) if t.startswith("floquet.methods")}, module
 
 
 @pytest.mark.parametrize("module", FILES)

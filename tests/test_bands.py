@@ -10,7 +10,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from floquetrod.bands import TOUCHING, level, parts_above, roots
+from floquetrod.mathieu.bands import TOUCHING, level, parts_above, roots
 
 Floats = NDArray[np.float64]
 

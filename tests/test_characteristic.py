@@ -10,7 +10,7 @@ import pytest
 from scipy.linalg import eigvalsh_tridiagonal
 
 import floquetrod as fr
-from floquetrod.characteristic import tongue_widths
+from floquetrod.mathieu.characteristic import tongue_widths
 
 pytestmark = pytest.mark.kernels
 

@@ -13,8 +13,10 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod import cli, course, segmented
+from floquetrod import cli
 from floquetrod.cli import common, simulate
+from floquetrod.simulation import integration as course
+from floquetrod.simulation import mesh as segmented
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
 SHORT = ["simulate", "--rod", "nitinol", *LOAD, "--segments", "60", "--duration", "0.2s"]

@@ -21,9 +21,10 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod import _compile, _interrupt, _kernel_cache, course
+from floquetrod._util import compilation, interrupt, kernel_cache
 from floquetrod.cli import common
 from floquetrod.kernels import mathieu, powers
+from floquetrod.simulation import integration as course
 
 ROOT = Path(__file__).parents[1]
 JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") != "1"
@@ -32,7 +33,7 @@ needs_jit = pytest.mark.skipif(not JIT, reason="nothing is compiled with NUMBA_D
 TELL = "import logging, sys; logging.basicConfig(level='INFO', stream=sys.stdout, format='%(message)s')\n"
 SMALL = """
 import numpy as np
-from floquetrod._compile import compiled
+from floquetrod._util.compilation import compiled
 from floquetrod.kernels.powers import displacement_fill
 maps, out = np.array([[2.0, 0.0, 0.0, 2.0, 0.0]] * 3), np.empty(3)
 def once():
@@ -63,14 +64,14 @@ def test_a_second_process_compiles_nothing_and_a_damaged_file_is_replaced(tmp_pa
     assert (first.stdout, first.stderr) == (f"compiling displacement_fill\n{ANSWER}\n", "")
     (file,) = kept(tmp_path)
     damage = (
-        "from pathlib import Path\nfrom floquetrod import _compile\n"
+        "from pathlib import Path\nfrom floquetrod._util import compilation\n"
         f"file = Path({str(file)!r})\nwhole = file.read_bytes()\n"
         "middle = len(whole) // 2\n"
         "flipped = whole[:middle] + bytes([whole[middle] ^ 1]) + whole[middle + 1 :]\n"
         "for content in (b'', whole[:40], whole[:-1], flipped):\n"
         "    file.write_bytes(content)\n"
         "    for _ in range(2):\n"
-        "        _compile._compiled.cache_clear()\n"
+        "        compilation._compiled.cache_clear()\n"
         "        print(once())"
     )
     again = python(TELL + SMALL + "print(once())\n" + damage, tmp_path)
@@ -117,14 +118,14 @@ def test_a_disk_that_fails_meanwhile_costs_a_warning(trouble: str, tmp_path: Pat
     spoil = {
         "full": "import errno\n"
         "def replace(path, content): raise OSError(errno.ENOSPC, 'No space left on device')\n"
-        "_kernel_cache._replace = replace",
+        "kernel_cache._replace = replace",
         "gone": "import shutil; shutil.rmtree(sys.argv[1]); open(sys.argv[1], 'w').close()",
     }[trouble]
     cache = tmp_path / "cache"
     program = (
         f"import sys; sys.argv[1:] = [{str(cache)!r}]\n"
         + SMALL
-        + (f"from floquetrod import _kernel_cache\ncompiled(displacement_fill)\n{spoil}\nprint(once(), once())")
+        + (f"from floquetrod._util import kernel_cache\ncompiled(displacement_fill)\n{spoil}\nprint(once(), once())")
     )
     run = python(program, cache)
     assert run.stdout == f"{ANSWER} {ANSWER}\n", run.stderr
@@ -143,12 +144,12 @@ def test_code_with_checked_indices_is_kept_beside_the_other(tmp_path: Path) -> N
 
 def test_a_file_is_whole_or_not_there(tmp_path: Path) -> None:
     file = tmp_path / "kernel.nbc"
-    _kernel_cache._replace(file, b"one")
+    kernel_cache._replace(file, b"one")
     umask = os.umask(0)
     os.umask(umask)
     assert file.stat().st_mode & 0o777 == 0o666 & ~umask  # others who share the installation read it
     with pytest.raises(TypeError):
-        _kernel_cache._replace(file, "not bytes")  # type: ignore[arg-type]
+        kernel_cache._replace(file, "not bytes")  # type: ignore[arg-type]
     assert file.read_bytes() == b"one"
     assert kept(tmp_path) == [file]
 
@@ -166,15 +167,15 @@ def test_a_kernel_is_compiled_again_when_what_it_calls_or_reads_changes_in_anoth
     file: str, old: str, new: str, said: str, tmp_path: Path
 ) -> None:
     sources = {
-        "low.py": "from floquetrod._compile import kernel\nfrom deep import FACTOR\n"
+        "low.py": "from floquetrod._util.compilation import kernel\nfrom deep import FACTOR\n"
         "@kernel\ndef inner(x: float) -> float:\n    return FACTOR * x + 1.0\n",
         "deep.py": "FACTOR = 2.0\n",
-        "high.py": "from floquetrod._compile import kernel\nfrom low import inner\n"
+        "high.py": "from floquetrod._util.compilation import kernel\nfrom low import inner\n"
         "@kernel\ndef outer(x: float) -> float:\n    return inner(x)\n",
     }
     for name, text in sources.items():
         (tmp_path / name).write_text(text)
-    program = TELL + "from floquetrod._compile import compiled; import high; print(compiled(high.outer)(10.0))"
+    program = TELL + "from floquetrod._util.compilation import compiled; import high; print(compiled(high.outer)(10.0))"
     settings = {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)]), "PYTHONDONTWRITEBYTECODE": "1"}
     assert python(program, tmp_path / "cache", **settings).stdout == "compiling outer\n21.0\n"
     (tmp_path / file).write_text(sources[file].replace(old, new))
@@ -185,14 +186,14 @@ def test_a_kernel_is_compiled_again_when_what_it_calls_or_reads_changes_in_anoth
 def test_what_a_fingerprint_cannot_see_is_refused() -> None:
     scope: dict[str, Any] = {"__name__": "here", "TABLE": {1: 2.0}, "GOOD": (1, (2.0, "x"), np.arange(2000.0))}
     exec("def f(x):\n    return GOOD\ndef g(x):\n    return TABLE[x]", scope)
-    options = _compile._OPTIONS
-    one = _kernel_cache.fingerprint(scope["f"], options)
-    assert one == _kernel_cache.fingerprint(scope["f"], options)
+    options = compilation._OPTIONS
+    one = kernel_cache.fingerprint(scope["f"], options)
+    assert one == kernel_cache.fingerprint(scope["f"], options)
     scope["GOOD"][2][1000] += 1e-9
-    assert one != _kernel_cache.fingerprint(scope["f"], options)
-    assert _kernel_cache.fingerprint(scope["f"], {**options, "fastmath": True}) != one
+    assert one != kernel_cache.fingerprint(scope["f"], options)
+    assert kernel_cache.fingerprint(scope["f"], {**options, "fastmath": True}) != one
     with pytest.raises(TypeError, match=r"here\.g reads TABLE, of type dict"):
-        _kernel_cache.fingerprint(scope["g"], options)
+        kernel_cache.fingerprint(scope["g"], options)
 
 
 def test_every_kernel_has_a_fingerprint_of_its_own() -> None:
@@ -208,7 +209,7 @@ def test_every_kernel_has_a_fingerprint_of_its_own() -> None:
         if getattr(value, "__kernel__", False)
     }
     assert len(found) > 60
-    assert len({_kernel_cache.fingerprint(function, {}) for function in found}) == len(found)
+    assert len({kernel_cache.fingerprint(function, {}) for function in found}) == len(found)
 
 
 # --- Ctrl-C ----------------------------------------------------------------------------------------------------------
@@ -217,7 +218,7 @@ BIG = """
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a process in the background would inherit "ignore"
 import numpy as np
-from floquetrod._compile import compiled
+from floquetrod._util.compilation import compiled
 from floquetrod.kernels.mathieu import damped_stable_fill
 points, out = np.linspace(-1.0, 1.0, 50), np.empty(50, dtype=bool)
 def once():
@@ -289,7 +290,7 @@ def test_held_ctrl_c_is_delivered_when_asked_and_at_the_end() -> None:
     steps = []
 
     def asked() -> None:
-        with _interrupt.held() as deliver:
+        with interrupt.held() as deliver:
             deliver()
             signal.raise_signal(signal.SIGINT)
             steps.append("held")
@@ -297,7 +298,7 @@ def test_held_ctrl_c_is_delivered_when_asked_and_at_the_end() -> None:
             steps.append("not reached")
 
     def at_the_end(error: Exception | None) -> None:
-        with _interrupt.held():
+        with interrupt.held():
             signal.raise_signal(signal.SIGINT)
             steps.append("held to the end")
             if error is not None:
@@ -314,14 +315,14 @@ def test_held_ctrl_c_is_delivered_when_asked_and_at_the_end() -> None:
         assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
         heard: list[int] = []
         signal.signal(signal.SIGINT, lambda number, frame: heard.append(number))
-        with _interrupt.held() as deliver:
+        with interrupt.held() as deliver:
             signal.raise_signal(signal.SIGINT)
             assert heard == []
             deliver()
             assert heard == [signal.SIGINT]
         assert heard == [signal.SIGINT]
         signal.signal(signal.SIGINT, signal.SIG_IGN)
-        with _interrupt.held():
+        with interrupt.held():
             assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGINT, before)
@@ -331,7 +332,7 @@ def test_other_threads_leave_signals_alone() -> None:
     seen = []
 
     def hold() -> None:
-        with _interrupt.held() as deliver:
+        with interrupt.held() as deliver:
             deliver()
             seen.append(signal.getsignal(signal.SIGINT))
 
@@ -424,7 +425,7 @@ def test_the_clock_of_a_simulation_starts_when_all_is_compiled(monkeypatch: pyte
 
     def recorded(function: Callable[..., Any], *arguments: Any) -> Callable[..., Any]:
         order.append(f"compile {function.__name__}")
-        return _compile.compiled_for(function, *arguments)
+        return compilation.compiled_for(function, *arguments)
 
     def tick() -> float:
         order.append("clock")
@@ -450,25 +451,25 @@ def test_a_kernel_is_compiled_once_whatever_arrays_come(tmp_path: Path) -> None:
     runs += [fr.PaperCriterion(by="leapfrog").growth(a, -0.3) > 0.0 for a in (plain, locked, strided)]
     assert all(len(run) == 100 for run in runs)
     for used in (mathieu.stable_fill, powers.displacement_fill):
-        before = len(_compile.compiled(used).signatures)
+        before = len(compilation.compiled(used).signatures)
         out = np.empty(100, dtype=np.bool_ if used is mathieu.stable_fill else np.float64)
         inputs = (locked, locked) if used is mathieu.stable_fill else (np.ones((100, 5))[:, ::-1],)
         constants = () if used is mathieu.stable_fill else (3,)
-        _compile.over_chunks(used, inputs, out, *constants)
-        assert len(_compile.compiled(used).signatures) == before
+        compilation.over_chunks(used, inputs, out, *constants)
+        assert len(compilation.compiled(used).signatures) == before
 
 
 COUNTED = """
 import json
 import numpy as np
 import floquetrod as fr
-from floquetrod import _compile
+from floquetrod._util import compilation
 made = {}
-plain = _compile._compiled
+plain = compilation._compiled
 def noted(function):
     made[function.__name__] = plain(function)
     return made[function.__name__]
-_compile._compiled = noted
+compilation._compiled = noted
 from numba.core import event
 callees = []
 class Compiled(event.Listener):

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.rod_ranges import SafeInterval
+from floquetrod.rod.ranges import SafeInterval
 from fuzz import consistency, rods
 from strategies import decades, numbers
 

@@ -16,10 +16,10 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod._content import ByContent
-from floquetrod.course import CheckpointWarning
+from floquetrod._util.content import ByContent
 from floquetrod.paper.simulations import Outcome, figure_4
-from floquetrod.segmented import SegmentedRod
+from floquetrod.simulation.integration import CheckpointWarning
+from floquetrod.simulation.mesh import SegmentedRod
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force

@@ -10,9 +10,9 @@ import pytest
 
 import floquetrod as fr
 from driven import AT_REST, FREE_SPACE, SHORT, along, bend, drive, frequency
-from floquetrod._compile import compiled
+from floquetrod._util.compilation import compiled
 from floquetrod.kernels import cosserat
-from floquetrod.segmented import SAFETY, SegmentedRod
+from floquetrod.simulation.mesh import SAFETY, SegmentedRod
 
 ROD_MASS = SHORT.mass_per_length
 STIFFNESS = SHORT.flexural_rigidity

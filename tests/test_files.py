@@ -19,8 +19,9 @@ import pytest
 
 import floquetrod as fr
 from damages import damaged, sealed, shuffled
-from floquetrod import _files, cli
-from floquetrod._files import whole_file, writable
+from floquetrod import cli
+from floquetrod._util import files
+from floquetrod._util.files import whole_file, writable
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -150,9 +151,7 @@ def test_parts_of_the_dead_are_removed_and_those_of_the_living_are_not(tmp_path:
         assert not dead.exists()
         (living,) = set(left_over(tmp_path)) - {foreign}
         write(tmp_path / "two", b"2")  # in this process: as from another thread
-        script = (
-            f"from pathlib import Path; from floquetrod._files import writable; writable(Path({str(tmp_path / 'x')!r}))"
-        )
+        script = f"from floquetrod._util import files\nfiles.writable(files.Path({str(tmp_path / 'x')!r}))"
         subprocess.run([sys.executable, "-c", script], check=True, cwd=Path(__file__).parents[1])
         assert living.exists()
     assert (tmp_path / "one").read_bytes() == b"1"
@@ -333,11 +332,11 @@ def test_the_same_content_makes_the_same_file_which_numpy_reads(tmp_path: Path) 
 
 def forge(path: Path, **changes: Any) -> None:
     """Write a chart with other entries of its description, or other arrays, under a seal that fits."""
-    meta, arrays = _files._unpack(small_map().save(path))
+    meta, arrays = files._unpack(small_map().save(path))
     for name, value in changes.items():
         target: dict[str, Any] = meta if name in meta and not isinstance(value, np.ndarray) else arrays
         target[name] = value
-    _files.write_npz(path, meta, arrays, compress=True)
+    files.write_npz(path, meta, arrays, compress=True)
 
 
 @pytest.mark.parametrize(
@@ -372,12 +371,12 @@ def test_every_field_of_a_chart_is_checked(tmp_path: Path, changes: dict[str, An
 
 def test_every_field_of_a_simulation_is_checked(tmp_path: Path) -> None:
     path = short_run().save(tmp_path / "run.npz")
-    meta, arrays = _files._unpack(path)
+    meta, arrays = files._unpack(path)
     bad = {name: array[:-1] for name, array in arrays.items()} | {
         "positions": np.full_like(arrays["positions"], np.nan)
     }
     for name, array in bad.items():
-        _files.write_npz(path, meta, {**arrays, name: array}, compress=True)
+        files.write_npz(path, meta, {**arrays, name: array}, compress=True)
         with pytest.raises(ValueError, match="is not a simulation that can be read"):
             fr.Simulation.load(path)
     values = {"complete": 1, "seconds": -1.0, "version": 2}
@@ -393,17 +392,17 @@ def test_every_field_of_a_simulation_is_checked(tmp_path: Path) -> None:
     for changed in [meta | {name: value} for name, value in values.items()] + [
         meta | {"setting": meta["setting"] | {name: value}} for name, value in setting.items()
     ]:
-        _files.write_npz(path, changed, arrays, compress=True)
+        files.write_npz(path, changed, arrays, compress=True)
         with pytest.raises(ValueError, match="is not a simulation that can be read"):
             fr.Simulation.load(path)
-    _files.write_npz(path, meta, arrays, compress=True)
+    files.write_npz(path, meta, arrays, compress=True)
     assert fr.Simulation.load(path) == short_run()
 
 
 def bomb(path: Path, header: str, content: bytes) -> None:
     """Write a sealed archive one member of which begins with this header."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.comment = bytes(_files._SEALED)
+        archive.comment = bytes(files._SEALED)
         text = header.encode() + b"\n"
         archive.writestr("stable.npy", b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text + content)
     path.write_bytes(sealed(path.read_bytes()))
@@ -435,16 +434,16 @@ def test_headers_that_claim_terabytes_take_no_memory(tmp_path: Path, header: str
 def test_files_that_unfold_beyond_measure_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "chart.npz"
     with path.open("wb") as file:
-        file.truncate(_files._LARGEST + 1)
+        file.truncate(files._LARGEST + 1)
     with pytest.raises(ValueError, match=r"it has 8,589,934,593 bytes, at most"):
         fr.Chart.load(path)
-    monkeypatch.setattr(_files, "_LARGEST", 1 << 20)
+    monkeypatch.setattr(files, "_LARGEST", 1 << 20)
     bomb(path, "{'descr': '|b1', 'fortran_order': False, 'shape': (4000000,)}", bytes(4_000_000))
     assert path.stat().st_size < 10_000
     with pytest.raises(ValueError, match="it holds more than 1,048,576 bytes"):
         fr.Chart.load(path)
     with pytest.raises(ValueError, match="at most 1,048,576 are written and read"):
-        _files.write_npz(path, {}, {"a": np.zeros(200_000)}, compress=True)
+        files.write_npz(path, {}, {"a": np.zeros(200_000)}, compress=True)
 
 
 @pytest.mark.parametrize("path", ["/dev/zero", "/dev", "/dev/absent"])

@@ -19,7 +19,7 @@ import pytest
 import floquetrod as fr
 from conftest import SEED
 from floquetrod import cli
-from floquetrod.rod_ranges import SafeInterval
+from floquetrod.rod.ranges import SafeInterval
 from fuzz import (
     apart,
     calls,

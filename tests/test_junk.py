@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.methods.monodromy import monodromy_matrix
+from floquetrod.floquet.methods.monodromy import monodromy_matrix
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)

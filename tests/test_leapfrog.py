@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given, settings
 
 import floquetrod as fr
-from floquetrod._compile import compiled
+from floquetrod._util.compilation import compiled
+from floquetrod.floquet.methods.leapfrog import leapfrog
 from floquetrod.kernels.leapfrog import leapfrog_run
-from floquetrod.methods.leapfrog import leapfrog
 from strategies import decades, hills, mathieus, square_waves
 
 pytestmark = pytest.mark.kernels

@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given, settings
 
 import floquetrod as fr
+from floquetrod.floquet.methods.reference import reference
 from floquetrod.kernels import mathieu as kernels
-from floquetrod.methods.reference import reference
 from strategies import mathieu_points, near_boundary_points
 
 pytestmark = pytest.mark.kernels

@@ -11,11 +11,11 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.methods.determinant import determinant
-from floquetrod.methods.reference import reference_excess
-from floquetrod.methods.spectral import spectral
-from floquetrod.result import Cost, Interval, judge
-from floquetrod.verdict import METHODS
+from floquetrod.floquet.methods.determinant import determinant
+from floquetrod.floquet.methods.reference import reference_excess
+from floquetrod.floquet.methods.spectral import spectral
+from floquetrod.floquet.result import Cost, Interval, judge
+from floquetrod.floquet.stability import METHODS
 from strategies import decades, hills, mathieus, near_boundary_points, numbers, square_waves
 
 EXACT = {"spectral", "determinant", "monodromy", "reference", "square_wave"}

@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod._compile import compiled
+from floquetrod._util.compilation import compiled
+from floquetrod.floquet.methods.monodromy import monodromy, monodromy_matrix
 from floquetrod.kernels.taylor import advance
-from floquetrod.methods.monodromy import monodromy, monodromy_matrix
 from strategies import hills, mathieus, square_waves
 
 pytestmark = pytest.mark.kernels
@@ -91,7 +91,7 @@ def test_numba_is_used_where_it_is_loaded_and_not_loaded_for_a_few_steps(monkeyp
         asked.append(function)
         return compiled(function)
 
-    monkeypatch.setattr("floquetrod.methods.monodromy.compiled", recorded)
+    monkeypatch.setattr("floquetrod.floquet.methods.monodromy.compiled", recorded)
     equation = fr.Hill(-0.3, (0.5, 0.2), (0.0, 0.3))
     monkeypatch.setitem(sys.modules, "numba", importlib.import_module("numba"))
     loaded = monodromy(equation)

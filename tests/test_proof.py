@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 from mpmath.ctx_iv import MPIntervalContext
 
 from floquetrod.equations import Equation, Hill, Mathieu, SquareWave
-from floquetrod.methods.reference import reference, reference_excess
-from floquetrod.proof import _cosh_sinhc, _pi, _problem, _prove_by_trace, _trace, certify
-from floquetrod.result import Interval
+from floquetrod.floquet.methods.reference import reference, reference_excess
+from floquetrod.floquet.proof import _cosh_sinhc, _pi, _problem, _prove_by_trace, _trace, certify
+from floquetrod.floquet.result import Interval
 from strategies import hills, mathieu_points, mathieus, near_boundary_points, numbers, square_waves, transition_betas
 
 DIGITS = 20  # of the reference that proofs are held against; it uses up to 20 times as many

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod import tongues
-from floquetrod.methods.reference import reference
-from floquetrod.rod_tongues import HAIRLINE_GROWTH
-from floquetrod.tongues import along_amplitude
+from floquetrod.floquet.methods.reference import reference
+from floquetrod.mathieu import tongues
+from floquetrod.mathieu.tongues import along_amplitude
+from floquetrod.rod.tongues import HAIRLINE_GROWTH
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force

@@ -17,10 +17,11 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod import _compile, cli
+from floquetrod import cli
+from floquetrod._util import compilation
 from floquetrod.cli import common
+from floquetrod.floquet.methods.leapfrog import leapfrog
 from floquetrod.kernels import mathieu as kernels
-from floquetrod.methods.leapfrog import leapfrog
 
 ROD = fr.Rod.nitinol()
 UNIT = ROD.critical_force
@@ -37,13 +38,13 @@ def test_python_m_floquetrod(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
 
 def test_systems_without_affinities_count_all_processors(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delattr(os, "sched_getaffinity", raising=False)
-    assert _compile.cores() == (os.cpu_count() or 1)
+    assert compilation.cores() == (os.cpu_count() or 1)
 
 
 def test_a_failing_thread_ends_the_work() -> None:
     out = np.empty(40_000)
     with pytest.raises(RuntimeError, match="broken"):
-        _compile.over_chunks(_Broken(), [out], out, workers=2, chunk=100, interpret_up_to=0)
+        compilation.over_chunks(_Broken(), [out], out, workers=2, chunk=100, interpret_up_to=0)
 
 
 class _Broken:
@@ -58,8 +59,8 @@ class _Broken:
 @pytest.fixture(autouse=True)
 def _stands_for_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("compiled", "compiled_for"):
-        real = getattr(_compile, name)
-        monkeypatch.setattr(_compile, name, functools.partial(_unless_broken, real))
+        real = getattr(compilation, name)
+        monkeypatch.setattr(compilation, name, functools.partial(_unless_broken, real))
 
 
 def _unless_broken(real: Callable[..., object], function: object, *arguments: object) -> object:

@@ -14,7 +14,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from floquetrod.equations import Equation, Hill, Mathieu, SquareWave
-from floquetrod.methods.reference import Excess, TooMuchWork, reference, reference_excess
+from floquetrod.floquet.methods.reference import Excess, TooMuchWork, reference, reference_excess
 from strategies import hills, mathieus, near_boundary_points, numbers, square_waves
 
 mp = mpmath.mp.clone()  # for what the tests compute themselves

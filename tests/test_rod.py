@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod.kernels import mathieu as kernels
-from floquetrod.tongues import along_mean, damping_to_stabilise
+from floquetrod.mathieu.tongues import along_mean, damping_to_stabilise
 
 pytestmark = pytest.mark.kernels
 

@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod import course, segmented
-from floquetrod.growth import fit_growth
+from floquetrod.simulation import integration as course
+from floquetrod.simulation import mesh as segmented
+from floquetrod.simulation.growth import fit_growth
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)

@@ -15,7 +15,8 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod import _files, course
+from floquetrod._util import files
+from floquetrod.simulation import integration as course
 from test_simulation import ROD, Stop, run
 
 HERE = Path(__file__).parent
@@ -196,7 +197,7 @@ def test_what_another_version_or_machine_wrote_is_refused_with_a_remedy(
     with pytest.raises(ValueError, match=rf"cannot be continued to the bit here: .* {name} 7\.5; continue .*remove"):
         run(checkpoint=path)
     assert path.read_bytes() == before
-    meta, _ = _files._unpack(path)
+    meta, _ = files._unpack(path)
     assert meta["version"] == fr.__version__
 
 
@@ -204,10 +205,10 @@ def test_a_processor_that_rounds_otherwise_is_found_out(tmp_path: Path) -> None:
     """The last steps are done again: a bit of the state they start from stands for one of another machine's sine."""
     path = tmp_path / "run.ckpt"
     run(checkpoint=path, progress=Stop(3))
-    meta, arrays = _files._unpack(path)
+    meta, arrays = files._unpack(path)
     before = arrays["before"].copy()
     before[8] ^= 1
-    _files.write_npz(path, meta, {**arrays, "before": before}, compress=False)
+    files.write_npz(path, meta, {**arrays, "before": before}, compress=False)
     with pytest.raises(ValueError, match=r"its last \d+ steps come out otherwise; continue it on the machine .*remove"):
         run(checkpoint=path)
 
@@ -225,9 +226,9 @@ def test_a_processor_that_rounds_otherwise_is_found_out(tmp_path: Path) -> None:
 def test_every_field_of_a_checkpoint_is_checked(tmp_path: Path, name: str, change: Any, message: str) -> None:
     path = tmp_path / "run.ckpt"
     run(checkpoint=path, progress=Stop(3))
-    meta, arrays = _files._unpack(path)
+    meta, arrays = files._unpack(path)
     changed = {**arrays, name: change(arrays[name])}
-    _files.write_npz(path, meta, {key: value for key, value in changed.items() if value is not None}, compress=False)
+    files.write_npz(path, meta, {key: value for key, value in changed.items() if value is not None}, compress=False)
     with pytest.raises(ValueError, match=f"is not a checkpoint of a simulation that can be read: {message}"):
         run(checkpoint=path)
 
@@ -235,13 +236,13 @@ def test_every_field_of_a_checkpoint_is_checked(tmp_path: Path, name: str, chang
 def test_a_clock_that_cannot_be_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "run.ckpt"
     run(checkpoint=path, progress=Stop(3))
-    meta, arrays = _files._unpack(path)
+    meta, arrays = files._unpack(path)
     layout = course.cosserat.rod_type(60)
     for value in (np.nan, -1.0, 0.5, 1e300):
         (rod,) = np.frombuffer(bytearray(arrays["state"]), layout)
         rod["clock"][0] = value
         state = np.frombuffer(rod.tobytes(), np.uint8)
-        _files.write_npz(path, meta, {**arrays, "state": state}, compress=False)
+        files.write_npz(path, meta, {**arrays, "state": state}, compress=False)
         with pytest.raises(ValueError, match="the clock of its state shows"):
             run(checkpoint=path)
 
@@ -271,7 +272,7 @@ def test_a_clock_that_cannot_be_is_refused(tmp_path: Path) -> None:
 def test_absurd_runs_are_refused_before_anything_is_allocated(
     changes: dict[str, Any], message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from floquetrod import simulator
+    from floquetrod.simulation import simulate as simulator
 
     monkeypatch.setattr(simulator, "Course", lambda *_: pytest.fail("it began"))
     with pytest.raises(ValueError, match=message):

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 
 import floquetrod as fr
-from floquetrod.methods.monodromy import monodromy
-from floquetrod.methods.square_wave import square_wave
+from floquetrod.floquet.methods.monodromy import monodromy
+from floquetrod.floquet.methods.square_wave import square_wave
 from strategies import square_waves
 
 

@@ -26,8 +26,8 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.waiting import waiting
-from floquetrod.result import Status
-from floquetrod.rod_stability import Margin
+from floquetrod.floquet.result import Status
+from floquetrod.rod.stability import Margin
 from floquetrod.units import Unit
 
 _HELP = """\

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple, NoReturn
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod._files import writable
-from floquetrod.rod_data import RodData
+from floquetrod._util.files import writable
+from floquetrod.rod.data import RodData
 from floquetrod.units import Unit
 
 _TINY, _HUGE = 1e-9, 1e12  # what the library takes, in SI units: a slip of the keyboard lies beyond

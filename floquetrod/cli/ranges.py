@@ -19,7 +19,7 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.waiting import waiting
-from floquetrod.rod_tongues import HAIRLINE_GROWTH
+from floquetrod.rod.tongues import HAIRLINE_GROWTH
 
 _HELP = """\
 List every stable interval of one quantity of the load: give the other two, and what to search.

@@ -18,7 +18,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod._files import writable
+from floquetrod._util.files import writable
 from floquetrod.cli.common import (
     KINDS,
     Answer,
@@ -32,7 +32,7 @@ from floquetrod.cli.common import (
     read_rod,
     read_units,
 )
-from floquetrod.growth import GrowthFit
+from floquetrod.simulation.growth import GrowthFit
 from floquetrod.units import Unit
 
 _HELP = """\

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import _validate
+from floquetrod._util import validate
 from floquetrod.equations import FrictionalMathieu, require
-from floquetrod.friction.preparation import (
+from floquetrod.friction.inputs import (
     Prepared,
     arguments,
     growth_of,
@@ -116,12 +116,12 @@ def critical_bounds(
     >>> round(none_escapes_up_to, 6), round(smallest_found, 6)
     (0.973181, 0.973181)
     """
-    limited = _validate.array("upto", upto, least=0.0, largest=math.inf)
+    limited = validate.array("upto", upto, least=0.0, largest=math.inf)
     if not (limited > 0.0).all():
         raise ValueError(f"upto must be greater than zero, got {upto!r}; leave it out to look at every kick")
     shape, alpha, beta, gamma, c, limit = arguments(alpha, beta, gamma, damping, upto=limited)
-    samples = _validate.integer("samples", samples, 1, _MOST_SAMPLES)
-    effort = _validate.integer("effort", effort, 1)
+    samples = validate.integer("samples", samples, 1, _MOST_SAMPLES)
+    effort = validate.integer("effort", effort, 1)
     rate = growth_without_friction(alpha, beta, c, workers)
     grows = rate >= 0.0
     floor = np.where(grows & (gamma == 0.0), 0.0, math.inf)  # without friction the slightest kick

@@ -10,9 +10,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import _validate
+from floquetrod._util import validate
+from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import FrictionalMathieu, require
-from floquetrod.friction.preparation import (
+from floquetrod.friction.inputs import (
     EFFORT,
     SHORT,
     Prepared,
@@ -27,7 +28,6 @@ from floquetrod.friction.preparation import (
     size_of,
 )
 from floquetrod.kernels import friction as kernels
-from floquetrod.result import NoTruthValue
 
 UNDECIDED, BOUNDED, ESCAPES = -1, 0, 1
 """Values of `outcome`."""
@@ -121,7 +121,7 @@ def _fates(
     workers: int | None,
 ) -> NDArray[np.int8]:
     """Return why each run ended, as the kernels number it."""
-    effort = _validate.integer("effort", effort, 1)
+    effort = validate.integer("effort", effort, 1)
     rate = growth_without_friction(alpha, beta, damping, workers)
     out = np.full(kick.size, kernels.NO_GROWTH, dtype=np.int8)
     if kick.size == 1:
@@ -212,8 +212,8 @@ def fate(equation: FrictionalMathieu, epsilon: float, *, effort: int = EFFORT) -
     'escapes'
     """
     require(equation, (FrictionalMathieu,), "fate")
-    epsilon = _validate.finite("epsilon", epsilon)
-    effort = _validate.integer("effort", effort, 1)
+    epsilon = validate.finite("epsilon", epsilon)
+    effort = validate.integer("effort", effort, 1)
     e = equation
     code, tau, reversals, sticks = _end(e, abs(epsilon), growth_of(e), effort)
     status, reason = _REASONS[int(code)]

@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod import _validate
-from floquetrod._compile import fastest
-from floquetrod.friction.preparation import arguments, over_friction, size_of
+from floquetrod._util import validate
+from floquetrod._util.compilation import fastest
+from floquetrod.friction.inputs import arguments, over_friction, size_of
 from floquetrod.kernels.frictional_leapfrog import frictional_leapfrog_fill
 
 _MOST_STEPS = 1e9  # of one motion, a choice: some seconds
@@ -41,9 +41,9 @@ def leapfrog_escapes(
     shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, epsilon=size_of(epsilon))
     if not (gamma > 0.0).all():
         raise ValueError("gamma must be greater than zero here; without friction use method='leapfrog' of stability")
-    periods = _validate.integer("periods", periods, 1)
-    count = math.ceil(2.0 * math.pi / _validate.within("step", step, 1e-6, 0.5))
-    limit = _validate.positive("limit", limit)
+    periods = validate.integer("periods", periods, 1)
+    count = math.ceil(2.0 * math.pi / validate.within("step", step, 1e-6, 0.5))
+    limit = validate.positive("limit", limit)
     if float(periods) * count > _MOST_STEPS:
         raise ValueError(f"periods must be at most {_MOST_STEPS // count:.0f} of {count} steps, got {periods}")
     sine = np.sin(2.0 * math.pi * np.arange(count) / count)

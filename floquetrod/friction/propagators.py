@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._compile import over_chunks
+from floquetrod._util.compilation import over_chunks
 from floquetrod.kernels import friction as kernels
 from floquetrod.kernels import frictional_escape as escape
 from floquetrod.kernels.frictional_cell import CELL_WAVE, TERMS, at_the_end, series, slope, value

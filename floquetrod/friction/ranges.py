@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import _validate
+from floquetrod._util import validate
+from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.critical import KickRange, certain_kicks
 from floquetrod.friction.fates import ESCAPES, UNDECIDED, outcome
-from floquetrod.friction.preparation import EFFORT
-from floquetrod.result import NoTruthValue
+from floquetrod.friction.inputs import EFFORT
 
 _MOST_SAMPLES = 1_000_000  # kicks followed (a choice)
 
@@ -72,7 +72,7 @@ def escape_ranges(
     <escapes for kicks in (2, inf); tried in steps of 0 %>
     """
     require(equation, (FrictionalMathieu,), "escape_ranges")
-    samples = _validate.integer("samples", samples, 2, _MOST_SAMPLES)
+    samples = validate.integer("samples", samples, 2, _MOST_SAMPLES)
     e = equation
     low, high = certain_kicks(e)
     if not high < math.inf:

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import _validate
-from floquetrod._compile import compiled
-from floquetrod._content import ByContent
+from floquetrod._util import validate
+from floquetrod._util.compilation import compiled
+from floquetrod._util.content import ByContent
 from floquetrod.equations import FrictionalMathieu, require
-from floquetrod.friction.preparation import SHORT, prepare_one
+from floquetrod.friction.inputs import SHORT, prepare_one
 from floquetrod.kernels import friction as kernels
 
 _MOST = 5_000_000  # rows of a record (a choice: 160 MB, a second or two)
@@ -57,8 +57,8 @@ def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20
     (0, True)
     """
     require(equation, (FrictionalMathieu,), "trajectory")
-    epsilon = _validate.finite("epsilon", epsilon)
-    periods = _validate.integer("periods", periods, 1)
+    epsilon = validate.finite("epsilon", epsilon)
+    periods = validate.integer("periods", periods, 1)
     e = equation
     _, table, basis, _ = prepare_one(e, 0.0).cells
     most = periods * (2 * len(table) + 40)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._compile import kernel
+from floquetrod._util.compilation import kernel
 
 _NUDGE = 1e-30  # stands in for a pivot of exactly zero
 

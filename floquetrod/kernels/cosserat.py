@@ -20,7 +20,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from floquetrod._compile import kernel
+from floquetrod._util.compilation import kernel
 
 NODE = ("x", "y", "z", "vx", "vy", "vz", "px", "pt", "turn", "slip_x", "slip_t")
 """Of nodes 0..n: position, velocity; impulse of friction in the last step, axial, circumferential and that which spins;

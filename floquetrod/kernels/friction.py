@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._compile import kernel
+from floquetrod._util.compilation import kernel
 from floquetrod.kernels.frictional_cell import HALVINGS, TERMS, at_the_end, first_root, series, value
 
 # Why a run ended; what is below LIMIT is final.

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._compile import kernel
+from floquetrod._util.compilation import kernel
 
 ORDER = 16  # of the series of p: with the cells below, what is left out is under 1e-17
 TERMS = ORDER + 2  # coefficients of A

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from floquetrod._compile import kernel
+from floquetrod._util.compilation import kernel
 
 _FAR = 1e250  # where friction and the outcome are long settled
 

@@ -37,7 +37,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._compile import kernel
+from floquetrod._util.compilation import kernel
 
 UNDECIDED = -1  # count of a chain whose pivots would not settle: a is an eigenvalue as far as a double can tell
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from floquetrod._compile import kernel
+from floquetrod._util.compilation import kernel
 
 _EPS = 2.220446049250313e-16
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._compile import kernel
+from floquetrod._util.compilation import kernel
 
 ORDER = 24
 REACH = 1.9  # step times frequency at which the 24th-order remainder is about rounding (measured)

@@ -13,16 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import mathieu
-from floquetrod.criterion import PaperCriterion
 from floquetrod.equations import Mathieu
-from floquetrod.load import AxialLoad
-from floquetrod.methods.determinant import determinant
-from floquetrod.methods.monodromy import monodromy_matrix
-from floquetrod.methods.square_wave import square_wave
-from floquetrod.proof import certify
-from floquetrod.result import Stability
-from floquetrod.rod import Rod
-from floquetrod.rod_tongues import unstable_loads
+from floquetrod.floquet.methods.determinant import determinant
+from floquetrod.floquet.methods.monodromy import monodromy_matrix
+from floquetrod.floquet.methods.square_wave import square_wave
+from floquetrod.floquet.proof import certify
+from floquetrod.floquet.result import Stability
+from floquetrod.mathieu.criterion import PaperCriterion
+from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.rod import Rod
+from floquetrod.rod.tongues import unstable_loads
 
 ROD = Rod.nitinol()
 UNIT = ROD.critical_force

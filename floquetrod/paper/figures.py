@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod.equations import Mathieu
+from floquetrod.floquet.methods.determinant import determinant
+from floquetrod.floquet.methods.square_wave import square_wave
 from floquetrod.kernels.mathieu import mode_coefficients
-from floquetrod.load import AxialLoad
-from floquetrod.methods.determinant import determinant
-from floquetrod.methods.square_wave import square_wave
 from floquetrod.paper.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
 from floquetrod.plotting import paper as drawing
 from floquetrod.plotting.paper import Band, Tongue
-from floquetrod.rod_tongues import unstable_loads
+from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.tongues import unstable_loads
 
 LOADS = (0.288, 85.0), (0.20, 150.0), (0.34, 150.0)
 """Mean forces in F_cr and frequencies in rad/s of Figure 2(b)-(d), all at 0.2 F_cr: our choice.

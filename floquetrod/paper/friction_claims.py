@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from floquetrod import friction, mathieu
-from floquetrod.coulomb import Coulomb
-from floquetrod.load import AxialLoad
 from floquetrod.paper.claims import ROD, UNIT, Claim, window
+from floquetrod.rod.coulomb import Coulomb
+from floquetrod.rod.load import AxialLoad
 
 GAMMA = 0.01
 KICKS = 0.005, 0.01, 0.05, 0.5

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import friction, mathieu
-from floquetrod.coulomb import Coulomb, critical_velocities
 from floquetrod.kernels.mathieu import mode_coefficients
-from floquetrod.load import AxialLoad
 from floquetrod.paper.claims import ROD, UNIT, WINDOW, window
 from floquetrod.paper.friction_claims import AMPLITUDE, FRICTION, GAMMA, KICKS
 from floquetrod.plotting import paper as drawing
+from floquetrod.rod.coulomb import Coulomb, critical_velocities
+from floquetrod.rod.load import AxialLoad
 
 SLOWEST = 0.01
 """Growth in 1/s up to which a mode is left out of the maps: hair-thin tongues that no kick in reach sets off."""

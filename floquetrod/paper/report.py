@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from floquetrod._files import whole_file
-from floquetrod._version import __version__
+from floquetrod._util.files import whole_file
+from floquetrod._util.version import __version__
 from floquetrod.paper.claims import Claim
 
 SOURCE = "The Instability Mechanism of a Confined Rod Under Axial Vibrations, J. Appl. Mech. 83 (2016) 011005"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from floquetrod._files import whole_file, writable
+from floquetrod._util.files import whole_file, writable
 from floquetrod.paper import figures, friction_figures, simulation_claims, simulation_figures
 from floquetrod.paper.claims import Claim, frictionless_claims
 from floquetrod.paper.friction_claims import friction_claims

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from floquetrod.coulomb import Coulomb
 from floquetrod.paper.claims import Claim
 from floquetrod.paper.simulations import (
     HIGHEST,
@@ -25,7 +24,8 @@ from floquetrod.paper.simulations import (
     figure_7,
     torsion_and_shear_share,
 )
-from floquetrod.perturbation import Perturbation
+from floquetrod.rod.coulomb import Coulomb
+from floquetrod.simulation.start import Perturbation
 
 DRAWN = (150.0, 0.118), (150.0, 0.424)
 """Loads (rad/s, F_cr) of Figure 7 under which case C led by mode 10 hangs on the draw; the reason is isolated there."""

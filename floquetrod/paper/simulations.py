@@ -13,13 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod._compile import cores
-from floquetrod.course import Progress
-from floquetrod.load import AxialLoad
-from floquetrod.perturbation import Perturbation
-from floquetrod.rod import Rod
-from floquetrod.simulation import Simulation
-from floquetrod.simulator import simulate
+from floquetrod._util.compilation import cores
+from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.rod import Rod
+from floquetrod.simulation.integration import Progress
+from floquetrod.simulation.result import Simulation
+from floquetrod.simulation.simulate import simulate
+from floquetrod.simulation.start import Perturbation
 
 ROD = Rod.nitinol()
 SPEED, HIGHEST = 0.05, 20

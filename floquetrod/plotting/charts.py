@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod import _validate
-from floquetrod._files import whole_file
+from floquetrod._util import validate
+from floquetrod._util.files import whole_file
 from floquetrod.plotting import palette
 
 FIGURES = (".png", ".pdf", ".svg")
@@ -67,7 +67,7 @@ def save_figure(drawn: Any, path: str | Path) -> Path:
     """Write a figure, or the one that axes belong to, to a file of the kind its name tells, and close it."""
     from matplotlib import pyplot
 
-    path = _validate.path("path", path)
+    path = validate.path("path", path)
     figure = getattr(drawn, "figure", drawn)
     with whole_file(path) as file:
         figure.savefig(file, dpi=150, format=path.suffix[1:] or "png")

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._files import whole_file
+from floquetrod._util.files import whole_file
 from floquetrod.plotting.charts import new_axes
 
 ANIMATIONS = (".gif", ".mp4")

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from floquetrod.equations import Mathieu
-from floquetrod.methods.reference import reference_excess
-from floquetrod.proof import certify
+from floquetrod.floquet.methods.reference import reference_excess
+from floquetrod.floquet.proof import certify
 
 SEED = 20160111  # the paper's volume and number, and its year
 POINTS = 10_000

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import floquetrod as fr
-from floquetrod import course
+from floquetrod.simulation import integration as course
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.4, 0.6, 150.0)

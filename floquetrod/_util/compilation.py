@@ -1,0 +1,240 @@
+"""Compile flags and the choice between interpreted and compiled kernels, in one place.
+
+A kernel is a plain Python function of floats and arrays.  Called as it stands it is interpreted: right for a handful
+of scalars, and numba stays unloaded.  ``compiled(kernel)`` is the same function as machine code, cached on disk.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import logging
+import os
+import threading
+import types
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from typing import Any, TypeVar, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import interrupt, validate
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the level INFO
+
+_INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
+_OPTIONS = {"nogil": True, "error_model": "numpy"}
+_CHUNK = 8192  # elements a thread takes at a time (heuristic: well above the cost of a call, well below a map)
+_HEARD_WITHIN = 0.1  # seconds until Ctrl-C is looked at while threads work (a choice)
+
+_ASKED: dict[Callable[..., Any], float] = {}
+"""Elements that kernels were asked for while interpreted, in multiples of what is always interpreted."""
+
+
+def kernel(function: F) -> F:
+    """Mark ``function`` as a kernel: it may be compiled, and so are the marked functions it calls."""
+    function.__kernel__ = True  # type: ignore[attr-defined]
+    return function
+
+
+@contextmanager
+def _compiling() -> Iterator[Callable[[], None]]:
+    """Do a thing at a time that numba does for one thread only, and hold Ctrl-C meanwhile; see `interrupt.held`.
+
+    The lock is held across a fork, so that no child starts with numba in the middle of something.
+    """
+    with _LOCK, interrupt.held() as deliver:
+        yield deliver
+
+
+_LOCK = threading.RLock()
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(before=_LOCK.acquire, after_in_parent=_LOCK.release, after_in_child=_LOCK.release)
+
+
+def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the machine-code version of a kernel (GIL released, IEEE division, no fastmath, cached on disk).
+
+    It is compiled, or loaded, when first called with arguments of new types; `compiled_for` does that beforehand.
+    """
+    with _LOCK:
+        return _compiled(function)
+
+
+def compiled_for(function: Callable[..., Any], *arguments: Any) -> Callable[..., Any]:
+    """Return `compiled` of a kernel once it is ready to be called with such arguments."""
+    run: Any = compiled(function)
+    if hasattr(run, "py_func"):
+        import numba
+
+        signature = tuple(map(numba.typeof, arguments))
+        if signature not in run.overloads:
+            run.compile(signature)
+    return cast(Callable[..., Any], run)
+
+
+@functools.cache
+def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
+    with _compiling():
+        import numba
+
+        from floquetrod._util.kernel_cache import KernelCache, fingerprint
+
+        # numba asks numpy for a part that numpy imports then: done here, no fork can fall into that import.
+        typeof: Any = numba.typeof
+        typeof(np.empty(0))
+        njit: Any = numba.njit
+        result = njit(**_OPTIONS)(_with_compiled_callees(function))
+    if not hasattr(result, "py_func"):  # NUMBA_DISABLE_JIT
+        return function
+    compile_types = result.compile
+
+    def compile_undisturbed(signature: Any) -> Any:
+        # numba runs Python code from within LLVM, where an exception is printed and forgotten: Ctrl-C there would be
+        # lost.  It is delivered between the passes of the compiler.
+        with _compiling() as deliver, numba.core.event.install_listener("numba:run_pass", _after_passes(deliver)):
+            return compile_types(signature)
+
+    result.compile = compile_undisturbed
+    sources = fingerprint(function, _OPTIONS)
+    result._cache = KernelCache(result.py_func, sources, lambda: _LOG.info("compiling %s", function.__qualname__))
+    return cast(Callable[..., Any], result)
+
+
+@functools.cache
+def _callee(function: Callable[..., Any]) -> Any:
+    """Return the machine-code version of a kernel for the use of others, who are compiled and kept together with it.
+
+    numba would compile it once more for every constant it is called with.  Only parameters annotated `Literal` keep
+    that: where the constant pays.
+    """
+    import numba
+    from numba.core import types as numba_types
+
+    # Entry points for Python and C cost a quarter of the time it takes to compile small functions.
+    njit: Any = numba.njit
+    result = njit(**_OPTIONS, no_cpython_wrapper=True, no_cfunc_wrapper=True)(_with_compiled_callees(function))
+    if not hasattr(result, "py_func"):  # NUMBA_DISABLE_JIT
+        return function
+    template: Any = result.get_call_template
+    general: Any = numba_types.unliteral
+    annotations = function.__annotations__
+    constant = [str(annotations.get(name)).startswith("Literal") for name in inspect.signature(function).parameters]
+
+    def general_template(kinds: Any, keywords: Any) -> Any:
+        pairs = zip(kinds, constant, strict=False)  # those with a default may be left out
+        return template(tuple(kind if kept else general(kind) for kind, kept in pairs), keywords)
+
+    result.get_call_template = general_template
+    return result
+
+
+def _with_compiled_callees(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a kernel whose names of other kernels mean their machine-code versions."""
+    scope = dict(function.__globals__)
+    for name in function.__code__.co_names:
+        callee = scope.get(name)
+        if getattr(callee, "__kernel__", False):
+            scope[name] = _callee(callee)
+    copy = types.FunctionType(function.__code__, scope, function.__name__, function.__defaults__, function.__closure__)
+    copy.__qualname__ = function.__qualname__
+    copy.__module__ = function.__module__
+    return copy
+
+
+def _after_passes(act: Callable[[], None]) -> Any:
+    """Return a listener to numba's compiler that calls ``act`` after each of its passes."""
+    from numba.core.event import Listener
+
+    class AfterPasses(Listener):
+        def on_start(self, event: Any) -> None:
+            pass
+
+        def on_end(self, event: Any) -> None:
+            act()
+
+    return AfterPasses()
+
+
+def fastest(function: Callable[..., Any], size: int) -> Callable[..., Any]:
+    """Return ``function`` itself for small work (``size`` elements), its compiled version for more."""
+    return function if size <= _INTERPRETED_UP_TO else compiled(function)
+
+
+def cores() -> int:
+    """Return the number of processors this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not every system has affinities
+        return os.cpu_count() or 1
+
+
+def over_chunks(
+    function: Callable[..., Any],
+    inputs: Sequence[NDArray[Any]],
+    out: NDArray[Any],
+    *constants: Any,
+    workers: int | None = None,
+    chunk: int = _CHUNK,
+    interpret_up_to: int = _INTERPRETED_UP_TO,
+    patience: int = 0,
+) -> None:
+    """Call ``function(*inputs, out, *constants)`` on matching pieces of equally long arrays, in threads if it pays.
+
+    Kernels release the GIL, so the threads run side by side, and Ctrl-C is answered between pieces.  Arrays of up to
+    ``interpret_up_to`` elements are left to the interpreter, and so are larger ones until the process has asked for
+    ``patience`` times as many: compiling takes seconds, which a single question should not have to wait.
+    """
+    workers = validate.workers(workers) or cores()
+    size = len(out)
+    run: Any = function if _is_cold(function, size, interpret_up_to, patience) else compiled(function)
+    if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
+        run(*(array.tolist() for array in inputs), out, *constants)
+        return
+    # One layout of arrays: a kernel is compiled for each there is, and read-only ones count as another.
+    inputs = [np.require(array, requirements=["C", "A", "W"]) for array in inputs]
+    pieces = [
+        (*(array[start : start + chunk] for array in inputs), out[start : start + chunk], *constants)
+        for start in range(0, size, chunk)
+    ]
+    run = compiled_for(function, *pieces[0])
+    threads = min(workers, len(pieces))
+    if threads <= 1:
+        for piece in pieces:
+            run(*piece)
+        return
+    with interrupt.held() as deliver:
+        _in_threads(run, pieces, threads, deliver)
+
+
+def _is_cold(function: Callable[..., Any], size: int, interpret_up_to: int, patience: int) -> bool:
+    """Return whether a kernel is better interpreted: the work is small, or the process has not asked for much yet."""
+    if size <= interpret_up_to:
+        return True
+    asked = _ASKED.get(function, 0.0) + size / max(interpret_up_to, 1)
+    if not interpret_up_to or asked > patience:
+        return False
+    _ASKED[function] = asked
+    return True
+
+
+def _in_threads(
+    run: Callable[..., Any], pieces: Sequence[tuple[Any, ...]], threads: int, deliver: Callable[[], None]
+) -> None:
+    """Call ``run`` on every piece; Ctrl-C, which the end of a thread could swallow, is held and heard between them."""
+    with ThreadPoolExecutor(threads) as pool:
+        running = [pool.submit(run, *piece) for piece in pieces]
+        try:
+            left = set(running)
+            while left:
+                done, left = wait(left, timeout=_HEARD_WITHIN)
+                deliver()
+                for task in done:
+                    task.result()
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise

@@ -1,0 +1,1 @@
+"""Is every solution bounded, and how fast does it grow: verdicts on one equation, by several methods, and proofs."""

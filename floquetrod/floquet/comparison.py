@@ -1,0 +1,99 @@
+"""`fr.compare`: every method that applies, side by side."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, field
+from itertools import combinations
+
+from floquetrod import equations
+from floquetrod._util.content import NoTruthValue
+from floquetrod.equations import Equation
+from floquetrod.floquet.result import Stability
+from floquetrod.floquet.stability import METHODS, run
+
+
+@dataclass(frozen=True, repr=False)
+class Comparison(NoTruthValue):
+    """Results of several methods for one equation.
+
+    Attributes
+    ----------
+    equation : Equation
+        The equation judged.
+    results : tuple of Stability
+        One for each method that applies, in the order of `floquetrod.verdict.METHODS`.
+    seconds : tuple of float
+        Wall time of each (the first call of a compiled method includes loading its machine code).
+    """
+
+    ask = ".agree, or .stable of each of its .results"
+
+    equation: Equation
+    results: tuple[Stability, ...]
+    seconds: tuple[float, ...] = field(compare=False)
+
+    @property
+    def disagreements(self) -> tuple[tuple[str, str, str], ...]:
+        """Pairs of methods that contradict each other, with the notes that may explain it.
+
+        Two methods contradict each other when both decide and decide differently; an undecided one never does.
+        """
+        found = []
+        for one, other in combinations(self.results, 2):
+            if {one.status, other.status} == {"stable", "unstable"}:
+                notes = "; ".join(f"{r.method}: {r.note}" for r in (one, other) if r.note)
+                found.append((one.method, other.method, notes or "no reason known: one of them is wrong"))
+        return tuple(found)
+
+    @property
+    def agree(self) -> bool:
+        """Whether no two methods contradict each other."""
+        return not self.disagreements
+
+    def __repr__(self) -> str:
+        """Return the table."""
+        head = ("method", "verdict", "growth per tau", "discriminant", "error", "cost", "ms")
+        rows = [
+            (
+                r.method,
+                r.status,
+                f"{r.growth_rate:.6g}",
+                f"{r.discriminant:.12g}",
+                f"{r.error:.1e}",
+                str(r.cost),
+                f"{1e3 * seconds:.3g}",
+            )
+            for r, seconds in zip(self.results, self.seconds, strict=True)
+        ]
+        widths = [max(len(row[i]) for row in (head, *rows)) for i in range(len(head))]
+        lines = [repr(self.equation)]
+        lines += [
+            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in (head, *rows)
+        ]
+        lines += [f"  {r.method}: {r.note}" for r in self.results if r.note]
+        if self.agree:
+            undecided = [r.method for r in self.results if r.status == "undecided"]
+            lines.append("all methods agree" + (f"; undecided: {', '.join(undecided)}" if undecided else ""))
+        else:
+            lines += [f"{one} and {other} disagree ({notes})" for one, other, notes in self.disagreements]
+        return "\n".join(line.rstrip() for line in lines)
+
+
+def compare(equation: Equation) -> Comparison:
+    """Judge ``equation`` by every method that applies to it, and report where they agree and where they do not.
+
+    Examples
+    --------
+    >>> from floquetrod.equations import Mathieu
+    >>> compare(Mathieu(alpha=0.5, beta=-0.25)).agree
+    True
+    """
+    equations.require(equation)
+    results, seconds = [], []
+    for name, kinds in METHODS.items():
+        if isinstance(equation, kinds):
+            start = time.perf_counter()
+            results.append(run(name, equation))
+            seconds.append(time.perf_counter() - start)
+    return Comparison(equation, tuple(results), tuple(seconds))

@@ -1,0 +1,149 @@
+"""The paper's test: integrate 100 periods by leapfrog and look whether the motion has grown a million times."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import equations
+from floquetrod._util import validate
+from floquetrod._util.compilation import compiled
+from floquetrod.equations import Equation, SquareWave
+from floquetrod.floquet.result import Cost, Stability, Status, excess_of_trace, judge
+from floquetrod.kernels.leapfrog import leapfrog_run
+
+_MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
+_STEPS_A_WAVE = 16  # fewest steps to a wave of the highest harmonic, a multiple of four (heuristic)
+_EPS = 2.220446049250313e-16
+_LARGEST_REACH = 1e50  # step^2 times coefficient: what one step multiplies by, far past sense but within range
+
+
+def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limit: float = 1e6) -> Stability:
+    """Judge as the paper does, its test (6): stable when abs(A(end)) / A'(0) stays below a limit.
+
+    A(0) = 0, A'(0) = 1; kick-drift-kick leapfrog (second order, symplectic); DOI 10.1115/1.4031710, section 3.2.
+
+    Parameters
+    ----------
+    equation : Mathieu, SquareWave or Hill
+        Damping is integrated directly, split symmetrically about the kicks.
+    step : float
+        Largest step in tau; the period is divided into a multiple of four steps no longer than this, 16 or more for
+        each wave of the coefficient's highest harmonic.
+    periods : int
+        Periods integrated.
+    limit : float
+        Growth that counts as instability.
+
+    Returns
+    -------
+    Stability
+        ``status`` is that of the test itself; ``growth_rate`` the mean rate over the run; ``discriminant`` that of the
+        scheme's own map over a period, ``error`` its estimate from doubling the step.  "undecided" when the run
+        would take too many steps.
+
+    Notes
+    -----
+    Growth slower than about ln(limit) / (periods period), 0.022 per unit tau by default, cannot be seen.  "About": the
+    motion ends at K exp(growth time), and K is small where the growing mode passes through zero at the end (near
+    beta = -0.25 the threshold is 0.026), large where the motion is slow (near beta = 0 = alpha it is below 0.020).
+    """
+    equations.require(equation)
+    step = validate.positive("step", step)
+    periods = validate.integer("periods", periods, 1)
+    limit = validate.positive("limit", limit)
+    if limit <= 1.0:
+        raise ValueError(f"limit must be greater than 1, got {limit!r}: a bounded motion already reaches 1")
+    harmonics = 1 if isinstance(equation, SquareWave) else max(1, len(equation.as_hill().harmonics))
+    least = _STEPS_A_WAVE * harmonics
+    needed = max(least, equation.period / step) * periods
+    if needed > _MOST_STEPS:
+        return judge(
+            equation,
+            "leapfrog",
+            sign=1,
+            excess=0.0,
+            excess_error=math.inf,
+            cost=Cost(0, "steps"),
+            note=f"would take {needed:.3g} steps, above the limit of {_MOST_STEPS:.0e}; "
+            "take a longer step or fewer periods",
+        )
+    # A multiple of four: with every other step too, a square wave jumps at steps.
+    count = max(least, 4 * math.ceil(0.25 * equation.period / step))
+    table = _table(equation, count)
+    step = equation.period / count
+    reach = step * step * np.abs(table).max()
+    if not reach < _LARGEST_REACH:
+        raise ValueError(
+            f"step = {step:g} is too long: step^2 times the coefficient is {reach:.3g}; take a shorter step"
+        )
+    run = compiled(leapfrog_run)
+    a, _, taken = run(table, 1, step, equation.damping, periods, 0.0, 1.0)
+    log_growth = taken + (math.log(abs(a)) if a != 0.0 else -math.inf)
+    time = periods * equation.period
+    fine, coarse = (_trace(table, stride, step, equation.damping) for stride in (1, 2))
+    trace, shift = fine
+    # Second order: the fine map is off by a third of its difference from the coarse one, by what that difference hides
+    # where the motion lags so far behind that the maps may meet again by chance, and by a rounding at every step.
+    other = coarse[0] * math.exp(max(-700.0, min(700.0, coarse[1] - shift)))
+    size = math.exp(-min(700.0, shift))
+    error = abs(other - trace) / 3.0 / max(size, abs(trace)) + _lag(table, step, equation) ** 2 + count * _EPS
+    sign, excess, exponent = _excess(trace, shift + equation.damping * equation.period)
+    judged = judge(
+        equation,
+        "leapfrog",
+        sign=sign,
+        excess=excess,
+        exponent=exponent,
+        excess_error=error,
+        cost=Cost(count * periods, "steps"),
+    )
+    status: Status = "stable" if log_growth < math.log(limit) else "unstable"
+    note = f"cannot see growth below about {math.log(limit) / time:.2g} per unit tau"
+    if step * step * table.min() < -4.0:  # the scheme's own limit for an oscillator: step times frequency at most 2
+        note += "; the step is too long for this coefficient: the scheme itself is unstable"
+    return dataclasses.replace(
+        judged, status=status, growth_rate=log_growth / time if status == "unstable" else 0.0, note=note
+    )
+
+
+def _excess(trace: float, lift: float) -> tuple[int, float, int]:
+    """Return sign, X and its binary exponent for the undamped discriminant trace * exp(lift)."""
+    if trace == 0.0 or lift < 400.0:
+        return *excess_of_trace(trace * math.exp(min(lift, 400.0))), 0
+    power = (math.log(abs(trace)) + lift) / math.log(2.0)
+    if power < 900.0:
+        return *excess_of_trace(math.copysign(2.0**power, trace)), 0
+    exponent = math.floor(power)
+    return (1 if trace > 0.0 else -1), 0.25 * 2.0 ** (power - exponent), exponent
+
+
+def _lag(table: NDArray[np.float64], step: float, equation: Equation) -> float:
+    """Return by how much the scheme shifts phase or logarithm over a period, to leading order in the step.
+
+    An oscillator of frequency w is too fast by w^3 step^2 / 24 (WKB, w^2 = |p|); strong damping c, where A decays at
+    |p| / 2c, is off by c |p| step^2 / 6.
+    """
+    size = np.abs(table)
+    return equation.period * step * step * float(np.mean(size * (np.sqrt(size) + 4.0 * equation.damping))) / 24.0
+
+
+def _table(equation: Equation, count: int) -> NDArray[np.float64]:
+    """Return the coefficient at equal steps over a period, the jumps of a square wave at their mean value."""
+    tau = np.arange(count) * (equation.period / count)
+    values: NDArray[np.float64] = np.asarray(equation.coefficient(tau), dtype=np.float64)
+    if isinstance(equation, SquareWave):
+        values[[0, count // 2]] = equation.beta
+    return values
+
+
+def _trace(table: NDArray[np.float64], stride: int, step: float, damping: float) -> tuple[float, float]:
+    """Return the trace of the scheme's map over a period, less the exponential of the second value."""
+    run = compiled(leapfrog_run)
+    a, _, one = run(table, stride, stride * step, damping, 1, 1.0, 0.0)
+    _, v, two = run(table, stride, stride * step, damping, 1, 0.0, 1.0)
+    common = max(one, two)
+    return a * math.exp(max(-700.0, one - common)) + v * math.exp(max(-700.0, two - common)), common

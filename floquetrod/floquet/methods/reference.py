@@ -1,0 +1,380 @@
+"""Any number of digits: power series in t = tan(theta / 2), summed in fixed point over one full period.
+
+With theta = 2 pi tau / period measured from the middle of a piece of the period, and r = exp(i theta),
+
+    t = tan(theta / 2),   d theta = 2 dt / (1 + t^2),   r = (1 + i t) / (1 - i t),
+
+so that A'' + 2 c A' = p A becomes a system with polynomial coefficients for A, B = A' and W_k = r^k A:
+
+    (1 + t^2) A_t = 2 B,   (1 + t^2) B_t = 2 (p A - 2 c B),   (1 - i t) W_k = (1 + i t) W_(k-1),   W_0 = A,
+
+with p A = mean A + sum_k Re(z_k W_k).  Its power series have radius 1 and recurrences of fixed length; even and odd
+terms give the solution at both ends of the piece at once.  The damping is integrated as it stands and symmetries are
+not used: what the other methods derive by substitution or factorisation is checked here, not assumed.
+
+The map over a period is computed twice, in pieces of other length and origin and with other precision.  The error is
+estimated from their difference and from Liouville's formula det M = exp(-2 c period); neither is a proven bound.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+from floquetrod._util import validate
+from floquetrod.equations import Equation, Hill, SquareWave, require
+from floquetrod.floquet.result import Cost, Stability, Status, judge
+
+_LARGEST_RAISE = 20  # working digits go up to this many times the digits asked for (heuristic)
+_GUARD_BITS = 24  # beyond what the digits need (heuristic); also what the first of the two maps has more
+_LARGEST_WORK = 3e6  # terms of series times their cost, a few seconds' worth (heuristic)
+_LARGEST_SIZE = 1e18  # of period^2 (abs(p) + c^2): beyond it no series is short enough, nor a double able to tell
+_SETTLED = 2.0**60  # times its error: an excess that large is known as well as a double can hold it
+_PIECES_PER_WAVE = 0.35  # pieces of the period per unit of sqrt(largest abs(p) + c^2), measured to be fastest
+_LEAST_PIECES = 7  # the fewest for which tan(theta / 2) stays below 1/4
+
+Matrix = tuple[int, int, int, int]
+
+
+class Excess(NamedTuple):
+    """The undamped discriminant D_u to many digits: its sign, X = (abs(D_u) - 2) / 4, the error of X, terms summed.
+
+    ``excess`` and ``error`` are numbers of mpmath that hold all digits whatever the current precision.
+    """
+
+    sign: int
+    excess: Any
+    error: Any
+    terms: int
+
+
+class _Scaled(NamedTuple):
+    """An equation with time in units of period / 2 pi: its mean, damping and harmonics, as numbers of a context."""
+
+    mean: Any
+    damping: Any
+    harmonics: tuple[tuple[Any, Any], ...]
+
+
+class TooMuchWork(ValueError):
+    """The digits asked for would take longer than a caller wants to wait."""
+
+
+def reference(equation: Equation, *, digits: int = 50) -> Stability:
+    """Judge an equation with ``digits`` correct digits of its discriminant.
+
+    Parameters
+    ----------
+    equation : Mathieu, SquareWave or Hill
+        The parameters are taken as the exact binary numbers they are.
+    digits : int
+        Decimal digits of the excess X relative to max(1, abs(X)), 10 or more.  More are used internally, up to 20
+        times as many, while X cannot be told from zero.
+
+    Returns
+    -------
+    Stability
+        Its ``error`` is an estimate: the difference of two computations, and Liouville's formula (see the module).
+        "undecided" when X is zero within the digits allowed, or when the work would take more than a few seconds.
+
+    Examples
+    --------
+    >>> from floquetrod.equations import Mathieu
+    >>> reference(Mathieu(alpha=1e-8, beta=-0.25)).growth_rate
+    5e-09
+    """
+    from mpmath.ctx_mp import MPContext
+
+    require(equation)
+    digits = validate.integer("digits", digits, 10)
+    try:
+        found = reference_excess(equation, digits)
+    except TooMuchWork as reason:
+        return _given_up(equation, str(reason))
+    context = MPContext()
+    context.dps = 2 * digits + 20
+    excess, error = (context.mpf(number) for number in (found.excess, found.error))
+    status: Status = "undecided" if abs(excess) <= error else "unstable" if excess > 0 else "stable"
+    if _is_constant(equation):
+        status = "stable" if _mean(equation) < 0.0 else "unstable"  # at X = 0 too, where the trace alone cannot tell
+    mantissa, exponent = _split(excess)
+    result = judge(
+        equation,
+        "reference",
+        sign=found.sign,
+        excess=mantissa,
+        exponent=exponent,
+        excess_error=float(error / max(1, abs(excess))),
+        undamped_status=status,
+        cost=Cost(found.terms, "terms"),
+    )
+    return _against_damping(result, context, excess, error) if equation.damping and status == "unstable" else result
+
+
+def reference_excess(equation: Equation, digits: int = 50) -> Excess:
+    """Return the undamped excess X of an equation with its sign and error, as numbers of mpmath.
+
+    Raises `TooMuchWork` when even a first attempt would take more than a few seconds.
+
+    >>> from floquetrod.equations import Mathieu
+    >>> found = reference_excess(Mathieu(alpha=0.0, beta=1.0), 30)  # X = sinh(pi)^2
+    >>> str(found.excess)[:14], found.error < 1e-27
+    ('133.3733807418', True)
+    """
+    import mpmath
+
+    wanted, terms = digits, 0
+    found: Excess | None = None
+    while True:
+        try:
+            sign, excess, error, used = _attempt(equation, wanted)
+        except TooMuchWork:
+            if found is None:
+                raise
+            return found
+        terms += used
+        found = Excess(sign, mpmath.mp.make_mpf(excess._mpf_), mpmath.mp.make_mpf(error._mpf_), terms)
+        settled = _is_constant(equation) or abs(excess) > error * _SETTLED
+        missing = math.ceil(excess.context.log(error / max(1, abs(excess)), 10)) + digits
+        if (settled and missing <= 0) or wanted >= _LARGEST_RAISE * digits:
+            return found
+        wanted = min(2 * wanted if missing <= 0 else wanted + missing, _LARGEST_RAISE * digits)
+
+
+def _attempt(equation: Equation, digits: int) -> tuple[int, Any, Any, int]:
+    """Return sign, X, its error and the terms summed, from working digits of about ``digits``."""
+    from mpmath.ctx_mp import MPContext
+
+    context = MPContext()
+    context.prec = math.ceil(digits * math.log2(10.0)) + 2 * _GUARD_BITS + 32
+    if _is_constant(equation) or isinstance(equation, SquareWave):
+        trace, error, terms = _closed_form(equation, context)
+    else:
+        trace, error, terms = _twice(equation, context, digits)
+    return (1 if trace >= 0 else -1), (abs(trace) - 2) / 4, error / 4, terms
+
+
+def _closed_form(equation: Equation, context: Any) -> tuple[Any, Any, int]:
+    """Return the undamped trace and its error for a coefficient that is constant, or constant on two half periods.
+
+    The exponential of h [[0, 1], [l, -2 c]] is exp(-c h) [C + c S, S; l S, C - c S] with C = cosh(h w),
+    S = sinh(h w) / w and w^2 = l + c^2; entire in w^2.
+    """
+    if isinstance(equation, SquareWave):
+        alpha, beta = context.mpf(equation.alpha), context.mpf(equation.beta)
+        levels, half = (beta + alpha, beta - alpha), context.pi
+    else:
+        levels, half = (context.mpf(_mean(equation)),) * 2, _period(equation, context) / 2
+    damping = context.mpf(equation.damping)
+    size = half**2 * (max(map(abs, levels)) + damping**2)
+    _check_size(size)
+    bits = context.prec - _GUARD_BITS
+    context.prec += max(0, context.mag(size))  # what the arguments of the sines lose
+    maps = []
+    for level in levels:
+        square = level + damping**2
+        root = context.sqrt(abs(square))
+        if square > 0:
+            even, odd = context.cosh(half * root), context.sinh(half * root) / root
+        elif square < 0:
+            even, odd = context.cos(half * root), context.sin(half * root) / root
+        else:
+            even, odd = context.one, half
+        maps.append((even + damping * odd, odd, level * odd, even - damping * odd))
+    first, second = maps
+    parts = [x * y for x, y in zip(first, (second[0], second[2], second[1], second[3]), strict=True)]
+    return context.fsum(parts), context.ldexp(sum(map(abs, parts)), -bits), len(parts)
+
+
+def _twice(equation: Equation, context: Any, digits: int) -> tuple[Any, Any, int]:
+    """Return the undamped trace, its estimated error and the terms summed, from two maps over the period."""
+    scaled = _scale(equation, context)
+    size = abs(scaled.mean) + scaled.damping**2 + sum((abs(re) + abs(im) for re, im in scaled.harmonics), context.zero)
+    _check_size(size)
+    pieces = max(_LEAST_PIECES, math.ceil(_PIECES_PER_WAVE * math.pi * math.sqrt(size)))
+    bits = math.ceil(digits * math.log2(10.0)) + _GUARD_BITS + math.ceil(math.log2(pieces * (1.0 + size)))
+    _check_work(pieces, bits, len(scaled.harmonics))
+    context.prec = bits + 2 * _GUARD_BITS
+    undamp = context.exp(2 * context.pi * scaled.damping)
+    traces, terms = [], 0
+    error = context.zero
+    for more, other, offset in ((_GUARD_BITS, 0, 0.0), (0, 1, 0.6180339887)):
+        matrix, exponent, used = _period_map(scaled, context, pieces + other, bits + more, offset)
+        a, b, c, d = (undamp * context.ldexp(entry, exponent) for entry in matrix)
+        norm = max(map(abs, (a, b, c, d, context.one)))
+        liouville = abs(a * d - b * c - 1) / norm
+        error = max(error, liouville, context.ldexp(norm, _GUARD_BITS // 2 - bits))
+        traces.append(a + d)
+        terms += used
+    return traces[0], max(error, abs(traces[0] - traces[1])), terms
+
+
+def _scale(equation: Equation, context: Any) -> _Scaled:
+    """Return the equation with time in units of period / 2 pi."""
+    hill: Hill = equation.as_hill()  # type: ignore[union-attr]  # a SquareWave has its closed form
+    unit = _period(equation, context) / (2 * context.pi)
+    return _Scaled(
+        unit**2 * context.mpf(hill.mean),
+        unit * context.mpf(hill.damping),
+        tuple((unit**2 * context.mpf(z.real), unit**2 * context.mpf(z.imag)) for z in hill.harmonics),
+    )
+
+
+def _period_map(scaled: _Scaled, context: Any, pieces: int, bits: int, offset: float) -> tuple[Matrix, int, int]:
+    """Return the map over a period from ``offset`` pieces after tau = 0, as integers times 2**exponent; and terms."""
+    half = context.pi / pieces
+    tangent = context.tan(half / 2)
+    shift = -context.mag(tangent)  # the series runs in t 2**shift, at most 1
+    reach = _fixed(context.ldexp(tangent, shift), bits)
+    mean, damping = _fixed(scaled.mean, bits), _fixed(2 * scaled.damping, bits)
+    total, exponent, terms = (1 << bits, 0, 0, 1 << bits), -bits, 0
+    for piece in range(pieces):
+        middle = (2 * piece + 1 + context.mpf(offset)) * half
+        waves = []
+        for k, (re, im) in enumerate(scaled.harmonics, start=1):
+            cosine, sine = context.cos_sin(k * middle)
+            waves.append((_fixed(re * cosine - im * sine, bits), _fixed(re * sine + im * cosine, bits)))
+        ends = [_series(start, mean, damping, waves, reach, shift, bits) for start in ((1 << bits, 0), (0, 1 << bits))]
+        terms += sum(end[4] for end in ends)
+        total, exponent = _advance(total, exponent, ends, bits)
+    return total, exponent, terms
+
+
+def _series(
+    start: tuple[int, int],
+    mean: int,
+    damping: int,
+    waves: list[tuple[int, int]],
+    reach: int,
+    shift: int,
+    bits: int,
+) -> tuple[int, int, int, int, int]:
+    """Sum A and B = A' at both ends of a piece from ``start`` = (A, B) in its middle.
+
+    Returns the even and odd parts of A, those of B, and the number of terms; all in fixed point with ``bits`` bits.
+    """
+    a_now, b_now = start
+    a_old = b_old = 0
+    a_all, b_all = [a_now], [b_now]
+    chain = [(0, 0)] * len(waves)  # coefficients of W_k one order below
+    descent = bits - reach.bit_length() + 1 - math.log2(reach / (1 << (reach.bit_length() - 1)))
+    small = 0
+    n = 0
+    while small < 4:
+        push = mean * a_now - damping * b_now
+        lower_re, lower_im, here_re, here_im = a_old, 0, a_now, 0
+        largest = abs(a_now) | abs(b_now)
+        for k, (wave_re, wave_im) in enumerate(waves):
+            old_re, old_im = chain[k]
+            # W_k = W_(k-1) + i t (W_(k-1) + W_k), the bracket one order below
+            here_re, here_im = here_re - ((lower_im + old_im) >> shift), here_im + ((lower_re + old_re) >> shift)
+            chain[k] = here_re, here_im
+            lower_re, lower_im = old_re, old_im
+            push += wave_re * here_re - wave_im * here_im
+            largest |= abs(here_re) | abs(here_im)
+        a_next = ((b_now << 1 >> shift) - ((n - 1) * a_old >> 2 * shift)) // (n + 1)
+        b_next = ((push >> (bits + shift - 1)) - ((n - 1) * b_old >> 2 * shift)) // (n + 1)
+        small = small + 1 if largest.bit_length() < 4 + n * descent else 0
+        a_old, b_old, a_now, b_now = a_now, b_now, a_next, b_next
+        a_all.append(a_now)
+        b_all.append(b_now)
+        n += 1
+    square = reach * reach >> bits
+    parts = []
+    for series in (a_all, b_all):
+        even, odd = _horner(series[0::2], square, bits), _horner(series[1::2], square, bits)
+        parts += [even, odd * reach >> bits]
+    return parts[0], parts[1], parts[2], parts[3], n
+
+
+def _horner(coefficients: list[int], argument: int, bits: int) -> int:
+    total = 0
+    for coefficient in reversed(coefficients):
+        total = coefficient + (total * argument >> bits)
+    return total
+
+
+def _advance(total: Matrix, exponent: int, ends: list[tuple[int, int, int, int, int]], bits: int) -> tuple[Matrix, int]:
+    """Multiply ``total`` by the map over a piece: its later end times the inverse of its earlier end."""
+    (ae, ao, be, bo, _), (ce, co, de, do, _) = ends
+    late = (ae + ao, ce + co, be + bo, de + do)
+    w, x, y, z = ae - ao, ce - co, be - bo, de - do
+    determinant = w * z - x * y
+    inverse = [(entry << 2 * bits) // determinant for entry in (z, -x, -y, w)]
+    product = _multiply(_multiply(late, inverse), total)
+    excess = max(entry.bit_length() for entry in product) - bits - _GUARD_BITS
+    a, b, c, d = (entry >> excess if excess > 0 else entry for entry in product)
+    return (a, b, c, d), exponent - 2 * bits + max(excess, 0)
+
+
+def _multiply(left: Sequence[int], right: Sequence[int]) -> Matrix:
+    a, b, c, d = left
+    e, f, g, h = right
+    return a * e + b * g, a * f + b * h, c * e + d * g, c * f + d * h
+
+
+def _fixed(number: Any, bits: int) -> int:
+    return int(number.context.ldexp(number, bits))
+
+
+def _check_size(size: Any) -> None:
+    if size > _LARGEST_SIZE:
+        raise TooMuchWork("the period holds more waves than can be followed")
+
+
+def _check_work(pieces: int, bits: int, harmonics: int) -> None:
+    terms = 4.0 * pieces * bits / 2.0
+    work = terms * (1.0 + 0.5 * harmonics) * (1.0 + (bits / 1500.0) ** 1.6)
+    if work > _LARGEST_WORK:
+        raise TooMuchWork(f"{pieces} pieces of the period with {bits} bits are more work than is worth waiting for")
+
+
+def _is_constant(equation: Equation) -> bool:
+    return equation.alpha == 0.0 if not isinstance(equation, Hill) else not equation.harmonics
+
+
+def _mean(equation: Equation) -> float:
+    return equation.mean if isinstance(equation, Hill) else equation.beta
+
+
+def _period(equation: Equation, context: Any) -> Any:
+    """Return the period: the exact 2 pi, or the double given with a `Hill`."""
+    return context.mpf(equation.period) if isinstance(equation, Hill) else 2 * context.pi
+
+
+def _split(excess: Any) -> tuple[float, int]:
+    """Return X as mantissa and exponent: a plain double where one holds it, as a negative X always is."""
+    if excess <= 0 or 1e-290 < excess < 1e290:
+        return float(excess), 0
+    mantissa, exponent = excess.context.frexp(excess)
+    return float(mantissa), int(exponent)
+
+
+def _against_damping(result: Stability, context: Any, excess: Any, error: Any) -> Stability:
+    """Return the verdict where the undamped motion grows, comparing growth and damping with all the digits."""
+    low, middle, high = (
+        2 * context.asinh(context.sqrt(max(x, 0))) / _period(result.equation, context) - result.equation.damping
+        for x in (excess - error, excess, excess + error)
+    )
+    status: Status = "unstable" if low > 0 else "stable" if high < 0 else "undecided"
+    if _is_constant(result.equation):
+        mean = _mean(result.equation)
+        status = "unstable" if mean > 0.0 else "stable"  # at mean = 0 the solutions are 1 and exp(-2 c tau): bounded
+    growth = 0.0 if status == "stable" else max(0.0, float(middle))
+    note = "" if status != "undecided" else "growth and damping agree to all the digits used"
+    return replace(result, status=status, growth_rate=growth, note=note)
+
+
+def _given_up(equation: Equation, reason: str) -> Stability:
+    return judge(
+        equation,
+        "reference",
+        sign=1,
+        excess=0.0,
+        excess_error=math.inf,
+        undamped_status="undecided",
+        cost=Cost(0, "terms"),
+        note=reason,
+    )

@@ -1,0 +1,263 @@
+"""Eigenvalue counts of Hill's infinite matrices: the default verdict, exact where rounding lets it decide."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import equations
+from floquetrod.equations import Hill, Mathieu
+from floquetrod.floquet.result import Cost, Interval, Stability, Status, judge
+from floquetrod.kernels import mathieu as kernels
+
+_EPS = 2.220446049250313e-16
+_MOST_ROWS = 250  # rows of a banded matrix beyond which `spectral` declines (a choice: a few seconds of work)
+_LARGEST_ERROR = 1e-3  # of the excess, relative: beyond it the growth rate is no longer worth stating (a choice)
+
+
+def spectral(equation: Mathieu | Hill) -> Stability:
+    """Judge by counting the eigenvalues of Hill's matrices below the value that the equation has.
+
+    Solutions are bounded when the number of periodic and antiperiodic eigenvalues of -u'' + p u below zero is odd
+    (oscillation theorem; DLMF 28.2(v) for Mathieu, Magnus and Winkler, *Hill's Equation*, Thm. 2.1 for Hill).
+
+    *Mathieu.*  The matrices split into four tridiagonal chains (`floquetrod.kernels.mathieu`); the count is that of
+    negative pivots d_k = D_k - a - q^2 / d_(k-1).  Stopping rule: let d_k > q and D_j - a >= 2 q for all j > k.  Then
+    d_(k+1) = D_(k+1) - a - q^2 / d_k > 2 q - q = q, and so on for ever: no later pivot is negative, and the count of
+    the infinite matrix is that of its first k rows.  Every pivot is enclosed between two doubles rounded outwards; a
+    pivot whose enclosure contains zero makes the verdict "undecided", so a verdict given is a proof.
+
+    *Hill.*  In the basis exp(i k W tau) the matrix H is Hermitian and banded.  Cut it as [[H_K, C], [C*, T]] with
+    T >= delta = ((K + 1) W)^2 + mean - sum abs(z_k) > 0.  By Sylvester's law N(H) = N(H_K - C T^-1 C*), and since
+    0 <= C T^-1 C* <= C C* / delta, N(H_K) <= N(H) <= N(H_K - C C* / delta).  K grows until both ends agree; an
+    eigenvalue within rounding of zero makes the verdict "undecided".
+
+    Parameters
+    ----------
+    equation : Mathieu or Hill
+        Damping c is treated by the exact substitution A = exp(-c tau) u, p -> p + c^2.
+
+    Returns
+    -------
+    Stability
+        ``error`` is a first-order estimate of rounding for Mathieu; for Hill the change from K to K + 4.
+
+    Examples
+    --------
+    >>> spectral(Mathieu(alpha=1e-8, beta=-0.25)).growth_rate
+    4.999999999999999e-09
+    """
+    equations.require(equation, (Mathieu, Hill), by="the spectral method")
+    return _mathieu(equation) if isinstance(equation, Mathieu) else _hill(equation)
+
+
+def _mathieu(equation: Mathieu) -> Stability:
+    sign, value, exponent, error, rows = kernels.excess(equation.alpha, equation.beta, equation.damping)
+    size = min(1.0, abs(math.ldexp(value, min(exponent, 60))))
+    excess_error = error * size if value != 0.0 else error
+    if not excess_error < math.inf:  # alpha^2 is beyond the range of a double, and X that of alpha = 0 to rounding
+        _, unforced, shift, unforced_error, _ = kernels.excess(0.0, equation.beta, equation.damping)
+        excess_error = unforced_error + abs(size - min(1.0, abs(math.ldexp(unforced, min(shift, 60)))))
+    below, pivots = _certain_count(equation)
+    status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
+    interval = None if below is None else Interval.from_count(below)
+    if equation.alpha == 0.0 and equation.damping == 0.0:
+        # Without forcing every tongue but the zeroth has closed: beta < 0 oscillates, beta >= 0 moves away.
+        status = "stable" if equation.beta < 0.0 else "unstable"
+    return judge(
+        equation,
+        "spectral",
+        sign=sign,
+        excess=value,
+        exponent=exponent,
+        excess_error=excess_error,
+        interval=interval,
+        undamped_status=status,
+        cost=Cost(pivots + rows, "pivots"),
+        note="a pivot cannot be told from zero in double precision" if status == "undecided" else "",
+    )
+
+
+def _up(value: float) -> float:
+    return math.nextafter(value, math.inf)
+
+
+def _down(value: float) -> float:
+    return math.nextafter(value, -math.inf)
+
+
+def _certain_count(equation: Mathieu) -> tuple[int | None, int]:
+    """Return the proved number of characteristic values below a (None where rounding hides it), and pivots used."""
+    q = 2.0 * abs(equation.alpha)
+    a_low = a_high = -4.0 * equation.beta
+    if equation.damping > 0.0:
+        square = equation.damping * equation.damping
+        a_low = _down(a_low - _up(4.0 * _up(square)))
+        a_high = _up(a_high - _down(4.0 * _down(square)))
+    count, pivots = 0, 0
+    for start, doubled, shift in ((0.0, True, 0.0), (2.0, False, 0.0), (1.0, False, q), (1.0, False, -q)):
+        k = start
+        low, high = _down(_down(k * k - a_high) + shift), _up(_up(k * k - a_low) + shift)
+        if a_low == a_high and k == 1.0:  # exact where 1 - a is: the tongue at a = 1 is then resolved at any q
+            low, high = _difference(1.0, a_low, shift)
+        while True:
+            pivots += 1
+            if low <= 0.0 <= high:
+                return None, pivots
+            count += high < 0.0
+            if low > q and _down(k * k - a_high) >= 2.0 * q and not doubled:
+                break
+            square_low = _down(q * _down(q / high)) if q else 0.0
+            square_high = _up(q * _up(q / low)) if q else 0.0
+            if doubled:
+                square_low, square_high, doubled = 2.0 * square_low, 2.0 * square_high, False
+            k += 2.0
+            low, high = _down(_down(k * k - a_high) - square_high), _up(_up(k * k - a_low) - square_low)
+    return count, pivots
+
+
+def _difference(one: float, a: float, shift: float) -> tuple[float, float]:
+    """Enclose one - a + shift, exactly where the double result is exact."""
+    value = math.fsum((one, -a, shift))  # correctly rounded
+    exact = math.fsum((one, -a, shift, -value)) == 0.0
+    return (value, value) if exact else (_down(value), _up(value))
+
+
+# --- general Hill equations ------------------------------------------------------------------------------------------
+
+
+def _hill(equation: Hill) -> Stability:
+    harmonics = np.array(equation.harmonics, dtype=np.complex128)
+    mean = equation.mean + equation.damping**2
+    bound = float(np.abs(harmonics).sum())
+    turn = 2.0 * math.pi / equation.period
+    cut = math.ceil(math.sqrt(abs(mean) + 2.0 * bound) / turn) + len(harmonics) + 8
+    below: int | None = None
+    rows = 0
+    while 2 * cut + 2 <= _MOST_ROWS:
+        below, settled = _banded_count(mean, harmonics, bound, turn, cut)
+        rows += 4 * cut
+        if below is not None or not settled:
+            break
+        cut *= 2
+    else:
+        return judge(
+            equation,
+            "spectral",
+            sign=1,
+            excess=0.0,
+            excess_error=math.inf,
+            cost=Cost(rows, "rows"),
+            note=f"needs Hill matrices of more than {_MOST_ROWS} rows; use method='monodromy'",
+        )
+    status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
+    coarse = _central_exponent(mean, harmonics, turn, cut)
+    fine = _central_exponent(mean, harmonics, turn, cut + 4)
+    sign, excess, exponent = _excess_of_exponent(fine, turn, status)
+    note = "an eigenvalue cannot be told from zero in double precision" if status == "undecided" else ""
+    # X responds to the square of the exponent near a boundary and to T times it far away.
+    scale = math.pi / turn
+    change = abs(fine - coarse) * scale * 2.0 * max(abs(fine * scale), 1.0) + abs(fine - coarse) ** 2 * scale**2
+    rounding = 8.0 * _EPS * (1.0 + scale * (abs(mean) + bound + (cut * turn) ** 2) / turn)
+    error = change + rounding
+    if not error <= _LARGEST_ERROR:
+        # The count holds, but the eigenvalues of a matrix so far from normal say nothing of the growth.
+        status, error = "undecided", math.inf
+        note = "grows too much in a period for eigenvalues in double precision to tell; use method='monodromy'"
+    return judge(
+        equation,
+        "spectral",
+        sign=sign,
+        excess=excess,
+        exponent=exponent,
+        excess_error=error,
+        interval=None if below is None else Interval.from_count(below),
+        undamped_status=status,
+        cost=Cost(rows + 8 * cut, "rows"),
+        note=note,
+    )
+
+
+def _bands(mean: float, harmonics: NDArray[Any], frequencies: NDArray[Any], correction: float) -> NDArray[Any]:
+    """Return the lower bands of H, less C C* times ``correction`` at both ends."""
+    size, width = len(frequencies), len(harmonics)
+    bands = np.zeros((width + 1, size), dtype=np.complex128)
+    bands[0] = frequencies**2 + mean
+    for j in range(1, width + 1):
+        bands[j, : size - j] = 0.5 * harmonics[j - 1]
+    if correction > 0.0 and width:
+        # C couples the last `width` rows to the rows beyond; C C* is the Gram matrix of those couplings.
+        couplings = np.zeros((width, width), dtype=np.complex128)
+        for row in range(width):
+            for j in range(row + 1, width + 1):
+                couplings[width - 1 - row, j - row - 1] = 0.5 * np.conj(harmonics[j - 1])
+        gram = couplings @ couplings.conj().T * correction
+        for i in range(width):
+            for j in range(i + 1):
+                bands[i - j, size - width + j] -= gram[i, j]
+                # The other end is the mirror image: row r from the end there couples with conjugate amplitudes.
+                bands[i - j, width - 1 - i] -= gram[i, j]
+    return bands
+
+
+def _banded_count(mean: float, harmonics: NDArray[Any], bound: float, turn: float, cut: int) -> tuple[int | None, bool]:
+    """Return the exact count of eigenvalues below zero (None if the ends differ) and whether none is close to zero."""
+    from scipy.linalg import eigvals_banded
+
+    delta = ((cut + 0.5) * turn) ** 2 + mean - bound
+    if delta <= 0.0:
+        return None, True
+    counts = []
+    for correction in (0.0, 1.0 / delta):
+        total = 0
+        for frequencies in (np.arange(-cut, cut + 1.0) * turn, (np.arange(-cut, cut) + 0.5) * turn):
+            values = eigvals_banded(_bands(mean, harmonics, frequencies, correction), lower=True)
+            norm = max(abs(values[0]), abs(values[-1]))
+            if np.abs(values).min() <= len(values) * _EPS * norm:
+                return None, False
+            total += int((values < 0.0).sum())
+        counts.append(total)
+    return (counts[0] if counts[0] == counts[1] else None), True
+
+
+def _central_exponent(mean: float, harmonics: NDArray[Any], turn: float, cut: int) -> complex:
+    """Return the Floquet exponent, real part >= 0, imaginary part in [0, W / 2], from Hill's quadratic pencil.
+
+    With u = exp(s tau) sum c_k exp(i k W tau) and v = u', the pencil is an ordinary eigenvalue problem for s; of its
+    eigenvalues, copies of +-s shifted by i k W, the central ones are the least harmed by the truncation.
+    """
+    frequencies = np.arange(-cut, cut + 1.0) * turn
+    size = len(frequencies)
+    coupling = np.diag(np.full(size, mean, dtype=np.complex128))
+    for j, amplitude in enumerate(harmonics, start=1):
+        if j < size:
+            coupling += np.diag(np.full(size - j, 0.5 * amplitude), -j)
+            coupling += np.diag(np.full(size - j, 0.5 * np.conj(amplitude)), j)
+    shift = np.diag(-1j * frequencies)
+    values = np.linalg.eigvals(np.block([[shift, np.eye(size)], [coupling, shift]]))
+    central = values[np.abs(values.imag) <= 0.5 * turn * (1.0 + 1e-9)]
+    if not len(central):  # a truncation far too small; the error estimate will say so
+        return 0j
+    best = central[np.argmax(central.real)]
+    return complex(abs(best.real), abs(best.imag))
+
+
+def _excess_of_exponent(exponent: complex, turn: float, status: Status) -> tuple[int, float, int]:
+    """Return sign, X and binary exponent of X for a Floquet exponent of the undamped equation."""
+    half = math.pi / turn
+    sign = 1 if exponent.imag < 0.25 * turn else -1
+    if status == "unstable":
+        rise = exponent.real * half
+        if rise < 300.0:
+            return sign, math.sinh(rise) ** 2, 0
+        power = 2.0 * rise / math.log(2.0)
+        whole = math.floor(power)
+        return sign, 0.25 * 2.0 ** (power - whole), whole
+    angle = exponent.imag * half
+    turned = math.sin(angle) ** 2 if sign > 0 else math.cos(angle) ** 2
+    if status == "undecided":  # either part may be rounding: both count
+        return sign, math.sinh(min(exponent.real * half, 300.0)) ** 2 - turned, 0
+    return sign, -turned, 0

@@ -1,0 +1,57 @@
+"""The closed form of the square wave: exact for Meissner's equation, an approximation to Mathieu's."""
+
+from __future__ import annotations
+
+import math
+
+from floquetrod import equations
+from floquetrod.equations import Mathieu, SquareWave
+from floquetrod.floquet.result import Cost, Stability, judge
+from floquetrod.kernels.square_wave import square_wave_excess
+
+_EPS = 2.220446049250313e-16
+
+
+def square_wave(equation: SquareWave | Mathieu) -> Stability:
+    """Judge by the closed form for a coefficient that takes two values.
+
+    With r_1^2 = beta + alpha, r_2^2 = beta - alpha, C = cosh(h r), S = sinh(h r) / r and h = pi / 2, the solutions
+    half a period after an instant of symmetry are
+
+        y1 = C1 C2 + r_1^2 S1 S2,            y2 = S1 C2 + C1 S2,
+        y1' = r_1^2 S1 C2 + r_2^2 C1 S2,     y2' = C1 C2 + r_2^2 S1 S2,
+
+    trace - 2 = 4 y1' y2 and trace + 2 = 4 y1 y2'.  All are entire in alpha and beta, so the form holds for all real
+    values; for alpha > abs(beta) the trace is Eq. (A4) of DOI 10.1115/1.4031710.
+
+    Parameters
+    ----------
+    equation : SquareWave or Mathieu
+        For Mathieu the sine is replaced by a square wave of its amplitude, and ``note`` says so.  Damping by the exact
+        substitution beta -> beta + c^2.
+
+    Returns
+    -------
+    Stability
+        ``error`` is a first-order bound on rounding; for Mathieu it does not include the replacement.
+
+    Examples
+    --------
+    >>> square_wave(SquareWave(alpha=0.0, beta=-0.16)).status
+    'stable'
+    """
+    equations.require(equation, (SquareWave, Mathieu), by="the square-wave method")
+    c2 = equation.damping**2
+    high, low = math.fsum((equation.beta, equation.alpha, c2)), math.fsum((equation.beta, -equation.alpha, c2))
+    sign, excess, exponent, error = square_wave_excess(high, low, _EPS * c2)
+    approximate = isinstance(equation, Mathieu)
+    return judge(
+        equation,
+        "square_wave",
+        sign=sign,
+        excess=excess,
+        exponent=exponent,
+        excess_error=error,
+        cost=Cost(1, "evaluation"),
+        note="approximation: a square wave in place of the sine" if approximate else "",
+    )

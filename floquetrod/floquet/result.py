@@ -1,0 +1,273 @@
+"""The one result every method returns, and the one place where a discriminant becomes a verdict.
+
+With c the damping, T the period and A = exp(-c tau) u, the undamped u has multipliers of product 1 and sum D_u.
+The *excess* X = (abs(D_u) - 2) / 4 is what decides: X = sinh(growth T / 2)^2 where u grows, -sin(rotation / 2)^2 where
+it is bounded.  Methods hand over X rather than D_u because near a boundary X keeps digits that D_u has rounded away.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+from floquetrod._util.content import NoTruthValue
+from floquetrod.equations import Equation
+
+Status = Literal["stable", "unstable", "undecided"]
+
+_EPS = sys.float_info.epsilon
+
+
+class Interval(NamedTuple):
+    """Where an equation lies between transition curves, counted from the static limit.
+
+    ``kind`` is "stability" for the interval of bounded motion between a_m and b_(m+1), "tongue" for the resonance
+    tongue between b_m and a_m; ``order`` is m.  Tongue 0 is static buckling, beyond a_0 (DLMF 28.2(v)).
+    """
+
+    kind: Literal["stability", "tongue"]
+    order: int
+
+    @classmethod
+    def from_count(cls, below: int) -> Interval:
+        """Return the interval with ``below`` transition curves under it (0: tongue 0, 1: stability interval 0, ...)."""
+        return cls("stability", (below - 1) // 2) if below % 2 else cls("tongue", below // 2)
+
+    def __str__(self) -> str:
+        """Return, say, "tongue 1"."""
+        return f"{'stability interval' if self.kind == 'stability' else 'tongue'} {self.order}"
+
+
+class Cost(NamedTuple):
+    """Work done for a verdict: ``amount`` of ``unit`` (pivots, steps, ...)."""
+
+    amount: int
+    unit: str
+
+    def __str__(self) -> str:
+        """Return, say, "37 pivots"."""
+        return f"{self.amount} {self.unit}"
+
+
+class Verdict(NoTruthValue):
+    """An answer that is stable, unstable or undecided."""
+
+    ask = ".stable (True, False, or None when undecided)"
+    if TYPE_CHECKING:  # a field of some classes and a property of others
+
+        @property
+        def status(self) -> Status:
+            """Verdict."""
+
+    @property
+    def stable(self) -> bool | None:
+        """True, False, or None when undecided."""
+        return {"stable": True, "unstable": False}.get(self.status)
+
+
+@dataclass(frozen=True, repr=False)
+class Stability(Verdict):
+    """A verdict with what is needed to trust it.
+
+    Attributes
+    ----------
+    equation : Equation
+        The equation judged.
+    method : str
+        Name of the method.
+    status : {"stable", "unstable", "undecided"}
+        Verdict.  "stable": every solution stays bounded (decays, if damped).
+    growth_rate : float
+        Rate of the fastest growing solution, per unit tau; 0 when stable, the best estimate when undecided.
+    discriminant : float
+        Trace of the monodromy matrix (sum of the multipliers); infinite when beyond the range of a double.
+    log_abs_discriminant : float
+        Natural logarithm of its magnitude, finite where the discriminant itself is not.
+    exponents : tuple of two complex
+        Floquet exponents per unit tau, defined up to multiples of 2 pi i / period; the faster growing first.
+    error : float
+        Bound or estimate (the method says which) on the discriminant's error relative to max(1, abs(discriminant)).
+    interval : Interval or None
+        The stability interval or tongue, of the equation freed of its damping; None where the method cannot tell.
+    period : float
+        Period of the coefficient in tau.
+    cost : Cost
+        Work done.
+    note : str
+        What a reader must know before relying on it: an approximation, a limit of the method, why it is undecided.
+    """
+
+    equation: Equation
+    method: str
+    status: Status
+    growth_rate: float
+    discriminant: float
+    log_abs_discriminant: float
+    exponents: tuple[complex, complex]
+    error: float
+    interval: Interval | None
+    period: float
+    cost: Cost = field(compare=False)
+    note: str = ""
+
+    @property
+    def multipliers(self) -> tuple[complex, complex]:
+        """Eigenvalues of the monodromy matrix, in the order of the exponents; infinite beyond the range of a double."""
+        first, second = (_multiplier(exponent, self.period) for exponent in self.exponents)
+        return first, second
+
+    def __repr__(self) -> str:
+        """Return the verdict as a sentence."""
+        verdict: str = self.status
+        if self.status == "unstable":
+            verdict += f": grows at {self.growth_rate:.6g} per unit tau"
+        elif self.status == "undecided":
+            verdict += f": growth {self.growth_rate:.3g} per unit tau cannot be told from none"
+        if self.interval is not None:
+            verdict += f", {self.interval}"
+        size = f"{self.discriminant:.10g}"
+        if math.isinf(self.discriminant):
+            size = f"{'-' if self.discriminant < 0.0 else ''}exp({self.log_abs_discriminant:.10g})"
+        text = f"{verdict}; discriminant {size} +- {self.error:.1g} relative; {self.method}, {self.cost}"
+        return f"<{text}; {self.note}>" if self.note else f"<{text}>"
+
+
+def judge(
+    equation: Equation,
+    method: str,
+    *,
+    sign: int,
+    excess: float,
+    exponent: int = 0,
+    excess_error: float,
+    cost: Cost,
+    interval: Interval | None = None,
+    undamped_status: Status | None = None,
+    note: str = "",
+) -> Stability:
+    """Return the `Stability` that follows from an excess X and its error.
+
+    Parameters
+    ----------
+    sign : int
+        Sign of the undamped discriminant, +1 or -1.
+    excess, exponent : float, int
+        X = excess * 2**exponent, so that neither huge nor tiny X leaves the range of a double.
+    excess_error : float
+        Error of X relative to max(1, abs(X)).
+    undamped_status : Status, optional
+        Verdict on the equation freed of its damping when known otherwise than from X (by counting, say).
+    """
+    period, damping = equation.period, equation.damping
+    if excess > 0.0:
+        excess, shift = math.frexp(excess)
+        exponent += shift
+    else:
+        excess, exponent = _ldexp(excess, exponent), 0
+    growth = _growth(excess, exponent, period)
+    undamped = undamped_status or _decide(excess, exponent, excess_error)
+    status = undamped
+    if damping > 0.0 and undamped != "stable":
+        low, high = _growth_band(excess, exponent, excess_error, period)
+        status = "unstable" if low > damping else "stable" if high < damping else "undecided"
+    net = max(0.0, growth - damping)
+    discriminant, log_size = _discriminant(sign, excess, exponent, damping * period)
+    if status == "undecided" and not note:
+        note = "too close to a boundary for this method"
+    return Stability(
+        equation=equation,
+        method=method,
+        status=status,
+        growth_rate=0.0 if status == "stable" else net,
+        discriminant=discriminant,
+        log_abs_discriminant=log_size,
+        exponents=_exponents(sign, excess, growth, damping, period),
+        error=4.0 * excess_error + 4.0 * _EPS,
+        interval=interval,
+        period=period,
+        cost=cost,
+        note=note,
+    )
+
+
+def _decide(excess: float, exponent: int, excess_error: float) -> Status:
+    """Return the verdict on an undamped equation that X and its error allow."""
+    if exponent > 900:
+        return "unstable" if excess_error < 1.0 else "undecided"
+    value = _ldexp(excess, exponent)
+    size = excess_error * max(1.0, abs(value))
+    return "unstable" if value > size else "stable" if value < -size else "undecided"
+
+
+def excess_of_trace(trace: float) -> tuple[int, float]:
+    """Return the sign of an undamped discriminant and its excess (which loses digits near +-2; prefer factors)."""
+    return (1 if trace >= 0.0 else -1), 0.25 * (abs(trace) - 2.0)
+
+
+def _growth(excess: float, exponent: int, period: float) -> float:
+    """Growth rate of u: 2 asinh(sqrt X) / T, zero where X <= 0."""
+    if excess <= 0.0:
+        return 0.0
+    if exponent > 900:
+        return (2.0 * math.log(2.0) + math.log(excess) + exponent * math.log(2.0)) / period
+    odd = exponent % 2
+    root = _ldexp(math.sqrt(_ldexp(excess, odd)), (exponent - odd) // 2)
+    return 2.0 * math.asinh(root) / period
+
+
+def _growth_band(excess: float, exponent: int, excess_error: float, period: float) -> tuple[float, float]:
+    """Return the growth rates of u at both ends of the band of X."""
+    if exponent > 900:
+        middle = _growth(excess, exponent, period)
+        spread = 2.0 * excess_error / period
+        return middle - spread, middle + spread
+    value = _ldexp(excess, exponent)
+    size = excess_error * max(1.0, abs(value))
+    slack = 4.0 * _EPS
+    return _growth(value - size, 0, period) * (1.0 - slack), _growth(value + size, 0, period) * (1.0 + slack)
+
+
+def _discriminant(sign: int, excess: float, exponent: int, decay: float) -> tuple[float, float]:
+    """Return the damped discriminant and the logarithm of its magnitude."""
+    if exponent > 900:
+        log_size = 2.0 * math.log(2.0) + math.log(excess) + exponent * math.log(2.0) - decay
+        return sign * _exp(log_size), log_size
+    size = 2.0 + 4.0 * _ldexp(excess, exponent)
+    log_size = math.log(abs(size)) - decay if size != 0.0 else -math.inf
+    if math.isinf(size) or decay > 700.0:
+        return sign * _exp(log_size), log_size
+    return sign * size * math.exp(-decay), log_size
+
+
+def _exponents(sign: int, excess: float, growth: float, damping: float, period: float) -> tuple[complex, complex]:
+    half_turn = math.pi / period
+    if excess > 0.0:
+        turn = half_turn if sign < 0 else 0.0
+        return complex(growth - damping, turn), complex(-growth - damping, turn)
+    angle = 2.0 * math.asin(min(1.0, math.sqrt(-excess))) / period
+    if sign < 0:
+        angle = half_turn - angle
+    return complex(-damping, angle), complex(-damping, -angle)
+
+
+def _multiplier(exponent: complex, period: float) -> complex:
+    size = _exp(exponent.real * period)
+    angle = exponent.imag * period
+    if abs(angle) >= math.pi * (1.0 - _EPS):  # the half turn is exact, the sine of a rounded pi is not
+        return complex(-size, 0.0)
+    if angle == 0.0:
+        return complex(size, 0.0)
+    return complex(size * math.cos(angle), size * math.sin(angle))
+
+
+def _exp(power: float) -> float:
+    return math.exp(power) if power < 709.0 else math.inf
+
+
+def _ldexp(value: float, exponent: int) -> float:
+    try:
+        return math.ldexp(value, exponent)
+    except OverflowError:
+        return math.copysign(math.inf, value)

@@ -1,0 +1,73 @@
+"""`fr.stability`: one question, any method."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+from floquetrod import equations
+from floquetrod._util import validate
+from floquetrod.equations import Equation, Hill, Mathieu, SquareWave
+from floquetrod.floquet.result import Stability
+
+METHODS: dict[str, tuple[type, ...]] = {
+    "spectral": (Mathieu, Hill),
+    "determinant": (Mathieu,),
+    "monodromy": (Mathieu, SquareWave, Hill),
+    "square_wave": (SquareWave, Mathieu),
+    "leapfrog": (Mathieu, SquareWave, Hill),
+    "reference": (Mathieu, SquareWave, Hill),
+}
+"""Every method, and the equations it applies to."""
+
+_AUTO: dict[type, tuple[str, ...]] = {
+    Mathieu: ("spectral", "reference"),
+    SquareWave: ("square_wave", "reference"),
+    Hill: ("monodromy", "spectral", "reference"),
+}
+
+
+def stability(equation: Equation, method: str = "auto", **options: Any) -> Stability:
+    """Judge an equation: is it stable, how fast does it grow, and how sure is that?
+
+    Parameters
+    ----------
+    equation : Mathieu, SquareWave or Hill
+        What to judge.
+    method : str
+        "auto", or one of "spectral", "determinant", "monodromy", "square_wave", "leapfrog", "reference".  "auto" takes
+        the fastest trustworthy one for the equation and goes on to slower, finer ones while the verdict is undecided.
+    **options
+        Passed to the method: ``terms`` (determinant), ``rtol`` (monodromy), ``step``, ``periods``, ``limit``
+        (leapfrog), ``digits`` (reference).
+
+    Returns
+    -------
+    Stability
+        Verdict, growth rate, discriminant, multipliers, error and cost.
+
+    Examples
+    --------
+    >>> stability(Mathieu(alpha=0.5, beta=-0.2)).status
+    'unstable'
+    """
+    equations.require(equation)
+    validate.choice("method", method, ("auto", *METHODS))
+    if method != "auto":
+        return run(method, equation, **options)
+    if options:
+        raise TypeError(f"method='auto' takes no options, got {', '.join(options)}; name a method to pass them to")
+    first, *finer = _AUTO[type(equation)]
+    result = run(first, equation)
+    for name in finer:
+        if result.status != "undecided":
+            break
+        result = run(name, equation)
+    return result
+
+
+def run(method: str, equation: Equation, **options: Any) -> Stability:
+    """Call the method of this name."""
+    function = getattr(importlib.import_module(f"floquetrod.floquet.methods.{method}"), method)
+    result: Stability = function(equation, **options)
+    return result

@@ -1,0 +1,226 @@
+"""What every question about kicks begins with: arguments that broadcast, growth without friction, kicks followed."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import mathieu
+from floquetrod._util import validate
+from floquetrod._util.arrays import broadcast
+from floquetrod._util.compilation import over_chunks
+from floquetrod.equations import FrictionalMathieu
+from floquetrod.friction.propagators import Propagators, cell_counts, no_kick_escapes_up_to, propagators
+from floquetrod.kernels import friction as kernels
+
+EFFORT = 500_000
+"""Cells an orbit may take, 32 or more to a period: a few thousandths of a second (a choice)."""
+
+SHORT = 4000
+"""Cells of one orbit that are interpreted, in up to a second: cheaper than numba is to load (measured)."""
+
+_AT_ONCE = 100_000  # cells held at once (a choice: some 70 MB)
+_SAMPLES = 8  # of creeping outwards (heuristic)
+
+
+def arguments(alpha: Any, beta: Any, gamma: Any, damping: Any, **kicks: NDArray[np.float64]) -> tuple[Any, ...]:
+    """Return the common shape and the flat arrays of arguments that broadcast; ``kicks`` are checked already."""
+    largest = np.finfo(np.float64).max
+    arrays = {
+        "alpha": validate.array("alpha", alpha),
+        "beta": validate.array("beta", beta),
+        "gamma": validate.array("gamma", gamma, least=0.0, largest=largest),
+        "damping": validate.array("damping", damping, least=0.0, largest=validate.LARGEST**0.5),
+        **kicks,
+    }
+    shape, flat = broadcast(**arrays)
+    return (shape, *flat)
+
+
+def size_of(epsilon: Any) -> NDArray[np.float64]:
+    """Return the size of kicks: to either side they are mirror images."""
+    largest = np.finfo(np.float64).max
+    size: NDArray[np.float64] = np.abs(validate.array("epsilon", epsilon, least=-largest, largest=largest))
+    return size
+
+
+def over_friction(kick: NDArray[np.float64], gamma: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return kick / gamma, all that matters of the two; the kick itself where there is no friction."""
+    with np.errstate(over="ignore"):
+        return kick / np.where(gamma > 0.0, gamma, 1.0)
+
+
+def growth_without_friction(
+    alpha: NDArray[np.float64], beta: NDArray[np.float64], damping: NDArray[np.float64], workers: int | None
+) -> NDArray[np.float64]:
+    """Return growth rates without friction, -1 where nothing grows; 0 where it is linear or too slow for a double."""
+    stable = mathieu.is_stable(alpha, beta, damping, workers=workers)
+    return np.where(stable, -1.0, mathieu.growth_rate(alpha, beta, damping, workers=workers))
+
+
+def growth_of(equation: FrictionalMathieu) -> float:
+    """Return the growth rate of one equation without friction, as `growth_without_friction` does."""
+    alpha, beta, damping = (np.array([value]) for value in (equation.alpha, equation.beta, equation.damping))
+    return float(growth_without_friction(alpha, beta, damping, 1)[0])
+
+
+class Prepared(NamedTuple):
+    """Equations that grow without friction, ready for kicks to be followed; gamma = 1.
+
+    Attributes
+    ----------
+    values : ndarray
+        alpha, beta and damping of each.
+    cells : Propagators
+    """
+
+    values: NDArray[np.float64]
+    cells: Propagators
+
+    def certain(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the kicks up to which none escapes, and those above which every one does: both proved."""
+        floor = no_kick_escapes_up_to(self.values[:, 0], self.values[:, 1], self.cells)
+        return np.minimum(floor, self.cells.ceiling), self.cells.ceiling
+
+    def nothing_known(self) -> NDArray[np.float64]:
+        """Return what orbits of each equation have shown before the first was followed."""
+        return np.full((len(self.values), 1 + kernels.TRAP), -1.0)
+
+    def judge(
+        self,
+        equation: NDArray[np.int64],
+        kicks: NDArray[np.float64],
+        effort: int,
+        workers: int | None,
+        known: NDArray[np.float64],
+        patient: bool,
+    ) -> NDArray[np.float64]:
+        """Return fate, time, reversals and sticks of rows of kicks, one equation to a row; NaN is no kick.
+
+        ``known``, a row for each, is what orbits have shown: the fate of creeping outwards, then an interval that
+        traps.  Slow creeping whose end depends on where it began is followed when ``patient``, else it is `MIXED`.
+        """
+        alpha, beta, _ = self.values[equation].T
+        kept = never_freed(alpha[:, None], beta[:, None], kicks)
+        runs = self._follow(equation, np.where(kept, math.nan, kicks), 0.0, 0.0, effort, workers, known, creep=False)
+        runs[kept] = kernels.STUCK, 0.0, 0.0, 0.0, 0.0
+        slow = runs[..., 0] == kernels.SLOW_RELEASE
+        rows = np.flatnonzero(slow.any(axis=1))
+        if rows.size:
+            new = rows[known[rows, 0] < 0.0]
+            known[new, 0] = self._creeping(equation[new], effort, workers, known[new])
+            runs[..., 0] = np.where(slow, known[:, :1], runs[..., 0])
+            if patient:
+                self._creep_on(equation, kicks, runs, effort, workers, known)
+        return runs[..., :4]
+
+    def _follow(
+        self,
+        equation: NDArray[np.int64],
+        velocity: NDArray[np.float64],
+        a: NDArray[np.float64] | float,
+        phase: NDArray[np.float64] | float,
+        effort: int,
+        workers: int | None,
+        known: NDArray[np.float64],
+        creep: bool,
+    ) -> NDArray[np.float64]:
+        """Return fate, time, reversals, sticks and A at the end of rows of starts; a velocity NaN is none."""
+        out = np.full((*velocity.shape, 5), np.nan)
+        starts = np.empty((*velocity.shape, 3))
+        starts[..., 0], starts[..., 1], starts[..., 2] = a, velocity, phase
+        traps = np.ascontiguousarray(known[:, 1:])
+        constants = equation, self.values, self.cells.first, traps, starts, effort, creep, *self.cells[1:3]
+        rows = np.arange(equation.size)
+        over_chunks(kernels.follow_fill, (rows,), out, *constants, workers=workers, chunk=32, interpret_up_to=0)
+        known[:, 1:] = traps
+        return out
+
+    def _creeping(
+        self, equation: NDArray[np.int64], effort: int, workers: int | None, known: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return the fate of orbits that creep outwards from where the largest force just frees them.
+
+        They go from the relative excess d to d + (9/2) Q^2 / abs(alpha) d^2 + ..., so all pass through one step's
+        length beginning at d = `SLOW`, anywhere in it.  Their fate is known where all fates sampled there agree.
+        """
+        alpha, outward = self.values[equation, 0], self._outward(equation)
+        step = _quadratic(alpha, outward) * kernels.SLOW**2
+        excess = kernels.SLOW * (1.0 + 1e-9) + 1.2 * step[:, None] * np.linspace(0.0, 1.0, _SAMPLES)
+        phase = np.where(alpha > 0.0, 1.5 * math.pi, 0.5 * math.pi)[:, None]
+        a = (1.0 + excess) / outward[:, None]
+        fates = self._follow(equation, np.zeros(a.shape), a, phase, effort, workers, known.copy(), False)[..., 0]
+        escaped, bounded = fates == kernels.GROWS, fates < kernels.GROWS
+        mixed = escaped.any(axis=1) & bounded.any(axis=1)
+        result: NDArray[np.float64] = np.select(
+            [mixed, escaped.all(axis=1), bounded.all(axis=1)],
+            [float(kernels.MIXED), float(kernels.GROWS), float(kernels.TRAPPED)],
+            float(kernels.LIMIT),
+        )
+        return result
+
+    def _creep_on(
+        self,
+        equation: NDArray[np.int64],
+        kicks: NDArray[np.float64],
+        runs: NDArray[np.float64],
+        effort: int,
+        workers: int | None,
+        known: NDArray[np.float64],
+    ) -> None:
+        """Follow kicks whose creeping is of mixed fate to its end, where that takes no more periods than ``effort``."""
+        mixed = runs[..., 0] == kernels.MIXED
+        outward = self._outward(equation)[:, None]
+        excess = np.where(mixed, outward * np.abs(runs[..., 4]) - 1.0, 1.0)
+        periods = (1.0 / excess - 1.0 / kernels.SLOW) / _quadratic(self.values[equation, :1], outward)
+        runs[mixed, 0] = kernels.LIMIT
+        soon = mixed & (periods <= effort)
+        rows = np.flatnonzero(soon.any(axis=1))
+        if rows.size:
+            again, seen = np.where(soon, kicks, math.nan)[rows], known[rows]
+            ends = self._follow(equation[rows], again, 0.0, 0.0, effort, workers, seen, creep=True)
+            runs[rows] = np.where(soon[rows, :, None], ends, runs[rows])
+
+    def _outward(self, equation: NDArray[np.int64]) -> NDArray[np.float64]:
+        outward: NDArray[np.float64] = self.values[equation, 1] + np.abs(self.values[equation, 0])
+        return outward
+
+
+def _quadratic(alpha: NDArray[np.float64], outward: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return by how much the square of the excess exceeds the next one, when creeping outwards."""
+    return 4.5 * outward * outward / np.abs(alpha)
+
+
+def never_freed(alpha: Any, beta: Any, kick: Any) -> Any:
+    """Return whether kicks stop no farther out than where the largest force may act for ever; gamma = 1."""
+    return kick * np.sqrt(np.abs(alpha) + np.abs(beta)) <= 1.0
+
+
+def prepare(
+    alpha: NDArray[np.float64],
+    beta: NDArray[np.float64],
+    damping: NDArray[np.float64],
+    rate: NDArray[np.float64],
+    workers: int | None,
+) -> Prepared:
+    """Return equations ready for kicks to be followed; ``rate`` is their growth without friction."""
+    return Prepared(np.stack([alpha, beta, damping], axis=1), propagators(alpha, beta, damping, rate, workers))
+
+
+def prepare_one(equation: FrictionalMathieu, rate: float) -> Prepared:
+    """Return one equation ready for kicks to be followed."""
+    alpha, beta, damping, rates = np.array([[equation.alpha], [equation.beta], [equation.damping], [rate]])
+    return prepare(alpha, beta, damping, rates, 1)
+
+
+def parts(
+    chosen: NDArray[np.int64], alpha: NDArray[np.float64], beta: NDArray[np.float64], damping: NDArray[np.float64]
+) -> list[NDArray[np.int64]]:
+    """Return the indices ``chosen`` in parts whose cells fit into memory at once."""
+    if not chosen.size:
+        return []
+    turn = np.cumsum(cell_counts(alpha[chosen], beta[chosen], damping[chosen])) // _AT_ONCE
+    return np.split(chosen, np.flatnonzero(np.diff(turn)) + 1)

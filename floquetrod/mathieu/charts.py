@@ -1,0 +1,132 @@
+"""Stability charts over the plane of two parameters of an equation."""
+
+from __future__ import annotations
+
+import functools
+import importlib
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import equations
+from floquetrod._util import validate
+from floquetrod._util.version import __version__
+from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.equations import Equation, Mathieu, SquareWave
+from floquetrod.floquet.stability import stability
+from floquetrod.mathieu.arrays import growth_rate, is_stable
+from floquetrod.mathieu.criterion import PaperCriterion
+
+
+def chart(
+    alpha: Any,
+    beta: Any,
+    damping: float = 0.0,
+    *,
+    equation: Callable[[float, float, float], Equation] = Mathieu,
+    growth: bool = False,
+    growth_tolerance: float = 0.0,
+    criterion: PaperCriterion | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Chart:
+    """Return the stability chart (Ince-Strutt diagram) over a rectangle of the (alpha, beta) plane.
+
+    Parameters
+    ----------
+    alpha, beta : tuple (low, high, number) or increasing array
+        Columns and rows.
+    damping : float
+        c, one value for the whole chart.
+    equation : callable (alpha, beta, damping) -> Equation
+        The family charted: `Mathieu`, `SquareWave`, or any function that returns an equation, such as
+        ``lambda a, b, c: Hill(b, sines=(a, 0.3 * a), damping=c)``.  Mathieu's is a thousand times faster than others,
+        which `floquetrod.stability` judges one by one.
+    growth : bool
+        Whether to compute growth rates too, which costs about fifty times a verdict of Mathieu's equation.
+    growth_tolerance : float
+        Growth per unit tau up to which a point counts as stable.
+    criterion : PaperCriterion, optional
+        The paper's test in place of stability for ever; Mathieu's equation only.
+    workers : int, optional
+        Threads; by default one for each core when there is enough to do.
+    progress : callable, optional
+        Called with the numbers of points done and to do.
+
+    Examples
+    --------
+    >>> chart((0.0, 2.0, 5), (-1.0, 0.0, 3)).stable.sum().item()
+    3
+    """
+    x = Axis("alpha", r"\alpha", "", axis_values("alpha", alpha))
+    y = Axis("beta", r"\beta", "", axis_values("beta", beta))
+    c = validate.within("damping", damping, 0.0, validate.LARGEST**0.5, "give one number for the whole chart")
+    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    growth = validate.flag("growth", growth)
+    workers = validate.workers(workers)
+    validate.progress(progress)
+    kind = _name(validate.function("equation", equation)(0.0, 0.0, 0.0))
+    if criterion is not None:
+        validate.instance("criterion", criterion, PaperCriterion)
+        criterion.require_alone(growth_tolerance=tolerance)
+        equations.require(equation(0.0, 0.0, 0.0), (Mathieu,), by="PaperCriterion")
+    judge = _judge_mathieu if equation is Mathieu else functools.partial(_judge_each, equation)
+
+    def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
+        status, rate = judge(x.values, values, c, tolerance, growth, workers)
+        if criterion is not None:
+            status = criterion.is_stable(x.values, values, c, workers=workers).astype(np.int8)
+        return status, rate
+
+    status, rate = fill_rows(rows, y.values, x.values.size, (np.int8, np.float64), progress)
+    subject = {"kind": kind, "fixed": [["damping", c, "per unit of tau"]]}
+    return Chart(
+        x,
+        y,
+        status == 1,
+        rate if growth else None,
+        None,
+        "per tau",
+        subject,
+        tolerance,
+        "" if criterion is None else str(criterion),
+        int((status < 0).sum()),
+        __version__,
+    )
+
+
+def _judge_mathieu(
+    alpha: NDArray[np.float64], beta: NDArray[np.float64], c: float, tolerance: float, growth: bool, workers: int | None
+) -> tuple[Any, Any]:
+    """Return 1 where stable and 0 where not, and the growth rate where it was needed."""
+    rate = growth_rate(alpha, beta, c, workers=workers) if growth or tolerance > 0.0 else np.zeros(())
+    return (rate <= tolerance if tolerance > 0.0 else is_stable(alpha, beta, c, workers=workers)), rate
+
+
+def _judge_each(
+    equation: Callable[[float, float, float], Equation],
+    alpha: NDArray[np.float64],
+    beta: NDArray[np.float64],
+    c: float,
+    tolerance: float,
+    *_: Any,
+) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
+    """Return 1 where stable, 0 where not and -1 where undecided, and the growth rate, one equation after another."""
+    importlib.import_module("numba")  # once it is loaded, scalar methods run as machine code
+    status = np.empty((beta.size, alpha.size), dtype=np.int8)
+    rate = np.empty(status.shape)
+    for row, y in enumerate(beta.ravel().tolist()):
+        for column, x in enumerate(alpha.tolist()):
+            result = stability(equation(x, y, c))
+            rate[row, column] = result.growth_rate
+            small = 0.0 < result.growth_rate <= tolerance
+            status[row, column] = -1 if result.status == "undecided" else result.status == "stable" or small
+    return status, rate
+
+
+def _name(equation: Equation) -> str:
+    equations.require(equation)
+    names = {Mathieu: "Mathieu's equation", SquareWave: "Meissner's equation (square wave)"}
+    return names.get(type(equation), "Hill's equation")

@@ -1,0 +1,130 @@
+"""The paper's test as a criterion for charts: has the motion grown a million times in 100 periods?"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import broadcast, plain, shaped
+from floquetrod._util.compilation import over_chunks
+from floquetrod.kernels.leapfrog import leapfrog_map_fill
+from floquetrod.kernels.mathieu import mode_coefficients, modes_needed_fill
+from floquetrod.kernels.powers import displacement_fill
+from floquetrod.kernels.taylor import mathieu_map_fill
+
+_CHUNK = 256  # points a thread takes at a time: each costs microseconds, by leapfrog a tenth of a millisecond
+
+
+@dataclass(frozen=True)
+class PaperCriterion:
+    """Stable when abs(A(end)) / A'(0) stays below a limit after a number of periods, from A(0) = 0.
+
+    Parameters
+    ----------
+    periods : int
+        Periods of 2 pi looked at.
+    limit : float
+        Growth that counts as instability.
+    by : {"exact", "leapfrog"}
+        "exact" carries the motion with the map over a period to rounding, that is with the equation's own growth and
+        phase; "leapfrog" with the map of the paper's scheme.
+    step : float
+        Longest step in tau of the leapfrog.
+
+    Notes
+    -----
+    Eq. (6) and section 3.2 of DOI 10.1115/1.4031710.  The scheme is linear and its coefficient periodic, so that its
+    map over one period, raised to a power, ends where stepping through all periods would.
+
+    The test is not a verdict on stability: growth below about ``threshold`` per unit tau passes it.  "About", because
+    the motion ends at K exp(growth time), where K depends on the phase; `floquetrod.stability` decides for ever.
+
+    Examples
+    --------
+    >>> PaperCriterion().is_stable([0.03, 0.1], -0.25)
+    array([ True, False])
+    """
+
+    periods: int = 100
+    limit: float = 1e6
+    by: str = "exact"
+    step: float = 5e-4
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        object.__setattr__(self, "periods", validate.integer("periods", self.periods, 1))
+        object.__setattr__(self, "limit", validate.positive("limit", self.limit))
+        if self.limit <= 1.0:
+            raise ValueError(f"limit must be greater than 1, got {self.limit!r}: a bounded motion already reaches 1")
+        object.__setattr__(self, "by", validate.choice("by", self.by, ("exact", "leapfrog")))
+        object.__setattr__(self, "step", validate.positive("step", self.step))
+        if not 1e-6 <= self.step <= 0.5:
+            raise ValueError(f"step must lie between 1e-6 and 0.5, got {self.step!r}")
+
+    @property
+    def threshold(self) -> float:
+        """Growth per unit tau that reaches the limit in the time given, if it starts from 1."""
+        return math.log(self.limit) / (2.0 * math.pi * self.periods)
+
+    def require_alone(self, **others: float) -> None:
+        """Raise ValueError unless every other criterion is zero."""
+        for name, value in others.items():
+            if value != 0.0:
+                raise ValueError(f"{name} must be 0 with a criterion, got {value!r}: each says what counts as stable")
+
+    def __str__(self) -> str:
+        """Say what passes."""
+        carried = "exactly" if self.by == "exact" else f"by leapfrog of step {self.step:g}"
+        return f"stable means growth below {self.limit:g} in {self.periods} periods, computed {carried}"
+
+    def growth(self, alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
+        """Return log10 of abs(A(end)) / A'(0) for Mathieu's equation; arguments broadcast as in `mathieu.is_stable`."""
+        shape, inputs = broadcast(
+            alpha=validate.array("alpha", alpha),
+            beta=validate.array("beta", beta),
+            damping=validate.array("damping", damping, least=0.0, largest=validate.LARGEST**0.5),
+        )
+        maps = np.empty((inputs[0].size, 5))
+        if self.by == "exact":
+            few = int(6.0 / (1.0 + 1e-2 * math.sqrt(max(np.abs(part).max(initial=0.0) for part in inputs[:2]))))
+            over_chunks(mathieu_map_fill, inputs, maps, workers=workers, chunk=_CHUNK, interpret_up_to=few)
+        else:
+            count = 4 * math.ceil(0.5 * math.pi / self.step)
+            sine = np.sin(np.arange(count) * (2.0 * math.pi / count))
+            over_chunks(leapfrog_map_fill, inputs, maps, sine, workers=workers, chunk=_CHUNK, interpret_up_to=0)
+        out = np.empty(len(maps))
+        over_chunks(displacement_fill, (maps,), out, self.periods, workers=workers)
+        return shaped(out, shape)
+
+    def is_stable(self, alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
+        """Return whether the motion passes the test; arguments as in `growth`."""
+        return plain(self.growth(alpha, beta, damping, workers=workers) < math.log10(self.limit))
+
+    def modes_are_stable(
+        self,
+        family: tuple[NDArray[np.float64], ...],
+        damping: NDArray[np.float64],
+        *,
+        workers: int | None = None,
+    ) -> NDArray[np.bool_]:
+        """Return which families (A, B, C, D) of modes, alpha = A m^2, beta = B m^2 - C m^4 - D, pass in every mode m.
+
+        Half the threshold of growth bounds the modes left out: they are far from resonance, abs(A) / A'(0) is below 1
+        at first, and what grows at half the rate ends at the square root of the limit.
+        """
+        big_a, big_b, big_c, big_d = family
+        left = np.empty(big_a.size, dtype=np.int64)
+        target = damping + 0.5 * self.threshold
+        inputs = (big_a, big_b, big_c, big_d - damping * damping, target)
+        over_chunks(modes_needed_fill, inputs, left, workers=workers, chunk=4096)
+        out = np.ones(big_a.size, dtype=np.bool_)
+        for mode in range(1, int(left.max(initial=0)) + 1):
+            at = np.flatnonzero(out & (mode <= left))
+            alpha, beta = mode_coefficients(big_a[at], big_b[at], big_c[at], big_d[at], mode)
+            out[at] = self.is_stable(alpha, beta, damping[at], workers=workers)
+        return out

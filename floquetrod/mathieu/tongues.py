@@ -1,0 +1,350 @@
+"""Where Mathieu's equation grows faster than a level, along its mean, its frequency and its amplitude.
+
+Equations are freed of their damping: u'' = (b + alpha sin tau) u with b = beta + c^2, whose growth rate is compared
+with c and a tolerance.  Every function takes arrays of questions, one for each equation and range, and returns the
+parts of all of them.  docs/ranges.md derives what is complete, and what is not.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util.compilation import over_chunks
+from floquetrod.kernels import characteristic, mathieu
+from floquetrod.mathieu.bands import Floats, Ints, Parts, level, parts_above
+
+_FEWEST = 32  # points in a tongue crossed along the amplitude where growth need not be concave (a choice)
+_SPACING = 1e-3  # of points along the amplitude there, at the most, as a share of the range (a choice)
+_FINEST = 2.0**-12  # share of such a tongue down to which pieces seen to be convex are divided (a choice)
+_INTERPRETED_ROWS = 4000.0  # of Hill's matrices, left to the interpreter: about a millisecond (heuristic)
+_PATIENCE = 300  # times as many before anything is compiled: what compiling takes at the least (heuristic)
+
+
+class Tongues(NamedTuple):
+    """Parts of tongues ``order`` in the questions ``which``, from ``first`` to ``last``.
+
+    ``left_out`` is the number of tongues that meet the ranges and nowhere exceed the level; ``resolution`` the width,
+    in each question, up to which parts may have been missed: zero where the search is complete.
+    """
+
+    which: Ints
+    order: Ints
+    first: Floats
+    last: Floats
+    left_out: int
+    resolution: Floats
+
+
+def along_mean(alpha: Floats, above: Floats, low: Floats, high: Floats) -> Tongues:
+    """Return where ``low`` < b < ``high`` grows faster than ``above`` >= 0 per unit tau, each with its own alpha.
+
+    The tongues that meet a range are known by counting.  Inside each the growth is concave in b.
+    """
+    q = 2.0 * np.abs(alpha)
+    free = q == 0.0
+    start = np.where(free, high, low)
+    bound = np.flatnonzero((above > 0.0) & ~free)
+    start[bound] = _where_bounded(
+        lambda b, i: _growth_bounds(-4.0 * b, q[bound[i]]) <= above[bound[i]],
+        low[bound],
+        np.clip(-0.5 * q[bound], low[bound], high[bound]),
+    )
+    begin, end, whole = (_counts(-4.0 * b, q) // 2 for b in (start, high, low))
+    index, order = _ladders(end, begin)
+    index, order = _only(~free[index], index, order)
+    a, b = (_characteristic(order, q[index], odd) for odd in (False, True))
+    bottom = np.clip(-0.25 * np.maximum(a, b), low[index], high[index])
+    top = np.clip(np.where(order == 0, np.inf, -0.25 * np.minimum(a, b)), low[index], high[index])
+    parts = _in_tongues(
+        lambda x, i: _growth(alpha[index[i]], x), index, bottom, top, above[index], np.zeros(index.size)
+    )
+    edge = np.maximum(above**2, low)  # without forcing only b > 0 grows, at sqrt(b)
+    buckled = np.flatnonzero(free & (edge < high))
+    resonant = int((whole - end)[~free].sum()) + int((end == 0)[~free].sum())
+    found = _collect(parts, index, order, buckled, edge, high)
+    return Tongues(*found, max(0, resonant - parts.which.size), np.zeros(q.size))
+
+
+def along_frequency(alpha: Floats, b: Floats, rate: Floats, low: Floats, high: Floats) -> Tongues:
+    """Return where ``low`` < omega < ``high`` the growth per second exceeds ``rate``; alpha and b at omega = 1.
+
+    Both are proportional to x = 1 / omega^2, so that Hill's matrix is K - x V with K = diag(k^2) and V fixed.  Where an
+    eigenvalue passes zero, K v = x V v, its slope is -v.V v = -v.K v / x <= 0: eigenvalues pass zero downwards only,
+    the count of negative ones never falls as x grows, and bisection on it finds every passage.  In between the growth
+    per unit tau is concave in x, and it is compared with rate sqrt(x).
+    """
+    q, a = 2.0 * np.abs(alpha), -4.0 * b
+    free = q == 0.0
+
+    def count(omega: Floats, i: Ints) -> Ints:
+        x = omega**-2.0
+        return _counts(a[i] * x, q[i] * x)
+
+    start = np.where(free, high, low)
+    bound = np.flatnonzero((rate > 0.0) & ~free & (a > 2.0 * q))
+    start[bound] = _where_bounded(
+        lambda omega, i: _growth_bounds(a[bound[i]] / omega**2, q[bound[i]] / omega**2) * omega <= rate[bound[i]],
+        low[bound],
+        high[bound],
+    )
+    every = np.arange(q.size)
+    begin, end, whole = count(start, every), count(high, every), count(low, every)
+    index, target = _ladders(end, begin)  # the count is `target` just above the frequency sought, or more below
+    climbs = target < begin[index]
+    place = start[index].copy()
+    sought = np.flatnonzero(climbs)
+    place[sought] = _passages(count, index[sought], target[sought], start[index[sought]], high[index[sought]])
+    upper = np.append(high[:1], place[:-1]) if place.size else place
+    upper = np.where(target == end[index], high[index], upper)
+    keep = (target % 2 == 0) & (upper > place) & ~free[index]
+    index, order, bottom, top = _only(keep, index, target // 2, place, upper)
+    parts = _in_tongues(
+        lambda x, i: _growth(alpha[index[i]] * x, b[index[i]] * x),
+        index,
+        top**-2.0,
+        bottom**-2.0,
+        np.zeros(index.size),
+        rate[index],
+    )
+    exact = rate[index[parts.which]] == 0.0
+    first, last = (np.maximum(x, 1e-300) ** -0.5 for x in (parts.last, parts.first))
+    # Where a part ends with its tongue its end is that of the tongue, not twice converted.
+    at_bottom = exact | (parts.last == (bottom**-2.0)[parts.which])
+    at_top = exact | (parts.first == (top**-2.0)[parts.which])
+    first, last = np.where(at_bottom, bottom[parts.which], first), np.where(at_top, top[parts.which], last)
+    buckled = np.flatnonzero(free & (b > 0.0) & (b > rate**2))
+    met = (whole + 2) // 2 - (end + 1) // 2  # even counts from end to whole
+    left_out = max(0, int(met[~free].sum()) - parts.which.size)
+    found = _collect(Parts(parts.which, first, last), index, order, buckled, low, high)
+    return Tongues(*found, left_out, np.zeros(q.size))
+
+
+def along_amplitude(b: Floats, above: Floats, low: Floats, high: Floats) -> Tongues:
+    """Return where ``low`` < alpha < ``high`` grows faster than ``above`` per unit tau, each with its own b.
+
+    For b >= 0 the search is complete: the count of Hill's negative eigenvalues never falls as alpha grows, and between
+    its jumps the growth is concave in alpha.  For b < 0 neither holds: counts and growth are evaluated at points no
+    further apart than a thousandth of the range, which is then the ``resolution``, closer where growth is convex.
+    """
+    start = low.copy()
+    bound = np.flatnonzero((above > 0.0) & (b < 0.0))
+    a = -4.0 * b
+    start[bound] = _where_bounded(
+        lambda alpha, i: _growth_bounds(a[bound[i]], 2.0 * alpha) <= above[bound[i]], low[bound], high[bound]
+    )
+    index, count, bottom, top = _amplitude_pieces(b, start, high)
+    left_out = int((np.abs(_counts(a, 2.0 * start) - _counts(a, 2.0 * low)) // 2).sum())
+    index, order, bottom, top = _only(count % 2 == 0, index, count // 2, bottom, top)
+    # Chebyshev points lie at most pi / 2 times as far apart as even ones.
+    points = np.maximum(_FEWEST, np.ceil(0.5 * math.pi / _SPACING * (top - bottom) / (high - low)[index]))
+    found = []
+    for proved in (True, False):
+        some = np.flatnonzero((b[index] >= 0.0) == proved)
+        where = index[some]
+        parts = _in_tongues(
+            functools.partial(_growth_at, b[where]),
+            where,
+            bottom[some],
+            top[some],
+            above[where],
+            np.zeros(some.size),
+            None if proved else points[some].astype(np.int64),
+        )
+        found.append(Parts(some[parts.which], parts.first, parts.last))
+    resolution = np.where((b < 0.0) & (start < high), _SPACING * (high - low), 0.0)
+    parts = Parts(*(np.concatenate(values) for values in zip(*found, strict=True)))
+    nothing = np.empty(0, dtype=np.int64)
+    left_out += index.size - np.unique(parts.which).size
+    return Tongues(*_collect(parts, index, order, nothing, low, high), left_out, resolution)
+
+
+def damping_to_stabilise(alpha: float, beta: float) -> float:
+    """Return the smallest c from which on every larger damping stabilises the equation, infinite where none does.
+
+    Stable means u(beta + c^2) <= c, u the undamped growth.  For beta > 0 strong damping leaves A' = p A / (2 c), which
+    grows at beta / (2 c): no damping suffices.  For beta <= 0 put b = beta + c^2.  In tongue 0 solutions without zeros
+    have r = A' / A with r' = p - r^2, so u^2 = mean(r)^2 <= mean(r^2) = b <= c^2: stable.  What remains are tongues 1,
+    2, ... between beta and tongue 0, from the top: the largest b of the first that has u > sqrt(b - beta), where u and
+    the root are both concave in b.
+    """
+    if beta > 0.0 or (beta == 0.0 and alpha == 0.0):
+        return math.inf
+    q = 2.0 * abs(alpha)
+    if q == 0.0:
+        return 0.0
+    for order in range(1, int(_counts(np.array([-4.0 * beta]), np.array([q]))[0]) // 2 + 1):
+        bottom = -0.25 * characteristic.characteristic_value(order, q, False)
+        top = -0.25 * characteristic.characteristic_value(order, q, True)
+        bottom, top = max(beta, min(bottom, top)), max(bottom, top)
+        # u <= alpha / (pi sqrt(-b)) wherever b < 0 (energy u'^2 - b u^2): a tongue too far above beta is out of reach.
+        if top <= beta or (top < 0.0 and bottom - beta > alpha * alpha / (math.pi**2 * -top)):
+            continue
+        parts = parts_above(
+            lambda b, i: _growth(np.full(b.size, alpha), b),
+            np.array([bottom]),
+            np.array([top]),
+            level(0.0, 1.0, beta, size=1),
+        )
+        if parts.last.size:
+            return math.sqrt(max(0.0, float(parts.last.max()) - beta))
+    return 0.0
+
+
+def _in_tongues(
+    growth: Callable[[Floats, Ints], Floats],
+    index: Ints,
+    bottom: Floats,
+    top: Floats,
+    constant: Floats,
+    root: Floats,
+    points: Ints | None = None,
+) -> Parts:
+    """Return the parts of tongues above their level, which are whole tongues where the level is zero.
+
+    ``points`` are those to begin with where growth need not be concave.
+    """
+    every = np.arange(index.size)
+    whole = (constant == 0.0) & (root == 0.0) & (top > bottom)
+    some = np.flatnonzero(~whole & (top > bottom))
+    above = level(constant[some], root[some], size=some.size)
+    options: dict[str, Any] = {} if points is None else {"points": points[some], "finest": _FINEST}
+    found = parts_above(lambda x, i: growth(x, some[i]), bottom[some], top[some], above, **options)
+    which = np.concatenate([every[whole], some[found.which]])
+    return Parts(which, np.concatenate([bottom[whole], found.first]), np.concatenate([top[whole], found.last]))
+
+
+def _collect(
+    parts: Parts, index: Ints, order: Ints, buckled: Ints, low: Floats, high: Floats
+) -> tuple[Ints, Ints, Floats, Floats]:
+    """Return question, order and ends of all parts, those that buckle without forcing at the end."""
+    return (
+        np.concatenate([index[parts.which], buckled]),
+        np.concatenate([order[parts.which], np.zeros(buckled.size, dtype=np.int64)]),
+        np.concatenate([parts.first, low[buckled]]),
+        np.concatenate([parts.last, high[buckled]]),
+    )
+
+
+def _only(kept: NDArray[np.bool_], *arrays: NDArray[Any]) -> tuple[NDArray[Any], ...]:
+    return tuple(array[kept] for array in arrays)
+
+
+def _ladders(start: Ints, stop: Ints) -> tuple[Ints, Ints]:
+    """Return (question, number) for the numbers from ``start`` to ``stop``, both included, of every question."""
+    sizes = np.maximum(stop - start + 1, 0)
+    index = np.repeat(np.arange(start.size), sizes)
+    first = np.repeat(np.cumsum(sizes) - sizes, sizes)
+    return index, np.arange(index.size) - first + start[index]
+
+
+def _where_bounded(settled: Callable[[Floats, Ints], NDArray[np.bool_]], low: Floats, high: Floats) -> Floats:
+    """Return a place up to which ``settled`` holds, which it does from ``low`` up to some place or nowhere."""
+    every = np.arange(low.size)
+    if not low.size:
+        return low
+    bottom, top = low.copy(), high.copy()
+    holds = settled(bottom, every)
+    all_of_it = settled(top, every) & holds
+    some = np.flatnonzero(holds & ~all_of_it)
+    for _ in range(40 if some.size else 0):
+        middle = 0.5 * (bottom[some] + top[some])
+        here = settled(middle, some)
+        bottom[some], top[some] = np.where(here, middle, bottom[some]), np.where(here, top[some], middle)
+    return np.where(all_of_it, high, np.where(holds, bottom, low))
+
+
+def _passages(count: Callable[[Floats, Ints], Ints], index: Ints, target: Ints, more: Floats, less: Floats) -> Floats:
+    """Return where the count passes ``target``, to rounding: it exceeds it at ``more`` and not at ``less``."""
+    more, less = more.copy(), less.copy()
+    open_ = np.arange(index.size)
+    while open_.size:
+        low, high = np.minimum(more, less)[open_], np.maximum(more, less)[open_]
+        middle = np.sqrt(low) * np.sqrt(high)  # quicker where the ends are far apart
+        middle = np.where((middle > low) & (middle < high) & (low < 0.5 * high), middle, 0.5 * (low + high))
+        parted = (middle > low) & (middle < high)
+        open_, middle = open_[parted], middle[parted]
+        exceeds = count(middle, index[open_]) > target[open_]
+        more[open_], less[open_] = np.where(exceeds, middle, more[open_]), np.where(exceeds, less[open_], middle)
+    return less
+
+
+def _amplitude_pieces(b: Floats, low: Floats, high: Floats) -> tuple[Ints, Ints, Floats, Floats]:
+    """Return question, count and ends of the pieces of [low, high] of alpha on which the count is constant.
+
+    For b >= 0 counts never fall as alpha grows (the pencil -d^2 + b is not negative); for b < 0 they may turn back, and
+    are taken at points `_SPACING` of the range apart.
+    """
+
+    def count(alpha: Floats, i: Ints) -> Ints:
+        return _counts(-4.0 * b[i], 2.0 * alpha)
+
+    cells = np.where((b < 0.0) & (low < high), round(1.0 / _SPACING), 1)
+    owner, number = _ladders(np.zeros(b.size, dtype=np.int64), cells)
+    place = low[owner] + (high - low)[owner] * (number / cells[owner])
+    found = count(place, owner)
+    cell = np.flatnonzero((owner[1:] == owner[:-1]) & (found[1:] != found[:-1]))
+    least, most = np.minimum(found[cell], found[cell + 1]), np.maximum(found[cell], found[cell + 1])
+    passed, target = _ladders(least, most - 1)
+    left, right = place[cell][passed], place[cell + 1][passed]
+    falling = found[cell][passed] > target
+    at = _passages(count, owner[cell][passed], target, np.where(falling, left, right), np.where(falling, right, left))
+    every = np.arange(b.size)
+    place, owner = np.concatenate([low, high, at]), np.concatenate([every, every, owner[cell][passed]])
+    order = np.lexsort((place, owner))
+    place, owner = place[order], owner[order]
+    within = (owner[1:] == owner[:-1]) & (place[1:] > place[:-1])
+    index, bottom, top = owner[:-1][within], place[:-1][within], place[1:][within]
+    return index, count(0.5 * (bottom + top), index), bottom, top
+
+
+def _growth(alpha: Floats, b: Floats) -> Floats:
+    out = np.empty(b.size)
+    inputs = (alpha, b, np.zeros(b.size))
+    over_chunks(
+        mathieu.growth_fill,
+        inputs,
+        out,
+        chunk=1024,
+        interpret_up_to=_few(-4.0 * b, 2.0 * alpha, 4.0),
+        patience=_PATIENCE,
+    )
+    return out
+
+
+def _growth_at(b: Floats, alpha: Floats, which: Ints) -> Floats:
+    return _growth(alpha, b[which])
+
+
+def _counts(a: Floats, q: Floats) -> Ints:
+    out = np.empty(a.size, dtype=np.int64)
+    over_chunks(mathieu.count_fill, (a, q), out, chunk=4096, interpret_up_to=_few(a, q, 1.0), patience=_PATIENCE)
+    return out
+
+
+def _growth_bounds(a: Floats, q: Floats) -> Floats:
+    out = np.empty(a.size)
+    over_chunks(mathieu.growth_bound_fill, (a, q), out, chunk=4096, interpret_up_to=_few(a, q, 1.0), patience=_PATIENCE)
+    return out
+
+
+def _few(a: Floats, q: Floats, cost: float) -> int:
+    """Return up to how many equations are left to the interpreter: the larger they are, the fewer."""
+    rows = 20.0 + math.sqrt(max(0.0, float(np.max(a + 2.0 * np.abs(q), initial=0.0))))
+    return int(_INTERPRETED_ROWS / (cost * rows))
+
+
+def _characteristic(order: Ints, q: Floats, odd_solution: bool) -> Floats:
+    """Return a_order(q) or, for ``odd_solution``, b_order(q); for b_0, which does not exist, a_0."""
+    out = np.empty(order.size)
+    odd = np.full(order.size, odd_solution) & (order > 0)
+    few = _few(4.0 * order.astype(np.float64) ** 2, q, 50.0)  # a count for each step of a bisection
+    over_chunks(
+        characteristic.characteristic_fill, (order, q, odd), out, chunk=1024, interpret_up_to=few, patience=_PATIENCE
+    )
+    return out

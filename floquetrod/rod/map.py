@@ -1,0 +1,112 @@
+"""`fr.stability_map`: a rod's verdicts over a plane of loads."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.version import __version__
+from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.mathieu.criterion import PaperCriterion
+from floquetrod.rod.coulomb import Coulomb
+from floquetrod.rod.rod import Rod
+
+_AXES = {
+    "frequency": ("frequency", r"\omega", "rad/s"),
+    "mean": ("mean force", r"F_\mathrm{ave}", "N"),
+    "amplitude": ("amplitude", r"\Delta F", "N"),
+}
+"""Quantities of a load, the one drawn to the right first."""
+
+
+def stability_map(
+    rod: Rod,
+    *,
+    mean: Any,
+    amplitude: Any,
+    frequency: Any,
+    growth: bool = False,
+    growth_tolerance: float = 0.0,
+    damping: float | None = None,
+    criterion: PaperCriterion | None = None,
+    friction: Coulomb | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Chart:
+    """Return the stability of a rod over two of mean force, amplitude and frequency, the third fixed.
+
+    Parameters
+    ----------
+    rod : Rod
+    mean, amplitude, frequency : float, tuple (low, high, number) or increasing array
+        N, N and rad/s; exactly one is a single number.  All modes that can matter are looked at, everywhere.
+    growth : bool
+        Whether to compute the growth rate (1/s) and the fastest mode too.
+    growth_tolerance : float
+        Growth rate in 1/s up to which a mode counts as stable.
+    damping : float, optional
+        Decay rate of free motion in 1/s, in place of the rod's.
+    criterion : PaperCriterion, optional
+        The paper's test in place of stability for ever.
+    workers : int, optional
+        Threads; by default one for each core when there is enough to do.
+    friction : Coulomb, optional
+        Friction and the kick every mode is given; not together with ``growth``, which is that without friction.
+    progress : callable, optional
+        Called with the numbers of points done and to do.
+
+    Examples
+    --------
+    >>> rod = Rod.nitinol()
+    >>> stability_map(rod, mean=(0.0, 1.7, 4), amplitude=0.34, frequency=(20.0, 200.0, 5)).stable.shape
+    (4, 5)
+    """
+    validate.instance("rod", rod, Rod)
+    growth = validate.flag("growth", growth)
+    for name, option, kind in (("criterion", criterion, PaperCriterion), ("friction", friction, Coulomb)):
+        if option is not None:
+            validate.instance(name, option, kind)
+    workers = validate.workers(workers)
+    validate.progress(progress)
+    if friction is not None and growth:
+        raise ValueError("growth is that of the rod without friction; leave out either growth or friction")
+    given = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
+    fixed = [name for name, value in given.items() if validate.array(name, value, least=-1e12, largest=1e12).ndim == 0]
+    if len(fixed) != 1:
+        raise ValueError(
+            "exactly one of mean, amplitude and frequency must be a single number and the others (low, high, number) "
+            f"or arrays; single numbers here: {', '.join(fixed) or 'none'}"
+        )
+    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    if damping is not None:
+        rod = rod.replace(damping_rate=damping)
+    across, up = (name for name in _AXES if name not in fixed)
+    x, y = (Axis(*_AXES[name], axis_values(name, given[name])) for name in (across, up))
+    value = validate.finite(fixed[0], given[fixed[0]])
+
+    def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
+        load = {across: x.values, up: values, fixed[0]: value}
+        found = rod.verdicts(
+            **load, growth_tolerance=tolerance, criterion=criterion, friction=friction, workers=workers
+        )
+        return (found, *rod.fastest(**load, workers=workers)) if growth else (found,)
+
+    kinds = (np.int8, np.float64, np.int64)[: 3 if growth else 1]
+    verdicts, *rest = fill_rows(rows, y.values, x.values.size, kinds, progress)
+    name, _, unit = _AXES[fixed[0]]
+    fixed_values: list[list[Any]] = [[name, value, unit], ["critical force", rod.critical_force, "N"]]
+    if friction is not None:
+        fixed_values += [["friction", friction.mu, ""], ["kick", friction.velocity, "m/s"]]
+    subject = {
+        "kind": "rod",
+        "fixed": fixed_values,
+        "rod": asdict(rod),
+    }
+    rate, mode = rest if growth else (None, None)
+    words = "" if criterion is None else str(criterion)
+    undecided = int((verdicts == -1).sum())
+    return Chart(x, y, verdicts == 1, rate, mode, "1/s", subject, tolerance, words, undecided, __version__)

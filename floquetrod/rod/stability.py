@@ -1,0 +1,225 @@
+"""What a rod's verdict carries: modes, rates, the damping that would stabilise it, and its margin in mean force."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.equations import Mathieu
+from floquetrod.floquet.result import Stability, Status, Verdict
+from floquetrod.floquet.stability import stability
+from floquetrod.mathieu.tongues import damping_to_stabilise
+from floquetrod.rod.data import RodData
+from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.tongues import HAIRLINE_GROWTH, Quantity, gaps, unstable_loads
+
+_SPANS = (1 / 32, 1 / 8, 0.5, 2.0, 8.0)
+"""Reaches of the search for a margin: in critical forces, or as the factor less one by which a frequency changes."""
+
+
+class Margin(NamedTuple):
+    """How far one quantity of the load may fall or rise until the verdict changes; infinite when out of reach."""
+
+    below: float
+    above: float
+
+    @property
+    def nearest(self) -> float:
+        """The smaller of both."""
+        return min(self)
+
+
+@dataclass(frozen=True, repr=False)
+class RodStability(Verdict):
+    """Verdict on a rod under a load.
+
+    Attributes
+    ----------
+    rod, load : Rod, AxialLoad
+        What was judged.
+    status : {"stable", "unstable", "undecided"}
+        Stable when no mode grows faster than the tolerance.
+    modes : tuple of int
+        Modes looked at.
+    mode_equations : tuple of Mathieu
+        Equation of each mode, in the time tau = omega t.
+    mode_verdicts : tuple of Stability
+        Verdict on each of them.
+    mode_growth_rates : ndarray
+        Growth rate of each mode in 1/s.
+    growth_tolerance : float
+        Growth in 1/s up to which a mode counts as stable.
+    left_out_bound : float
+        Bound in 1/s on the growth of every mode not looked at; infinite when the modes were chosen by the caller.
+    cutoff : str
+        Why these modes.
+    """
+
+    rod: RodData
+    load: AxialLoad
+    status: Status
+    modes: tuple[int, ...]
+    mode_equations: tuple[Mathieu, ...]
+    mode_verdicts: tuple[Stability, ...]
+    mode_growth_rates: NDArray[np.float64] = field(compare=False)
+    growth_tolerance: float
+    left_out_bound: float
+    cutoff: str
+
+    @property
+    def modes_checked(self) -> int:
+        """Number of modes looked at; `cutoff` says why that many."""
+        return len(self.modes)
+
+    @property
+    def unstable_modes(self) -> tuple[int, ...]:
+        """Modes that grow faster than the tolerance."""
+        found = zip(self.modes, self.mode_verdicts, self.mode_growth_rates, strict=True)
+        return tuple(m for m, v, rate in found if v.status == "unstable" and _grows(rate, self.growth_tolerance))
+
+    @property
+    def growth_rate(self) -> float:
+        """Growth rate in 1/s of the fastest mode, 0 when none grows."""
+        return float(self.mode_growth_rates.max())
+
+    @property
+    def fastest_mode(self) -> int | None:
+        """Mode that grows fastest, None when none grows."""
+        return self.modes[int(self.mode_growth_rates.argmax())] if self.growth_rate > 0.0 else None
+
+    def time_to_grow(self, factor: float = 10.0) -> float:
+        """Return the time in s in which the fastest mode grows by ``factor``, infinite when none grows."""
+        if not validate.finite("factor", factor) > 1.0:
+            raise ValueError(f"factor must be greater than 1, got {factor!r}")
+        return math.log(factor) / self.growth_rate if self.growth_rate > 0.0 else math.inf
+
+    @cached_property
+    def damping_to_stabilise(self) -> float:
+        """Smallest damping rate in 1/s from which every larger one keeps all modes from growing.
+
+        The rate meant is the rod's whole ``damping_rate``, whatever it is now, so all modes that matter without damping
+        are looked at, or those the caller chose.  Infinite when the mean force alone buckles a mode: damping only slows
+        that down.
+        """
+        chosen = self._modes_for(self.rod.replace(damping_rate=0.0), self.load, 0.0)
+        alphas, betas = self.rod.mode_parameters(self.load, chosen)
+        rates = (damping_to_stabilise(float(a), float(b)) for a, b in zip(alphas, betas, strict=True))
+        return self.load.frequency * max(rates)
+
+    @cached_property
+    def mean_force_margin(self) -> Margin:
+        """Distance in N to the nearest mean forces at which the verdict changes, searched to 8 F_cr either way.
+
+        Tongues that nowhere grow faster than `margin_tolerance` do not count, in this margin and the other two.
+        """
+        here, unit = self.load.mean, self.rod.critical_force
+        return self._margin("mean", [here - x * unit for x in _SPANS], [here + x * unit for x in _SPANS])
+
+    @cached_property
+    def amplitude_margin(self) -> Margin:
+        """Distance in N to the nearest amplitudes at which the verdict changes, searched to 2 F_cr above.
+
+        Changes closer together than a thousandth of the distance searched may be passed over, as in
+        `Rod.stable_amplitudes`.
+        """
+        here, unit = self.load.amplitude, self.rod.critical_force
+        lower = [max(0.0, here - x * unit) for x in _SPANS]
+        return self._margin("amplitude", lower, [here + x * unit for x in _SPANS if x <= 2.0])
+
+    @cached_property
+    def frequency_margin(self) -> Margin:
+        """Distance in rad/s to the nearest frequencies at which the verdict changes, searched to 9 times either way."""
+        here = self.load.frequency
+        return self._margin("frequency", [here / (1.0 + x) for x in _SPANS], [here * (1.0 + x) for x in _SPANS])
+
+    @property
+    def margin_tolerance(self) -> float:
+        """Growth in 1/s up to which loads count as stable in the margins.
+
+        The growth tolerance, and at least 1e-6: a margin to a tongue in which nothing grows within a month would tell
+        nothing.  Where the load itself lies in such a tongue the margins are those of the tongue.
+        """
+        least = max(self.growth_tolerance, HAIRLINE_GROWTH)
+        return least if self.stable or self.growth_rate > least else self.growth_tolerance
+
+    def _modes_for(self, rod: RodData, load: AxialLoad, growth_tolerance: float) -> tuple[int, ...]:
+        """Return the modes that matter for another rod or load; those the caller chose stay as they are."""
+        if math.isinf(self.left_out_bound):
+            return self.modes
+        last, _ = rod.modes_needed(load, growth_tolerance)
+        return tuple(range(1, max(last, self.modes[-1]) + 1))
+
+    def _margin(self, varied: Quantity, lower: list[float], upper: list[float]) -> Margin:
+        here: float = getattr(self.load, varied)
+        ends = (next(self._edges(varied, [here, *reach]), None) for reach in (lower, upper))
+        return Margin(*(math.inf if end is None else abs(end - here) for end in ends))
+
+    def _edges(self, varied: Quantity, way: list[float]) -> Iterator[float]:
+        """Yield where the verdict changes on a way, the first on each of its pieces."""
+        for piece in pairwise(way):
+            end = self._edge(varied, piece)
+            if end is not None:
+                yield end
+
+    def _edge(self, varied: Quantity, piece: tuple[float, float]) -> float | None:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, None where it does not."""
+        low, high = sorted(piece)
+        if not low < high:
+            return None
+        tolerance = self.margin_tolerance
+        modes = self._modes_for(self.rod, replace(self.load, **{varied: high}), tolerance)
+        start = piece[0] if self.stable else None  # nothing beyond the first unstable part matters
+        found = unstable_loads(varied, self.rod, self.load, modes, tolerance, (low, high), union=True, nearest=start)
+        stable = gaps(found.ranges, (low, high))
+        if not stable:
+            return piece[0] if self.stable else None
+        near, far = stable[0] if piece[0] == low else stable[-1][::-1]
+        if not self.stable:
+            return near
+        if near != piece[0]:
+            return piece[0]
+        return far if far != piece[1] else None
+
+    def __repr__(self) -> str:
+        """Return the verdict as a sentence."""
+        if self.status == "stable":
+            slow = f", growth {self.growth_rate:.3g} 1/s within the tolerance" if self.growth_rate > 0.0 else ""
+            return f"<stable{slow}; {self.cutoff}>"
+        if self.status == "undecided":
+            return f"<undecided; {self.cutoff}>"
+        names = ", ".join(map(str, self.unstable_modes))
+        some = f"modes {names} grow" if len(self.unstable_modes) > 1 else f"mode {names} grows"
+        return (
+            f"<unstable: {some}; mode {self.fastest_mode} at "
+            f"{self.growth_rate:.6g} 1/s, tenfold in {self.time_to_grow():.3g} s; {self.cutoff}>"
+        )
+
+
+def judge_modes(
+    rod: RodData,
+    load: AxialLoad,
+    modes: tuple[int, ...],
+    equations: tuple[Mathieu, ...],
+    growth_tolerance: float,
+    left_out_bound: float,
+    cutoff: str,
+) -> RodStability:
+    """Judge every mode and put the verdicts together."""
+    verdicts = tuple(stability(equation) for equation in equations)
+    rates = np.array([verdict.growth_rate for verdict in verdicts]) * load.frequency
+    grows = [v.status == "unstable" and _grows(r, growth_tolerance) for v, r in zip(verdicts, rates, strict=True)]
+    unsure = [v.status == "undecided" and not r < growth_tolerance for v, r in zip(verdicts, rates, strict=True)]
+    status: Status = "unstable" if any(grows) else "undecided" if any(unsure) else "stable"
+    return RodStability(rod, load, status, modes, equations, verdicts, rates, growth_tolerance, left_out_bound, cutoff)
+
+
+def _grows(rate: float, tolerance: float) -> bool:
+    return rate > tolerance or tolerance == 0.0  # an unstable mode may grow at a rate too small for a double
