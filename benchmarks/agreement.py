@@ -118,7 +118,7 @@ def matrix(equations: Sequence[Any]) -> Matrix:
     """Judge every equation by every method that applies and compare the results pair by pair."""
     pairs = {pair: Pair() for pair in combinations(METHODS, 2) if set(METHODS[pair[0]]) & set(METHODS[pair[1]])}
     seconds: dict[str, list[float]] = {name: [] for name in METHODS}
-    for kind in (fr.Mathieu(0.5, -0.3), fr.SquareWave(0.5, -0.3), fr.Hill(-0.3, (0.5,), (0.1,))):
+    for kind in (fr.Mathieu(0.5, -0.3), fr.Meissner(0.5, -0.3), fr.Hill(-0.3, (0.5,), (0.1,))):
         fr.compare(kind)  # machine code is loaded before anything is timed
     for equation in equations:
         comparison = fr.compare(equation)

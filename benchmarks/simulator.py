@@ -16,7 +16,7 @@ import floquetrod as fr
 from benchmarks.measure import Row, best_of
 from floquetrod._util.compilation import compiled
 from floquetrod.kernels import cosserat
-from floquetrod.simulation.mesh import SegmentedRod
+from floquetrod.simulation.mesh import DiscreteRod
 
 SEGMENTS, STEPS = 250, 1000
 PEER, PEER_STEP = "PyElastica", 0.4e-6  # s: the largest step that it takes for this rod
@@ -44,11 +44,11 @@ def run() -> list[Row]:
 
 def prepared(friction: float) -> tuple[Any, Any]:
     """Return a moving rod and its physics."""
-    cut = SegmentedRod(ROD, SEGMENTS)
+    cut = DiscreteRod(ROD, SEGMENTS)
     rod = cut.at_rest(LOAD.mean)
     rod["vy"][: SEGMENTS + 1] = fr.Perturbation.random(1e-3, seed=1).velocities(SEGMENTS)
     cut.set_off(rod)
-    return rod, cut.physics(LOAD, cut.safe_step()[0], friction)
+    return rod, cut.physics(LOAD, cut.critical_time_step()[0], friction)
 
 
 def element_step(friction: float) -> float:
@@ -80,8 +80,8 @@ def peer_element_step(friction: float) -> float:
     import numba
     import numpy as np
 
-    cut = SegmentedRod(ROD, SEGMENTS)
-    gap, stiffness, damping, gravity = ROD.gap, cut.contact_stiffness, cut.contact_time, ROD.gravity
+    cut = DiscreteRod(ROD, SEGMENTS)
+    gap, stiffness, damping, gravity = ROD.radial_clearance, cut.contact_stiffness, cut.contact_time, ROD.gravity
 
     @numba.njit
     def press(x: Any, v: Any, mass: Any, force: Any) -> None:

@@ -14,7 +14,7 @@ from floquetrod.plotting import palette
 
 rod, omega = fr.Rod.nitinol(), 85.0
 amplitude = 0.2 * rod.critical_force
-test = fr.PaperCriterion()
+test = fr.FiniteTimeCriterion()
 
 # %%
 # Sweep the mean force: what the test says, and what is so.

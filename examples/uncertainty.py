@@ -30,7 +30,9 @@ drawn = {name: value * (1.0 + spread[name] * rng.standard_normal(size)) for name
 stable = np.empty(size, dtype=bool)
 start = time.perf_counter()
 for i, (modulus, gap) in enumerate(1.0 + np.array([0.03, 0.05]) * rng.standard_normal((rods, 2))):
-    one = rod.replace(youngs_modulus=rod.youngs_modulus * modulus, channel_radius=rod.radius + rod.gap * gap)
+    one = rod.replace(
+        youngs_modulus=rod.youngs_modulus * modulus, channel_radius=rod.radius + rod.radial_clearance * gap
+    )
     stable[i] = one.is_stable(*(values[i] for values in drawn.values()), growth_tolerance=0.01)
 seconds = time.perf_counter() - start
 

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
     from floquetrod.equations import Hill as Hill
     from floquetrod.equations import Mathieu as Mathieu
+    from floquetrod.equations import Meissner as Meissner
     from floquetrod.equations import SquareWave as SquareWave
     from floquetrod.equations import conventions as conventions
     from floquetrod.explorer import Explorer as Explorer
@@ -28,9 +29,9 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof import certify as certify
     from floquetrod.floquet.result import Stability as Stability
     from floquetrod.floquet.stability import stability as stability
-    from floquetrod.mathieu.criterion import PaperCriterion as PaperCriterion
+    from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
     from floquetrod.rod.coulomb import Coulomb as Coulomb
-    from floquetrod.rod.friction import RodFriction as RodFriction
+    from floquetrod.rod.friction import FrictionalRodStability as FrictionalRodStability
     from floquetrod.rod.load import AxialLoad as AxialLoad
     from floquetrod.rod.map import stability_map as stability_map
     from floquetrod.rod.ranges import SafeRanges as SafeRanges
@@ -53,15 +54,16 @@ _WHERE = {
     "FrictionalMathieu": "equations",
     "Hill": "equations",
     "Mathieu": "equations",
-    "PaperCriterion": "mathieu.criterion",
+    "FiniteTimeCriterion": "mathieu.criterion",
     "Perturbation": "simulation.start",
     "Proof": "floquet.proof",
     "Rod": "rod.rod",
-    "RodFriction": "rod.friction",
+    "FrictionalRodStability": "rod.friction",
     "RodStability": "rod.stability",
     "SafeRanges": "rod.ranges",
     "Simulation": "simulation.result",
     "SimulationDiverged": "simulation.integration",
+    "Meissner": "equations",
     "SquareWave": "equations",
     "Stability": "floquet.result",
     "UniformForceWarning": "rod.rod",

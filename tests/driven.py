@@ -11,7 +11,7 @@ import numpy as np
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
 from floquetrod.kernels import cosserat
-from floquetrod.simulation.mesh import SegmentedRod
+from floquetrod.simulation.mesh import DiscreteRod
 
 SHORT = fr.Rod(youngs_modulus=68e9, density=6500.0, radius=0.8e-3, length=0.4, channel_radius=4.7e-3)
 """A piece of the reference rod, shorter than half a wave of its critical mode."""
@@ -22,7 +22,7 @@ FREE_SPACE = {"gravity": 0.0, "contact": 0.0}
 
 
 def drive(
-    cut: SegmentedRod,
+    cut: DiscreteRod,
     seconds: float,
     start: Callable[[Any], None],
     *,
@@ -34,7 +34,7 @@ def drive(
     **changes: float,
 ) -> tuple[np.ndarray, list[Any]]:
     """Return times and records of a rod that ``start`` has put into its first state."""
-    step = cut.safe_step()[0] * part_of_step
+    step = cut.critical_time_step()[0] * part_of_step
     count = math.ceil(seconds / samples / step)
     step = seconds / samples / count
     rod = cut.at_rest(load.mean)
@@ -65,9 +65,9 @@ def frequency(time: np.ndarray, values: np.ndarray, guess: float) -> float:
     return float(found)
 
 
-def bend(rod: Any, cut: SegmentedRod, y: np.ndarray) -> None:
+def bend(rod: Any, cut: DiscreteRod, y: np.ndarray) -> None:
     """Put nodes at ``y`` across the channel, on the floor, and turn every segment along the line between its nodes."""
-    n, rest = cut.segments, cut.rod.gap + cut.depth_at_rest
+    n, rest = cut.segments, cut.rod.radial_clearance + cut.depth_at_rest
     rod["y"][: n + 1] = y
     rod["z"][: n + 1] = -np.sqrt(rest**2 - y**2)
     along(rod, n)

@@ -83,12 +83,12 @@ def mathieus(
     )
 
 
-def square_waves(largest: float = 30.0, largest_damping: float = 0.0) -> st.SearchStrategy[fr.SquareWave]:
-    """`SquareWave` values, the seams alpha = +-beta (where p or q vanishes) included."""
+def square_waves(largest: float = 30.0, largest_damping: float = 0.0) -> st.SearchStrategy[fr.Meissner]:
+    """`Meissner` values, the seams alpha = +-beta (where p or q vanishes) included."""
     sizes = numbers(-largest, largest)
     points = st.tuples(sizes, sizes) | sizes.map(lambda x: (x, x)) | sizes.map(lambda x: (x, -x))
     return st.builds(
-        lambda point, damping: fr.SquareWave(*point, damping=damping),
+        lambda point, damping: fr.Meissner(*point, damping=damping),
         points,
         dampings(largest_damping) if largest_damping else st.just(0.0),
     )

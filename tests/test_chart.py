@@ -60,7 +60,7 @@ def test_an_equation_chart_is_its_array_of_verdicts() -> None:
 @pytest.mark.parametrize(
     ("family", "kind"),
     [
-        (fr.SquareWave, "Meissner's equation (square wave)"),
+        (fr.Meissner, "Meissner's equation (square wave)"),
         (lambda a, b, c: fr.Hill(b, sines=(a, 0.4 * a), cosines=(0.2 * a,), damping=c), "Hill's equation"),
     ],
 )
@@ -83,8 +83,8 @@ def test_charts_of_other_equations(
 
 def test_undecided_points_are_counted_and_not_called_stable() -> None:
     # alpha = 4, beta = -5: the square wave's discriminant touches 2 without crossing.
-    chart = fr.mathieu.chart((3.0, 4.0, 2), (-5.0, -4.0, 2), equation=fr.SquareWave)
-    decided = fr.stability(fr.SquareWave(4.0, -5.0)).status != "undecided"
+    chart = fr.mathieu.chart((3.0, 4.0, 2), (-5.0, -4.0, 2), equation=fr.Meissner)
+    decided = fr.stability(fr.Meissner(4.0, -5.0)).status != "undecided"
     assert chart.undecided == (0 if decided else 1)
     assert chart.stable[0, 1] == decided
     assert ("1 undecided" in chart.caption) != decided

@@ -448,7 +448,7 @@ def test_a_kernel_is_compiled_once_whatever_arrays_come(tmp_path: Path) -> None:
     locked.flags.writeable = False
     plain, strided = locked.copy(), np.repeat(locked, 2)[::2]
     runs = [fr.mathieu.is_stable(a, -0.3) for a in (plain, locked, strided, plain.astype(np.float32), plain.tolist())]
-    runs += [fr.PaperCriterion(by="leapfrog").growth(a, -0.3) > 0.0 for a in (plain, locked, strided)]
+    runs += [fr.FiniteTimeCriterion(by="leapfrog").growth(a, -0.3) > 0.0 for a in (plain, locked, strided)]
     assert all(len(run) == 100 for run in runs)
     for used in (mathieu.stable_fill, powers.displacement_fill):
         before = len(compilation.compiled(used).signatures)

@@ -19,7 +19,7 @@ import floquetrod as fr
 from floquetrod._util.content import ByContent
 from floquetrod.paper.simulations import Outcome, figure_4
 from floquetrod.simulation.integration import CheckpointWarning
-from floquetrod.simulation.mesh import SegmentedRod
+from floquetrod.simulation.mesh import DiscreteRod
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -44,7 +44,7 @@ def outcome() -> Outcome:
 
 MADE: dict[str, Callable[[], Any]] = {
     "Mathieu": lambda: EQUATION,
-    "SquareWave": lambda: fr.SquareWave(0.5, -0.25),
+    "Meissner": lambda: fr.Meissner(0.5, -0.25),
     "Hill": lambda: fr.Hill(0.5, sines=(0.1,)),
     "FrictionalMathieu": lambda: RUBBING,
     "Stability": lambda: fr.stability(EQUATION),
@@ -59,17 +59,17 @@ MADE: dict[str, Callable[[], Any]] = {
     "Rod": lambda: ROD,
     "AxialLoad": lambda: LOAD,
     "RodStability": lambda: ROD.stability(LOAD),
-    "RodFriction": lambda: ROD.stability(LOAD, friction=fr.Coulomb(0.1, 0.05)),
+    "FrictionalRodStability": lambda: ROD.stability(LOAD, friction=fr.Coulomb(0.1, 0.05)),
     "SafeRanges": lambda: ROD.stable_mean_forces(LOAD.amplitude, 150.0),
     "Coulomb": lambda: fr.Coulomb(0.1, 0.05),
-    "PaperCriterion": fr.PaperCriterion,
+    "FiniteTimeCriterion": fr.FiniteTimeCriterion,
     "Perturbation": lambda: fr.Perturbation.case("C"),
     "Fate": lambda: fr.friction.fate(RUBBING, 3.0),
     "EscapeRanges": lambda: fr.friction.escape_ranges(RUBBING),
     "Trajectory": lambda: fr.friction.trajectory(RUBBING, 3.0),
     "Simulation": short_run,
     "Setting": lambda: short_run().setting,
-    "SegmentedRod": lambda: SegmentedRod(ROD, 100),
+    "DiscreteRod": lambda: DiscreteRod(ROD, 100),
     "Outcome": outcome,
 }
 

@@ -12,18 +12,18 @@ import floquetrod as fr
 from driven import AT_REST, FREE_SPACE, SHORT, along, bend, drive, frequency
 from floquetrod._util.compilation import compiled
 from floquetrod.kernels import cosserat
-from floquetrod.simulation.mesh import SAFETY, SegmentedRod
+from floquetrod.simulation.mesh import SAFETY, DiscreteRod
 
 ROD_MASS = SHORT.mass_per_length
 STIFFNESS = SHORT.flexural_rigidity
 
 
-def nodes(cut: SegmentedRod) -> np.ndarray:
+def nodes(cut: DiscreteRod) -> np.ndarray:
     """Return the places of the nodes from 0 to 1."""
     return np.arange(cut.segments + 1) / cut.segments
 
 
-def shaken(cut: SegmentedRod, rng: np.random.Generator, size: float = 0.1) -> Any:
+def shaken(cut: DiscreteRod, rng: np.random.Generator, size: float = 0.1) -> Any:
     """Return a rod with every node and every segment strained at random."""
     rod, n = cut.at_rest(), cut.segments
     for axis in "xyz":
@@ -38,14 +38,14 @@ def become(rod: Any, other: Any) -> None:
         rod[name][:] = other[name]
 
 
-def elastic(cut: SegmentedRod, rod: Any) -> float:
+def elastic(cut: DiscreteRod, rod: Any) -> float:
     energies = cut.energies(rod)
     return sum(energies[name] for name in ("stretch", "shear", "bend", "twist"))
 
 
 @pytest.mark.kernels
 def test_forces_and_torques_are_the_gradient_of_the_energy(rng: np.random.Generator) -> None:
-    cut = SegmentedRod(SHORT, 8)
+    cut = DiscreteRod(SHORT, 8)
     rod, n, step = shaken(cut, rng), 8, 1e-12
     physics = cut.physics(AT_REST, step, ends=cosserat.FREE)._replace(**FREE_SPACE)
     moved = rod.copy()
@@ -83,7 +83,7 @@ def test_forces_and_torques_are_the_gradient_of_the_energy(rng: np.random.Genera
 
 @pytest.mark.kernels
 def test_rigid_motion_strains_nothing(rng: np.random.Generator) -> None:
-    cut = SegmentedRod(SHORT, 8)
+    cut = DiscreteRod(SHORT, 8)
     rod, n = cut.at_rest(), 8
     q = rng.normal(size=4)
     a, b, c, d = q / np.linalg.norm(q)
@@ -101,13 +101,13 @@ def test_rigid_motion_strains_nothing(rng: np.random.Generator) -> None:
     for name, value in zip(("q0", "q1", "q2", "q3"), (a, b, c, d), strict=True):
         rod[name][:n] = value
     assert elastic(cut, rod) == pytest.approx(0.0, abs=1e-20)
-    step = cut.safe_step()[0]
+    step = cut.critical_time_step()[0]
     compiled(cosserat.advance)(rod, 20, cut.physics(AT_REST, step, ends=cosserat.FREE)._replace(**FREE_SPACE))
     assert np.abs([rod[axis][: n + 1] for axis in "xyz"] - moved).max() < 1e-13
 
 
 def hinged_frequency(segments: int, mode: int) -> float:
-    cut = SegmentedRod(SHORT, segments)
+    cut = DiscreteRod(SHORT, segments)
     exact = math.sqrt(STIFFNESS / ROD_MASS) * (mode * math.pi / SHORT.length) ** 2
     shape = 1e-6 * np.sin(mode * math.pi * nodes(cut))
 
@@ -130,7 +130,7 @@ def test_hinged_bending_frequencies_converge_at_second_order() -> None:
 
 def cantilever_frequency(segments: int) -> float:
     """Return it over the exact one; the clamp holds the slope in the middle of the first segment."""
-    cut = SegmentedRod(SHORT, segments)
+    cut = DiscreteRod(SHORT, segments)
     length = SHORT.length - 0.5 * cut.segment_length
     root = 1.8751040687119611
     exact = math.sqrt(STIFFNESS / ROD_MASS) * (root / length) ** 2
@@ -157,7 +157,7 @@ def test_cantilever_frequency_converges() -> None:
 @pytest.mark.parametrize("kind", ["stretch", "twist"])
 def test_wave_speeds(kind: str) -> None:
     n = 40
-    cut = SegmentedRod(SHORT, n)
+    cut = DiscreteRod(SHORT, n)
     speed = SHORT.wave_speed if kind == "stretch" else math.sqrt(cut.shear_modulus / SHORT.density)
     exact = math.pi * speed / SHORT.length
     places = nodes(cut) if kind == "stretch" else (np.arange(n) + 0.5) / n
@@ -177,7 +177,7 @@ def test_wave_speeds(kind: str) -> None:
 def test_euler_load() -> None:
     """In free space sigma^2 of mode 1 is linear in the force and vanishes at Euler's load."""
     n = 40
-    cut = SegmentedRod(SHORT, n)
+    cut = DiscreteRod(SHORT, n)
     euler = STIFFNESS * (math.pi / SHORT.length) ** 2
     shape = np.sin(math.pi * nodes(cut))
     squares = []
@@ -204,7 +204,7 @@ def test_euler_load() -> None:
 def test_static_sag() -> None:
     """Hinged, under its own weight: 5 rho A g L^4 / (384 EI) in the middle."""
     rod = SHORT.replace(length=0.2, damping_rate=150.0, channel_radius=0.1)
-    cut = SegmentedRod(rod, 30)
+    cut = DiscreteRod(rod, 30)
 
     def start(record: Any) -> None:
         record["z"][:] = 0.0
@@ -218,12 +218,12 @@ def test_static_sag() -> None:
 
 
 def test_energy_does_not_drift_in_a_million_steps(rng: np.random.Generator) -> None:
-    cut = SegmentedRod(SHORT, 8)
+    cut = DiscreteRod(SHORT, 8)
 
     def start(rod: Any) -> None:
         become(rod, shaken(cut, rng, 1e-3))
 
-    seconds = 1e6 * cut.safe_step()[0] * 0.5
+    seconds = 1e6 * cut.critical_time_step()[0] * 0.5
     time, records = drive(cut, seconds, start, samples=500, part_of_step=0.5, **FREE_SPACE)
     energies = [cut.energies(record) for record in records]
     total = np.array([sum(e[name] for name in ("kinetic", "stretch", "shear", "bend", "twist")) for e in energies])
@@ -234,7 +234,7 @@ def test_energy_does_not_drift_in_a_million_steps(rng: np.random.Generator) -> N
 
 
 def test_second_order_in_time(rng: np.random.Generator) -> None:
-    cut = SegmentedRod(SHORT, 10)
+    cut = DiscreteRod(SHORT, 10)
     first = shaken(cut, rng, 1e-3)
     ends = []
     for part in (0.1, 0.05, 0.025):
@@ -246,10 +246,10 @@ def test_second_order_in_time(rng: np.random.Generator) -> None:
 
 @pytest.mark.parametrize("segments", [30, 200])
 def test_the_bound_on_the_step_is_sharp(segments: int, rng: np.random.Generator) -> None:
-    cut = SegmentedRod(SHORT, segments, contact_damping=0.0)
+    cut = DiscreteRod(SHORT, segments, contact_damping=0.0)
     grown = []
     for part in (0.99 / SAFETY, 1.01 / SAFETY):
-        step = cut.safe_step()[0] * part
+        step = cut.critical_time_step()[0] * part
         rod = shaken(cut, rng, 1e-9)
         compiled(cosserat.advance)(rod, 3000, cut.physics(AT_REST, step, ends=cosserat.FREE)._replace(**FREE_SPACE))
         grown.append(np.abs(rod["vy"][: segments + 1]).max())
@@ -259,14 +259,14 @@ def test_the_bound_on_the_step_is_sharp(segments: int, rng: np.random.Generator)
 
 @pytest.mark.parametrize("indentation", [1e-3, 1e-4])
 def test_a_rod_laid_down_sinks_in_as_stated(indentation: float) -> None:
-    cut = SegmentedRod(SHORT, 10, indentation=indentation)
+    cut = DiscreteRod(SHORT, 10, indentation=indentation)
 
     def start(rod: Any) -> None:
-        rod["z"][:] = -SHORT.gap
+        rod["z"][:] = -SHORT.radial_clearance
 
     _, records = drive(cut, 0.1, start, samples=1)
-    depth = -records[-1]["z"][:11] - SHORT.gap
-    assert depth == pytest.approx(indentation * SHORT.gap, rel=1e-6)
+    depth = -records[-1]["z"][:11] - SHORT.radial_clearance
+    assert depth == pytest.approx(indentation * SHORT.radial_clearance, rel=1e-6)
     energies = cut.energies(records[-1])
     start_energy = cut.energies(records[0])
     lost = start_energy["gravity"] + start_energy["contact"] - energies["gravity"] - energies["contact"]
@@ -276,8 +276,8 @@ def test_a_rod_laid_down_sinks_in_as_stated(indentation: float) -> None:
 @pytest.mark.parametrize("friction", [0.0, 0.5])
 def test_swing(friction: float) -> None:
     """Without friction sqrt(g / R); rolling adds half the mass to what moves, sqrt(2 g / (3 R)), and loses nothing."""
-    cut = SegmentedRod(SHORT, 10)
-    rest = SHORT.gap + cut.depth_at_rest
+    cut = DiscreteRod(SHORT, 10)
+    rest = SHORT.radial_clearance + cut.depth_at_rest
     exact = math.sqrt(SHORT.gravity / rest / (1.5 if friction else 1.0))
     time, records = drive(
         cut, 6 * math.pi / exact, lambda rod: bend(rod, cut, np.full(11, 1e-3 * rest)), friction=friction
@@ -288,7 +288,7 @@ def test_swing(friction: float) -> None:
 
 
 def test_braking_distance_along_the_channel() -> None:
-    cut = SegmentedRod(SHORT, 10)
+    cut = DiscreteRod(SHORT, 10)
     speed, friction = 0.05, 0.1
 
     def start(rod: Any) -> None:
@@ -305,7 +305,7 @@ def test_braking_distance_along_the_channel() -> None:
 
 @pytest.mark.kernels
 def test_a_skid_ends_rolling_at_two_thirds_of_its_speed() -> None:
-    cut = SegmentedRod(SHORT, 8)
+    cut = DiscreteRod(SHORT, 8)
     speed, friction = 1e-3, 0.2
 
     def start(rod: Any) -> None:
@@ -318,7 +318,7 @@ def test_a_skid_ends_rolling_at_two_thirds_of_its_speed() -> None:
     assert last["w1"][:8] * SHORT.radius == pytest.approx(-last["vy"][:8], rel=1e-9)
 
 
-def pressed_apart(cut: SegmentedRod, part: float, friction: float) -> Any:
+def pressed_apart(cut: DiscreteRod, part: float, friction: float) -> Any:
     """Return a start in which elastic forces along the rod reach ``part`` of what friction can hold."""
     wave = math.pi / SHORT.length
     size = part * friction * ROD_MASS * SHORT.gravity / (SHORT.youngs_modulus * SHORT.area * wave**2)
@@ -330,7 +330,7 @@ def pressed_apart(cut: SegmentedRod, part: float, friction: float) -> Any:
 
 
 def test_a_stuck_rod_stays_put() -> None:
-    cut, friction = SegmentedRod(SHORT, 20), 0.1
+    cut, friction = DiscreteRod(SHORT, 20), 0.1
     _, records = drive(cut, 1.0, pressed_apart(cut, 0.99, friction), samples=2, friction=friction)
     crept = np.abs(records[-1]["x"][:21] - records[0]["x"][:21]).max()
     assert crept < 1e-15
@@ -339,7 +339,7 @@ def test_a_stuck_rod_stays_put() -> None:
 
 def test_static_friction_is_kinetic_friction() -> None:
     """What stays put for ever at 0.99 of the limit, above, slips at 1.02 of it."""
-    cut, friction = SegmentedRod(SHORT, 20), 0.1
+    cut, friction = DiscreteRod(SHORT, 20), 0.1
     _, records = drive(cut, 1e-4, pressed_apart(cut, 1.02, friction), samples=2, friction=friction)
     assert np.abs(records[-1]["x"][[0, 20]] - records[0]["x"][[0, 20]]).min() > 1e-12
 
@@ -347,13 +347,13 @@ def test_static_friction_is_kinetic_friction() -> None:
 def test_a_bent_rod_sticks_around_the_channel() -> None:
     """Damped, for what sticks still rolls to and fro against its torsional stiffness, and loses nothing by that."""
     rod = fr.Rod.nitinol().replace(damping_rate=400.0)
-    cut, friction, mode = SegmentedRod(rod, 100), 0.1, 6
-    limit = friction * rod.gravity / (rod.natural_frequency(mode) ** 2 * rod.gap)
+    cut, friction, mode = DiscreteRod(rod, 100), 0.1, 6
+    limit = friction * rod.gravity / (rod.natural_frequency(mode) ** 2 * rod.radial_clearance)
     shape = np.sin(mode * math.pi * nodes(cut))
     _, records = drive(
         cut,
         0.6,
-        lambda record: bend(record, cut, rod.gap * np.sin(0.9 * limit * shape)),
+        lambda record: bend(record, cut, rod.radial_clearance * np.sin(0.9 * limit * shape)),
         samples=3,
         ends=cosserat.HINGED,
         friction=friction,

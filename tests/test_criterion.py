@@ -53,7 +53,7 @@ def test_the_exact_map_is_the_monodromy_matrix(rng: np.random.Generator) -> None
 
 def test_huge_growth_and_strong_damping() -> None:
     for by in ("exact", "leapfrog"):
-        huge, slow = fr.PaperCriterion(by=by, step=2e-3).growth(0.0, [1e4, -0.25], [0.0, 60.0])
+        huge, slow = fr.FiniteTimeCriterion(by=by, step=2e-3).growth(0.0, [1e4, -0.25], [0.0, 60.0])
         assert huge == pytest.approx((200.0 * math.pi * 100.0 - math.log(200.0)) / math.log(10.0), rel=1e-2)
         # Overdamped: the slower exponent is close to -0.25 / (2 c).
         assert slow == pytest.approx((-0.125 / 60.0 * 200.0 * math.pi - math.log(120.0)) / math.log(10.0), rel=1e-2)
@@ -66,17 +66,17 @@ def test_constant_coefficients_in_closed_form(beta: float, periods: int) -> None
     if root < 1e-3 or root * time > 600.0:
         return
     expected = (math.sinh(root * time) if beta > 0.0 else math.sin(root * time)) / root
-    got = fr.PaperCriterion(periods=periods).growth(0.0, beta)
+    got = fr.FiniteTimeCriterion(periods=periods).growth(0.0, beta)
     assert 10.0**got == pytest.approx(abs(expected), rel=1e-10, abs=1e-10 / root)
 
 
 def test_both_ways_agree_on_the_whole_chart() -> None:
-    exact, leapfrog = (fr.PaperCriterion(by=by) for by in ("exact", "leapfrog"))
+    exact, leapfrog = (fr.FiniteTimeCriterion(by=by) for by in ("exact", "leapfrog"))
     assert np.array_equal(exact.is_stable(ALPHA, BETA), leapfrog.is_stable(ALPHA, BETA))
 
 
 def test_the_test_differs_from_its_threshold_only_beside_it() -> None:
-    criterion = fr.PaperCriterion()
+    criterion = fr.FiniteTimeCriterion()
     assert criterion.threshold == pytest.approx(0.0219880, rel=1e-5)
     growth = fr.mathieu.growth_rate(ALPHA, BETA)
     differ = criterion.is_stable(ALPHA, BETA) != (growth <= criterion.threshold)
@@ -87,7 +87,7 @@ def test_the_test_differs_from_its_threshold_only_beside_it() -> None:
 
 
 def test_charts_and_maps_take_the_criterion() -> None:
-    criterion = fr.PaperCriterion()
+    criterion = fr.FiniteTimeCriterion()
     chart = fr.mathieu.chart((0.0, 3.0, 30), (-2.0, 0.5, 20), criterion=criterion)
     assert np.array_equal(chart.stable, criterion.is_stable(chart.x.values, chart.y.values[:, None]))
     assert chart.caption.endswith("stable means growth below 1e+06 in 100 periods, computed exactly")
@@ -118,9 +118,9 @@ def test_charts_and_maps_take_the_criterion() -> None:
 )
 def test_bad_input(change: dict[str, object], message: str) -> None:
     with pytest.raises(ValueError, match=message):
-        fr.PaperCriterion(**change)  # type: ignore[arg-type]
+        fr.FiniteTimeCriterion(**change)  # type: ignore[arg-type]
 
 
 def test_two_criteria_at_once_are_refused() -> None:
     with pytest.raises(ValueError, match="growth_tolerance must be 0 with a criterion"):
-        fr.mathieu.chart((0.0, 1.0, 3), (-1.0, 0.0, 3), growth_tolerance=0.1, criterion=fr.PaperCriterion())
+        fr.mathieu.chart((0.0, 1.0, 3), (-1.0, 0.0, 3), growth_tolerance=0.1, criterion=fr.FiniteTimeCriterion())

@@ -26,7 +26,7 @@ def test_coefficients_broadcast() -> None:
     mathieu = fr.Mathieu(0.7, -0.3)
     assert mathieu.coefficient(tau) == pytest.approx(-0.3 + 0.7 * np.sin(tau))
     assert mathieu.as_hill().coefficient(tau) == pytest.approx(mathieu.coefficient(tau))
-    assert fr.SquareWave(0.7, -0.3).coefficient(4.0) == pytest.approx(-1.0)
+    assert fr.Meissner(0.7, -0.3).coefficient(4.0) == pytest.approx(-1.0)
     assert isinstance(mathieu.coefficient(1.0), float)
 
 
@@ -68,7 +68,7 @@ def test_conventions_describe_the_same_equation() -> None:
         (lambda: fr.Mathieu(1.0, True), TypeError, "beta must be a real number"),
         (lambda: fr.Mathieu(1.0, 0.0, damping=-0.1), ValueError, "damping must be zero or more"),
         (lambda: fr.Mathieu(1e10, 0.0), ValueError, "check the units"),
-        (lambda: fr.SquareWave(1.0, math.nan), ValueError, "beta must be finite"),
+        (lambda: fr.Meissner(1.0, math.nan), ValueError, "beta must be finite"),
         (lambda: fr.Hill(0.0, cosines=0.5), TypeError, "cosines must be a sequence"),
         (lambda: fr.Hill(0.0, sines=(0.5, math.nan)), ValueError, r"sines\[1\] must be finite"),
         (lambda: fr.Hill(0.0, period=0.0), ValueError, "period must be greater than zero"),

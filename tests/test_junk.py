@@ -30,11 +30,11 @@ KICKS: dict[str, Any] = {"alpha": 1.0, "beta": 0.3, "gamma": 1.0, "damping": 0.0
 
 CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.Mathieu, {"alpha": 0.5, "beta": -0.25, "damping": 0.0}),
-    (fr.SquareWave, {"alpha": 0.5, "beta": -0.25, "damping": 0.0}),
+    (fr.Meissner, {"alpha": 0.5, "beta": -0.25, "damping": 0.0}),
     (fr.Hill, {"mean": -0.25, "cosines": (0.1,), "sines": (0.2,), "period": 6.0, "damping": 0.0}),
     (fr.FrictionalMathieu, {"alpha": 0.5, "beta": -0.25, "gamma": 1.0, "damping": 0.0}),
     (MATHIEU.coefficient, {"tau": 1.0}),
-    (fr.SquareWave(0.5, -0.25).coefficient, {"tau": 1.0}),
+    (fr.Meissner(0.5, -0.25).coefficient, {"tau": 1.0}),
     (fr.Hill(-0.25, (0.1,)).coefficient, {"tau": 1.0}),
     (fr.conventions.to_aq, {"alpha": 0.5, "beta": -0.25}),
     (fr.conventions.from_aq, {"a": 0.5, "q": -0.25}),
@@ -69,9 +69,9 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     ),
     (fr.mathieu.characteristic_values, {"order": 3, "q": 1.0, "kind": "a", "workers": 1}),
     (fr.mathieu.transition_curves, {"alpha": [0.1, 0.2], "orders": 2}),
-    (fr.PaperCriterion, {"periods": 10, "limit": 1e6, "by": "exact", "step": 0.01}),
-    (fr.PaperCriterion().growth, ALL),
-    (fr.PaperCriterion().is_stable, ALL),
+    (fr.FiniteTimeCriterion, {"periods": 10, "limit": 1e6, "by": "exact", "step": 0.01}),
+    (fr.FiniteTimeCriterion().growth, ALL),
+    (fr.FiniteTimeCriterion().is_stable, ALL),
     (fr.AxialLoad, LOADS),
     (fr.AxialLoad.hertz, LOADS),
     (fr.Coulomb, {"mu": 0.1, "velocity": 0.05}),
@@ -261,7 +261,16 @@ def test_junk_is_refused_by_name_or_answered(call: Callable[..., Any], given: di
 
 def test_the_table_has_every_public_function_and_every_argument() -> None:
     elsewhere = {"simulate", "Explorer"}  # a run of a rod, and a window
-    results = {"Chart", "Comparison", "Proof", "RodFriction", "RodStability", "SafeRanges", "Simulation", "Stability"}
+    results = {
+        "Chart",
+        "Comparison",
+        "Proof",
+        "FrictionalRodStability",
+        "RodStability",
+        "SafeRanges",
+        "Simulation",
+        "Stability",
+    }
     public = {
         name
         for module in (fr, fr.mathieu, fr.friction, fr.conventions)

@@ -19,14 +19,14 @@ pytestmark = pytest.mark.kernels
 EQUATIONS = [
     fr.Mathieu(0.9, -0.6),
     fr.Mathieu(0.5, -0.25),
-    fr.SquareWave(0.8, -0.4),
+    fr.Meissner(0.8, -0.4),
     fr.Hill(-0.5, (0.3, 0.2), (0.1, -0.4), period=5.0),
     fr.Mathieu(0.5, -0.25, damping=0.1),
 ]
 
 
 @pytest.mark.parametrize("equation", EQUATIONS, ids=repr)
-def test_second_order_in_the_step(equation: fr.Mathieu | fr.SquareWave | fr.Hill) -> None:
+def test_second_order_in_the_step(equation: fr.Mathieu | fr.Meissner | fr.Hill) -> None:
     exact = fr.stability(equation, method="monodromy").discriminant
     steps = [0.08, 0.04, 0.02]
     results = [leapfrog(equation, step=h, periods=1) for h in steps]
@@ -131,7 +131,7 @@ def test_a_step_too_long_for_the_coefficient_is_told() -> None:
     decades(1e-4, 0.1),
 )
 def test_an_error_that_leaves_digits_covers_the_truth(
-    equation: fr.Mathieu | fr.SquareWave | fr.Hill, share: float
+    equation: fr.Mathieu | fr.Meissner | fr.Hill, share: float
 ) -> None:
     result = leapfrog(equation, step=share * equation.period, periods=1)
     if result.error < 0.1:
@@ -144,7 +144,7 @@ def test_an_error_that_leaves_digits_covers_the_truth(
     ("equation", "step"),
     [
         (fr.Mathieu(0.5, -1e5), 5e-4),  # two radians behind after a period: the maps meet again by chance
-        (fr.SquareWave(-8.792147085056326, 1.1464426096028026), 2.0 * math.pi / 474),  # half of 474 steps is odd
+        (fr.Meissner(-8.792147085056326, 1.1464426096028026), 2.0 * math.pi / 474),  # half of 474 steps is odd
         (fr.Hill(-0.3, (0.5, *[0.0] * 14, 0.4)), 2.0 * math.pi / 16),  # steps as long as the 16th harmonic's waves
     ],
     ids=["phase", "jump", "resolution"],

@@ -21,7 +21,7 @@ from strategies import decades, hills, mathieus, near_boundary_points, numbers, 
 EXACT = {"spectral", "determinant", "monodromy", "reference", "square_wave"}
 
 
-def exact_results(equation: fr.Mathieu | fr.SquareWave | fr.Hill) -> list[fr.Stability]:
+def exact_results(equation: fr.Mathieu | fr.Meissner | fr.Hill) -> list[fr.Stability]:
     """Results of the methods that claim to be exact for this equation."""
     return [
         r
@@ -30,7 +30,7 @@ def exact_results(equation: fr.Mathieu | fr.SquareWave | fr.Hill) -> list[fr.Sta
     ]
 
 
-def check_agreement(equation: fr.Mathieu | fr.SquareWave | fr.Hill) -> None:
+def check_agreement(equation: fr.Mathieu | fr.Meissner | fr.Hill) -> None:
     results = exact_results(equation)
     *others, truth = results
     assert truth.method == "reference"
@@ -60,7 +60,7 @@ def test_methods_agree_beside_boundaries(point: tuple[float, float]) -> None:
 
 @settings(max_examples=30)
 @given(square_waves(largest_damping=0.3))
-def test_methods_agree_on_square_waves(equation: fr.SquareWave) -> None:
+def test_methods_agree_on_square_waves(equation: fr.Meissner) -> None:
     check_agreement(equation)
 
 
@@ -72,7 +72,7 @@ def test_methods_agree_on_hill(equation: fr.Hill) -> None:
 
 @settings(max_examples=60)
 @given(mathieus(largest_damping=0.3) | square_waves(largest_damping=0.3))
-def test_multipliers_follow_from_liouville_and_the_trace(equation: fr.Mathieu | fr.SquareWave) -> None:
+def test_multipliers_follow_from_liouville_and_the_trace(equation: fr.Mathieu | fr.Meissner) -> None:
     result = fr.stability(equation)
     first, second = result.multipliers
     if cmath.isfinite(first):
@@ -113,7 +113,7 @@ EXTREMES = st.sampled_from((0.0, 5e-324, -5e-324, 1e-320, 1e-300, -1e-200, 1e-16
 """What leaves the range of a double when it is squared, and what is left of it."""
 
 
-def extreme_equations() -> st.SearchStrategy[fr.Mathieu | fr.SquareWave | fr.Hill]:
+def extreme_equations() -> st.SearchStrategy[fr.Mathieu | fr.Meissner | fr.Hill]:
     """Equations at, near and far from boundaries, with denormal coefficients and long periods among them."""
     amplitudes = EXTREMES | numbers(-30.0, 30.0) | decades(1e-9, 1.0)
     edges = st.tuples(st.integers(0, 10), EXTREMES | numbers(-1e-9, 1e-9)).map(lambda p: -0.25 * p[0] ** 2 + p[1])
@@ -121,9 +121,7 @@ def extreme_equations() -> st.SearchStrategy[fr.Mathieu | fr.SquareWave | fr.Hil
     damping = st.just(0.0) | decades(1e-9, 0.5) | st.just(5e-324)
     series = st.lists(EXTREMES | numbers(-3.0, 3.0), max_size=3).map(tuple)
     hill = st.builds(fr.Hill, EXTREMES | numbers(-3.0, 1.0), series, series, decades(1e-2, 100.0), damping)
-    return (
-        st.builds(fr.Mathieu, amplitudes, means, damping) | st.builds(fr.SquareWave, amplitudes, means, damping) | hill
-    )
+    return st.builds(fr.Mathieu, amplitudes, means, damping) | st.builds(fr.Meissner, amplitudes, means, damping) | hill
 
 
 @settings(max_examples=100)
@@ -132,7 +130,7 @@ def extreme_equations() -> st.SearchStrategy[fr.Mathieu | fr.SquareWave | fr.Hil
 @example(fr.Mathieu(5e-324, -0.25), None)
 @example(fr.Mathieu(0.0, 0.0), 5)
 @example(fr.Hill(-0.5, cosines=(0.7,), period=1000.0), None)
-def test_stated_errors_cover_the_truth(equation: fr.Mathieu | fr.SquareWave | fr.Hill, terms: int | None) -> None:
+def test_stated_errors_cover_the_truth(equation: fr.Mathieu | fr.Meissner | fr.Hill, terms: int | None) -> None:
     exact = reference_excess(equation, 30)
     with mpmath.workdps(40):
         period = mpmath.mpf(equation.period) if isinstance(equation, fr.Hill) else 2 * mpmath.pi
@@ -235,10 +233,10 @@ def test_auto_takes_no_options_and_names_are_checked() -> None:
         fr.stability(fr.Mathieu(1.0, 0.0), digits=30)
     with pytest.raises(ValueError, match="method must be one of 'auto', 'spectral'"):
         fr.stability(fr.Mathieu(1.0, 0.0), method="magic")
-    with pytest.raises(TypeError, match="equation must be Mathieu, SquareWave, Hill"):
+    with pytest.raises(TypeError, match="equation must be Mathieu, Meissner, Hill"):
         fr.stability("Mathieu")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="equation must be Mathieu, Hill for the spectral method"):
-        fr.stability(fr.SquareWave(1.0, 0.0), method="spectral")
+        fr.stability(fr.Meissner(1.0, 0.0), method="spectral")
 
 
 def test_judge_decides_only_beyond_the_error() -> None:

@@ -31,7 +31,7 @@ EQUATIONS = (
 @settings(max_examples=60)
 @given(EQUATIONS, st.floats(-30.0, 30.0))
 def test_liouville_and_invariance_under_a_shift_of_time(
-    equation: fr.Mathieu | fr.SquareWave | fr.Hill, start: float
+    equation: fr.Mathieu | fr.Meissner | fr.Hill, start: float
 ) -> None:
     at_zero, shifted = monodromy_matrix(equation), monodromy_matrix(equation, start=start)
     size = max(1.0, np.abs(at_zero).max(), np.abs(shifted).max())
@@ -42,7 +42,7 @@ def test_liouville_and_invariance_under_a_shift_of_time(
 
 @settings(max_examples=60)
 @given(EQUATIONS)
-def test_half_a_period_and_a_whole_one_agree(equation: fr.Mathieu | fr.SquareWave | fr.Hill) -> None:
+def test_half_a_period_and_a_whole_one_agree(equation: fr.Mathieu | fr.Meissner | fr.Hill) -> None:
     matrix = monodromy_matrix(equation)
     result = monodromy(equation)
     assert np.trace(matrix) == pytest.approx(result.discriminant, abs=1e-10 * max(1.0, np.abs(matrix).max()))
@@ -129,8 +129,8 @@ def test_the_sign_of_alpha_is_a_shift_of_half_a_period(equation: fr.Mathieu) -> 
 
 
 @pytest.mark.parametrize("beta", [-7.3, -0.3, -1e-9, 1e-9, 0.04, 9.0])
-@pytest.mark.parametrize("kind", [fr.Mathieu, fr.SquareWave])
-def test_a_constant_coefficient_has_a_closed_form(kind: type[fr.Mathieu] | type[fr.SquareWave], beta: float) -> None:
+@pytest.mark.parametrize("kind", [fr.Mathieu, fr.Meissner])
+def test_a_constant_coefficient_has_a_closed_form(kind: type[fr.Mathieu] | type[fr.Meissner], beta: float) -> None:
     result = monodromy(kind(0.0, beta))
     angle = 2.0 * math.pi * math.sqrt(abs(beta))
     exact = 2.0 * (math.cosh(angle) if beta > 0.0 else math.cos(angle))
@@ -146,7 +146,7 @@ def test_the_boundary_above_the_papers_point() -> None:
 
 @pytest.mark.parametrize("index", [-39, -38, -35, -1, 1, 2, 3, 7, 38])
 def test_a_square_wave_may_start_at_a_jump_or_beside_it(index: int) -> None:
-    equation = fr.SquareWave(1.3, -0.6)
+    equation = fr.Meissner(1.3, -0.6)
     expected = monodromy_matrix(equation, start=math.pi if index % 2 else 0.0)
     jump = index * math.pi
     for start in (math.nextafter(jump, -math.inf), jump, math.nextafter(jump, math.inf)):
@@ -181,7 +181,7 @@ def test_a_period_too_long_is_declined() -> None:
 
 def test_maps_scaled_at_different_steps_still_compare() -> None:
     # Two maps of 20 and more rescalings each: steps are halved once, because the first halving already agrees.
-    result = monodromy(fr.SquareWave(1.0, 1e7))
+    result = monodromy(fr.Meissner(1.0, 1e7))
     assert result.status == "unstable"
     assert result.growth_rate == pytest.approx(math.sqrt(1e7), rel=1e-9)
     assert result.cost.amount <= 3 * (math.pi * (math.sqrt(1e7 + 1.0) + 1.0) / 1.9 + 2.0)

@@ -16,7 +16,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 from mpmath.ctx_iv import MPIntervalContext
 
-from floquetrod.equations import Equation, Hill, Mathieu, SquareWave
+from floquetrod.equations import Equation, Hill, Mathieu, Meissner
 from floquetrod.floquet.methods.reference import reference, reference_excess
 from floquetrod.floquet.proof import _cosh_sinhc, _pi, _problem, _prove_by_trace, _trace, certify
 from floquetrod.floquet.result import Interval
@@ -145,9 +145,9 @@ def test_damped_mathieu_agrees_with_the_reference(equation: Mathieu) -> None:
 
 @given(square_waves(largest_damping=0.5))
 @settings(max_examples=60)
-@example(SquareWave(1e9, -1e9))
-@example(SquareWave(3.0, -3.0, 0.2))
-def test_square_wave_agrees_with_the_reference(equation: SquareWave) -> None:
+@example(Meissner(1e9, -1e9))
+@example(Meissner(3.0, -3.0, 0.2))
+def test_square_wave_agrees_with_the_reference(equation: Meissner) -> None:
     assert_agrees(equation)
 
 
@@ -196,7 +196,7 @@ def test_trace_is_enclosed(equation: Mathieu | Hill, digits: int) -> None:
 
 @given(square_waves(largest=10.0))
 @settings(max_examples=30)
-def test_enclosures_of_the_square_wave_hold_the_trace(equation: SquareWave) -> None:
+def test_enclosures_of_the_square_wave_hold_the_trace(equation: Meissner) -> None:
     proof = certify(equation)
     assume(proof.enclosures)  # undecided at the limit of digits: nothing enclosed
     found = reference_excess(equation, 40)
@@ -249,8 +249,8 @@ def test_too_few_digits_beside_a_boundary() -> None:
 
 
 def test_precision_is_raised_until_it_decides() -> None:
-    assert certify(SquareWave(1e-300, -0.25)).status == "undecided"
-    proof = certify(SquareWave(1e-300, -0.25), max_digits=1000)
+    assert certify(Meissner(1e-300, -0.25)).status == "undecided"
+    proof = certify(Meissner(1e-300, -0.25), max_digits=1000)
     assert proof.status == "unstable"
     assert 300 < proof.digits < 1000  # the trace differs from 2 by 1e-600, its factors from zero by 1e-300
 
@@ -262,18 +262,18 @@ def test_precision_is_raised_until_it_decides() -> None:
         (Mathieu(0.0, 0.0), "unstable"),  # A = tau
         (Mathieu(0.0, 0.0, damping=0.1), "stable"),  # A = 1
         (Mathieu(0.0, 1e-300), "unstable"),
-        (SquareWave(0.0, -1.0), "stable"),
+        (Meissner(0.0, -1.0), "stable"),
         (Hill(0.5), "unstable"),
         (Hill(-0.5, damping=2.0), "stable"),
-        (SquareWave(4.0, -5.0), "stable"),  # levels -1 and -9: both halves turn by half turns
-        (SquareWave(-4.0, -5.0), "stable"),
-        (SquareWave(0.5, -0.5), "unstable"),  # levels 0 and -1: A = 1, and one that grows linearly
+        (Meissner(4.0, -5.0), "stable"),  # levels -1 and -9: both halves turn by half turns
+        (Meissner(-4.0, -5.0), "stable"),
+        (Meissner(0.5, -0.5), "unstable"),  # levels 0 and -1: A = 1, and one that grows linearly
     ],
 )
 def test_exact_cases(equation: Equation, status: str) -> None:
     proof = certify(equation)
     assert (proof.status, proof.digits) == (status, 0)
-    undamped = type(equation) is not SquareWave or equation.alpha == 0.0
+    undamped = type(equation) is not Meissner or equation.alpha == 0.0
     assert "constant" in proof.statement if undamped else "half turns" in proof.statement
 
 
@@ -309,7 +309,7 @@ def test_huge_parameters() -> None:
 def test_leaves_the_precision_of_mpmath_alone() -> None:
     before = mpmath.iv.prec
     certify(Mathieu(1e-300, -0.25))
-    certify(SquareWave(1e-20, -0.25))
+    certify(Meissner(1e-20, -0.25))
     assert mpmath.iv.prec == before
 
 
@@ -347,7 +347,7 @@ def test_the_exact_number_is_proved_and_not_its_nearest_double(offset: Fraction)
     assert certify(Mathieu, alpha=offset, beta=Fraction(-1, 4) - Fraction(49, 100) * offset).status == "unstable"
 
 
-@pytest.mark.parametrize("kind", [Mathieu, SquareWave])
+@pytest.mark.parametrize("kind", [Mathieu, Meissner])
 def test_a_mean_too_small_for_a_double_keeps_its_sign(kind: type[Equation]) -> None:
     assert certify(kind, alpha=0, beta="-1e-400").status == "stable"
     assert certify(kind, alpha=0, beta="1e-400").status == "unstable"
@@ -360,7 +360,7 @@ def test_exact_hill_and_square_wave() -> None:
     assert [name for name, _ in exact.exact] == ["sines[0]", "period"]
     # The nearest double to 2 pi is off by more than that tongue is wide.
     assert certify(Hill, mean="-1/4", sines=("1e-20",)).status == "stable"
-    assert certify(SquareWave, alpha="0.5", beta="-0.5") == certify(SquareWave(0.5, -0.5))
+    assert certify(Meissner, alpha="0.5", beta="-0.5") == certify(Meissner(0.5, -0.5))
 
 
 @given(mathieus(20.0, (-20.0, 5.0), 0.3) | square_waves(10.0, 0.3) | hills(2, 5.0, 0.3))

@@ -13,7 +13,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from floquetrod.equations import Equation, Hill, Mathieu, SquareWave
+from floquetrod.equations import Equation, Hill, Mathieu, Meissner
 from floquetrod.floquet.methods.reference import Excess, TooMuchWork, reference, reference_excess
 from strategies import hills, mathieus, near_boundary_points, numbers, square_waves
 
@@ -39,7 +39,7 @@ def constant_excess(level: float, period: Any) -> Any:
 
 @pytest.mark.parametrize("level", [-400.0, -7.3, -0.25000000001, -1e-300, 1e-12, 0.7, 60.0])
 def test_constant_coefficient(level: float) -> None:
-    for equation in (Mathieu(0.0, level), SquareWave(0.0, level), Hill(level, period=3.0, cosines=(0.0,))):
+    for equation in (Mathieu(0.0, level), Meissner(0.0, level), Hill(level, period=3.0, cosines=(0.0,))):
         period = mp.mpf(3) if isinstance(equation, Hill) else 2 * mp.pi
         assert relative(reference_excess(equation).excess, constant_excess(level, period)) < 1e-50
         assert reference(equation).status == ("unstable" if level > 0 else "stable")
@@ -74,9 +74,9 @@ def half_wave_map(level: Any, damping: Any) -> Any:
 
 @given(square_waves(largest=30.0, largest_damping=0.5))
 @settings(max_examples=15)
-@example(SquareWave(3.0, 3.0))
-@example(SquareWave(1e-30, -2.0, 0.3))
-def test_square_wave_is_two_matrix_exponentials(equation: SquareWave) -> None:
+@example(Meissner(3.0, 3.0))
+@example(Meissner(1e-30, -2.0, 0.3))
+def test_square_wave_is_two_matrix_exponentials(equation: Meissner) -> None:
     alpha, beta, c = (mp.mpf(x) for x in (equation.alpha, equation.beta, equation.damping))
     matrix = half_wave_map(beta - alpha, c) * half_wave_map(beta + alpha, c)
     expected = excess_of(mp.exp(2 * mp.pi * c) * (matrix[0, 0] + matrix[1, 1]))
@@ -249,7 +249,7 @@ def test_tiny_parameters() -> None:
     assert reference(Mathieu(1e-300, -0.3), digits=10).status == "stable"
     assert reference(Mathieu(1e-300, 1e-300)).growth_rate == pytest.approx(1e-150, rel=1e-12)
     assert reference(Mathieu(1e-300, -0.25, damping=1e-3)).status == "stable"
-    assert reference(SquareWave(1e-300, -0.25)).growth_rate == pytest.approx(2e-300 / math.pi, rel=1e-12)
+    assert reference(Meissner(1e-300, -0.25)).growth_rate == pytest.approx(2e-300 / math.pi, rel=1e-12)
 
 
 def test_undecided_when_the_digits_allowed_are_too_few() -> None:
@@ -257,7 +257,7 @@ def test_undecided_when_the_digits_allowed_are_too_few() -> None:
     assert verdict.status == "undecided"
     assert verdict.growth_rate < 1e-90
     # Both half periods turn by half turns: X is zero, and no number of digits shows it.
-    assert reference(SquareWave(4.0, -5.0), digits=10).status == "undecided"
+    assert reference(Meissner(4.0, -5.0), digits=10).status == "undecided"
 
 
 def test_huge_parameters() -> None:
@@ -265,7 +265,7 @@ def test_huge_parameters() -> None:
     assert verdict.status == "unstable"
     assert verdict.discriminant == math.inf
     assert verdict.log_abs_discriminant == pytest.approx(2.0 * math.pi * verdict.growth_rate, rel=1e-14)
-    wave = reference(SquareWave(1e9, 1e9))
+    wave = reference(Meissner(1e9, 1e9))
     assert wave.log_abs_discriminant == pytest.approx(math.pi * math.sqrt(2e9), rel=1e-4)
     for equation in (Mathieu(1e9, 1e9), Mathieu(1e9, -1e9), Hill(1.0, (1.0,), period=1e300)):
         assert reference(equation).status == "undecided"
@@ -277,7 +277,7 @@ def test_huge_parameters() -> None:
 def test_leaves_the_precision_of_mpmath_alone() -> None:
     before = mpmath.mp.prec
     with ThreadPoolExecutor(2) as pool:
-        found = list(pool.map(reference_excess, [Mathieu(6.0, -4.0), SquareWave(6.0, -4.0)] * 2, [40, 60] * 2))
+        found = list(pool.map(reference_excess, [Mathieu(6.0, -4.0), Meissner(6.0, -4.0)] * 2, [40, 60] * 2))
     assert found[:2] == found[2:]
     assert mpmath.mp.prec == before
 

@@ -49,7 +49,7 @@ def test_mode_equations_are_equation_4() -> None:
     (equation,) = rod.mode_equations(push, [7])
     w = 7.0 * math.pi / rod.length
     inertia = rod.density * math.pi * rod.radius**2 * 150.0**2
-    weight = rod.density * math.pi * rod.radius**2 * 9.81 / rod.gap
+    weight = rod.density * math.pi * rod.radius**2 * 9.81 / rod.radial_clearance
     rigidity = rod.youngs_modulus * math.pi * rod.radius**4 / 4.0
     assert equation.alpha == pytest.approx(w**2 * push.amplitude / inertia, rel=1e-14)
     assert equation.beta == pytest.approx((push.mean * w**2 - rigidity * w**4 - weight) / inertia, rel=1e-12)

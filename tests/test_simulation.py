@@ -253,7 +253,7 @@ def test_drawings(tmp_path: Path) -> None:
         ({"segments": 60, "perturbation": fr.Perturbation.modes({11: 0.1})}, "names mode 11, which 60 segments cannot"),
         ({"time_step": 1e-4}, r"time_step must be at most 1.1\d+e-05 s.* unstable, by shear"),
         ({"poisson_ratio": 0.6}, "poisson_ratio must be above -1 and at most 0.5"),
-        ({"indentation": 0.2}, "indentation must be at most 0.1 of the gap"),
+        ({"indentation": 0.2}, "indentation must be at most 0.1 of the radial clearance"),
         ({"contact_damping": -1.0}, "contact_damping must be zero or more"),
     ],
 )

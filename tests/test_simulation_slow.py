@@ -49,7 +49,7 @@ def simulated(rod: fr.Rod, mean: float, amplitude: float, frequency: float, segm
     kick = fr.Perturbation.modes({mode: 1e-5})
     # Frames at equal parts of a period: the recurrence that the rate is fitted to then needs no interpolation.
     run = fr.simulate(rod, load, periods * period, 0.0, kick, segments, frames=16 * periods + 1)
-    sunk = rod.replace(channel_radius=rod.channel_radius + run.setting.indentation * rod.gap)
+    sunk = rod.replace(channel_radius=rod.channel_radius + run.setting.indentation * rod.radial_clearance)
     x = frequency * rod.length / (2 * rod.wave_speed)
     larger = fr.AxialLoad(load.mean, load.amplitude * math.tan(x) / x, frequency)
     known = sunk.stability(larger, [mode]).mode_growth_rates[0]
@@ -121,7 +121,7 @@ def stiffer(rod: fr.Rod, factor: float) -> fr.Rod:
         youngs_modulus=rod.youngs_modulus * factor**2,
         density=rod.density * factor,
         radius=radius,
-        channel_radius=rod.gap + radius,
+        channel_radius=rod.radial_clearance + radius,
     )
 
 

@@ -29,7 +29,7 @@ def add(commands: Any) -> None:
 
 
 def _compare(options: argparse.Namespace) -> Answer:
-    kind = fr.SquareWave if options.wave == "square" else fr.Mathieu
+    kind = fr.Meissner if options.wave == "square" else fr.Mathieu
     equation = kind(options.alpha, options.beta, options.damping)
     with waiting("judging by every method"):
         comparison = fr.compare(equation)

@@ -10,7 +10,7 @@ from floquetrod.cli.common import number
 from floquetrod.units import Unit
 
 
-def report(result: fr.RodFriction, shown: Unit) -> list[str]:
+def report(result: fr.FrictionalRodStability, shown: Unit) -> list[str]:
     """Return the lines about friction: the verdict first, a table of the modes that grow without it last.
 
     Speeds are in the unit ``shown``.
@@ -36,7 +36,7 @@ def report(result: fr.RodFriction, shown: Unit) -> list[str]:
     return lines
 
 
-def _needed(result: fr.RodFriction, shown: Unit) -> str:
+def _needed(result: fr.FrictionalRodStability, shown: Unit) -> str:
     kick = result.critical_kick
     if math.isinf(kick.velocity):
         return "no kick buckles the rod: no mode grows even without friction"
@@ -45,7 +45,7 @@ def _needed(result: fr.RodFriction, shown: Unit) -> str:
     return f"{shown.show(kick.velocity)} is the smallest found to buckle the rod, into mode {kick.mode}"
 
 
-def record(result: fr.RodFriction) -> dict[str, Any]:
+def record(result: fr.FrictionalRodStability) -> dict[str, Any]:
     """Return the same as numbers for JSON."""
     inside, kick = result.in_modes, result.critical_kick
     return {

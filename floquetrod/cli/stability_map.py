@@ -83,7 +83,7 @@ def _map(options: argparse.Namespace) -> Answer:
         name: (*ends, columns if name == across else rows) if name in varied else ends[0]
         for name, ends in values.items()
     }
-    criterion = None if options.paper_criterion is None else fr.PaperCriterion(by=options.paper_criterion)
+    criterion = None if options.paper_criterion is None else fr.FiniteTimeCriterion(by=options.paper_criterion)
     point = None if options.mark is None else _point(options.mark, varied, across, rod)
     chart = fr.stability_map(
         rod,

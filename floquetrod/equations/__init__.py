@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from floquetrod.equations.scalar import Equation, FrictionalMathieu, Hill, Mathieu, SquareWave, require
+from floquetrod.equations.scalar import Equation, FrictionalMathieu, Hill, Mathieu, Meissner, SquareWave, require
 
-__all__ = ["Equation", "FrictionalMathieu", "Hill", "Mathieu", "SquareWave", "require"]
+__all__ = ["Equation", "FrictionalMathieu", "Hill", "Mathieu", "Meissner", "SquareWave", "require"]

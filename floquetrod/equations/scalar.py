@@ -66,7 +66,7 @@ class Mathieu:
 
 
 @dataclass(frozen=True)
-class SquareWave:
+class Meissner:
     """Meissner's equation A'' + 2 c A' = (beta + alpha sign(sin tau)) A, of period 2 pi.
 
     Parameters
@@ -99,6 +99,10 @@ class SquareWave:
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau) = beta + alpha sign(sin tau); broadcasts over ``tau``."""
         return plain(self.beta + self.alpha * np.sign(np.sin(_times(tau, self.period))))
+
+
+SquareWave = Meissner
+"""The name that DOI 10.1115/1.4031710 gives it."""
 
 
 @dataclass(frozen=True)
@@ -208,11 +212,11 @@ class FrictionalMathieu:
         return Mathieu(self.alpha, self.beta, self.damping)
 
 
-Equation: TypeAlias = Mathieu | SquareWave | Hill
+Equation: TypeAlias = Mathieu | Meissner | Hill
 """Any equation a method may be asked about."""
 
 
-def require(value: Any, kinds: tuple[type, ...] = (Mathieu, SquareWave, Hill), by: str = "") -> None:
+def require(value: Any, kinds: tuple[type, ...] = (Mathieu, Meissner, Hill), by: str = "") -> None:
     """Raise TypeError unless ``value`` is one of the equation ``kinds``."""
     if not isinstance(value, kinds):
         names = ", ".join(kind.__name__ for kind in kinds)

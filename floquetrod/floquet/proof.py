@@ -44,7 +44,7 @@ from itertools import zip_longest
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, Hill, Mathieu, SquareWave, require
+from floquetrod.equations import Equation, Hill, Mathieu, Meissner, require
 from floquetrod.floquet.result import Interval, Status, Verdict
 
 _FIRST_DIGITS = 15
@@ -109,7 +109,7 @@ def certify(equation: Equation | type[Equation], *, max_digits: int = 200, **par
 
     Parameters
     ----------
-    equation : Mathieu, SquareWave or Hill
+    equation : Mathieu, Meissner or Hill
         A value, whose parameters are taken as the exact binary numbers they are; so is the period of a `Hill`.  Or one
         of these classes, with its parameters following.
     max_digits : int
@@ -163,7 +163,7 @@ class _Problem(NamedTuple):
 
     @property
     def alpha(self) -> Fraction:
-        """Amplitude of the only wave of `Mathieu` and `SquareWave`."""
+        """Amplitude of the only wave of `Mathieu` and `Meissner`."""
         return self.waves[0][1] if self.waves else Fraction(0)
 
     def proof(
@@ -277,7 +277,7 @@ def _elementary(problem: _Problem) -> Proof | None:
         bounded = level < 0 or (level == 0 and problem.damping > 0)
         statement = f"the coefficient is constant and {_sign_name(level)}"
         return problem.proof("stable" if bounded else "unstable", None, 0, statement)
-    if not isinstance(problem.equation, SquareWave) or problem.damping > 0:
+    if not isinstance(problem.equation, Meissner) or problem.damping > 0:
         return None
     halves = [problem.mean + sign * problem.alpha for sign in (1, -1)]
     for half, other in (halves, halves[::-1]):
@@ -296,7 +296,7 @@ def _attempt(problem: _Problem, digits: int) -> Proof:
 
     context = MPIntervalContext()  # our own: the precision of mpmath.iv is shared by the whole process
     context.dps = digits
-    if isinstance(problem.equation, SquareWave):
+    if isinstance(problem.equation, Meissner):
         return _prove_square_wave(problem, context)
     try:
         if isinstance(problem.equation, Mathieu):

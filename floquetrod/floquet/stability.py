@@ -7,22 +7,22 @@ from typing import Any
 
 from floquetrod import equations
 from floquetrod._util import validate
-from floquetrod.equations import Equation, Hill, Mathieu, SquareWave
+from floquetrod.equations import Equation, Hill, Mathieu, Meissner
 from floquetrod.floquet.result import Stability
 
 METHODS: dict[str, tuple[type, ...]] = {
     "spectral": (Mathieu, Hill),
     "determinant": (Mathieu,),
-    "monodromy": (Mathieu, SquareWave, Hill),
-    "square_wave": (SquareWave, Mathieu),
-    "leapfrog": (Mathieu, SquareWave, Hill),
-    "reference": (Mathieu, SquareWave, Hill),
+    "monodromy": (Mathieu, Meissner, Hill),
+    "square_wave": (Meissner, Mathieu),
+    "leapfrog": (Mathieu, Meissner, Hill),
+    "reference": (Mathieu, Meissner, Hill),
 }
 """Every method, and the equations it applies to."""
 
 _AUTO: dict[type, tuple[str, ...]] = {
     Mathieu: ("spectral", "reference"),
-    SquareWave: ("square_wave", "reference"),
+    Meissner: ("square_wave", "reference"),
     Hill: ("monodromy", "spectral", "reference"),
 }
 
@@ -32,7 +32,7 @@ def stability(equation: Equation, method: str = "auto", **options: Any) -> Stabi
 
     Parameters
     ----------
-    equation : Mathieu, SquareWave or Hill
+    equation : Mathieu, Meissner or Hill
         What to judge.
     method : str
         "auto", or one of "spectral", "determinant", "monodromy", "square_wave", "leapfrog", "reference".  "auto" takes

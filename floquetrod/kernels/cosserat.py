@@ -79,7 +79,7 @@ class Physics(NamedTuple):
     bend: float  # EI
     twist: float  # GJ
     radius: float
-    gap: float  # R, where contact begins
+    radial_clearance: float  # R, where contact begins
     gravity: float
     contact: float  # k in the contact acceleration k sqrt(d) (d + C v)
     contact_damping: float  # C
@@ -171,7 +171,7 @@ def _nodes(rod: Any, p: Physics) -> None:
     fx, fy, fz = rod["fx"], rod["fy"], rod["fz"]
     step, stiffness, damping = p.step, p.step * p.contact, p.contact_damping
     kick, fall = p.step / p.mass, p.step * p.gravity
-    inverse, half_gap = 1.0 / p.gap, 0.5 * p.gap
+    inverse, half_gap = 1.0 / p.radial_clearance, 0.5 * p.radial_clearance
     for i in range(p.segments + 1):
         ny, nz = inverse * y[i], inverse * z[i]
         depth = max(half_gap * (ny * ny + nz * nz - 1.0), 0.0)
@@ -249,7 +249,7 @@ def _press(rod: Any, p: Physics) -> None:
     roll_x, roll_t, cap = rod["roll_x"], rod["roll_t"], rod["cap"]
     stiffness, damping = p.step * p.contact, p.contact_damping
     kick, fall = p.step / p.mass, p.step * p.gravity
-    inverse, gap = 1.0 / p.gap, p.gap
+    inverse, gap = 1.0 / p.radial_clearance, p.radial_clearance
     for i in range(p.segments + 1):
         ny, nz = inverse * y[i], inverse * z[i]
         beyond = max(0.5 * (ny * ny + nz * nz - 1.0), 0.0)

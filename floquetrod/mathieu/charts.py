@@ -14,10 +14,10 @@ from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod._util.version import __version__
 from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
-from floquetrod.equations import Equation, Mathieu, SquareWave
+from floquetrod.equations import Equation, Mathieu, Meissner
 from floquetrod.floquet.stability import stability
 from floquetrod.mathieu.arrays import growth_rate, is_stable
-from floquetrod.mathieu.criterion import PaperCriterion
+from floquetrod.mathieu.criterion import FiniteTimeCriterion
 
 
 def chart(
@@ -28,7 +28,7 @@ def chart(
     equation: Callable[[float, float, float], Equation] = Mathieu,
     growth: bool = False,
     growth_tolerance: float = 0.0,
-    criterion: PaperCriterion | None = None,
+    criterion: FiniteTimeCriterion | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Chart:
@@ -41,14 +41,14 @@ def chart(
     damping : float
         c, one value for the whole chart.
     equation : callable (alpha, beta, damping) -> Equation
-        The family charted: `Mathieu`, `SquareWave`, or any function that returns an equation, such as
+        The family charted: `Mathieu`, `Meissner`, or any function that returns an equation, such as
         ``lambda a, b, c: Hill(b, sines=(a, 0.3 * a), damping=c)``.  Mathieu's is a thousand times faster than others,
         which `floquetrod.stability` judges one by one.
     growth : bool
         Whether to compute growth rates too, which costs about fifty times a verdict of Mathieu's equation.
     growth_tolerance : float
         Growth per unit tau up to which a point counts as stable.
-    criterion : PaperCriterion, optional
+    criterion : FiniteTimeCriterion, optional
         The paper's test in place of stability for ever; Mathieu's equation only.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
@@ -69,9 +69,9 @@ def chart(
     validate.progress(progress)
     kind = _name(validate.function("equation", equation)(0.0, 0.0, 0.0))
     if criterion is not None:
-        validate.instance("criterion", criterion, PaperCriterion)
+        validate.instance("criterion", criterion, FiniteTimeCriterion)
         criterion.require_alone(growth_tolerance=tolerance)
-        equations.require(equation(0.0, 0.0, 0.0), (Mathieu,), by="PaperCriterion")
+        equations.require(equation(0.0, 0.0, 0.0), (Mathieu,), by="FiniteTimeCriterion")
     judge = _judge_mathieu if equation is Mathieu else functools.partial(_judge_each, equation)
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
@@ -128,5 +128,5 @@ def _judge_each(
 
 def _name(equation: Equation) -> str:
     equations.require(equation)
-    names = {Mathieu: "Mathieu's equation", SquareWave: "Meissner's equation (square wave)"}
+    names = {Mathieu: "Mathieu's equation", Meissner: "Meissner's equation (square wave)"}
     return names.get(type(equation), "Hill's equation")

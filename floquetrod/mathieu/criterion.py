@@ -21,7 +21,7 @@ _CHUNK = 256  # points a thread takes at a time: each costs microseconds, by lea
 
 
 @dataclass(frozen=True)
-class PaperCriterion:
+class FiniteTimeCriterion:
     """Stable when abs(A(end)) / A'(0) stays below a limit after a number of periods, from A(0) = 0.
 
     Parameters
@@ -46,7 +46,7 @@ class PaperCriterion:
 
     Examples
     --------
-    >>> PaperCriterion().is_stable([0.03, 0.1], -0.25)
+    >>> FiniteTimeCriterion().is_stable([0.03, 0.1], -0.25)
     array([ True, False])
     """
 

@@ -19,15 +19,15 @@ from floquetrod.floquet.methods.monodromy import monodromy_matrix
 from floquetrod.floquet.methods.square_wave import square_wave
 from floquetrod.floquet.proof import certify
 from floquetrod.floquet.result import Stability
-from floquetrod.mathieu.criterion import PaperCriterion
+from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.load import AxialLoad
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.tongues import unstable_loads
 
 ROD = Rod.nitinol()
 UNIT = ROD.critical_force
-EXACT = PaperCriterion()
-LEAPFROG = PaperCriterion(by="leapfrog")
+EXACT = FiniteTimeCriterion()
+LEAPFROG = FiniteTimeCriterion(by="leapfrog")
 WINDOW = (0.0, 5.0), (-4.0, 1.0)
 """alpha and beta of Figures 2 and 8."""
 
@@ -113,7 +113,7 @@ def f2_d() -> Claim:
     )
 
 
-def first_failure(amplitude: float, frequency: float, criterion: PaperCriterion, upto: float) -> float:
+def first_failure(amplitude: float, frequency: float, criterion: FiniteTimeCriterion, upto: float) -> float:
     """Return the first mean force in F_cr, of a fine grid to ``upto``, at which the test fails; inf if none."""
     mean = np.linspace(0.0, upto, round(upto / 5e-4) + 1)
     failing = np.flatnonzero(~ROD.is_stable(mean * UNIT, amplitude * UNIT, frequency, criterion=criterion))

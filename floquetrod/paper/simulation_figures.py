@@ -14,7 +14,7 @@ def figure_4(study: Study) -> Any:
     """Draw the ten rods without friction, a column for each frequency."""
     columns = [f"{frequency:g} rad/s" for frequency in FIGURE_4]
     rows = len(next(iter(FIGURE_4.values())))
-    figure, axes = strips.strips(["$y$ / mm"] * rows, columns, (8.0, 7.0), ROD.gap)
+    figure, axes = strips.strips(["$y$ / mm"] * rows, columns, (8.0, 7.0), ROD.radial_clearance)
     for column, frequency in enumerate(FIGURE_4):
         group = [outcome for outcome in study.figure_4 if outcome.trial.frequency == frequency]
         for row, outcome in enumerate(group):
@@ -36,7 +36,7 @@ def figure_7(study: Study) -> Any:
     """Draw the thirty rods with friction, a row for each load, a column for each perturbation."""
     columns = ["A", "B", "C, first mode", "C, mode 10", "D"]
     rows = [f"{frequency:g} rad/s\n{mean:g} $F_\\mathrm{{cr}}$" for frequency, mean in FIGURE_7]
-    figure, axes = strips.strips(rows, columns, (8.0, 7.6), ROD.gap)
+    figure, axes = strips.strips(rows, columns, (8.0, 7.6), ROD.radial_clearance)
     for place, outcome in enumerate(study.figure_7):
         strips.draw_strip(outcome.run, axes.flat[place], _words(outcome, "paper"))
     trial = study.figure_7[0].trial

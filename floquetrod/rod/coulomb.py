@@ -64,9 +64,10 @@ class Coulomb:
         )
         axial = axial_velocity(rod, force, omega)
         share = self.velocity / np.hypot(axial, self.velocity)
-        gamma = 4.0 * self.mu * share * rod.gravity / (math.pi * omega**2 * rod.gap)
+        gamma = 4.0 * self.mu * share * rod.gravity / (math.pi * omega**2 * rod.radial_clearance)
         mu_theta, axial, gamma, epsilon = (
-            shaped(part, shape) for part in (self.mu * share, axial, gamma, self.velocity / (omega * rod.gap))
+            shaped(part, shape)
+            for part in (self.mu * share, axial, gamma, self.velocity / (omega * rod.radial_clearance))
         )
         return mu_theta, axial, gamma, epsilon
 

@@ -104,14 +104,14 @@ class RodData:
         return self.density * self.area
 
     @property
-    def gap(self) -> float:
+    def radial_clearance(self) -> float:
         """R = channel radius - rod radius in m: the radius of the motion of the rod's axis."""
         return self.channel_radius - self.radius
 
     @property
     def pendulum_frequency(self) -> float:
         """Frequency sqrt(g / R) in rad/s at which a rigid rod swings in the channel."""
-        return math.sqrt(self.gravity / self.gap)
+        return math.sqrt(self.gravity / self.radial_clearance)
 
     @property
     def critical_force(self) -> float:

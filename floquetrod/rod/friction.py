@@ -44,7 +44,7 @@ class CriticalKick(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class RodFriction(Verdict):
+class FrictionalRodStability(Verdict):
     """Verdict on a rod with friction, every mode of which is kicked alike.
 
     Attributes
@@ -101,7 +101,7 @@ class RodFriction(Verdict):
         return f"<{self.status}: {kick} {what}; {growing}>"
 
 
-def judge_kick(linear: RodStability, friction: Coulomb) -> RodFriction:
+def judge_kick(linear: RodStability, friction: Coulomb) -> FrictionalRodStability:
     """Return the verdict with friction that follows on one without."""
     inside = friction.in_mode_equation(linear.rod, linear.load)
     equations = dict(zip(linear.modes, linear.mode_equations, strict=True))
@@ -109,7 +109,7 @@ def judge_kick(linear: RodStability, friction: Coulomb) -> RodFriction:
         fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon)
         for e in (equations[mode] for mode in _growing(linear))
     )
-    return RodFriction(friction, inside, linear, fates)
+    return FrictionalRodStability(friction, inside, linear, fates)
 
 
 def critical_kick(linear: RodStability, mu: float) -> CriticalKick:

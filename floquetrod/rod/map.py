@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.version import __version__
 from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
-from floquetrod.mathieu.criterion import PaperCriterion
+from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.coulomb import Coulomb
 from floquetrod.rod.rod import Rod
 
@@ -32,7 +32,7 @@ def stability_map(
     growth: bool = False,
     growth_tolerance: float = 0.0,
     damping: float | None = None,
-    criterion: PaperCriterion | None = None,
+    criterion: FiniteTimeCriterion | None = None,
     friction: Coulomb | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
@@ -50,7 +50,7 @@ def stability_map(
         Growth rate in 1/s up to which a mode counts as stable.
     damping : float, optional
         Decay rate of free motion in 1/s, in place of the rod's.
-    criterion : PaperCriterion, optional
+    criterion : FiniteTimeCriterion, optional
         The paper's test in place of stability for ever.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
@@ -67,7 +67,7 @@ def stability_map(
     """
     validate.instance("rod", rod, Rod)
     growth = validate.flag("growth", growth)
-    for name, option, kind in (("criterion", criterion, PaperCriterion), ("friction", friction, Coulomb)):
+    for name, option, kind in (("criterion", criterion, FiniteTimeCriterion), ("friction", friction, Coulomb)):
         if option is not None:
             validate.instance(name, option, kind)
     workers = validate.workers(workers)

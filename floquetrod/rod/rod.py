@@ -20,10 +20,17 @@ from floquetrod._util.arrays import broadcast, plain, shaped
 from floquetrod._util.compilation import over_chunks
 from floquetrod.friction.fates import UndecidedWarning
 from floquetrod.kernels import mathieu as kernels
-from floquetrod.mathieu.criterion import PaperCriterion
+from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.coulomb import Coulomb, friction_coefficient
 from floquetrod.rod.data import NEGLIGIBLE_GROWTH, RodData
-from floquetrod.rod.friction import CriticalKick, RodFriction, critical_kick, critical_kicks, judge_kick, kicked_loads
+from floquetrod.rod.friction import (
+    CriticalKick,
+    FrictionalRodStability,
+    critical_kick,
+    critical_kicks,
+    judge_kick,
+    kicked_loads,
+)
 from floquetrod.rod.load import LARGEST_FORCE, LARGEST_FREQUENCY, LEAST_FREQUENCY, AxialLoad, load_array
 from floquetrod.rod.ranges import QUANTITIES, SafeRanges, safe_ranges
 from floquetrod.rod.stability import RodStability, judge_modes
@@ -102,7 +109,7 @@ class Rod(RodData):
         growth_tolerance: float = 0.0,
         *,
         friction: Coulomb,
-    ) -> RodFriction: ...
+    ) -> FrictionalRodStability: ...
 
     def stability(
         self,
@@ -110,7 +117,7 @@ class Rod(RodData):
         modes: Iterable[int] | None = None,
         growth_tolerance: float = 0.0,
         friction: Coulomb | None = None,
-    ) -> RodStability | RodFriction:
+    ) -> RodStability | FrictionalRodStability:
         """Judge the rod under a load: stable when every mode is.
 
         Parameters
@@ -125,7 +132,7 @@ class Rod(RodData):
 
         Returns
         -------
-        RodStability, or RodFriction where friction is given
+        RodStability, or FrictionalRodStability where friction is given
 
         Warns
         -----
@@ -320,7 +327,7 @@ class Rod(RodData):
         frequency: Any,
         *,
         growth_tolerance: float = 0.0,
-        criterion: PaperCriterion | None = None,
+        criterion: FiniteTimeCriterion | None = None,
         friction: Coulomb | None = None,
         workers: int | None = None,
     ) -> Any:
@@ -358,7 +365,7 @@ class Rod(RodData):
         frequency: Any,
         *,
         growth_tolerance: float = 0.0,
-        criterion: PaperCriterion | None = None,
+        criterion: FiniteTimeCriterion | None = None,
         friction: Coulomb | None = None,
         workers: int | None = None,
     ) -> Any:
@@ -372,7 +379,7 @@ class Rod(RodData):
         tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
         friction = None if friction is None else _coulomb(friction)
         if criterion is not None:
-            validate.instance("criterion", criterion, PaperCriterion)
+            validate.instance("criterion", criterion, FiniteTimeCriterion)
             criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if friction is None else friction.mu)
         shape, force, size, omega = self._loads(mean, amplitude, frequency)
         if friction is not None:

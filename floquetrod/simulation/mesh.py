@@ -29,14 +29,14 @@ ENERGIES = (
     "dissipated_damping",
     "work",
 )
-"""What `SegmentedRod.energies` returns."""
+"""What `DiscreteRod.energies` returns."""
 
 STEP_LIMITS = ("stretch", "shear", "contact", "choice")
 """What sets a time step: three motions of the rod, or whoever asked for a smaller one."""
 
 
 @dataclass(frozen=True)
-class SegmentedRod:
+class DiscreteRod:
     """A rod as equal segments between nodes.
 
     Parameters
@@ -57,8 +57,8 @@ class SegmentedRod:
 
     Examples
     --------
-    >>> cut = SegmentedRod(RodData.nitinol(), 250)
-    >>> step, limit = cut.safe_step()
+    >>> cut = DiscreteRod(RodData.nitinol(), 250)
+    >>> step, limit = cut.critical_time_step()
     >>> f"{1e6 * step:.2f} us, set by {limit}"
     '2.91 us, set by shear'
     """
@@ -75,9 +75,11 @@ class SegmentedRod:
         ratio = validate.finite("poisson_ratio", self.poisson_ratio)
         if not -1.0 < ratio <= 0.5:
             raise ValueError(f"poisson_ratio must be above -1 and at most 0.5, got {ratio!r}; metals have 0.25 to 0.45")
-        indentation = validate.positive("indentation", self.indentation, "it is a part of the gap R, such as 1e-4")
+        indentation = validate.positive(
+            "indentation", self.indentation, "it is a part of the radial clearance R, such as 1e-4"
+        )
         if indentation > 0.1:
-            raise ValueError(f"indentation must be at most 0.1 of the gap R, got {indentation!r}")
+            raise ValueError(f"indentation must be at most 0.1 of the radial clearance R, got {indentation!r}")
         damping = validate.nonnegative("contact_damping", self.contact_damping)
         least, most = (
             math.ceil(min(LEAST_SEGMENTS * rod.critical_mode, 1e18)),
@@ -148,12 +150,12 @@ class SegmentedRod:
     @property
     def depth_at_rest(self) -> float:
         """How deep the rod at rest sinks into the floor, in m."""
-        return self.indentation * self.rod.gap
+        return self.indentation * self.rod.radial_clearance
 
     @property
     def contact_stiffness(self) -> float:
         """Factor k of the contact's acceleration k sqrt(d) (d + C v): at rest it bears the weight."""
-        gap, depth = self.rod.gap, self.depth_at_rest
+        gap, depth = self.rod.radial_clearance, self.depth_at_rest
         d = depth * (1.0 + 0.5 * depth / gap)  # the measure of indentation of the kernels
         return self.rod.gravity / (math.sqrt(d) * d * (1.0 + depth / gap))
 
@@ -162,7 +164,7 @@ class SegmentedRod:
         """C of the contact's acceleration in s, from the damping of small motion about rest."""
         return 2.0 * self.contact_damping * math.sqrt(1.5 * self.depth_at_rest / self.rod.gravity)
 
-    def safe_step(self, impact_speed: float = 0.0) -> tuple[float, str]:
+    def critical_time_step(self, impact_speed: float = 0.0) -> tuple[float, str]:
         """Return the largest safe time step in s and what sets it: "stretch", "shear" or "contact".
 
         The fastest motion of the linearised rod in which neighbours move against each other has the frequency w; a step
@@ -176,7 +178,7 @@ class SegmentedRod:
         c = (self.shear_rigidity * length + 4.0 * self.rod.flexural_rigidity / length) / inertia
         b2 = 4.0 * self.shear_rigidity**2 / (mass * inertia)
         shear = 0.5 * (a + c) + math.sqrt(0.25 * (a - c) ** 2 + b2)
-        speed2 = 4.0 * self.rod.gravity * self.rod.gap + impact_speed**2
+        speed2 = 4.0 * self.rod.gravity * self.rod.radial_clearance + impact_speed**2
         depth = self.depth_at_rest + (1.25 * speed2 / self.contact_stiffness) ** 0.4
         contact = 1.5 * self.contact_stiffness * math.sqrt(depth)
         fastest = max(stretch, shear)
@@ -203,7 +205,7 @@ class SegmentedRod:
             bend=self.rod.flexural_rigidity,
             twist=self.torsional_rigidity,
             radius=self.rod.radius,
-            gap=self.rod.gap,
+            radial_clearance=self.rod.radial_clearance,
             gravity=self.rod.gravity,
             contact=self.contact_stiffness,
             contact_damping=self.contact_time,
@@ -220,7 +222,7 @@ class SegmentedRod:
         n = self.segments
         squeezed = 1.0 - force / (self.rod.youngs_modulus * self.rod.area)
         rod["x"][: n + 1] = (np.arange(n + 1) / n - 0.5) * (self.rod.length * squeezed)
-        rod["z"][: n + 1] = -(self.rod.gap + self.depth_at_rest)
+        rod["z"][: n + 1] = -(self.rod.radial_clearance + self.depth_at_rest)
         rod["q0"][:n] = 1.0
         return rod
 
@@ -248,7 +250,7 @@ class SegmentedRod:
         s1, s2, s3 = self._strains(node, seg)
         b1, b2, b3 = _relative_rotations(seg)
         half, inverse = 0.5 * self.segment_length, 2.0 / self.segment_length
-        gap, rest = self.rod.gap, self.rod.gap + self.depth_at_rest
+        gap, rest = self.rod.radial_clearance, self.rod.radial_clearance + self.depth_at_rest
         beyond = (node["y"] ** 2 + node["z"] ** 2 - gap**2) / (2.0 * gap)
         at_rest = (rest**2 - gap**2) / (2.0 * gap)
         pressed = np.maximum(beyond, 0.0) ** 2.5 - at_rest**2.5

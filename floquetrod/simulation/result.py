@@ -19,7 +19,7 @@ from floquetrod._util.version import __version__
 from floquetrod.rod.load import AxialLoad
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.growth import LEAST_PER_PERIOD, GrowthFit, fit_growth
-from floquetrod.simulation.mesh import ENERGIES, STEP_LIMITS, SegmentedRod
+from floquetrod.simulation.mesh import ENERGIES, STEP_LIMITS, DiscreteRod
 from floquetrod.simulation.start import LEAST_SEGMENTS, Perturbation
 
 BUCKLED_ANGLE = math.radians(5.0)
@@ -57,9 +57,9 @@ class Setting:
         return (self.frames - 1) * self.steps_per_frame
 
     @property
-    def segmented(self) -> SegmentedRod:
+    def segmented(self) -> DiscreteRod:
         """The rod as it is cut into segments."""
-        return SegmentedRod(self.rod, self.segments, self.poisson_ratio, self.indentation, self.contact_damping)
+        return DiscreteRod(self.rod, self.segments, self.poisson_ratio, self.indentation, self.contact_damping)
 
     def as_dict(self) -> dict[str, Any]:
         """Return it as plain data, for files: what JSON gives back as it was."""

@@ -12,7 +12,7 @@ from floquetrod.rod.coulomb import friction_coefficient
 from floquetrod.rod.load import AxialLoad
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.integration import Course, Progress
-from floquetrod.simulation.mesh import SegmentedRod
+from floquetrod.simulation.mesh import DiscreteRod
 from floquetrod.simulation.result import Setting, Simulation
 from floquetrod.simulation.start import Perturbation
 
@@ -69,7 +69,7 @@ def simulate(
         file that is damaged, belongs to another run, or cannot be continued to the bit here (docs/simulator.md says
         when).  A save that fails later warns with `CheckpointWarning`, is tried again, and costs no frame.
     poisson_ratio, indentation, contact_damping : float
-        See `floquetrod.segmented.SegmentedRod`.
+        See `floquetrod.segmented.DiscreteRod`.
 
     Returns
     -------
@@ -130,7 +130,7 @@ def _setting(
     friction = friction_coefficient(friction, "friction")
     try:
         _require_small_strain(rod, load)
-        cut = SegmentedRod(rod, segments, poisson_ratio, indentation, contact_damping)
+        cut = DiscreteRod(rod, segments, poisson_ratio, indentation, contact_damping)
         velocities = kick.velocities(cut.segments)
         _require_bearable_frames(frames, cut.segments)
         step, limit = _step(cut, time_step, float(np.abs(velocities).max()))
@@ -176,9 +176,9 @@ def _require_bearable_frames(frames: int, segments: int) -> None:
         )
 
 
-def _step(cut: SegmentedRod, asked: float | None, speed: float) -> tuple[float, str]:
+def _step(cut: DiscreteRod, asked: float | None, speed: float) -> tuple[float, str]:
     """Return the largest step to take in s, and what sets it."""
-    safe, limit = cut.safe_step(speed)
+    safe, limit = cut.critical_time_step(speed)
     if not 0.0 < safe < math.inf:
         raise ArithmeticError(f"its safe step is {safe} s")
     if asked is None:
@@ -187,7 +187,7 @@ def _step(cut: SegmentedRod, asked: float | None, speed: float) -> tuple[float, 
     if step > safe:
         raise ValueError(
             f"time_step must be at most {safe:.4g} s, got {step:.4g} s: a longer one is unstable, by "
-            f"{cut.safe_step()[1]}; leave it out, or take fewer segments"
+            f"{cut.critical_time_step()[1]}; leave it out, or take fewer segments"
         )
     if step < _SMALLEST_PART * safe:
         raise ValueError(f"time_step must be at least {_SMALLEST_PART * safe:.4g} s, got {step:.4g} s; leave it out")

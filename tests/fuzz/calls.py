@@ -15,7 +15,7 @@ LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
 EQUATION = fr.Mathieu(0.5, -0.3, 0.01)
 FRICTION = fr.FrictionalMathieu(1.0, 0.3, 1.0)
 
-VALUES = (fr.AxialLoad, fr.Coulomb, fr.Perturbation, fr.PaperCriterion, fr.Rod, fr.Mathieu, fr.SquareWave, fr.Hill)
+VALUES = (fr.AxialLoad, fr.Coulomb, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.SafeRanges, fr.Simulation, fr.mathieu.TransitionCurves)
@@ -24,7 +24,7 @@ RESULTS = (fr.Chart, fr.RodStability, fr.SafeRanges, fr.Simulation, fr.mathieu.T
 LEFT_OUT = {
     "Comparison": "constructed by compare",
     "Proof": "constructed by certify",
-    "RodFriction": "constructed by Rod.stability",
+    "FrictionalRodStability": "constructed by Rod.stability",
     "CheckpointWarning": "a warning",
     "SimulationDiverged": "an exception",
     "Stability": "constructed by every method",
@@ -35,8 +35,8 @@ LEFT_OUT = {
     "friction.CriticalPerturbation": "a pair of numbers, constructed by critical_bounds",
     "friction.Trajectory": "constructed by trajectory",
     "friction.UndecidedWarning": "a warning",
-    "PaperCriterion.modes_are_stable": "for the maps of a rod, whose arguments are checked there",
-    "PaperCriterion.require_alone": "for the maps of a rod, whose arguments are checked there",
+    "FiniteTimeCriterion.modes_are_stable": "for the maps of a rod, whose arguments are checked there",
+    "FiniteTimeCriterion.require_alone": "for the maps of a rod, whose arguments are checked there",
     "Hill.as_hill": "takes no argument",
     "Mathieu.as_hill": "takes no argument",
     "Rod.nitinol": "takes no argument",
@@ -112,12 +112,14 @@ def table() -> dict[str, Call]:
     sheet = "\n".join(f"{name} = {getattr(ROD, name)!r}" for name in ROD.__dataclass_fields__)
     (place / "rod.toml").write_text(sheet, encoding="utf-8")
     calls = _of_equations() | _of_rods(place) | _of_mathieu() | _of_friction()
-    criterion = fr.PaperCriterion()
+    criterion = fr.FiniteTimeCriterion()
     ranges = ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1)
     return calls | {
-        "PaperCriterion": Call(fr.PaperCriterion, {"periods": 10, "limit": 1e3, "by": "exact", "step": 0.01}),
-        "PaperCriterion.growth": Call(criterion.growth, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "workers": 1}),
-        "PaperCriterion.is_stable": Call(
+        "FiniteTimeCriterion": Call(fr.FiniteTimeCriterion, {"periods": 10, "limit": 1e3, "by": "exact", "step": 0.01}),
+        "FiniteTimeCriterion.growth": Call(
+            criterion.growth, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "workers": 1}
+        ),
+        "FiniteTimeCriterion.is_stable": Call(
             criterion.is_stable, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "workers": 1}
         ),
         "Chart.in_units": Call(mapped.in_units, {"mean": "Fcr", "frequency": "Hz"}),
@@ -140,8 +142,8 @@ def _of_equations() -> dict[str, Call]:
     return {
         "Mathieu": Call(fr.Mathieu, dict(point)),
         "Mathieu.coefficient": Call(EQUATION.coefficient, {"tau": 0.3}),
-        "SquareWave": Call(fr.SquareWave, dict(point)),
-        "SquareWave.coefficient": Call(fr.SquareWave(0.5, -0.3).coefficient, {"tau": 0.3}),
+        "Meissner": Call(fr.Meissner, dict(point)),
+        "Meissner.coefficient": Call(fr.Meissner(0.5, -0.3).coefficient, {"tau": 0.3}),
         "Hill": Call(fr.Hill, dict(hill)),
         "Hill.coefficient": Call(fr.Hill(**hill).coefficient, {"tau": 0.3}),
         "FrictionalMathieu": Call(fr.FrictionalMathieu, {**point, "gamma": 1.0}),

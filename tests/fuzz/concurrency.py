@@ -158,16 +158,16 @@ def values() -> dict[str, Any]:
         "AxialLoad": LOAD,
         "Coulomb": coulomb,
         "Perturbation": fr.Perturbation.case("C"),
-        "PaperCriterion": fr.PaperCriterion(),
+        "FiniteTimeCriterion": fr.FiniteTimeCriterion(),
         "Mathieu": fr.Mathieu(0.5, -0.25),
-        "SquareWave": fr.SquareWave(0.5, -0.25),
+        "Meissner": fr.Meissner(0.5, -0.25),
         "Hill": fr.Hill(-0.25, (0.1,), (0.2,)),
         "FrictionalMathieu": kick,
         "Stability": fr.stability(fr.Mathieu(0.5, -0.25)),
         "Proof": fr.certify(fr.Mathieu(0.5, -0.25)),
         "Comparison": fr.compare(fr.Mathieu(0.5, -0.25)),
         "RodStability": ROD.stability(LOAD),
-        "RodFriction": ROD.stability(LOAD, friction=coulomb),
+        "FrictionalRodStability": ROD.stability(LOAD, friction=coulomb),
         "SafeRanges": ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1),
         "Margin": ROD.stability(LOAD, growth_tolerance=0.1).mean_force_margin,
         "Chart": fr.mathieu.chart((0.0, 1.0, 5), (-1.0, 0.0, 4), growth=True),
@@ -188,7 +188,7 @@ def _results(rng: np.random.Generator) -> Found:
 
 
 VERDICTS = (
-    *("Stability", "Proof", "Comparison", "RodStability", "RodFriction", "SafeRanges"),
+    *("Stability", "Proof", "Comparison", "RodStability", "FrictionalRodStability", "SafeRanges"),
     *("Fate", "EscapeRanges", "Chart", "Simulation"),
 )
 """Classes of results whose truth would be taken for a verdict."""

@@ -93,7 +93,7 @@ JUNK: tuple[str, ...] = (
     "fr.AxialLoad(0.3, 0.3, 1e12)",
     "fr.Coulomb(0.1, 1e6)",
     "fr.Coulomb(1e6, 0.05)",
-    "fr.PaperCriterion(periods=10**9)",
+    "fr.FiniteTimeCriterion(periods=10**9)",
 )
 """What is put in the place of an argument, as expressions."""
 

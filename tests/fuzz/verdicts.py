@@ -70,7 +70,7 @@ def draw(rng: np.random.Generator) -> Any:
             beta = curve + rods.decades(rng, 1e-15, 1e-3) * float(rng.choice([-1.0, 0.0, 1.0]))
         return fr.Mathieu(alpha, beta, c)
     if kind < 0.7:
-        return fr.SquareWave(float(rng.choice([alpha, beta, -beta])), beta, c)
+        return fr.Meissner(float(rng.choice([alpha, beta, -beta])), beta, c)
     terms = [tuple(map(float, rng.uniform(-3.0, 3.0, int(rng.integers(0, 4))))) for _ in range(2)]
     period = 2.0 * math.pi * float(rng.choice([1.0, rods.decades(rng, 0.2, 3.0)]))
     return fr.Hill(float(rng.uniform(-6.0, 1.0)), *terms, period=period, damping=c)
@@ -80,7 +80,7 @@ def exact(equation: Any) -> tuple[Any, Any]:
     """Return net growth and (abs(D_u) - 2) / 4 of the equation freed of its damping, with thirty digits."""
     c = equation.damping
     period = equation.period if isinstance(equation, fr.Hill) else None  # a double; of the others the exact 2 pi
-    if isinstance(equation, fr.SquareWave):
+    if isinstance(equation, fr.Meissner):
         x = precise.square_excess(equation.alpha, equation.beta, c)
     else:
         hill = equation.as_hill()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod._util.compilation import compiled
-from floquetrod.equations import Equation, SquareWave
+from floquetrod.equations import Equation, Meissner
 from floquetrod.floquet.result import Cost, Stability, Status, excess_of_trace, judge
 from floquetrod.kernels.leapfrog import leapfrog_run
 
@@ -28,7 +28,7 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
 
     Parameters
     ----------
-    equation : Mathieu, SquareWave or Hill
+    equation : Mathieu, Meissner or Hill
         Damping is integrated directly, split symmetrically about the kicks.
     step : float
         Largest step in tau; the period is divided into a multiple of four steps no longer than this, 16 or more for
@@ -57,7 +57,7 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     limit = validate.positive("limit", limit)
     if limit <= 1.0:
         raise ValueError(f"limit must be greater than 1, got {limit!r}: a bounded motion already reaches 1")
-    harmonics = 1 if isinstance(equation, SquareWave) else max(1, len(equation.as_hill().harmonics))
+    harmonics = 1 if isinstance(equation, Meissner) else max(1, len(equation.as_hill().harmonics))
     least = _STEPS_A_WAVE * harmonics
     needed = max(least, equation.period / step) * periods
     if needed > _MOST_STEPS:
@@ -135,7 +135,7 @@ def _table(equation: Equation, count: int) -> NDArray[np.float64]:
     """Return the coefficient at equal steps over a period, the jumps of a square wave at their mean value."""
     tau = np.arange(count) * (equation.period / count)
     values: NDArray[np.float64] = np.asarray(equation.coefficient(tau), dtype=np.float64)
-    if isinstance(equation, SquareWave):
+    if isinstance(equation, Meissner):
         values[[0, count // 2]] = equation.beta
     return values
 

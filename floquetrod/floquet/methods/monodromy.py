@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod._util.compilation import compiled, fastest
-from floquetrod.equations import Equation, Mathieu, SquareWave
+from floquetrod.equations import Equation, Mathieu, Meissner
 from floquetrod.floquet.result import Cost, Stability, judge
 from floquetrod.kernels.taylor import ORDER, REACH, advance
 
@@ -47,7 +47,7 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
 
     Parameters
     ----------
-    equation : Mathieu, SquareWave or Hill
+    equation : Mathieu, Meissner or Hill
         Damping c by the exact substitution A = exp(-c tau) u, p -> p + c^2.  The constant stretches of a square wave
         are integrated like anything else; steps end at the jumps.
     rtol : float
@@ -64,7 +64,7 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
     frequency = max(_frequency(piece, equation.period) for piece in pieces)
     needed = _needed(pieces, frequency)
     if needed > _MOST_STEPS:
-        finer = "square_wave" if isinstance(equation, SquareWave) else "spectral"
+        finer = "square_wave" if isinstance(equation, Meissner) else "spectral"
         return judge(
             equation,
             "monodromy",
@@ -93,7 +93,7 @@ def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 
 
     Parameters
     ----------
-    equation : Mathieu, SquareWave or Hill
+    equation : Mathieu, Meissner or Hill
     rtol : float
         Accuracy relative to the largest entry.
     start : float
@@ -140,7 +140,7 @@ def _pieces(equation: Equation) -> tuple[list[_Piece], bool]:
     c2 = equation.damping**2
     if isinstance(equation, Mathieu):  # beta + alpha sin tau about pi / 2: beta + alpha cos
         return [_Piece(equation.beta + c2, (complex(equation.alpha, 0.0),), 0.0, math.pi)], True
-    if isinstance(equation, SquareWave):
+    if isinstance(equation, Meissner):
         high, low = math.fsum((equation.beta, equation.alpha, c2)), math.fsum((equation.beta, -equation.alpha, c2))
         return [_Piece(high, (), 0.0, 0.5 * math.pi), _Piece(low, (), 0.0, 0.5 * math.pi)], True
     amplitudes = _symmetric(equation.harmonics)
@@ -152,7 +152,7 @@ def _pieces(equation: Equation) -> tuple[list[_Piece], bool]:
 def _from(equation: Equation, start: float) -> list[_Piece]:
     """Return the pieces of one whole period from ``start``."""
     c2 = equation.damping**2
-    if isinstance(equation, SquareWave):
+    if isinstance(equation, Meissner):
         index, phase = divmod(start, math.pi)  # together, so that rounding beside a jump cannot set them at odds
         first = -1.0 if index % 2.0 else 1.0
         values = [math.fsum((equation.beta, s * equation.alpha, c2)) for s in (first, -first)]

@@ -24,7 +24,7 @@ from dataclasses import replace
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, Hill, SquareWave, require
+from floquetrod.equations import Equation, Hill, Meissner, require
 from floquetrod.floquet.result import Cost, Stability, Status, judge
 
 _LARGEST_RAISE = 20  # working digits go up to this many times the digits asked for (heuristic)
@@ -67,7 +67,7 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
 
     Parameters
     ----------
-    equation : Mathieu, SquareWave or Hill
+    equation : Mathieu, Meissner or Hill
         The parameters are taken as the exact binary numbers they are.
     digits : int
         Decimal digits of the excess X relative to max(1, abs(X)), 10 or more.  More are used internally, up to 20
@@ -149,7 +149,7 @@ def _attempt(equation: Equation, digits: int) -> tuple[int, Any, Any, int]:
 
     context = MPContext()
     context.prec = math.ceil(digits * math.log2(10.0)) + 2 * _GUARD_BITS + 32
-    if _is_constant(equation) or isinstance(equation, SquareWave):
+    if _is_constant(equation) or isinstance(equation, Meissner):
         trace, error, terms = _closed_form(equation, context)
     else:
         trace, error, terms = _twice(equation, context, digits)
@@ -162,7 +162,7 @@ def _closed_form(equation: Equation, context: Any) -> tuple[Any, Any, int]:
     The exponential of h [[0, 1], [l, -2 c]] is exp(-c h) [C + c S, S; l S, C - c S] with C = cosh(h w),
     S = sinh(h w) / w and w^2 = l + c^2; entire in w^2.
     """
-    if isinstance(equation, SquareWave):
+    if isinstance(equation, Meissner):
         alpha, beta = context.mpf(equation.alpha), context.mpf(equation.beta)
         levels, half = (beta + alpha, beta - alpha), context.pi
     else:
@@ -213,7 +213,7 @@ def _twice(equation: Equation, context: Any, digits: int) -> tuple[Any, Any, int
 
 def _scale(equation: Equation, context: Any) -> _Scaled:
     """Return the equation with time in units of period / 2 pi."""
-    hill: Hill = equation.as_hill()  # type: ignore[union-attr]  # a SquareWave has its closed form
+    hill: Hill = equation.as_hill()  # type: ignore[union-attr]  # a Meissner has its closed form
     unit = _period(equation, context) / (2 * context.pi)
     return _Scaled(
         unit**2 * context.mpf(hill.mean),

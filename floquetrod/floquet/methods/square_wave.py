@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 
 from floquetrod import equations
-from floquetrod.equations import Mathieu, SquareWave
+from floquetrod.equations import Mathieu, Meissner
 from floquetrod.floquet.result import Cost, Stability, judge
 from floquetrod.kernels.square_wave import square_wave_excess
 
 _EPS = 2.220446049250313e-16
 
 
-def square_wave(equation: SquareWave | Mathieu) -> Stability:
+def square_wave(equation: Meissner | Mathieu) -> Stability:
     """Judge by the closed form for a coefficient that takes two values.
 
     With r_1^2 = beta + alpha, r_2^2 = beta - alpha, C = cosh(h r), S = sinh(h r) / r and h = pi / 2, the solutions
@@ -26,7 +26,7 @@ def square_wave(equation: SquareWave | Mathieu) -> Stability:
 
     Parameters
     ----------
-    equation : SquareWave or Mathieu
+    equation : Meissner or Mathieu
         For Mathieu the sine is replaced by a square wave of its amplitude, and ``note`` says so.  Damping by the exact
         substitution beta -> beta + c^2.
 
@@ -37,10 +37,10 @@ def square_wave(equation: SquareWave | Mathieu) -> Stability:
 
     Examples
     --------
-    >>> square_wave(SquareWave(alpha=0.0, beta=-0.16)).status
+    >>> square_wave(Meissner(alpha=0.0, beta=-0.16)).status
     'stable'
     """
-    equations.require(equation, (SquareWave, Mathieu), by="the square-wave method")
+    equations.require(equation, (Meissner, Mathieu), by="the square-wave method")
     c2 = equation.damping**2
     high, low = math.fsum((equation.beta, equation.alpha, c2)), math.fsum((equation.beta, -equation.alpha, c2))
     sign, excess, exponent, error = square_wave_excess(high, low, _EPS * c2)
