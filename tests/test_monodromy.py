@@ -67,7 +67,7 @@ def test_the_order_of_the_series_is_the_order_of_the_error(order: int) -> None:
     ends = []
     for steps in (8, 16, 32, 400):
         y = np.array([1.0, 0.0, 0.0, 1.0])
-        advance(-0.7, [0.9, 0.3], [0.1, -0.4], 1.0, 0.2, 3.0, steps, order, y)
+        advance(-0.7, 0.0, [0.9, 0.3], [0.1, -0.4], 1.0, 0.2, 3.0, steps, order, y)
         ends.append(y)
     errors = [np.abs(end - ends[-1]).max() for end in ends[:-1]]
     measured = [math.log2(errors[i] / errors[i + 1]) for i in (0, 1)]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
-from floquetrod.equations.scalar import Equation, FrictionalMathieu, Hill, Mathieu, Meissner, SquareWave, require
+from floquetrod.equations.base import Equation, Piece, require
+from floquetrod.equations.hill import Hill
+from floquetrod.equations.mathieu import FrictionalMathieu, Mathieu
+from floquetrod.equations.meissner import Meissner, SquareWave
 
-__all__ = ["Equation", "FrictionalMathieu", "Hill", "Mathieu", "Meissner", "SquareWave", "require"]
+__all__ = ["Equation", "FrictionalMathieu", "Hill", "Mathieu", "Meissner", "Piece", "SquareWave", "require"]

@@ -91,8 +91,8 @@ def compare(equation: Equation) -> Comparison:
     """
     equations.require(equation)
     results, seconds = [], []
-    for name, kinds in METHODS.items():
-        if isinstance(equation, kinds):
+    for name, applies in METHODS.items():
+        if applies(equation):
             start = time.perf_counter()
             results.append(run(name, equation))
             seconds.append(time.perf_counter() - start)

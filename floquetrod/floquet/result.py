@@ -145,9 +145,13 @@ def judge(
     cost: Cost,
     interval: Interval | None = None,
     undamped_status: Status | None = None,
+    growth: tuple[float, float, float] | None = None,
+    tested: tuple[Status, float] | None = None,
     note: str = "",
 ) -> Stability:
-    """Return the `Stability` that follows from an excess X and its error.
+    """Return the `Stability` that follows from an excess X and its error: the one place where conclusions are drawn.
+
+    Where the error leaves it undecided and the coefficient is constant, its sign decides: tongues have closed there.
 
     Parameters
     ----------
@@ -159,6 +163,10 @@ def judge(
         Error of X relative to max(1, abs(X)).
     undamped_status : Status, optional
         Verdict on the equation freed of its damping when known otherwise than from X (by counting, say).
+    growth : (low, middle, high), optional
+        Growth rate less damping and its bounds when known better than from X, where the undamped equation is unstable.
+    tested : (status, growth rate), optional
+        What a method's own test says, where its verdict is not meant to be that of X.
     """
     period, damping = equation.period, equation.damping
     if excess > 0.0:
@@ -166,13 +174,20 @@ def judge(
         exponent += shift
     else:
         excess, exponent = _ldexp(excess, exponent), 0
-    growth = _growth(excess, exponent, period)
-    undamped = undamped_status or _decide(excess, exponent, excess_error)
-    status = undamped
-    if damping > 0.0 and undamped != "stable":
-        low, high = _growth_band(excess, exponent, excess_error, period)
-        status = "unstable" if low > damping else "stable" if high < damping else "undecided"
-    net = max(0.0, growth - damping)
+    undamped_growth = _growth(excess, exponent, period)
+    net = undamped_growth - damping
+    status = undamped_status or _decide(excess, exponent, excess_error)
+    if damping > 0.0 and status != "stable":
+        low, high = (edge - damping for edge in _growth_band(excess, exponent, excess_error, period))
+        if growth is not None:
+            low, net, high = growth
+        status = "unstable" if low > 0.0 else "stable" if high < 0.0 else "undecided"
+    if status == "undecided" and excess_error < math.inf:
+        decided = _without_variation(equation)
+        status, note = (decided, "") if decided else (status, note)
+    if tested is not None:
+        status, net = tested
+    net = max(0.0, net)
     discriminant, log_size = _discriminant(sign, excess, exponent, damping * period)
     if status == "undecided" and not note:
         note = "too close to a boundary for this method"
@@ -183,13 +198,22 @@ def judge(
         growth_rate=0.0 if status == "stable" else net,
         discriminant=discriminant,
         log_abs_discriminant=log_size,
-        exponents=_exponents(sign, excess, growth, damping, period),
+        exponents=_exponents(sign, excess, undamped_growth, damping, period),
         error=4.0 * excess_error + 4.0 * _EPS,
         interval=interval,
         period=period,
         cost=cost,
         note=note,
     )
+
+
+def _without_variation(equation: Equation) -> Status | None:
+    """Return the verdict on a constant coefficient: its sign decides.  None where the coefficient varies."""
+    level = equation.level
+    if level is None:
+        return None
+    bounded = level < 0 or (level == 0 and equation.damping > 0.0)  # at zero, with damping: 1 and exp(-2 c tau)
+    return "stable" if bounded else "unstable"
 
 
 def _decide(excess: float, exponent: int, excess_error: float) -> Status:

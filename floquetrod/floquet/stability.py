@@ -3,28 +3,32 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from typing import Any
 
 from floquetrod import equations
 from floquetrod._util import validate
-from floquetrod.equations import Equation, Hill, Mathieu, Meissner
+from floquetrod.equations import Equation, Mathieu, Meissner
 from floquetrod.floquet.result import Stability
 
-METHODS: dict[str, tuple[type, ...]] = {
-    "spectral": (Mathieu, Hill),
-    "determinant": (Mathieu,),
-    "monodromy": (Mathieu, Meissner, Hill),
-    "square_wave": (Meissner, Mathieu),
-    "leapfrog": (Mathieu, Meissner, Hill),
-    "reference": (Mathieu, Meissner, Hill),
+METHODS: dict[str, Callable[[Equation], bool]] = {
+    "spectral": lambda equation: equation.is_smooth,
+    "determinant": lambda equation: isinstance(equation, Mathieu),
+    "monodromy": lambda equation: True,
+    "square_wave": lambda equation: isinstance(equation, (Meissner, Mathieu)),
+    "leapfrog": lambda equation: True,
+    "reference": lambda equation: True,
 }
 """Every method, and the equations it applies to."""
 
-_AUTO: dict[type, tuple[str, ...]] = {
-    Mathieu: ("spectral", "reference"),
-    Meissner: ("square_wave", "reference"),
-    Hill: ("monodromy", "spectral", "reference"),
-}
+
+def _in_turn(equation: Equation) -> tuple[str, ...]:
+    """Return the methods that "auto" tries one after another: the fast path first, where there is one."""
+    if isinstance(equation, Mathieu):
+        return "spectral", "reference"
+    if isinstance(equation, Meissner):
+        return "square_wave", "reference"
+    return ("monodromy", "spectral", "reference") if equation.is_smooth else ("monodromy", "reference")
 
 
 def stability(equation: Equation, method: str = "auto", **options: Any) -> Stability:
@@ -32,8 +36,8 @@ def stability(equation: Equation, method: str = "auto", **options: Any) -> Stabi
 
     Parameters
     ----------
-    equation : Mathieu, Meissner or Hill
-        What to judge.
+    equation : Equation
+        What to judge: `Mathieu`, `Meissner`, `Hill`, or any other that offers its coefficient in pieces.
     method : str
         "auto", or one of "spectral", "determinant", "monodromy", "square_wave", "leapfrog", "reference".  "auto" takes
         the fastest trustworthy one for the equation and goes on to slower, finer ones while the verdict is undecided.
@@ -57,7 +61,7 @@ def stability(equation: Equation, method: str = "auto", **options: Any) -> Stabi
         return run(method, equation, **options)
     if options:
         raise TypeError(f"method='auto' takes no options, got {', '.join(options)}; name a method to pass them to")
-    first, *finer = _AUTO[type(equation)]
+    first, *finer = _in_turn(equation)
     result = run(first, equation)
     for name in finer:
         if result.status != "undecided":

@@ -16,9 +16,10 @@ REACH = 1.9  # step times frequency at which the 24th-order remainder is about r
 @kernel
 def advance(
     mean: float,
+    ramp: float,
     real: Any,
     imag: Any,
-    turn: float,
+    omega: float,
     start: float,
     length: float,
     steps: int,
@@ -27,8 +28,8 @@ def advance(
 ) -> int:
     """Carry two solutions y = (u1, u1', u2, u2') from ``start`` over ``length`` in equal Taylor steps.
 
-    p(tau) = mean + sum_k real[k-1] cos(k turn tau) - imag[k-1] sin(k turn tau).  Returns the binary exponent that has
-    been taken out of y, which holds mantissas.
+    p(tau) = mean + ramp (tau - start) + sum_k real[k-1] cos(k omega tau) - imag[k-1] sin(k omega tau).  Returns the
+    binary exponent that has been taken out of y, which holds mantissas.
 
     With p = sum p_j t^j and u = sum u_j t^j about the start of a step, (j + 1)(j + 2) u_(j+2) = sum_i p_i u_(j-i).
     The kernel keeps p_j h^(j+2) and u_j h^j, h the step: neither a tiny nor a huge period leaves the range of a double.
@@ -41,9 +42,10 @@ def advance(
         tau = start + step * h
         for j in range(order + 1):
             p[j] = 0.0
-        p[0] = mean * h * h
+        p[0] = (mean + ramp * (step * h)) * h * h
+        p[1] = ramp * h * h * h
         for k in range(len(real)):
-            rate = (k + 1.0) * turn
+            rate = (k + 1.0) * omega
             cosine, sine = math.cos(rate * tau), math.sin(rate * tau)
             angle = rate * h
             a = (real[k] * cosine - imag[k] * sine) * h * h
@@ -91,7 +93,7 @@ def mathieu_map_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
         frequency = math.sqrt(abs(mean) + abs(alpha[i])) + 1.0
         steps = int(2.0 * math.pi * frequency / REACH) + 1
         y[0], y[1], y[2], y[3] = 1.0, 0.0, 0.0, 1.0
-        exponent = advance(mean, real, imag, 1.0, 0.0, 2.0 * math.pi, steps, ORDER, y)
+        exponent = advance(mean, 0.0, real, imag, 1.0, 0.0, 2.0 * math.pi, steps, ORDER, y)
         # (A, A') = exp(-c tau) (u, u' - c u), and u'(0) = A'(0) + c A(0)
         out[i, 0] = y[0] + c * y[2]
         out[i, 1] = (y[1] - c * y[0]) + c * (y[3] - c * y[2])

@@ -14,7 +14,7 @@ from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod._util.version import __version__
 from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
-from floquetrod.equations import Equation, Mathieu, Meissner
+from floquetrod.equations import Equation, Mathieu
 from floquetrod.floquet.stability import stability
 from floquetrod.mathieu.arrays import growth_rate, is_stable
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
@@ -67,11 +67,12 @@ def chart(
     growth = validate.flag("growth", growth)
     workers = validate.workers(workers)
     validate.progress(progress)
-    kind = _name(validate.function("equation", equation)(0.0, 0.0, 0.0))
+    example = validate.function("equation", equation)(0.0, 0.0, 0.0)
+    equations.require(example)
     if criterion is not None:
         validate.instance("criterion", criterion, FiniteTimeCriterion)
         criterion.require_alone(growth_tolerance=tolerance)
-        equations.require(equation(0.0, 0.0, 0.0), (Mathieu,), by="FiniteTimeCriterion")
+        equations.require(example, (Mathieu,), by="FiniteTimeCriterion")
     judge = _judge_mathieu if equation is Mathieu else functools.partial(_judge_each, equation)
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
@@ -81,7 +82,7 @@ def chart(
         return status, rate
 
     status, rate = fill_rows(rows, y.values, x.values.size, (np.int8, np.float64), progress)
-    subject = {"kind": kind, "fixed": [["damping", c, "per unit of tau"]]}
+    subject = {"kind": example.title, "fixed": [["damping", c, "per unit of tau"]]}
     return Chart(
         x,
         y,
@@ -124,9 +125,3 @@ def _judge_each(
             small = 0.0 < result.growth_rate <= tolerance
             status[row, column] = -1 if result.status == "undecided" else result.status == "stable" or small
     return status, rate
-
-
-def _name(equation: Equation) -> str:
-    equations.require(equation)
-    names = {Mathieu: "Mathieu's equation", Meissner: "Meissner's equation (square wave)"}
-    return names.get(type(equation), "Hill's equation")

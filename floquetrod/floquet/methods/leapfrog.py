@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import math
 
 import numpy as np
@@ -11,11 +10,12 @@ from numpy.typing import NDArray
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod._util.compilation import compiled
-from floquetrod.equations import Equation, Meissner
+from floquetrod.equations import Equation
 from floquetrod.floquet.result import Cost, Stability, Status, excess_of_trace, judge
 from floquetrod.kernels.leapfrog import leapfrog_run
 
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
+_FINEST_GRID = 4096  # steps of a period that pieces may ask for so that they meet at steps (a choice)
 _STEPS_A_WAVE = 16  # fewest steps to a wave of the highest harmonic, a multiple of four (heuristic)
 _EPS = 2.220446049250313e-16
 _LARGEST_REACH = 1e50  # step^2 times coefficient: what one step multiplies by, far past sense but within range
@@ -28,7 +28,7 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
 
     Parameters
     ----------
-    equation : Mathieu, Meissner or Hill
+    equation : Equation
         Damping is integrated directly, split symmetrically about the kicks.
     step : float
         Largest step in tau; the period is divided into a multiple of four steps no longer than this, 16 or more for
@@ -57,7 +57,8 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     limit = validate.positive("limit", limit)
     if limit <= 1.0:
         raise ValueError(f"limit must be greater than 1, got {limit!r}: a bounded motion already reaches 1")
-    harmonics = 1 if isinstance(equation, Meissner) else max(1, len(equation.as_hill().harmonics))
+    pieces = equation.pieces()
+    harmonics = max(1, *(len(piece.harmonics) for piece in pieces))
     least = _STEPS_A_WAVE * harmonics
     needed = max(least, equation.period / step) * periods
     if needed > _MOST_STEPS:
@@ -71,9 +72,11 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
             note=f"would take {needed:.3g} steps, above the limit of {_MOST_STEPS:.0e}; "
             "take a longer step or fewer periods",
         )
-    # A multiple of four: with every other step too, a square wave jumps at steps.
-    count = max(least, 4 * math.ceil(0.25 * equation.period / step))
-    table = _table(equation, count)
+    # With every other step too, the coefficient jumps at steps, if its pieces allow.
+    grid = math.lcm(4, *(2 * piece.share.denominator for piece in pieces))
+    grid, on_steps = (grid, True) if grid <= _FINEST_GRID else (4, False)
+    count = grid * math.ceil(max(least, equation.period / step) / grid)
+    table = np.asarray(equation.coefficient(np.arange(count) * (equation.period / count)), dtype=np.float64)
     step = equation.period / count
     reach = step * step * np.abs(table).max()
     if not reach < _LARGEST_REACH:
@@ -86,27 +89,28 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     time = periods * equation.period
     fine, coarse = (_trace(table, stride, step, equation.damping) for stride in (1, 2))
     trace, shift = fine
-    # Second order: the fine map is off by a third of its difference from the coarse one, by what that difference hides
+    # Second order: the fine map is off by a third of its difference from the coarse one (by all of it where the
+    # coefficient jumps between steps, which is an error of first order), by what that difference hides
     # where the motion lags so far behind that the maps may meet again by chance, and by a rounding at every step.
     other = coarse[0] * math.exp(max(-700.0, min(700.0, coarse[1] - shift)))
     size = math.exp(-min(700.0, shift))
-    error = abs(other - trace) / 3.0 / max(size, abs(trace)) + _lag(table, step, equation) ** 2 + count * _EPS
+    order = 3.0 if on_steps else 1.0
+    error = abs(other - trace) / order / max(size, abs(trace)) + _lag(table, step, equation) ** 2 + count * _EPS
     sign, excess, exponent = _excess(trace, shift + equation.damping * equation.period)
-    judged = judge(
+    status: Status = "stable" if log_growth < math.log(limit) else "unstable"
+    note = f"cannot see growth below about {math.log(limit) / time:.2g} per unit tau"
+    if step * step * table.min() < -4.0:  # the scheme's own limit for an oscillator: step times frequency at most 2
+        note += "; the step is too long for this coefficient: the scheme itself is unstable"
+    return judge(
         equation,
         "leapfrog",
         sign=sign,
         excess=excess,
         exponent=exponent,
         excess_error=error,
+        tested=(status, log_growth / time),
         cost=Cost(count * periods, "steps"),
-    )
-    status: Status = "stable" if log_growth < math.log(limit) else "unstable"
-    note = f"cannot see growth below about {math.log(limit) / time:.2g} per unit tau"
-    if step * step * table.min() < -4.0:  # the scheme's own limit for an oscillator: step times frequency at most 2
-        note += "; the step is too long for this coefficient: the scheme itself is unstable"
-    return dataclasses.replace(
-        judged, status=status, growth_rate=log_growth / time if status == "unstable" else 0.0, note=note
+        note=note,
     )
 
 
@@ -129,15 +133,6 @@ def _lag(table: NDArray[np.float64], step: float, equation: Equation) -> float:
     """
     size = np.abs(table)
     return equation.period * step * step * float(np.mean(size * (np.sqrt(size) + 4.0 * equation.damping))) / 24.0
-
-
-def _table(equation: Equation, count: int) -> NDArray[np.float64]:
-    """Return the coefficient at equal steps over a period, the jumps of a square wave at their mean value."""
-    tau = np.arange(count) * (equation.period / count)
-    values: NDArray[np.float64] = np.asarray(equation.coefficient(tau), dtype=np.float64)
-    if isinstance(equation, Meissner):
-        values[[0, count // 2]] = equation.beta
-    return values
 
 
 def _trace(table: NDArray[np.float64], stride: int, step: float, damping: float) -> tuple[float, float]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 import sys
+from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod._util.compilation import compiled, fastest
-from floquetrod.equations import Equation, Mathieu, Meissner
+from floquetrod.equations import Equation, Piece
+from floquetrod.equations.base import from_instant
 from floquetrod.floquet.result import Cost, Stability, judge
 from floquetrod.kernels.taylor import ORDER, REACH, advance
 
@@ -21,13 +22,14 @@ _MOST_STEPS = 1_000_000
 _EPS = 2.220446049250313e-16
 
 
-class _Piece(NamedTuple):
-    """A stretch of time on which the coefficient is one Fourier series."""
+class _Stretch(NamedTuple):
+    """A piece of the undamped coefficient, p + c^2, in doubles: where it begins, its length and its series."""
 
-    mean: float
-    amplitudes: tuple[complex, ...]
     start: float
     length: float
+    mean: float
+    slope: float
+    amplitudes: tuple[complex, ...]
 
 
 class _Map(NamedTuple):
@@ -47,9 +49,9 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
 
     Parameters
     ----------
-    equation : Mathieu, Meissner or Hill
-        Damping c by the exact substitution A = exp(-c tau) u, p -> p + c^2.  The constant stretches of a square wave
-        are integrated like anything else; steps end at the jumps.
+    equation : Equation
+        Damping c by the exact substitution A = exp(-c tau) u, p -> p + c^2.  Steps end where pieces of the coefficient
+        meet.
     rtol : float
         Accuracy asked of the map, relative to its largest entry: steps are halved until halving changes no more.
 
@@ -60,11 +62,11 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
     """
     equations.require(equation)
     rtol = validate.positive("rtol", rtol)
-    pieces, half = _pieces(equation)
+    half = equation.half()
+    pieces = _stretches(equation.pieces() if half is None else half, 0.0, equation)
     frequency = max(_frequency(piece, equation.period) for piece in pieces)
     needed = _needed(pieces, frequency)
     if needed > _MOST_STEPS:
-        finer = "square_wave" if isinstance(equation, Meissner) else "spectral"
         return judge(
             equation,
             "monodromy",
@@ -72,11 +74,11 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
             excess=0.0,
             excess_error=math.inf,
             cost=Cost(0, "steps"),
-            note=f"would take {needed:.3g} steps or more, above the limit of {_MOST_STEPS}; use method={finer!r}",
+            note=f"would take {needed:.3g} steps or more, above the limit of {_MOST_STEPS}; use another method",
         )
     fine, change, total = _converged(pieces, equation.period, frequency, rtol)
     relative = change + 4.0 * _EPS * (fine.steps + 4)
-    sign, excess, exponent, error = _excess(fine, relative, frequency, half)
+    sign, excess, exponent, error = _excess(fine, relative, frequency, half is not None)
     return judge(
         equation,
         "monodromy",
@@ -93,7 +95,7 @@ def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 
 
     Parameters
     ----------
-    equation : Mathieu, Meissner or Hill
+    equation : Equation
     rtol : float
         Accuracy relative to the largest entry.
     start : float
@@ -111,7 +113,7 @@ def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 
     """
     equations.require(equation)
     rtol, start = validate.positive("rtol", rtol), validate.finite("start", start)
-    pieces = _from(equation, start)
+    pieces = _stretches(*from_instant(equation.pieces(), start, equation.period), equation)
     frequency = max(_frequency(piece, equation.period) for piece in pieces)
     needed = _needed(pieces, frequency)
     if needed > _MOST_STEPS:
@@ -135,59 +137,32 @@ def monodromy_matrix(equation: Equation, *, rtol: float = 1e-12, start: float = 
     return matrix
 
 
-def _pieces(equation: Equation) -> tuple[list[_Piece], bool]:
-    """Return what to integrate, and whether it is half a period from an instant of even symmetry."""
-    c2 = equation.damping**2
-    if isinstance(equation, Mathieu):  # beta + alpha sin tau about pi / 2: beta + alpha cos
-        return [_Piece(equation.beta + c2, (complex(equation.alpha, 0.0),), 0.0, math.pi)], True
-    if isinstance(equation, Meissner):
-        high, low = math.fsum((equation.beta, equation.alpha, c2)), math.fsum((equation.beta, -equation.alpha, c2))
-        return [_Piece(high, (), 0.0, 0.5 * math.pi), _Piece(low, (), 0.0, 0.5 * math.pi)], True
-    amplitudes = _symmetric(equation.harmonics)
-    if amplitudes is not None:
-        return [_Piece(equation.mean + c2, amplitudes, 0.0, 0.5 * equation.period)], True
-    return _from(equation, 0.0), False
+def _stretches(pieces: tuple[Piece, ...], start: float, equation: Equation) -> list[_Stretch]:
+    """Return pieces that follow one another from ``start`` as what is integrated, freed of the damping."""
+    square = Fraction(equation.damping) ** 2
+    stretches, share = [], Fraction(0)
+    for piece in pieces:
+        mean = float(Fraction(piece.mean) + square)  # rounded once
+        begin, length = start + float(share) * equation.period, float(piece.share) * equation.period
+        if length > 0.0:
+            stretches.append(_Stretch(begin, length, mean, float(piece.slope), piece.harmonics))
+        share += piece.share
+    return stretches
 
 
-def _from(equation: Equation, start: float) -> list[_Piece]:
-    """Return the pieces of one whole period from ``start``."""
-    c2 = equation.damping**2
-    if isinstance(equation, Meissner):
-        index, phase = divmod(start, math.pi)  # together, so that rounding beside a jump cannot set them at odds
-        first = -1.0 if index % 2.0 else 1.0
-        values = [math.fsum((equation.beta, s * equation.alpha, c2)) for s in (first, -first)]
-        lengths = (math.pi - phase, math.pi, phase)
-        pairs = zip((values[0], values[1], values[0]), lengths, strict=True)
-        return [_Piece(value, (), 0.0, length) for value, length in pairs if length > 0.0]
-    hill = equation.as_hill()
-    return [_Piece(hill.mean + c2, hill.harmonics, start, hill.period)]
-
-
-def _symmetric(harmonics: tuple[complex, ...]) -> tuple[complex, ...] | None:
-    """Return the real amplitudes about an instant of even symmetry, None where there is none (to rounding)."""
-    first = next((k for k, z in enumerate(harmonics, start=1) if z != 0.0), None)
-    if first is None:
-        return ()
-    for turn in range(2 * first):
-        phase = (math.pi * turn - cmath.phase(harmonics[first - 1])) / first
-        turned = [z * cmath.exp(1j * k * phase) for k, z in enumerate(harmonics, start=1)]
-        if all(abs(z.imag) <= 8.0 * _EPS * k * abs(z) for k, z in enumerate(turned, start=1)):
-            return tuple(complex(z.real, 0.0) for z in turned)
-    return None
-
-
-def _frequency(piece: _Piece, period: float) -> float:
+def _frequency(piece: _Stretch, period: float) -> float:
     """Return a frequency that bounds how fast solution and coefficient vary."""
-    turn = 2.0 * math.pi / period
-    return math.sqrt(abs(piece.mean) + sum(map(abs, piece.amplitudes))) + turn * max(1, len(piece.amplitudes))
+    omega = 2.0 * math.pi / period
+    largest = abs(piece.mean) + abs(piece.slope) * piece.length + sum(map(abs, piece.amplitudes))
+    return math.sqrt(largest) + omega * max(1, len(piece.amplitudes))
 
 
-def _needed(pieces: list[_Piece], frequency: float) -> float:
+def _needed(pieces: list[_Stretch], frequency: float) -> float:
     """Return the steps of the first two maps together, possibly infinite."""
     return 3.0 * frequency * math.fsum(piece.length for piece in pieces) / REACH
 
 
-def _converged(pieces: list[_Piece], period: float, frequency: float, rtol: float) -> tuple[_Map, float, int]:
+def _converged(pieces: list[_Stretch], period: float, frequency: float, rtol: float) -> tuple[_Map, float, int]:
     """Return the map once halving the steps changes it by no more than ``rtol``, that change, and all steps taken.
 
     It also stops where rounding or the limit on steps allows no more; the change then tells.
@@ -204,7 +179,7 @@ def _converged(pieces: list[_Piece], period: float, frequency: float, rtol: floa
         coarse, wanted = fine, 2 * wanted
 
 
-def _carry(pieces: list[_Piece], period: float, steps: int, order: int = ORDER) -> _Map:
+def _carry(pieces: list[_Stretch], period: float, steps: int, order: int = ORDER) -> _Map:
     """Carry the unit solutions over the pieces in about ``steps`` steps."""
     whole = sum(piece.length for piece in pieces)
     y = np.array([1.0, 0.0, 0.0, 1.0])
@@ -215,8 +190,8 @@ def _carry(pieces: list[_Piece], period: float, steps: int, order: int = ORDER) 
         share = max(1, math.ceil(steps * piece.length / whole - 1e-9))
         real = np.array([z.real for z in piece.amplitudes])
         imag = np.array([z.imag for z in piece.amplitudes])
-        turn = 2.0 * math.pi / period
-        exponent += run(piece.mean, real, imag, turn, piece.start, piece.length, share, order, y)
+        omega = 2.0 * math.pi / period
+        exponent += run(piece.mean, piece.slope, real, imag, omega, piece.start, piece.length, share, order, y)
         taken += share
     # The kernel scales when it must; two maps compare only once both are scaled alike.
     shift = math.frexp(np.abs(y).max())[1]

@@ -9,7 +9,8 @@ so that A'' + 2 c A' = p A becomes a system with polynomial coefficients for A, 
     (1 + t^2) A_t = 2 B,   (1 + t^2) B_t = 2 (p A - 2 c B),   (1 - i t) W_k = (1 + i t) W_(k-1),   W_0 = A,
 
 with p A = mean A + sum_k Re(z_k W_k).  Its power series have radius 1 and recurrences of fixed length; even and odd
-terms give the solution at both ends of the piece at once.  The damping is integrated as it stands and symmetries are
+terms give the solution at both ends of the piece at once.  Where p has a slope, the power series is that in theta itself;
+where all pieces of p are constant, the map is a product of exponentials.  The damping is integrated as it stands and symmetries are
 not used: what the other methods derive by substitution or factorisation is checked here, not assumed.
 
 The map over a period is computed twice, in pieces of other length and origin and with other precision.  The error is
@@ -20,11 +21,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, Hill, Meissner, require
+from floquetrod.equations import Equation, require
 from floquetrod.floquet.result import Cost, Stability, Status, judge
 
 _LARGEST_RAISE = 20  # working digits go up to this many times the digits asked for (heuristic)
@@ -50,12 +51,19 @@ class Excess(NamedTuple):
     terms: int
 
 
-class _Scaled(NamedTuple):
-    """An equation with time in units of period / 2 pi: its mean, damping and harmonics, as numbers of a context."""
+class _Stretch(NamedTuple):
+    """A piece of the coefficient with time in units of period / 2 pi, as numbers of a context."""
 
+    begin: Any
+    length: Any
     mean: Any
-    damping: Any
+    slope: Any
     harmonics: tuple[tuple[Any, Any], ...]
+
+    @property
+    def size(self) -> Any:
+        """Bound on abs(p)."""
+        return abs(self.mean) + abs(self.slope) * self.length + sum(abs(re) + abs(im) for re, im in self.harmonics)
 
 
 class TooMuchWork(ValueError):
@@ -67,7 +75,7 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
 
     Parameters
     ----------
-    equation : Mathieu, Meissner or Hill
+    equation : Equation
         The parameters are taken as the exact binary numbers they are.
     digits : int
         Decimal digits of the excess X relative to max(1, abs(X)), 10 or more.  More are used internally, up to 20
@@ -97,10 +105,9 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
     context.dps = 2 * digits + 20
     excess, error = (context.mpf(number) for number in (found.excess, found.error))
     status: Status = "undecided" if abs(excess) <= error else "unstable" if excess > 0 else "stable"
-    if _is_constant(equation):
-        status = "stable" if _mean(equation) < 0.0 else "unstable"  # at X = 0 too, where the trace alone cannot tell
     mantissa, exponent = _split(excess)
-    result = judge(
+    compared = equation.damping > 0.0 and status == "unstable"
+    return judge(
         equation,
         "reference",
         sign=found.sign,
@@ -108,9 +115,9 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
         exponent=exponent,
         excess_error=float(error / max(1, abs(excess))),
         undamped_status=status,
+        growth=_net_growth(equation, context, excess, error) if compared else None,
         cost=Cost(found.terms, "terms"),
     )
-    return _against_damping(result, context, excess, error) if equation.damping and status == "unstable" else result
 
 
 def reference_excess(equation: Equation, digits: int = 50) -> Excess:
@@ -136,7 +143,7 @@ def reference_excess(equation: Equation, digits: int = 50) -> Excess:
             return found
         terms += used
         found = Excess(sign, mpmath.mp.make_mpf(excess._mpf_), mpmath.mp.make_mpf(error._mpf_), terms)
-        settled = _is_constant(equation) or abs(excess) > error * _SETTLED
+        settled = equation.level is not None or abs(excess) > error * _SETTLED
         missing = math.ceil(excess.context.log(error / max(1, abs(excess)), 10)) + digits
         if (settled and missing <= 0) or wanted >= _LARGEST_RAISE * digits:
             return found
@@ -149,7 +156,7 @@ def _attempt(equation: Equation, digits: int) -> tuple[int, Any, Any, int]:
 
     context = MPContext()
     context.prec = math.ceil(digits * math.log2(10.0)) + 2 * _GUARD_BITS + 32
-    if _is_constant(equation) or isinstance(equation, Meissner):
+    if all(piece.is_constant for piece in equation.pieces()):
         trace, error, terms = _closed_form(equation, context)
     else:
         trace, error, terms = _twice(equation, context, digits)
@@ -157,51 +164,49 @@ def _attempt(equation: Equation, digits: int) -> tuple[int, Any, Any, int]:
 
 
 def _closed_form(equation: Equation, context: Any) -> tuple[Any, Any, int]:
-    """Return the undamped trace and its error for a coefficient that is constant, or constant on two half periods.
+    """Return the undamped trace and its error for a coefficient made of constant pieces, and the entries computed.
 
     The exponential of h [[0, 1], [l, -2 c]] is exp(-c h) [C + c S, S; l S, C - c S] with C = cosh(h w),
     S = sinh(h w) / w and w^2 = l + c^2; entire in w^2.
     """
-    if isinstance(equation, Meissner):
-        alpha, beta = context.mpf(equation.alpha), context.mpf(equation.beta)
-        levels, half = (beta + alpha, beta - alpha), context.pi
-    else:
-        levels, half = (context.mpf(_mean(equation)),) * 2, _period(equation, context) / 2
-    damping = context.mpf(equation.damping)
-    size = half**2 * (max(map(abs, levels)) + damping**2)
+    stretches, damping = _stretches(equation, context)
+    size = 4 * context.pi**2 * (max(stretch.size for stretch in stretches) + damping**2)
     _check_size(size)
     bits = context.prec - _GUARD_BITS
     context.prec += max(0, context.mag(size))  # what the arguments of the sines lose
-    maps = []
-    for level in levels:
-        square = level + damping**2
+    stretches, damping = _stretches(equation, context)
+    one, zero = context.one, context.zero
+    total, sizes = (one, zero, zero, one), (one, zero, zero, one)
+    for stretch in stretches:
+        square = stretch.mean + damping**2
         root = context.sqrt(abs(square))
         if square > 0:
-            even, odd = context.cosh(half * root), context.sinh(half * root) / root
+            even, odd = context.cosh(stretch.length * root), context.sinh(stretch.length * root) / root
         elif square < 0:
-            even, odd = context.cos(half * root), context.sin(half * root) / root
+            even, odd = context.cos(stretch.length * root), context.sin(stretch.length * root) / root
         else:
-            even, odd = context.one, half
-        maps.append((even + damping * odd, odd, level * odd, even - damping * odd))
-    first, second = maps
-    parts = [x * y for x, y in zip(first, (second[0], second[2], second[1], second[3]), strict=True)]
-    return context.fsum(parts), context.ldexp(sum(map(abs, parts)), -bits), len(parts)
+            even, odd = one, stretch.length
+        entries = (even + damping * odd, odd, stretch.mean * odd, even - damping * odd)
+        total, sizes = _multiply(entries, total), _multiply(tuple(map(abs, entries)), sizes)
+    return total[0] + total[3], context.ldexp(len(stretches) * (sizes[0] + sizes[3]), -bits), 4 * len(stretches)
 
 
 def _twice(equation: Equation, context: Any, digits: int) -> tuple[Any, Any, int]:
     """Return the undamped trace, its estimated error and the terms summed, from two maps over the period."""
-    scaled = _scale(equation, context)
-    size = abs(scaled.mean) + scaled.damping**2 + sum((abs(re) + abs(im) for re, im in scaled.harmonics), context.zero)
-    _check_size(size)
-    pieces = max(_LEAST_PIECES, math.ceil(_PIECES_PER_WAVE * math.pi * math.sqrt(size)))
+    stretches, damping = _stretches(equation, context)
+    size = max(stretch.size for stretch in stretches) + damping**2
+    _check_size(4 * context.pi**2 * size)
+    harmonics = max(len(stretch.harmonics) for stretch in stretches)
+    pieces = max(_LEAST_PIECES, math.ceil(_PIECES_PER_WAVE * math.pi * math.sqrt(size))) + len(stretches) - 1
     bits = math.ceil(digits * math.log2(10.0)) + _GUARD_BITS + math.ceil(math.log2(pieces * (1.0 + size)))
-    _check_work(pieces, bits, len(scaled.harmonics))
+    _check_work(pieces, bits, harmonics)
     context.prec = bits + 2 * _GUARD_BITS
-    undamp = context.exp(2 * context.pi * scaled.damping)
+    stretches, damping = _stretches(equation, context)
+    undamp = context.exp(2 * context.pi * damping)
     traces, terms = [], 0
     error = context.zero
     for more, other, offset in ((_GUARD_BITS, 0, 0.0), (0, 1, 0.6180339887)):
-        matrix, exponent, used = _period_map(scaled, context, pieces + other, bits + more, offset)
+        matrix, exponent, used = _period_map(stretches, damping, context, pieces, other, bits + more, offset)
         a, b, c, d = (undamp * context.ldexp(entry, exponent) for entry in matrix)
         norm = max(map(abs, (a, b, c, d, context.one)))
         liouville = abs(a * d - b * c - 1) / norm
@@ -211,35 +216,98 @@ def _twice(equation: Equation, context: Any, digits: int) -> tuple[Any, Any, int
     return traces[0], max(error, abs(traces[0] - traces[1])), terms
 
 
-def _scale(equation: Equation, context: Any) -> _Scaled:
-    """Return the equation with time in units of period / 2 pi."""
-    hill: Hill = equation.as_hill()  # type: ignore[union-attr]  # a Meissner has its closed form
+def _stretches(equation: Equation, context: Any) -> tuple[list[_Stretch], Any]:
+    """Return the pieces and the damping of an equation with time in units of period / 2 pi."""
     unit = _period(equation, context) / (2 * context.pi)
-    return _Scaled(
-        unit**2 * context.mpf(hill.mean),
-        unit * context.mpf(hill.damping),
-        tuple((unit**2 * context.mpf(z.real), unit**2 * context.mpf(z.imag)) for z in hill.harmonics),
-    )
+    found, share = [], Fraction(0)
+    for piece in equation.pieces():
+        begin, length = (2 * context.pi * _exactly(part, context) for part in (share, piece.share))
+        harmonics = tuple((unit**2 * context.mpf(z.real), unit**2 * context.mpf(z.imag)) for z in piece.harmonics)
+        mean, slope = unit**2 * _exactly(piece.mean, context), unit**3 * _exactly(piece.slope, context)
+        found.append(_Stretch(begin, length, mean, slope, harmonics))
+        share += piece.share
+    return found, unit * context.mpf(equation.damping)
 
 
-def _period_map(scaled: _Scaled, context: Any, pieces: int, bits: int, offset: float) -> tuple[Matrix, int, int]:
-    """Return the map over a period from ``offset`` pieces after tau = 0, as integers times 2**exponent; and terms."""
-    half = context.pi / pieces
+def _exactly(number: Fraction | float, context: Any) -> Any:
+    """Return a number in a context's precision."""
+    exact = Fraction(number)
+    return context.mpf(exact.numerator) / exact.denominator
+
+
+def _period_map(
+    stretches: list[_Stretch], damping: Any, context: Any, pieces: int, more: int, bits: int, offset: float
+) -> tuple[Matrix, int, int]:
+    """Return the map over a period as integers times 2**exponent, and the terms summed.
+
+    Each stretch takes its share of about ``pieces`` steps, and ``more``.  A period that is one stretch begins
+    ``offset`` steps after tau = 0.
+    """
+    total, exponent, terms = (1 << bits, 0, 0, 1 << bits), -bits, 0
+    drag = _fixed(2 * damping, bits)
+    for stretch in stretches:
+        count = math.ceil(pieces * stretch.length / (2 * context.pi)) + more
+        half = stretch.length / (2 * count)
+        shifted = context.mpf(offset) if len(stretches) == 1 and not stretch.slope else context.zero
+        for piece in range(count):
+            middle = (2 * piece + 1 + shifted) * half
+            ends = _ends(stretch, middle, half, drag, damping, context, bits)
+            terms += sum(end[4] for end in ends)
+            total, exponent = _advance(total, exponent, ends, bits)
+    return total, exponent, terms
+
+
+def _ends(
+    stretch: _Stretch, middle: Any, half: Any, drag: int, damping: Any, context: Any, bits: int
+) -> list[tuple[int, int, int, int, int]]:
+    """Return what `_series` does for both unit solutions in a step's middle, ``middle`` after the stretch's beginning."""
+    starts = ((1 << bits, 0), (0, 1 << bits))
+    mean = stretch.mean + stretch.slope * middle
+    waves = []
+    for k, (re, im) in enumerate(stretch.harmonics, start=1):
+        cosine, sine = context.cos_sin(k * (stretch.begin + middle))
+        waves.append((re * cosine - im * sine, re * sine + im * cosine))
+    if stretch.slope:
+        p = _power_series(mean, stretch.slope, waves, half, bits)
+        rub = _fixed(2 * damping * half, bits)
+        return [_direct_series(start, p, rub, half, bits) for start in starts]
     tangent = context.tan(half / 2)
     shift = -context.mag(tangent)  # the series runs in t 2**shift, at most 1
     reach = _fixed(context.ldexp(tangent, shift), bits)
-    mean, damping = _fixed(scaled.mean, bits), _fixed(2 * scaled.damping, bits)
-    total, exponent, terms = (1 << bits, 0, 0, 1 << bits), -bits, 0
-    for piece in range(pieces):
-        middle = (2 * piece + 1 + context.mpf(offset)) * half
-        waves = []
-        for k, (re, im) in enumerate(scaled.harmonics, start=1):
-            cosine, sine = context.cos_sin(k * middle)
-            waves.append((_fixed(re * cosine - im * sine, bits), _fixed(re * sine + im * cosine, bits)))
-        ends = [_series(start, mean, damping, waves, reach, shift, bits) for start in ((1 << bits, 0), (0, 1 << bits))]
-        terms += sum(end[4] for end in ends)
-        total, exponent = _advance(total, exponent, ends, bits)
-    return total, exponent, terms
+    fixed = [(_fixed(re, bits), _fixed(im, bits)) for re, im in waves]
+    return [_series(start, _fixed(mean, bits), drag, fixed, reach, shift, bits) for start in starts]
+
+
+def _power_series(mean: Any, slope: Any, waves: list[tuple[Any, Any]], half: Any, bits: int) -> list[int]:
+    """Return p_j half^(j + 2) in fixed point, p = sum_j p_j x^j about a step's middle."""
+    terms = [mean * half**2, slope * half**3]
+    for k, (re, im) in enumerate(waves, start=1):
+        a, b, j = re * half**2, im * half**2, 0
+        while j < 2 or max(abs(a), abs(b)) * 2**bits > 1:
+            if j == len(terms):
+                terms.append(0 * a)
+            terms[j] += a
+            a, b, j = -k * half * b / (j + 1), k * half * a / (j + 1), j + 1
+    return [_fixed(term, bits) if term else 0 for term in terms]
+
+
+def _direct_series(
+    start: tuple[int, int], p: list[int], drag: int, half: Any, bits: int
+) -> tuple[int, int, int, int, int]:
+    """Sum A and B at both ends of a step by the power series in x / half; returns as `_series` does.
+
+    ``p`` is from `_power_series` and ``drag`` is 2 c half.
+    """
+    step = _fixed(half, bits)
+    a = [start[0], start[1] * step >> bits]
+    n, small = 0, 0
+    while small < 4:
+        push = sum(p[j] * a[n - j] for j in range(min(len(p), n + 1))) - drag * (n + 1) * a[n + 1]
+        a.append((push >> bits) // ((n + 1) * (n + 2)))
+        small = small + 1 if abs(a[-1]) < 4 else 0
+        n += 1
+    slopes = [(j * value << bits) // step for j, value in enumerate(a)]
+    return sum(a[0::2]), sum(a[1::2]), sum(slopes[1::2]), sum(slopes[2::2]), n
 
 
 def _series(
@@ -309,7 +377,7 @@ def _advance(total: Matrix, exponent: int, ends: list[tuple[int, int, int, int, 
     return (a, b, c, d), exponent - 2 * bits + max(excess, 0)
 
 
-def _multiply(left: Sequence[int], right: Sequence[int]) -> Matrix:
+def _multiply(left: Sequence[Any], right: Sequence[Any]) -> tuple[Any, Any, Any, Any]:
     a, b, c, d = left
     e, f, g, h = right
     return a * e + b * g, a * f + b * h, c * e + d * g, c * f + d * h
@@ -331,17 +399,10 @@ def _check_work(pieces: int, bits: int, harmonics: int) -> None:
         raise TooMuchWork(f"{pieces} pieces of the period with {bits} bits are more work than is worth waiting for")
 
 
-def _is_constant(equation: Equation) -> bool:
-    return equation.alpha == 0.0 if not isinstance(equation, Hill) else not equation.harmonics
-
-
-def _mean(equation: Equation) -> float:
-    return equation.mean if isinstance(equation, Hill) else equation.beta
-
-
 def _period(equation: Equation, context: Any) -> Any:
-    """Return the period: the exact 2 pi, or the double given with a `Hill`."""
-    return context.mpf(equation.period) if isinstance(equation, Hill) else 2 * context.pi
+    """Return the period: the exact multiple of pi, or the double."""
+    multiple = equation.period_over_pi
+    return context.mpf(equation.period) if multiple is None else _exactly(multiple, context) * context.pi
 
 
 def _split(excess: Any) -> tuple[float, int]:
@@ -352,19 +413,13 @@ def _split(excess: Any) -> tuple[float, int]:
     return float(mantissa), int(exponent)
 
 
-def _against_damping(result: Stability, context: Any, excess: Any, error: Any) -> Stability:
-    """Return the verdict where the undamped motion grows, comparing growth and damping with all the digits."""
+def _net_growth(equation: Equation, context: Any, excess: Any, error: Any) -> tuple[float, float, float]:
+    """Return growth less damping, and its bounds, with all the digits until they are rounded."""
     low, middle, high = (
-        2 * context.asinh(context.sqrt(max(x, 0))) / _period(result.equation, context) - result.equation.damping
+        float(2 * context.asinh(context.sqrt(max(x, 0))) / _period(equation, context) - equation.damping)
         for x in (excess - error, excess, excess + error)
     )
-    status: Status = "unstable" if low > 0 else "stable" if high < 0 else "undecided"
-    if _is_constant(result.equation):
-        mean = _mean(result.equation)
-        status = "unstable" if mean > 0.0 else "stable"  # at mean = 0 the solutions are 1 and exp(-2 c tau): bounded
-    growth = 0.0 if status == "stable" else max(0.0, float(middle))
-    note = "" if status != "undecided" else "growth and damping agree to all the digits used"
-    return replace(result, status=status, growth_rate=growth, note=note)
+    return low, middle, high
 
 
 def _given_up(equation: Equation, reason: str) -> Stability:

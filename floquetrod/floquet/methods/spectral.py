@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import equations
-from floquetrod.equations import Hill, Mathieu
+from floquetrod.equations import Equation, Mathieu
 from floquetrod.floquet.result import Cost, Interval, Stability, Status, judge
 from floquetrod.kernels import mathieu as kernels
 
@@ -18,7 +18,7 @@ _MOST_ROWS = 250  # rows of a banded matrix beyond which `spectral` declines (a 
 _LARGEST_ERROR = 1e-3  # of the excess, relative: beyond it the growth rate is no longer worth stating (a choice)
 
 
-def spectral(equation: Mathieu | Hill) -> Stability:
+def spectral(equation: Equation) -> Stability:
     """Judge by counting the eigenvalues of Hill's matrices below the value that the equation has.
 
     Solutions are bounded when the number of periodic and antiperiodic eigenvalues of -u'' + p u below zero is odd
@@ -37,7 +37,8 @@ def spectral(equation: Mathieu | Hill) -> Stability:
 
     Parameters
     ----------
-    equation : Mathieu or Hill
+    equation : Equation
+        One whose coefficient is a Fourier series all over the period, such as `Mathieu` and `Hill`.
         Damping c is treated by the exact substitution A = exp(-c tau) u, p -> p + c^2.
 
     Returns
@@ -50,7 +51,11 @@ def spectral(equation: Mathieu | Hill) -> Stability:
     >>> spectral(Mathieu(alpha=1e-8, beta=-0.25)).growth_rate
     4.999999999999999e-09
     """
-    equations.require(equation, (Mathieu, Hill), by="the spectral method")
+    equations.require(equation)
+    if not equation.is_smooth:
+        raise TypeError(
+            f"equation must be one Fourier series for the spectral method, such as Mathieu or Hill, got {equation!r}"
+        )
     return _mathieu(equation) if isinstance(equation, Mathieu) else _hill(equation)
 
 
@@ -64,9 +69,6 @@ def _mathieu(equation: Mathieu) -> Stability:
     below, pivots = _certain_count(equation)
     status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
     interval = None if below is None else Interval.from_count(below)
-    if equation.alpha == 0.0 and equation.damping == 0.0:
-        # Without forcing every tongue but the zeroth has closed: beta < 0 oscillates, beta >= 0 moves away.
-        status = "stable" if equation.beta < 0.0 else "unstable"
     return judge(
         equation,
         "spectral",
@@ -129,9 +131,10 @@ def _difference(one: float, a: float, shift: float) -> tuple[float, float]:
 # --- general Hill equations ------------------------------------------------------------------------------------------
 
 
-def _hill(equation: Hill) -> Stability:
-    harmonics = np.array(equation.harmonics, dtype=np.complex128)
-    mean = equation.mean + equation.damping**2
+def _hill(equation: Equation) -> Stability:
+    (piece,) = equation.pieces()
+    harmonics = np.array(piece.harmonics, dtype=np.complex128)
+    mean = float(piece.mean) + equation.damping**2
     bound = float(np.abs(harmonics).sum())
     turn = 2.0 * math.pi / equation.period
     cut = math.ceil(math.sqrt(abs(mean) + 2.0 * bound) / turn) + len(harmonics) + 8

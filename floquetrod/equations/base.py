@@ -1,0 +1,161 @@
+"""What every scalar equation A'' + 2 c A' = p(tau) A offers the methods: its coefficient p in smooth pieces.
+
+Time tau is dimensionless.  Positive p pushes away from A = 0: the sign convention of the rod, where p grows with the
+axial force (Eq. (3) of DOI 10.1115/1.4031710).
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from fractions import Fraction
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import plain
+
+_LATEST = 1e14  # periods, after which neighbouring doubles lie a large part of one apart
+
+
+class Piece(NamedTuple):
+    """A stretch of the period on which p = mean + slope t + sum_k Re(z_k exp(i k W tau)), t from its beginning.
+
+    Attributes
+    ----------
+    share : Fraction
+        Its length as a part of the period; an exact number, so that pieces meet without rounding.
+    mean, slope : Fraction or float
+        Taken as the exact numbers they are.
+    harmonics : tuple of complex
+        Amplitudes z_k, k = 1, 2, ..., with W = 2 pi / period and tau counted from the beginning of the period.
+    """
+
+    share: Fraction
+    mean: Fraction | float
+    harmonics: tuple[complex, ...] = ()
+    slope: Fraction | float = 0.0
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether p is one number."""
+        return not self.harmonics and self.slope == 0.0
+
+
+class Equation(ABC):
+    """Base of the scalar equations A'' + 2 c A' = p(tau) A.
+
+    A new equation is a frozen dataclass with ``period`` (in the unit of tau), ``damping`` (c, zero or more) and
+    `pieces`: every method, comparison and chart then takes it.
+    """
+
+    damping: float
+
+    period_over_pi: ClassVar[Fraction | None] = None
+    """The exact period over pi where it is not the double ``period``."""
+
+    @property
+    @abstractmethod
+    def period(self) -> float:
+        """Period of the coefficient, in the unit of tau."""
+
+    @abstractmethod
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the coefficient over one period from tau = 0, in pieces whose shares add up to 1."""
+
+    def half(self) -> tuple[Piece, ...] | None:
+        """Return the coefficient over half a period from an instant about which it is even; None if none is known.
+
+        Time and the phase of harmonics count from that instant.
+        """
+        return None
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether the coefficient is one Fourier series all over the period."""
+        pieces = self.pieces()
+        return len(pieces) == 1 and pieces[0].slope == 0.0
+
+    @property
+    def title(self) -> str:
+        """What charts call the equation."""
+        return type(self).__name__
+
+    @property
+    def level(self) -> Fraction | None:
+        """The coefficient where it is constant, exactly; None where it varies."""
+        pieces = self.pieces()
+        first = Fraction(pieces[0].mean)
+        return first if all(p.is_constant and Fraction(p.mean) == first for p in pieces) else None
+
+    def coefficient(self, tau: Any) -> Any:
+        """Return p(tau), its mean value at a jump; broadcasts over ``tau``."""
+        tau = times(tau, self.period)
+        omega = 2.0 * math.pi / self.period
+        phase = tau - self.period * np.floor(tau / self.period)
+        pieces = self.pieces()
+        ends = np.cumsum([0.0, *(float(piece.share) for piece in pieces)]) * self.period
+        total = np.zeros(phase.shape)
+        # Half of what it is just before and half of what it is just after: the same but at a jump.
+        for side in ("left", "right"):
+            index = np.clip(np.searchsorted(ends[1:-1], phase, side=side), 0, len(pieces) - 1)
+            index = np.where((side == "left") & (phase == 0.0), len(pieces) - 1, index)
+            for i, piece in enumerate(pieces):
+                here = index == i
+                t = np.where((phase == 0.0) & (i == len(pieces) - 1) & (i > 0), self.period, phase)[here]
+                value = float(piece.mean) + float(piece.slope) * (t - ends[i])
+                for k, z in enumerate(piece.harmonics, start=1):
+                    value = value + z.real * np.cos(k * omega * t) - z.imag * np.sin(k * omega * t)
+                total[here] += 0.5 * value
+        return plain(total)
+
+
+def from_instant(pieces: tuple[Piece, ...], start: float, period: float) -> tuple[tuple[Piece, ...], float]:
+    """Return one period's pieces from tau = ``start``, and where in the period that is, from 0 up to ``period``.
+
+    The piece in which it begins is cut in two; harmonics keep their phase, which counts from tau = 0.
+    """
+    phase = start % period
+    share = min(Fraction(phase) / Fraction(period), Fraction(1))
+    before: list[Piece] = []
+    after: list[Piece] = []
+    end = Fraction(0)
+    for piece in pieces:
+        begin, end = end, end + piece.share
+        if end <= share:
+            before.append(piece)
+        elif begin >= share:
+            after.append(piece)
+        else:
+            cut = share - begin
+            risen = Fraction(piece.mean) + Fraction(piece.slope) * cut * Fraction(period)
+            before.append(piece._replace(share=cut))
+            after.append(piece._replace(share=piece.share - cut, mean=risen))
+    return (*after, *before), phase
+
+
+def require(value: Any, kinds: tuple[type, ...] = (Equation,), by: str = "") -> None:
+    """Raise TypeError unless ``value`` is one of the equation ``kinds``."""
+    if not isinstance(value, kinds):
+        names = "Mathieu, Meissner, Hill" if kinds == (Equation,) else ", ".join(kind.__name__ for kind in kinds)
+        raise TypeError(f"equation must be {names}{' for ' + by if by else ''}, got {validate.short(value)}")
+
+
+def damping_rate(value: Any) -> float:
+    """Return c, checked."""
+    number = validate.nonnegative("damping", value, "growth of the free motion is not damping")
+    if number > math.sqrt(validate.LARGEST):
+        raise ValueError(f"damping must be at most {math.sqrt(validate.LARGEST):g}, got {number!r}; check its unit")
+    return validate.unrounded("damping", value, number)
+
+
+def times(tau: Any, period: float) -> NDArray[np.float64]:
+    """Return times as an array, checked."""
+    return validate.array("tau", tau, least=-_LATEST * period, largest=_LATEST * period)
+
+
+def set_field(equation: object, name: str, value: object) -> None:
+    """Set a field of a frozen dataclass while it is made."""
+    object.__setattr__(equation, name, value)

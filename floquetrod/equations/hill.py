@@ -1,0 +1,107 @@
+"""Hill's equation: a finite Fourier series."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import zip_longest
+from typing import Any
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import plain
+from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, times
+
+_EPS = 2.220446049250313e-16
+
+
+@dataclass(frozen=True)
+class Hill(Equation):
+    """Hill's equation A'' + 2 c A' = p(tau) A for a finite Fourier series p.
+
+    p(tau) = mean + sum_k cosines[k-1] cos(k W tau) + sines[k-1] sin(k W tau), k = 1, 2, ..., with W = 2 pi / period.
+
+    Parameters
+    ----------
+    mean : float
+        Mean of the coefficient.
+    cosines, sines : sequence of float
+        Fourier coefficients from the first harmonic on; their lengths may differ.
+    period : float
+        Period of the coefficient, in the unit of tau.
+    damping : float
+        c, the decay rate per unit tau of the free motion; zero or more.
+
+    Examples
+    --------
+    >>> Hill(-0.25, cosines=(0.1,), sines=(0.5, 0.2)).coefficient(0.0)
+    -0.15
+    """
+
+    mean: float
+    cosines: tuple[float, ...] = ()
+    sines: tuple[float, ...] = ()
+    period: float = 2.0 * math.pi
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        set_field(self, "mean", validate.coefficient("mean", self.mean))
+        set_field(self, "cosines", validate.numbers("cosines", self.cosines))
+        set_field(self, "sines", validate.numbers("sines", self.sines))
+        period = validate.positive("period", self.period, "give the period of the coefficient in tau")
+        set_field(self, "period", validate.unrounded("period", self.period, period))
+        set_field(self, "damping", damping_rate(self.damping))
+
+    def coefficient(self, tau: Any) -> Any:
+        """Return p(tau); broadcasts over ``tau``."""
+        phase = (2.0 * math.pi / self.period) * times(tau, self.period)
+        total = np.full(phase.shape, self.mean)
+        for k, value in enumerate(self.cosines, start=1):
+            total = total + value * np.cos(k * phase)
+        for k, value in enumerate(self.sines, start=1):
+            total = total + value * np.sin(k * phase)
+        return plain(total)
+
+    @property
+    def harmonics(self) -> tuple[complex, ...]:
+        """Amplitudes z_k, k = 1, 2, ..., with p = mean + sum_k Re(z_k exp(i k W tau)); trailing zeros dropped."""
+        pairs = zip_longest(self.cosines, self.sines, fillvalue=0.0)
+        values = [complex(cosine, -sine) for cosine, sine in pairs]
+        while values and values[-1] == 0.0:
+            values.pop()
+        return tuple(values)
+
+    @property
+    def title(self) -> str:
+        """What charts call the equation."""
+        return "Hill's equation"
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the coefficient over one period from tau = 0."""
+        return (Piece(Fraction(1), self.mean, self.harmonics),)
+
+    def half(self) -> tuple[Piece, ...] | None:
+        """Return the coefficient over half a period from an instant about which it is even, to rounding, or None."""
+        amplitudes = _even_amplitudes(self.harmonics)
+        return None if amplitudes is None else (Piece(Fraction(1, 2), self.mean, amplitudes),)
+
+    def as_hill(self) -> Hill:
+        """Return this equation."""
+        return self
+
+
+def _even_amplitudes(harmonics: tuple[complex, ...]) -> tuple[complex, ...] | None:
+    """Return the real amplitudes about an instant of even symmetry, None where there is none (to rounding)."""
+    first = next((k for k, z in enumerate(harmonics, start=1) if z != 0.0), None)
+    if first is None:
+        return ()
+    for turn in range(2 * first):
+        phase = (math.pi * turn - cmath.phase(harmonics[first - 1])) / first
+        turned = [z * cmath.exp(1j * k * phase) for k, z in enumerate(harmonics, start=1)]
+        if all(abs(z.imag) <= 8.0 * _EPS * k * abs(z) for k, z in enumerate(turned, start=1)):
+            return tuple(complex(z.real, 0.0) for z in turned)
+    return None

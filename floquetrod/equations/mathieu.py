@@ -1,0 +1,120 @@
+"""Mathieu's equation, and the same with dry friction."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, ClassVar
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import plain
+from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, times
+from floquetrod.equations.hill import Hill
+
+
+@dataclass(frozen=True)
+class Mathieu(Equation):
+    """Mathieu's equation A'' + 2 c A' = (beta + alpha sin tau) A, of period 2 pi.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        Amplitude and mean of the coefficient (dimensionless, magnitude at most 1e9).
+    damping : float
+        c, the decay rate per unit tau of the free motion; zero or more.
+
+    Notes
+    -----
+    Eqs. (3)-(4) of DOI 10.1115/1.4031710.
+
+    Examples
+    --------
+    >>> Mathieu(alpha=0.5, beta=-0.25).coefficient(0.0)
+    -0.25
+    """
+
+    alpha: float
+    beta: float
+    damping: float = 0.0
+
+    period_over_pi: ClassVar[Fraction] = Fraction(2)
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        set_field(self, "alpha", validate.coefficient("alpha", self.alpha))
+        set_field(self, "beta", validate.coefficient("beta", self.beta))
+        set_field(self, "damping", damping_rate(self.damping))
+
+    @property
+    def period(self) -> float:
+        """Period of the coefficient, 2 pi."""
+        return 2.0 * math.pi
+
+    @property
+    def title(self) -> str:
+        """What charts call the equation."""
+        return "Mathieu's equation"
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the coefficient over one period from tau = 0."""
+        return (Piece(Fraction(1), self.beta, (complex(0.0, -self.alpha),) if self.alpha else ()),)
+
+    def half(self) -> tuple[Piece, ...]:
+        """Return the coefficient over half a period from tau = pi / 2, where it is beta + alpha cos."""
+        return (Piece(Fraction(1, 2), self.beta, (complex(self.alpha, 0.0),) if self.alpha else ()),)
+
+    def coefficient(self, tau: Any) -> Any:
+        """Return p(tau) = beta + alpha sin tau; broadcasts over ``tau``."""
+        return plain(self.beta + self.alpha * np.sin(times(tau, self.period)))
+
+    def as_hill(self) -> Hill:
+        """Return the same equation as a `Hill` value."""
+        return Hill(self.beta, sines=(self.alpha,), damping=self.damping)
+
+
+@dataclass(frozen=True)
+class FrictionalMathieu:
+    """Mathieu's equation with dry friction, A'' + 2 c A' = (beta + alpha sin tau) A - gamma sign(A').
+
+    sign(0) is any number between -1 and 1, as Coulomb's law has it (Filippov): a motion that comes to rest sticks while
+    abs((beta + alpha sin tau) A) <= gamma.  Judged by `floquetrod.friction`.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        Amplitude and mean of the coefficient (dimensionless, magnitude at most 1e9).
+    gamma : float
+        Friction force over inertia, zero or more.
+    damping : float
+        c, the decay rate per unit tau of the free motion; zero or more.
+
+    Notes
+    -----
+    Eq. (14) of DOI 10.1115/1.4031710.  Only alpha, beta, damping and the kick over gamma matter: with A also k A is a
+    motion, for k gamma.
+
+    Examples
+    --------
+    >>> FrictionalMathieu(alpha=0.5, beta=0.1, gamma=0.01).without_friction
+    Mathieu(alpha=0.5, beta=0.1, damping=0.0)
+    """
+
+    alpha: float
+    beta: float
+    gamma: float
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        set_field(self, "alpha", validate.coefficient("alpha", self.alpha))
+        set_field(self, "beta", validate.coefficient("beta", self.beta))
+        set_field(self, "gamma", validate.nonnegative("gamma", self.gamma, "friction opposes the motion"))
+        set_field(self, "damping", damping_rate(self.damping))
+
+    @property
+    def without_friction(self) -> Mathieu:
+        """The same equation for gamma = 0."""
+        return Mathieu(self.alpha, self.beta, self.damping)

@@ -1,0 +1,74 @@
+"""Meissner's equation: a square wave."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, ClassVar
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import plain
+from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, times
+
+
+@dataclass(frozen=True)
+class Meissner(Equation):
+    """Meissner's equation A'' + 2 c A' = (beta + alpha sign(sin tau)) A, of period 2 pi.
+
+    Parameters
+    ----------
+    alpha, beta : float
+        Amplitude and mean of the coefficient (dimensionless, magnitude at most 1e9).
+    damping : float
+        c, the decay rate per unit tau of the free motion; zero or more.
+
+    Notes
+    -----
+    The square-wave problem behind Eq. (A4) of DOI 10.1115/1.4031710.
+    """
+
+    alpha: float
+    beta: float
+    damping: float = 0.0
+
+    period_over_pi: ClassVar[Fraction] = Fraction(2)
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        set_field(self, "alpha", validate.coefficient("alpha", self.alpha))
+        set_field(self, "beta", validate.coefficient("beta", self.beta))
+        set_field(self, "damping", damping_rate(self.damping))
+
+    @property
+    def period(self) -> float:
+        """Period of the coefficient, 2 pi."""
+        return 2.0 * math.pi
+
+    @property
+    def title(self) -> str:
+        """What charts call the equation."""
+        return "Meissner's equation (square wave)"
+
+    @property
+    def levels(self) -> tuple[Fraction, Fraction]:
+        """The two values of the coefficient, exactly: beta + alpha and beta - alpha."""
+        return Fraction(self.beta) + Fraction(self.alpha), Fraction(self.beta) - Fraction(self.alpha)
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the coefficient over one period from tau = 0."""
+        return tuple(Piece(Fraction(1, 2), level) for level in self.levels)
+
+    def half(self) -> tuple[Piece, ...]:
+        """Return the coefficient over half a period from tau = pi / 2."""
+        return tuple(Piece(Fraction(1, 4), level) for level in self.levels)
+
+    def coefficient(self, tau: Any) -> Any:
+        """Return p(tau) = beta + alpha sign(sin tau); broadcasts over ``tau``."""
+        return plain(self.beta + self.alpha * np.sign(np.sin(times(tau, self.period))))
+
+
+SquareWave = Meissner
+"""The name that DOI 10.1115/1.4031710 gives it."""

@@ -1,0 +1,161 @@
+"""The seam of equations: one written here alone is served by every method, by comparison and by charts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+
+import floquetrod as fr
+from floquetrod.equations import Equation, Piece
+from strategies import numbers
+
+
+@dataclass(frozen=True)
+class Trapezoid(Equation):
+    """A'' + 2 c A' = (beta + alpha w(tau)) A, w a trapezoidal wave that rises and falls within ``ramp`` of the period."""
+
+    alpha: float
+    beta: float
+    damping: float = 0.0
+    ramp: Fraction = Fraction(1, 8)
+
+    period_over_pi = Fraction(2)
+
+    @property
+    def period(self) -> float:
+        return 2.0 * math.pi
+
+    def pieces(self) -> tuple[Piece, ...]:
+        a, b, flat = Fraction(self.alpha), Fraction(self.beta), Fraction(1, 2) - self.ramp
+        steep = 2 * a / (self.ramp * Fraction(self.period))
+        return (
+            Piece(flat, b + a),
+            Piece(self.ramp, b + a, slope=-steep),
+            Piece(flat, b - a),
+            Piece(self.ramp, b - a, slope=steep),
+        )
+
+
+@dataclass(frozen=True)
+class Bumps(Equation):
+    """A coefficient that is a wave for a third of the period, a ramped wave for another, and then constant."""
+
+    alpha: float
+    beta: float
+    damping: float = 0.0
+
+    @property
+    def period(self) -> float:
+        return 5.0
+
+    def pieces(self) -> tuple[Piece, ...]:
+        third = Fraction(1, 3)
+        return (
+            Piece(third, self.beta, (complex(self.alpha, 0.2), complex(0.0, 0.3 * self.alpha))),
+            Piece(third, self.beta, (complex(0.1, self.alpha),), slope=0.4),
+            Piece(third, self.beta - self.alpha),
+        )
+
+
+KINDS = st.sampled_from((Trapezoid, Bumps))
+
+
+def trace(equation: Equation) -> float:
+    """Return the sum of the multipliers by mpmath's solver of ordinary differential equations, piece by piece."""
+    total = mpmath.matrix([[1, 0], [0, 1]])
+    with mpmath.workdps(20):
+        begin = mpmath.mpf(0)
+        for piece in equation.pieces():
+            length = mpmath.mpf(piece.share.numerator) / piece.share.denominator * equation.period
+            omega = 2 * mpmath.pi / equation.period
+
+            def slope(t, y, piece=piece, begin=begin, omega=omega):  # type: ignore[no-untyped-def]
+                p = float(piece.mean) + float(piece.slope) * (t - begin)
+                for k, z in enumerate(piece.harmonics, start=1):
+                    p += z.real * mpmath.cos(k * omega * t) - z.imag * mpmath.sin(k * omega * t)
+                return [y[1], p * y[0] - 2 * equation.damping * y[1]]
+
+            ends = [mpmath.odefun(slope, begin, column)(begin + length) for column in ([1, 0], [0, 1])]
+            total = mpmath.matrix([[ends[0][0], ends[1][0]], [ends[0][1], ends[1][1]]]) * total
+            begin += length
+    return float(total[0, 0] + total[1, 1])
+
+
+@settings(max_examples=30)
+@given(KINDS, numbers(-8.0, 8.0), numbers(-12.0, 2.0), st.just(0.0) | numbers(1e-3, 0.3))
+def test_every_method_serves_it_and_they_agree(kind: type, alpha: float, beta: float, damping: float) -> None:
+    equation = kind(alpha, beta, damping)
+    comparison = fr.compare(equation)
+    assert [result.method for result in comparison.results] == ["monodromy", "leapfrog", "reference"]
+    monodromy, leapfrog, reference = comparison.results
+    scale = max(1.0, abs(reference.discriminant))
+    for one in (monodromy, leapfrog):
+        assert abs(one.discriminant - reference.discriminant) <= (one.error + reference.error) * scale, (one, reference)
+    assume("undecided" not in (monodromy.status, reference.status))
+    assert monodromy.status == reference.status == fr.stability(equation).status
+
+
+@pytest.mark.parametrize("equation", [Trapezoid(3.0, -1.5), Bumps(2.0, -0.4, 0.05)])
+def test_its_discriminant_is_that_of_another_solver(equation: Equation) -> None:
+    for method in ("monodromy", "reference"):
+        assert fr.stability(equation, method=method).discriminant == pytest.approx(trace(equation), rel=1e-11)
+
+
+@given(KINDS, numbers(-5.0, 5.0), numbers(-5.0, 1.0), numbers(-20.0, 20.0))
+def test_where_the_period_begins_changes_no_eigenvalue(kind: type, alpha: float, beta: float, start: float) -> None:
+    matrix = fr.methods.monodromy_matrix(kind(alpha, beta), start=start)
+    found = fr.stability(kind(alpha, beta), method="monodromy")
+    assert np.trace(matrix) == pytest.approx(found.discriminant, rel=1e-9, abs=1e-9 * np.abs(matrix).max())
+
+
+def test_steep_ramps_tend_to_the_square_wave() -> None:
+    square = fr.stability(fr.Meissner(2.0, -1.0)).discriminant
+    far, near = (fr.stability(Trapezoid(2.0, -1.0, ramp=Fraction(1, n))).discriminant for n in (1000, 10_000))
+    assert abs(near - square) < 0.2 * abs(far - square) < 1e-2
+
+
+@given(KINDS, numbers(-1e3, 1e3))
+def test_the_coefficient_is_that_of_its_pieces(kind: type, tau: float) -> None:
+    equation = kind(2.0, -0.5)
+    phase = tau % equation.period
+    ends = np.cumsum([float(piece.share) for piece in equation.pieces()]) * equation.period
+    assume(np.abs(np.append(ends, 0.0) - phase).min() > 1e-9)
+    i = int(np.searchsorted(ends, phase))
+    piece = equation.pieces()[i]
+    value = float(piece.mean) + float(piece.slope) * (phase - (ends[i - 1] if i else 0.0))
+    for k, z in enumerate(piece.harmonics, start=1):
+        value += (z * np.exp(2j * math.pi * k * phase / equation.period)).real
+    assert equation.coefficient(tau) == pytest.approx(value, rel=1e-9, abs=1e-9)
+
+
+def test_at_a_jump_the_coefficient_has_its_mean() -> None:
+    equation = Bumps(2.0, -0.5)
+    before, after = equation.coefficient([5.0 - 1e-12, 5.0 + 1e-12])
+    assert equation.coefficient(0.0) == equation.coefficient(5.0) == pytest.approx(0.5 * (before + after))
+
+
+def test_charts_take_it() -> None:
+    chart = fr.mathieu.chart((0.5, 3.0, 4), (-2.0, 0.0, 3), equation=Trapezoid, growth=True)
+    assert chart.caption.startswith("Trapezoid, ")
+    for row, beta in enumerate(chart.y.values):
+        for column, alpha in enumerate(chart.x.values):
+            assert chart.stable[row, column] == fr.stability(Trapezoid(alpha, beta)).stable
+
+
+def test_constant_coefficients_are_decided_by_their_sign() -> None:
+    for damping, level, status in ((0.0, -0.25, "stable"), (0.0, 0.0, "unstable"), (0.1, 0.0, "stable")):
+        flat = Trapezoid(0.0, level, damping)
+        assert {r.status for r in fr.compare(flat).results if r.method != "leapfrog"} == {status}
+
+
+def test_what_a_method_cannot_serve_it_refuses() -> None:
+    for method in ("spectral", "determinant", "square_wave"):
+        with pytest.raises(TypeError, match="equation must be"):
+            fr.stability(Trapezoid(1.0, 0.0), method=method)
