@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from floquetrod.equations import SquareWave as SquareWave
     from floquetrod.equations import conventions as conventions
     from floquetrod.explorer import Explorer as Explorer
+    from floquetrod.floquet import methods as methods
     from floquetrod.floquet.comparison import Comparison as Comparison
     from floquetrod.floquet.comparison import compare as compare
     from floquetrod.floquet.proof import Proof as Proof
@@ -72,11 +73,12 @@ _WHERE = {
     "conventions": "equations.conventions",
     "friction": "friction",
     "mathieu": "mathieu",
+    "methods": "floquet.methods",
     "simulate": "simulation.simulate",
     "stability": "floquet.stability",
     "stability_map": "rod.map",
 }
-_MODULES = {"conventions", "friction", "mathieu"}
+_MODULES = {"conventions", "friction", "mathieu", "methods"}
 
 __all__ = ["__version__", *sorted(_WHERE)]
 

@@ -78,7 +78,7 @@ def test_interpreted_and_compiled_kernels_agree() -> None:
     ends = []
     for run in (advance, compiled(advance)):
         y = np.array([1.0, 0.0, 0.0, 1.0])
-        exponent = run(30.0, np.array([0.9]), np.array([0.1]), 1.0, 0.2, 60.0, 200, 24, y)
+        exponent = run(30.0, 0.5, np.array([0.9]), np.array([0.1]), 1.0, 0.2, 60.0, 200, 24, y)
         ends.append((*y, exponent))
     assert ends[0] == pytest.approx(ends[1], rel=1e-12)
     assert ends[0][-1] > 100

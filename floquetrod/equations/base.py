@@ -92,24 +92,27 @@ class Equation(ABC):
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau), its mean value at a jump; broadcasts over ``tau``."""
-        tau = times(tau, self.period)
-        omega = 2.0 * math.pi / self.period
-        phase = tau - self.period * np.floor(tau / self.period)
-        pieces = self.pieces()
-        ends = np.cumsum([0.0, *(float(piece.share) for piece in pieces)]) * self.period
-        total = np.zeros(phase.shape)
-        # Half of what it is just before and half of what it is just after: the same but at a jump.
-        for side in ("left", "right"):
-            index = np.clip(np.searchsorted(ends[1:-1], phase, side=side), 0, len(pieces) - 1)
-            index = np.where((side == "left") & (phase == 0.0), len(pieces) - 1, index)
-            for i, piece in enumerate(pieces):
-                here = index == i
-                t = np.where((phase == 0.0) & (i == len(pieces) - 1) & (i > 0), self.period, phase)[here]
-                value = float(piece.mean) + float(piece.slope) * (t - ends[i])
-                for k, z in enumerate(piece.harmonics, start=1):
-                    value = value + z.real * np.cos(k * omega * t) - z.imag * np.sin(k * omega * t)
-                total[here] += 0.5 * value
-        return plain(total)
+        tau, period = times(tau, self.period), self.period
+        phase = tau - period * np.floor(tau / period)
+        total, weight, end = np.zeros(phase.shape), np.zeros(phase.shape), Fraction(0)
+        for piece in self.pieces():
+            begin, end = end, end + piece.share
+            low, high = float(begin) * period, float(end) * period
+            for shift in (0.0, period) if end == 1 else (0.0,):  # the end of the period is its beginning
+                t = phase + shift
+                here = (low <= t) & (t <= high)
+                total[here] += value_on(piece, t[here], low, period)
+                weight[here] += 1.0
+        return plain(total / weight)
+
+
+def value_on(piece: Piece, tau: NDArray[np.float64], begin: float, period: float) -> NDArray[np.float64]:
+    """Return p at times within a piece that begins at ``begin``."""
+    value = float(piece.mean) + float(piece.slope) * (tau - begin)
+    for k, z in enumerate(piece.harmonics, start=1):
+        angle = k * (2.0 * math.pi / period) * tau
+        value = value + z.real * np.cos(angle) - z.imag * np.sin(angle)
+    return value
 
 
 def from_instant(pieces: tuple[Piece, ...], start: float, period: float) -> tuple[tuple[Piece, ...], float]:

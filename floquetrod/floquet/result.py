@@ -182,11 +182,11 @@ def judge(
         if growth is not None:
             low, net, high = growth
         status = "unstable" if low > 0.0 else "stable" if high < 0.0 else "undecided"
-    if status == "undecided" and excess_error < math.inf:
-        decided = _without_variation(equation)
-        status, note = (decided, "") if decided else (status, note)
     if tested is not None:
         status, net = tested
+    elif status == "undecided" and excess_error < math.inf:
+        decided = _without_variation(equation)
+        status, note = (decided, "") if decided else (status, note)
     net = max(0.0, net)
     discriminant, log_size = _discriminant(sign, excess, exponent, damping * period)
     if status == "undecided" and not note:

@@ -94,8 +94,8 @@ def one(equation: Any) -> list[str]:
     """Return what is wrong about the verdicts of every method on one equation, `certify` included."""
     rate, x = exact(equation)
     wrong = []
-    for name, kinds in METHODS.items():
-        if isinstance(equation, kinds):
+    for name, applies in METHODS.items():
+        if applies(equation):
             with limit():
                 wrong += [f"{name}: {what}" for what in judged(fr.stability(equation, name), rate, x)]
     with limit():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,8 @@ from numpy.typing import NDArray
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod._util.compilation import compiled
-from floquetrod.equations import Equation
+from floquetrod.equations import Equation, Piece
+from floquetrod.equations.base import value_on
 from floquetrod.floquet.result import Cost, Stability, Status, excess_of_trace, judge
 from floquetrod.kernels.leapfrog import leapfrog_run
 
@@ -76,7 +78,7 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     grid = math.lcm(4, *(2 * piece.share.denominator for piece in pieces))
     grid, on_steps = (grid, True) if grid <= _FINEST_GRID else (4, False)
     count = grid * math.ceil(max(least, equation.period / step) / grid)
-    table = np.asarray(equation.coefficient(np.arange(count) * (equation.period / count)), dtype=np.float64)
+    table = _table(equation, pieces, count)
     step = equation.period / count
     reach = step * step * np.abs(table).max()
     if not reach < _LARGEST_REACH:
@@ -133,6 +135,24 @@ def _lag(table: NDArray[np.float64], step: float, equation: Equation) -> float:
     """
     size = np.abs(table)
     return equation.period * step * step * float(np.mean(size * (np.sqrt(size) + 4.0 * equation.damping))) / 24.0
+
+
+def _table(equation: Equation, pieces: tuple[Piece, ...], count: int) -> NDArray[np.float64]:
+    """Return the coefficient at equal steps over a period, where pieces meet the mean of both."""
+    tau = np.arange(count) * (equation.period / count)
+    if len(pieces) == 1:
+        return np.asarray(equation.coefficient(tau), dtype=np.float64)
+    table, end = np.zeros(count + 1), Fraction(0)
+    for piece in pieces:
+        begin, end = end, end + piece.share * count
+        first, last = math.ceil(begin), math.floor(end)
+        t = np.arange(first, last + 1) * (equation.period / count)
+        weight = np.ones(t.size)
+        weight[0] -= 0.5 * (first == begin)
+        weight[-1] -= 0.5 * (last == end)
+        table[first : last + 1] += weight * value_on(piece, t, float(begin) * equation.period / count, equation.period)
+    table[0] += table[count]
+    return table[:count]
 
 
 def _trace(table: NDArray[np.float64], stride: int, step: float, damping: float) -> tuple[float, float]:

@@ -9,9 +9,10 @@ so that A'' + 2 c A' = p A becomes a system with polynomial coefficients for A, 
     (1 + t^2) A_t = 2 B,   (1 + t^2) B_t = 2 (p A - 2 c B),   (1 - i t) W_k = (1 + i t) W_(k-1),   W_0 = A,
 
 with p A = mean A + sum_k Re(z_k W_k).  Its power series have radius 1 and recurrences of fixed length; even and odd
-terms give the solution at both ends of the piece at once.  Where p has a slope, the power series is that in theta itself;
-where all pieces of p are constant, the map is a product of exponentials.  The damping is integrated as it stands and symmetries are
-not used: what the other methods derive by substitution or factorisation is checked here, not assumed.
+terms give the solution at both ends of the piece at once.  Where p has a slope, the power series is that in theta
+itself; where all pieces of p are constant, the map is a product of exponentials.  The damping is integrated as it
+stands and symmetries are not used: what the other methods derive by substitution or factorisation is checked here, not
+assumed.
 
 The map over a period is computed twice, in pieces of other length and origin and with other precision.  The error is
 estimated from their difference and from Liouville's formula det M = exp(-2 c period); neither is a proven bound.
@@ -260,7 +261,7 @@ def _period_map(
 def _ends(
     stretch: _Stretch, middle: Any, half: Any, drag: int, damping: Any, context: Any, bits: int
 ) -> list[tuple[int, int, int, int, int]]:
-    """Return what `_series` does for both unit solutions in a step's middle, ``middle`` after the stretch's beginning."""
+    """Return what `_series` does for both unit solutions of a step whose middle is ``middle`` after the beginning."""
     starts = ((1 << bits, 0), (0, 1 << bits))
     mean = stretch.mean + stretch.slope * middle
     waves = []
