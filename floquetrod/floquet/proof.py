@@ -45,7 +45,7 @@ from typing import Any, NamedTuple
 
 from floquetrod._util import validate
 from floquetrod.equations import Equation, Hill, Mathieu, Meissner, require
-from floquetrod.floquet.result import Interval, Status, Verdict
+from floquetrod.floquet.result import Answer, Interval, Status
 
 _FIRST_DIGITS = 15
 _LARGEST_WORK = 4e6  # interval operations, about ten seconds' worth (heuristic)
@@ -68,7 +68,7 @@ class Enclosure(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class Proof(Verdict):
+class Proof(Answer):
     """A proved verdict, or why there is none.
 
     Attributes

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
 
 from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import Equation
@@ -51,11 +51,11 @@ class Cost(NamedTuple):
         return f"{self.amount} {self.unit}"
 
 
-class Verdict(NoTruthValue):
-    """An answer that is stable, unstable or undecided."""
+class Answer(NoTruthValue):
+    """An answer that is stable, unstable or undecided: ``status``, a field of some classes, a property of others."""
 
-    ask = ".stable (True, False, or None when undecided)"
-    if TYPE_CHECKING:  # a field of some classes and a property of others
+    ask: ClassVar[str] = ".stable (True, False, or None when undecided)"
+    if TYPE_CHECKING:
 
         @property
         def status(self) -> Status:
@@ -67,9 +67,48 @@ class Verdict(NoTruthValue):
         return {"stable": True, "unstable": False}.get(self.status)
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Verdict(Answer):
+    """What every verdict says, whatever was judged: an equation, a rod, a system.
+
+    Attributes
+    ----------
+    status : {"stable", "unstable", "undecided"}
+        Verdict.  "stable": every solution stays bounded (decays, if damped).
+    growth_rate : float
+        Rate of the fastest growing solution, per unit of time; 0 when stable, the best estimate when undecided.
+    exponents : tuple of complex
+        Floquet exponents per unit of time, defined up to multiples of 2 pi i / period; faster growing ones first.
+    period : float
+        Period of the coefficients, in the same unit of time.
+    error : float
+        Bound or estimate of the error, of what and in which sense is said where the verdict is defined.
+    cost : Cost
+        Work done.
+    note : str
+        What a reader must know before relying on it: an approximation, a limit of the method, why it is undecided.
+    assumptions : tuple of str
+        What was taken for granted of the subject.
+    """
+
+    status: Status
+    growth_rate: float
+    exponents: tuple[complex, ...]
+    period: float
+    error: float
+    cost: Cost = field(compare=False)
+    note: str = ""
+    assumptions: tuple[str, ...] = ()
+
+    @property
+    def multipliers(self) -> tuple[complex, ...]:
+        """Eigenvalues of the map over a period, in the order of the exponents; infinite beyond a double's range."""
+        return tuple(_multiplier(exponent, self.period) for exponent in self.exponents)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Stability(Verdict):
-    """A verdict with what is needed to trust it.
+    """Verdict on one scalar equation, per unit tau.
 
     Attributes
     ----------
@@ -77,46 +116,23 @@ class Stability(Verdict):
         The equation judged.
     method : str
         Name of the method.
-    status : {"stable", "unstable", "undecided"}
-        Verdict.  "stable": every solution stays bounded (decays, if damped).
-    growth_rate : float
-        Rate of the fastest growing solution, per unit tau; 0 when stable, the best estimate when undecided.
     discriminant : float
         Trace of the monodromy matrix (sum of the multipliers); infinite when beyond the range of a double.
     log_abs_discriminant : float
         Natural logarithm of its magnitude, finite where the discriminant itself is not.
-    exponents : tuple of two complex
-        Floquet exponents per unit tau, defined up to multiples of 2 pi i / period; the faster growing first.
-    error : float
-        Bound or estimate (the method says which) on the discriminant's error relative to max(1, abs(discriminant)).
     interval : Interval or None
-        The stability interval or tongue, of the equation freed of its damping; None where the method cannot tell.
-    period : float
-        Period of the coefficient in tau.
-    cost : Cost
-        Work done.
-    note : str
-        What a reader must know before relying on it: an approximation, a limit of the method, why it is undecided.
+        The stability interval or resonance tongue, of the equation freed of its damping; None where the method cannot
+        tell.
+    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
+        As in every `Verdict`; there are two exponents, and ``error`` is a bound or estimate (the method says which) on
+        the discriminant's error relative to max(1, abs(discriminant)).
     """
 
     equation: Equation
     method: str
-    status: Status
-    growth_rate: float
     discriminant: float
     log_abs_discriminant: float
-    exponents: tuple[complex, complex]
-    error: float
     interval: Interval | None
-    period: float
-    cost: Cost = field(compare=False)
-    note: str = ""
-
-    @property
-    def multipliers(self) -> tuple[complex, complex]:
-        """Eigenvalues of the monodromy matrix, in the order of the exponents; infinite beyond the range of a double."""
-        first, second = (_multiplier(exponent, self.period) for exponent in self.exponents)
-        return first, second
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""
