@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod.floquet.methods.determinant import determinant
-from floquetrod.floquet.methods.reference import reference_excess
+from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.methods.spectral import spectral
-from floquetrod.floquet.result import Cost, Interval, judge
+from floquetrod.floquet.result import Cost, Interval, classify
 from floquetrod.floquet.stability import METHODS
 from strategies import decades, hills, mathieus, near_boundary_points, numbers, square_waves
 
@@ -131,7 +131,7 @@ def extreme_equations() -> st.SearchStrategy[fr.Mathieu | fr.Meissner | fr.Hill]
 @example(fr.Mathieu(0.0, 0.0), 5)
 @example(fr.Hill(-0.5, cosines=(0.7,), period=1000.0), None)
 def test_stated_errors_cover_the_truth(equation: fr.Mathieu | fr.Meissner | fr.Hill, terms: int | None) -> None:
-    exact = reference_excess(equation, 30)
+    exact = discriminant_excess(equation, 30)
     with mpmath.workdps(40):
         period = mpmath.mpf(equation.period) if isinstance(equation, fr.Hill) else 2 * mpmath.pi
         truth = exact.sign * (4 * exact.excess + 2) * mpmath.exp(-period * equation.damping)
@@ -239,11 +239,11 @@ def test_auto_takes_no_options_and_names_are_checked() -> None:
         fr.stability(fr.Meissner(1.0, 0.0), method="spectral")
 
 
-def test_judge_decides_only_beyond_the_error() -> None:
+def test_the_verdict_decides_only_beyond_the_error() -> None:
     equation = fr.Mathieu(0.5, -0.25)
 
     def status(excess: float, error: float) -> str:
-        return judge(equation, "test", sign=1, excess=excess, excess_error=error, cost=Cost(1, "step")).status
+        return classify(equation, "test", sign=1, excess=excess, excess_error=error, cost=Cost(1, "step")).status
 
     assert [status(x, 1e-6) for x in (1e-5, 1e-7, 0.0, -1e-7, -1e-5)] == [
         "unstable",

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from mpmath.ctx_iv import MPIntervalContext
 
 from floquetrod.equations import Equation, Hill, Mathieu, Meissner
-from floquetrod.floquet.methods.reference import reference, reference_excess
+from floquetrod.floquet.methods.reference import discriminant_excess, reference
 from floquetrod.floquet.proof import _cosh_sinhc, _pi, _problem, _prove_by_trace, _trace, certify
 from floquetrod.floquet.result import Interval
 from strategies import hills, mathieu_points, mathieus, near_boundary_points, numbers, square_waves, transition_betas
@@ -188,7 +188,7 @@ def test_trace_is_enclosed(equation: Mathieu | Hill, digits: int) -> None:
     unit = context.mpf(hill.period) / (2 * _pi(context)) if isinstance(equation, Hill) else context.one
     mean = unit**2 * (context.mpf(hill.mean) + context.mpf(hill.damping) ** 2)
     trace = _trace(context, mean, [(unit**2 * z.real, -(unit**2) * z.imag) for z in hill.harmonics])
-    found = reference_excess(equation, 60)
+    found = discriminant_excess(equation, 60)
     with mpmath.mp.workdps(60):
         assert holds(trace, found.sign * (2 + 4 * found.excess))
     assert trace.delta.b < 1e6 * context.mpf(10) ** -digits * (1 + abs(found.excess))
@@ -199,7 +199,7 @@ def test_trace_is_enclosed(equation: Mathieu | Hill, digits: int) -> None:
 def test_enclosures_of_the_square_wave_hold_the_trace(equation: Meissner) -> None:
     proof = certify(equation)
     assume(proof.enclosures)  # undecided at the limit of digits: nothing enclosed
-    found = reference_excess(equation, 40)
+    found = discriminant_excess(equation, 40)
     above, below = proof.enclosures
     with mpmath.mp.workdps(700):  # X may be as small as 1e-600
         trace = found.sign * (2 + 4 * found.excess)

@@ -14,7 +14,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from floquetrod.equations import Equation, Hill, Mathieu, Meissner
-from floquetrod.floquet.methods.reference import Excess, TooMuchWork, reference, reference_excess
+from floquetrod.floquet.methods.reference import DiscriminantExcess, TooMuchWork, discriminant_excess, reference
 from strategies import hills, mathieus, near_boundary_points, numbers, square_waves
 
 mp = mpmath.mp.clone()  # for what the tests compute themselves
@@ -41,7 +41,7 @@ def constant_excess(level: float, period: Any) -> Any:
 def test_constant_coefficient(level: float) -> None:
     for equation in (Mathieu(0.0, level), Meissner(0.0, level), Hill(level, period=3.0, cosines=(0.0,))):
         period = mp.mpf(3) if isinstance(equation, Hill) else 2 * mp.pi
-        assert relative(reference_excess(equation).excess, constant_excess(level, period)) < 1e-50
+        assert relative(discriminant_excess(equation).excess, constant_excess(level, period)) < 1e-50
         assert reference(equation).status == ("unstable" if level > 0 else "stable")
 
 
@@ -80,7 +80,7 @@ def test_square_wave_is_two_matrix_exponentials(equation: Meissner) -> None:
     alpha, beta, c = (mp.mpf(x) for x in (equation.alpha, equation.beta, equation.damping))
     matrix = half_wave_map(beta - alpha, c) * half_wave_map(beta + alpha, c)
     expected = excess_of(mp.exp(2 * mp.pi * c) * (matrix[0, 0] + matrix[1, 1]))
-    found = reference_excess(equation)
+    found = discriminant_excess(equation)
     assert relative(found.excess, expected) < 1e-50
     assert found.error <= 1e-50 * max(1, abs(found.excess))
 
@@ -134,10 +134,10 @@ def runge_kutta_excess(equation: Hill | Mathieu, steps: int) -> tuple[Any, Any]:
 def test_direct_integration_by_runge_kutta(equation: Hill | Mathieu) -> None:
     expected, correction = runge_kutta_excess(equation, 150)
     assert correction < 1e-7
-    assert relative(reference_excess(equation).excess, expected) < correction
+    assert relative(discriminant_excess(equation).excess, expected) < correction
 
 
-def assert_consistent(few: Excess, many: Excess, digits: int) -> None:
+def assert_consistent(few: DiscriminantExcess, many: DiscriminantExcess, digits: int) -> None:
     assert few.sign == many.sign or abs(few.excess + 0.5) < few.error  # the trace is then zero
     assert relative(few.excess, many.excess) < mp.mpf(10) ** -digits
     assert abs(mp.mpf(few.excess) - mp.mpf(many.excess)) <= few.error + many.error
@@ -151,13 +151,13 @@ def assert_consistent(few: Excess, many: Excess, digits: int) -> None:
 @example(Mathieu(50.0, -10.0))
 @example(Mathieu(0.5, -0.2, damping=30.0))
 def test_digits_are_correct(equation: Equation) -> None:
-    assert_consistent(reference_excess(equation, 50), reference_excess(equation, 80), 50)
+    assert_consistent(discriminant_excess(equation, 50), discriminant_excess(equation, 80), 50)
 
 
 @given(near_boundary_points(nearest=1e-12))
 @settings(max_examples=10)
 def test_digits_near_transition_curves(point: tuple[float, float]) -> None:
-    assert_consistent(reference_excess(Mathieu(*point), 30), reference_excess(Mathieu(*point), 50), 30)
+    assert_consistent(discriminant_excess(Mathieu(*point), 30), discriminant_excess(Mathieu(*point), 50), 30)
 
 
 @given(numbers(-60.0, 60.0), st.integers(-(2**12), 2**9), st.integers(1, 2**7))
@@ -167,7 +167,7 @@ def test_damping_is_a_shift_of_the_mean(alpha: float, mean: int, rate: int) -> N
     shifted = beta + c * c
     assert math.frexp(shifted)[0] * 2**40 % 1 == 0.0  # exact: few bits are enough
     assume(alpha != 0.0)
-    damped, free = reference_excess(Mathieu(alpha, beta, damping=c)), reference_excess(Mathieu(alpha, shifted))
+    damped, free = discriminant_excess(Mathieu(alpha, beta, damping=c)), discriminant_excess(Mathieu(alpha, shifted))
     assert damped.sign == free.sign or abs(free.excess + 0.5) < free.error
     assert relative(damped.excess, free.excess) < 1e-50
 
@@ -188,23 +188,26 @@ def test_shift_and_reversal_of_time_change_nothing(equation: Hill, change: str) 
                 a, b = b, -a
             moved.append((a, b))
     other = Hill(equation.mean, tuple(a for a, _ in moved), tuple(b for _, b in moved), period=equation.period)
-    assert relative(reference_excess(other).excess, reference_excess(equation).excess) < 1e-50
+    assert relative(discriminant_excess(other).excess, discriminant_excess(equation).excess) < 1e-50
 
 
 def test_sign_of_alpha_does_not_matter() -> None:
-    assert relative(reference_excess(Mathieu(-3.7, -2.1)).excess, reference_excess(Mathieu(3.7, -2.1)).excess) < 1e-50
+    assert (
+        relative(discriminant_excess(Mathieu(-3.7, -2.1)).excess, discriminant_excess(Mathieu(3.7, -2.1)).excess)
+        < 1e-50
+    )
 
 
 def test_unit_of_time_does_not_matter() -> None:
     fast = Hill(-0.7 / 16, (0.5 / 16,), (0.0, 0.3 / 16), period=20.0, damping=0.125 / 4)
     slow = Hill(-0.7, (0.5,), (0.0, 0.3), period=5.0, damping=0.125)
-    assert relative(reference_excess(fast).excess, reference_excess(slow).excess) < 1e-50
+    assert relative(discriminant_excess(fast).excess, discriminant_excess(slow).excess) < 1e-50
 
 
 @given(mathieus(largest_alpha=100.0, beta=(-100.0, 20.0), largest_damping=0.5))
 @settings(max_examples=10)
 def test_verdict_follows_from_the_excess(equation: Mathieu) -> None:
-    found, verdict = reference_excess(equation, 30), reference(equation, digits=30)
+    found, verdict = discriminant_excess(equation, 30), reference(equation, digits=30)
     assume(abs(found.excess) > found.error)
     growth = 0 if found.excess <= 0 else mp.asinh(mp.sqrt(mp.mpf(found.excess))) / mp.pi
     net = growth - mp.mpf(equation.damping)
@@ -221,7 +224,7 @@ def test_golden_values(rng: np.random.Generator) -> None:
         columns = dict(golden)
     for i in rng.choice(len(columns["alpha"]), 30, replace=False):
         row = {name: values[i] for name, values in columns.items()}
-        found = reference_excess(Mathieu(row["alpha"], row["beta"]), 30)
+        found = discriminant_excess(Mathieu(row["alpha"], row["beta"]), 30)
         expected = math.ldexp(row["excess_mantissa"], int(row["excess_exponent"]))
         assert float(found.excess) == pytest.approx(expected, rel=1e-15)
         assert found.sign == row["sign"]
@@ -271,13 +274,13 @@ def test_huge_parameters() -> None:
         assert reference(equation).status == "undecided"
         assert reference(equation).note
         with pytest.raises(TooMuchWork):
-            reference_excess(equation)
+            discriminant_excess(equation)
 
 
 def test_leaves_the_precision_of_mpmath_alone() -> None:
     before = mpmath.mp.prec
     with ThreadPoolExecutor(2) as pool:
-        found = list(pool.map(reference_excess, [Mathieu(6.0, -4.0), Meissner(6.0, -4.0)] * 2, [40, 60] * 2))
+        found = list(pool.map(discriminant_excess, [Mathieu(6.0, -4.0), Meissner(6.0, -4.0)] * 2, [40, 60] * 2))
     assert found[:2] == found[2:]
     assert mpmath.mp.prec == before
 

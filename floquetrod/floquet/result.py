@@ -150,7 +150,7 @@ class Stability(Verdict):
         return f"<{text}; {self.note}>" if self.note else f"<{text}>"
 
 
-def judge(
+def classify(
     equation: Equation,
     method: str,
     *,
@@ -241,7 +241,7 @@ def _decide(excess: float, exponent: int, excess_error: float) -> Status:
     return "unstable" if value > size else "stable" if value < -size else "undecided"
 
 
-def excess_of_trace(trace: float) -> tuple[int, float]:
+def discriminant_excess_of(trace: float) -> tuple[int, float]:
     """Return the sign of an undamped discriminant and its excess (which loses digits near +-2; prefer factors)."""
     return (1 if trace >= 0.0 else -1), 0.25 * (abs(trace) - 2.0)
 

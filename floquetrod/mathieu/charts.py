@@ -73,10 +73,10 @@ def chart(
         validate.instance("criterion", criterion, FiniteTimeCriterion)
         criterion.require_alone(growth_tolerance=tolerance)
         equations.require(example, (Mathieu,), by="FiniteTimeCriterion")
-    judge = _judge_mathieu if equation is Mathieu else functools.partial(_judge_each, equation)
+    classify = _classify_mathieu if equation is Mathieu else functools.partial(_classify_each, equation)
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
-        status, rate = judge(x.values, values, c, tolerance, growth, workers)
+        status, rate = classify(x.values, values, c, tolerance, growth, workers)
         if criterion is not None:
             status = criterion.is_stable(x.values, values, c, workers=workers).astype(np.int8)
         return status, rate
@@ -98,7 +98,7 @@ def chart(
     )
 
 
-def _judge_mathieu(
+def _classify_mathieu(
     alpha: NDArray[np.float64], beta: NDArray[np.float64], c: float, tolerance: float, growth: bool, workers: int | None
 ) -> tuple[Any, Any]:
     """Return 1 where stable and 0 where not, and the growth rate where it was needed."""
@@ -106,7 +106,7 @@ def _judge_mathieu(
     return (rate <= tolerance if tolerance > 0.0 else is_stable(alpha, beta, c, workers=workers)), rate
 
 
-def _judge_each(
+def _classify_each(
     equation: Callable[[float, float, float], Equation],
     alpha: NDArray[np.float64],
     beta: NDArray[np.float64],

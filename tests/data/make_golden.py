@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from floquetrod.equations import Mathieu
-from floquetrod.floquet.methods.reference import reference_excess
+from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.proof import certify
 
 SEED = 20160111  # the paper's volume and number, and its year
@@ -73,7 +73,7 @@ def judged(candidate: tuple[float, float, float]) -> tuple[float, ...] | None:
     sides = [certify(Mathieu(alpha, beta * (1.0 + side * NEAREST))) for side in (-1.0, 1.0)]
     if sides[0].status == "undecided" or sides[0].interval != sides[1].interval:
         return None
-    sign, excess, error, _ = reference_excess(Mathieu(alpha, beta), DIGITS)
+    sign, excess, error, _ = discriminant_excess(Mathieu(alpha, beta), DIGITS)
     stable = excess < 0
     if abs(excess) <= 1e17 * error or stable != sides[0].stable:
         raise RuntimeError(f"the reference and the proof disagree at alpha = {alpha!r}, beta = {beta!r}")

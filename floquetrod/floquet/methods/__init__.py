@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from floquetrod.floquet.methods.leapfrog import leapfrog as leapfrog
     from floquetrod.floquet.methods.monodromy import monodromy as monodromy
     from floquetrod.floquet.methods.monodromy import monodromy_matrix as monodromy_matrix
+    from floquetrod.floquet.methods.reference import discriminant_excess as discriminant_excess
     from floquetrod.floquet.methods.reference import reference as reference
-    from floquetrod.floquet.methods.reference import reference_excess as reference_excess
     from floquetrod.floquet.methods.spectral import spectral as spectral
     from floquetrod.floquet.methods.square_wave import square_wave as square_wave
 
@@ -21,7 +21,7 @@ _WHERE = {
     "monodromy": "monodromy",
     "monodromy_matrix": "monodromy",
     "reference": "reference",
-    "reference_excess": "reference",
+    "discriminant_excess": "reference",
     "spectral": "spectral",
     "square_wave": "square_wave",
 }

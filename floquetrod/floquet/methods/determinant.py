@@ -10,7 +10,7 @@ import numpy as np
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod.equations import Mathieu
-from floquetrod.floquet.result import Cost, Interval, Stability, Status, judge
+from floquetrod.floquet.result import Cost, Interval, Stability, Status, classify
 
 _EPS = 2.220446049250313e-16
 _MOST_TERMS = 20000  # a choice: about 30 ms
@@ -68,7 +68,7 @@ def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
     # The signs are known to rounding only: where a determinant is within its rounding of zero they say nothing.
     if rounding > 0.5:
         status = "undecided"
-    return judge(
+    return classify(
         equation,
         "determinant",
         sign=sign,

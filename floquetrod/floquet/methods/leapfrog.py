@@ -13,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.compilation import compiled
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import value_on
-from floquetrod.floquet.result import Cost, Stability, Status, excess_of_trace, judge
+from floquetrod.floquet.result import Cost, Stability, Status, classify, discriminant_excess_of
 from floquetrod.kernels.leapfrog import leapfrog_run
 
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
@@ -64,7 +64,7 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     least = _STEPS_A_WAVE * harmonics
     needed = max(least, equation.period / step) * periods
     if needed > _MOST_STEPS:
-        return judge(
+        return classify(
             equation,
             "leapfrog",
             sign=1,
@@ -103,7 +103,7 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     note = f"cannot see growth below about {math.log(limit) / time:.2g} per unit tau"
     if step * step * table.min() < -4.0:  # the scheme's own limit for an oscillator: step times frequency at most 2
         note += "; the step is too long for this coefficient: the scheme itself is unstable"
-    return judge(
+    return classify(
         equation,
         "leapfrog",
         sign=sign,
@@ -119,10 +119,10 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
 def _excess(trace: float, lift: float) -> tuple[int, float, int]:
     """Return sign, X and its binary exponent for the undamped discriminant trace * exp(lift)."""
     if trace == 0.0 or lift < 400.0:
-        return *excess_of_trace(trace * math.exp(min(lift, 400.0))), 0
+        return *discriminant_excess_of(trace * math.exp(min(lift, 400.0))), 0
     power = (math.log(abs(trace)) + lift) / math.log(2.0)
     if power < 900.0:
-        return *excess_of_trace(math.copysign(2.0**power, trace)), 0
+        return *discriminant_excess_of(math.copysign(2.0**power, trace)), 0
     exponent = math.floor(power)
     return (1 if trace > 0.0 else -1), 0.25 * 2.0 ** (power - exponent), exponent
 

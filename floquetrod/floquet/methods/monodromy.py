@@ -15,7 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.compilation import compiled, fastest
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import from_instant
-from floquetrod.floquet.result import Cost, Stability, judge
+from floquetrod.floquet.result import Cost, Stability, classify
 from floquetrod.kernels.taylor import ORDER, REACH, advance
 
 _MOST_STEPS = 1_000_000
@@ -67,7 +67,7 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
     frequency = max(_frequency(piece, equation.period) for piece in pieces)
     needed = _needed(pieces, frequency)
     if needed > _MOST_STEPS:
-        return judge(
+        return classify(
             equation,
             "monodromy",
             sign=1,
@@ -79,7 +79,7 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
     fine, change, total = _converged(pieces, equation.period, frequency, rtol)
     relative = change + 4.0 * _EPS * (fine.steps + 4)
     sign, excess, exponent, error = _excess(fine, relative, frequency, half is not None)
-    return judge(
+    return classify(
         equation,
         "monodromy",
         sign=sign,

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 from floquetrod._util import validate
 from floquetrod.equations import Equation, require
-from floquetrod.floquet.result import Cost, Stability, Status, judge
+from floquetrod.floquet.result import Cost, Stability, Status, classify
 
 _LARGEST_RAISE = 20  # working digits go up to this many times the digits asked for (heuristic)
 _GUARD_BITS = 24  # beyond what the digits need (heuristic); also what the first of the two maps has more
@@ -40,7 +40,7 @@ _LEAST_PIECES = 7  # the fewest for which tan(theta / 2) stays below 1/4
 Matrix = tuple[int, int, int, int]
 
 
-class Excess(NamedTuple):
+class DiscriminantExcess(NamedTuple):
     """The undamped discriminant D_u to many digits: its sign, X = (abs(D_u) - 2) / 4, the error of X, terms summed.
 
     ``excess`` and ``error`` are numbers of mpmath that hold all digits whatever the current precision.
@@ -99,7 +99,7 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
     require(equation)
     digits = validate.integer("digits", digits, 10)
     try:
-        found = reference_excess(equation, digits)
+        found = discriminant_excess(equation, digits)
     except TooMuchWork as reason:
         return _given_up(equation, str(reason))
     context = MPContext()
@@ -108,7 +108,7 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
     status: Status = "undecided" if abs(excess) <= error else "unstable" if excess > 0 else "stable"
     mantissa, exponent = _split(excess)
     compared = equation.damping > 0.0 and status == "unstable"
-    return judge(
+    return classify(
         equation,
         "reference",
         sign=found.sign,
@@ -121,20 +121,20 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
     )
 
 
-def reference_excess(equation: Equation, digits: int = 50) -> Excess:
+def discriminant_excess(equation: Equation, digits: int = 50) -> DiscriminantExcess:
     """Return the undamped excess X of an equation with its sign and error, as numbers of mpmath.
 
     Raises `TooMuchWork` when even a first attempt would take more than a few seconds.
 
     >>> from floquetrod.equations import Mathieu
-    >>> found = reference_excess(Mathieu(alpha=0.0, beta=1.0), 30)  # X = sinh(pi)^2
+    >>> found = discriminant_excess(Mathieu(alpha=0.0, beta=1.0), 30)  # X = sinh(pi)^2
     >>> str(found.excess)[:14], found.error < 1e-27
     ('133.3733807418', True)
     """
     import mpmath
 
     wanted, terms = digits, 0
-    found: Excess | None = None
+    found: DiscriminantExcess | None = None
     while True:
         try:
             sign, excess, error, used = _attempt(equation, wanted)
@@ -143,7 +143,7 @@ def reference_excess(equation: Equation, digits: int = 50) -> Excess:
                 raise
             return found
         terms += used
-        found = Excess(sign, mpmath.mp.make_mpf(excess._mpf_), mpmath.mp.make_mpf(error._mpf_), terms)
+        found = DiscriminantExcess(sign, mpmath.mp.make_mpf(excess._mpf_), mpmath.mp.make_mpf(error._mpf_), terms)
         settled = equation.level is not None or abs(excess) > error * _SETTLED
         missing = math.ceil(excess.context.log(error / max(1, abs(excess)), 10)) + digits
         if (settled and missing <= 0) or wanted >= _LARGEST_RAISE * digits:
@@ -424,7 +424,7 @@ def _net_growth(equation: Equation, context: Any, excess: Any, error: Any) -> tu
 
 
 def _given_up(equation: Equation, reason: str) -> Stability:
-    return judge(
+    return classify(
         equation,
         "reference",
         sign=1,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod.equations import Equation, Mathieu
-from floquetrod.floquet.result import Cost, Interval, Stability, Status, judge
+from floquetrod.floquet.result import Cost, Interval, Stability, Status, classify
 from floquetrod.kernels import mathieu as kernels
 
 _EPS = 2.220446049250313e-16
@@ -69,7 +69,7 @@ def _mathieu(equation: Mathieu) -> Stability:
     below, pivots = _certain_count(equation)
     status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
     interval = None if below is None else Interval.from_count(below)
-    return judge(
+    return classify(
         equation,
         "spectral",
         sign=sign,
@@ -147,7 +147,7 @@ def _hill(equation: Equation) -> Stability:
             break
         cut *= 2
     else:
-        return judge(
+        return classify(
             equation,
             "spectral",
             sign=1,
@@ -170,7 +170,7 @@ def _hill(equation: Equation) -> Stability:
         # The count holds, but the eigenvalues of a matrix so far from normal say nothing of the growth.
         status, error = "undecided", math.inf
         note = "grows too much in a period for eigenvalues in double precision to tell; use method='monodromy'"
-    return judge(
+    return classify(
         equation,
         "spectral",
         sign=sign,

@@ -6,7 +6,7 @@ import math
 
 from floquetrod import equations
 from floquetrod.equations import Mathieu, Meissner
-from floquetrod.floquet.result import Cost, Stability, judge
+from floquetrod.floquet.result import Cost, Stability, classify
 from floquetrod.kernels.square_wave import square_wave_excess
 
 _EPS = 2.220446049250313e-16
@@ -45,7 +45,7 @@ def square_wave(equation: Meissner | Mathieu) -> Stability:
     high, low = math.fsum((equation.beta, equation.alpha, c2)), math.fsum((equation.beta, -equation.alpha, c2))
     sign, excess, exponent, error = square_wave_excess(high, low, _EPS * c2)
     approximate = isinstance(equation, Mathieu)
-    return judge(
+    return classify(
         equation,
         "square_wave",
         sign=sign,
