@@ -156,10 +156,10 @@ class Course:
     def _start(self) -> Any:
         """Return the rod at the start; every segment turns with the nodes it lies between."""
         n, cut = self.setting.segments, self.cut
-        rod = cut.at_rest(self.setting.load.mean)
+        rod = cut.straight(self.setting.load.mean)
         rod["vy"][: n + 1] = self.setting.perturbation.velocities(n)
         rod["w3"][:n] = np.diff(rod["vy"][: n + 1]) / cut.segment_length
-        cut.set_off(rod)
+        cut.initialise(rod)
         compiled(cosserat.drift)(rod, 0.5 * self.setting.time_step, self.physics)
         return rod
 
