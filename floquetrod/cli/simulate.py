@@ -59,7 +59,7 @@ segments, 3 % low with 100 and 10 % with 60.
 
 _FRAMES = 400  # at least: a picture every 5 ms of two seconds (a choice)
 _FRAMES_A_PERIOD = 10  # of the forcing, without friction: two more than the fit of a growth rate asks for
-_MOST_FRAMES = 100_000  # unless more are asked for (a choice)
+_MOST_FRAMES = 100_000  # unless --frames names more (a choice)
 _LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a choice)
 
 
@@ -183,7 +183,7 @@ def _frames(load: fr.AxialLoad, duration: float, mu: float) -> int:
 
 
 def _perturbation(options: argparse.Namespace) -> fr.Perturbation:
-    """Return the sum of what was asked for."""
+    """Return the sum of all perturbations given."""
     parts = []
     for text in options.kick:
         mode, colon, speed = text.partition(":")

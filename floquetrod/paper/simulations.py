@@ -74,7 +74,7 @@ class Trial:
         return Outcome(self, run.buckled, run.dominant_mode if run.buckled else 0, run)
 
     def __str__(self) -> str:
-        """Return what tells it from the others."""
+        """Return what distinguishes it from the others."""
         return f"{self.frequency:g} rad/s, mean {self.mean:g} Fcr, friction {self.problem.friction:g}, {self.case}"
 
 

@@ -157,7 +157,7 @@ def save_animation(animation: Any, path: Path, progress: Callable[[int, int], No
     from matplotlib import pyplot
 
     require_writer(path)
-    # A writer opens its file by name, and tells the kind from it: so a folder elsewhere, not a temporary name.
+    # A writer opens its file by name, and derives the kind from the name: hence a folder, not a temporary name.
     with tempfile.TemporaryDirectory() as folder:
         drawn = Path(folder) / f"drawn{path.suffix}"
         writer = "pillow" if path.suffix == ".gif" else "ffmpeg"

@@ -99,7 +99,7 @@ class Checkpoint:
     path : Path
         ValueError, before anything is computed, when nothing can be written there.
     identity : mapping
-        Plain data that tells the run from every other.
+        Plain data that distinguishes the run from every other.
     """
 
     def __init__(self, path: Path, identity: Mapping[str, Any]) -> None:

@@ -34,7 +34,7 @@ ENERGIES = (
 """What `DiscreteRod.energies` returns."""
 
 STEP_LIMITS = ("stretch", "shear", "contact", "choice")
-"""What sets a time step: three motions of the rod, or the caller, who asked for a smaller one."""
+"""What limits a time step: three motions of the rod, or the caller's choice of a smaller one."""
 
 
 @dataclass(frozen=True)

@@ -112,7 +112,7 @@ class SimulationProblem:
             mesh = self.mesh
             self._hold({name: getattr(mesh, name) for name in _OF_THE_MESH})
             kick.velocities(self.segments)
-            self._require_bearable_frames()
+            self._require_memory()
             _ = self.time_steps
         except ArithmeticError as error:  # of a rod whose data lie further apart than a double reaches
             raise ValueError(
@@ -189,14 +189,17 @@ class SimulationProblem:
         return problem
 
     def _hold(self, values: Mapping[str, Any]) -> None:
+        """Set fields of this frozen value while it is made."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
 
     def _result(self, motion: RecordedMotion) -> Simulation:
+        """Return the simulation whose frames these are."""
         recorded = {part.name: getattr(motion, part.name) for part in fields(motion)}
         return Simulation(problem=self, time_steps=self.time_steps, **recorded)
 
     def _require_small_strain(self) -> None:
+        """Raise ValueError for a load beyond linear elasticity."""
         strain = (abs(self.load.mean) + self.load.amplitude) / (self.rod.youngs_modulus * self.rod.area)
         if strain > _LARGEST_STRAIN:
             raise ValueError(
@@ -204,7 +207,7 @@ class SimulationProblem:
                 f"{self.rod.critical_force:.4g} N: check the units"
             )
 
-    def _require_bearable_frames(self) -> None:
+    def _require_memory(self) -> None:
         """Raise ValueError for more frames than memory should hold."""
         frame = 6 * 8 * (self.segments + 1)
         most = _MOST_MEMORY // frame
