@@ -33,7 +33,7 @@ def run() -> list[Row]:
         against = {"against": PEER, "peer": theirs, "ratio_at_least": ratio} if installed else {}
         rows.append(Row(f"element-step, {name}", ours, "ns", at_most=most, **against))
         if friction == 0.0:
-            second = fr.simulate(ROD, LOAD, 0.05, segments=SEGMENTS, frames=21).seconds / 0.05
+            second = fr.simulate(ROD, LOAD, duration=0.05, segments=SEGMENTS, frames=21).seconds / 0.05
             if theirs is not None:
                 against = {"against": PEER, "peer": 1e-9 * theirs * SEGMENTS / PEER_STEP, "ratio_at_least": 80.0}
             rows.append(Row("simulated second of the reference rod, frames included", second, "s", **against))
@@ -44,11 +44,11 @@ def run() -> list[Row]:
 
 def prepared(friction: float) -> tuple[Any, Any]:
     """Return a moving rod and its physics."""
-    cut = DiscreteRod(ROD, SEGMENTS)
-    rod = cut.at_rest(LOAD.mean)
+    mesh = DiscreteRod(ROD, SEGMENTS)
+    rod = mesh.straight(LOAD.mean)
     rod["vy"][: SEGMENTS + 1] = fr.Perturbation.random(1e-3, seed=1).velocities(SEGMENTS)
-    cut.set_off(rod)
-    return rod, cut.physics(LOAD, cut.critical_time_step()[0], friction)
+    mesh.initialise(rod)
+    return rod, mesh.physics(LOAD, mesh.critical_time_step()[0], friction)
 
 
 def element_step(friction: float) -> float:
@@ -80,8 +80,8 @@ def peer_element_step(friction: float) -> float:
     import numba
     import numpy as np
 
-    cut = DiscreteRod(ROD, SEGMENTS)
-    gap, stiffness, damping, gravity = ROD.radial_clearance, cut.contact_stiffness, cut.contact_time, ROD.gravity
+    mesh = DiscreteRod(ROD, SEGMENTS)
+    gap, stiffness, damping, gravity = ROD.radial_clearance, mesh.contact_stiffness, mesh.contact_time, ROD.gravity
 
     @numba.njit
     def press(x: Any, v: Any, mass: Any, force: Any) -> None:
@@ -115,7 +115,7 @@ def peer_element_step(friction: float) -> float:
         ROD.radius,
         ROD.density,
         youngs_modulus=ROD.youngs_modulus,
-        shear_modulus=cut.shear_modulus,
+        shear_modulus=mesh.shear_modulus,
     )
     rod.velocity_collection[1] = fr.Perturbation.random(1e-3, seed=1).velocities(SEGMENTS)
     simulator, stepper, clock = Simulator(), elastica.PositionVerlet(), [np.float64(0.0)]

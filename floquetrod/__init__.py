@@ -39,16 +39,17 @@ if TYPE_CHECKING:
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.rod import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.stability import RodStability as RodStability
-    from floquetrod.simulation.integration import CheckpointWarning as CheckpointWarning
+    from floquetrod.simulation.checkpoints import CheckpointWarning as CheckpointWarning
     from floquetrod.simulation.integration import SimulationDiverged as SimulationDiverged
-    from floquetrod.simulation.result import Simulation as Simulation
+    from floquetrod.simulation.problem import Simulation as Simulation
+    from floquetrod.simulation.problem import SimulationProblem as SimulationProblem
     from floquetrod.simulation.simulate import simulate as simulate
     from floquetrod.simulation.start import Perturbation as Perturbation
 
 _WHERE = {
     "AxialLoad": "rod.load",
     "Chart": "chart",
-    "CheckpointWarning": "simulation.integration",
+    "CheckpointWarning": "simulation.checkpoints",
     "Comparison": "floquet.comparison",
     "Coulomb": "rod.coulomb",
     "Explorer": "explorer",
@@ -62,8 +63,9 @@ _WHERE = {
     "FrictionalRodStability": "rod.friction",
     "RodStability": "rod.stability",
     "SafeRanges": "rod.ranges",
-    "Simulation": "simulation.result",
+    "Simulation": "simulation.problem",
     "SimulationDiverged": "simulation.integration",
+    "SimulationProblem": "simulation.problem",
     "Meissner": "equations",
     "SquareWave": "equations",
     "Stability": "floquet.result",

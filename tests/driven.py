@@ -1,4 +1,4 @@
-"""A segmented rod driven by the kernels alone, for tests that want other ends, no gravity or no wall."""
+"""A discretised rod driven by the kernels alone, for tests that want other ends, no gravity or no wall."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ FREE_SPACE = {"gravity": 0.0, "contact": 0.0}
 
 
 def drive(
-    cut: DiscreteRod,
+    mesh: DiscreteRod,
     seconds: float,
     start: Callable[[Any], None],
     *,
@@ -34,13 +34,13 @@ def drive(
     **changes: float,
 ) -> tuple[np.ndarray, list[Any]]:
     """Return times and records of a rod that ``start`` has put into its first state."""
-    step = cut.critical_time_step()[0] * part_of_step
+    step = mesh.critical_time_step()[0] * part_of_step
     count = math.ceil(seconds / samples / step)
     step = seconds / samples / count
-    rod = cut.at_rest(load.mean)
+    rod = mesh.straight(load.mean)
     start(rod)
-    cut.set_off(rod)
-    physics = cut.physics(load, step, friction, ends)._replace(**changes)
+    mesh.initialise(rod)
+    physics = mesh.physics(load, step, friction, ends)._replace(**changes)
     advance, drift = compiled(cosserat.advance), compiled(cosserat.drift)
     drift(rod, 0.5 * step, physics)
     records = []
@@ -65,9 +65,9 @@ def frequency(time: np.ndarray, values: np.ndarray, guess: float) -> float:
     return float(found)
 
 
-def bend(rod: Any, cut: DiscreteRod, y: np.ndarray) -> None:
+def bend(rod: Any, mesh: DiscreteRod, y: np.ndarray) -> None:
     """Put nodes at ``y`` across the channel, on the floor, and turn every segment along the line between its nodes."""
-    n, rest = cut.segments, cut.rod.radial_clearance + cut.depth_at_rest
+    n, rest = mesh.segments, mesh.rod.radial_clearance + mesh.depth_at_rest
     rod["y"][: n + 1] = y
     rod["z"][: n + 1] = -np.sqrt(rest**2 - y**2)
     along(rod, n)

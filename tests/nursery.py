@@ -23,14 +23,15 @@ from pathlib import Path
 from typing import Any
 
 import floquetrod as fr
-from floquetrod.simulation import integration as course
+from floquetrod.simulation import checkpoints, integration
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)
+PROBLEM = fr.SimulationProblem(ROD, LOAD, duration=0.3, friction=0.1, segments=60, frames=31)
 
 
-def run(checkpoint: Path | None = None) -> fr.Simulation:
-    return fr.simulate(ROD, LOAD, 0.3, 0.1, segments=60, frames=31, checkpoint=checkpoint)
+def run(checkpoint: Path | None = None, progress: Callable[[int, int], None] | None = None) -> fr.Simulation:
+    return PROBLEM.run(progress, checkpoint)
 
 
 def digest(result: fr.Simulation) -> str:
@@ -61,7 +62,7 @@ def ended_well(pid: int) -> bool:
 def kills(folder: Path, count: int, chance: random.Random) -> dict[str, Any]:
     """Kill runs that save after every few steps; each is resumed by the next, and by one that is left in peace."""
     expected = digest(run())
-    course._BETWEEN_CHECKPOINTS, course._LEAST_STEPS, course._AT_ONCE = 0.0, 50, 0
+    checkpoints._SECONDS_BETWEEN, integration._LEAST_STEPS, integration._ELEMENT_STEPS = 0.0, 50, 0
     path, copy = folder / "run.ckpt", folder / "copy.ckpt"
     killed = torn = resumed = wrong = 0
     while killed < count:
@@ -78,7 +79,7 @@ def kills(folder: Path, count: int, chance: random.Random) -> dict[str, Any]:
             copy.write_bytes(path.read_bytes())
         wrong += not ended_well(child(lambda: check(copy, expected)))
         copy.unlink(missing_ok=True)
-    course._BETWEEN_CHECKPOINTS = 5.0
+    checkpoints._SECONDS_BETWEEN = 5.0
     finished = digest(run(path)) == expected
     return {
         "killed": killed,
@@ -91,7 +92,7 @@ def kills(folder: Path, count: int, chance: random.Random) -> dict[str, Any]:
 
 
 def check(path: Path, expected: str) -> None:
-    course._BETWEEN_CHECKPOINTS = 5.0  # of this child
+    checkpoints._SECONDS_BETWEEN = 5.0  # of this child
     assert digest(run(path)) == expected
 
 
@@ -100,7 +101,7 @@ def disks(folder: Path, count: int, chance: random.Random) -> dict[str, Any]:
     whole = run(folder / "whole.ckpt")
     expected, size = digest(whole), (folder / "whole.ckpt").stat().st_size
     (folder / "whole.ckpt").unlink()
-    course._BETWEEN_CHECKPOINTS, course._LEAST_STEPS, course._AT_ONCE = 0.0, 500, 0
+    checkpoints._SECONDS_BETWEEN, integration._LEAST_STEPS, integration._ELEMENT_STEPS = 0.0, 500, 0
     path = folder / "run.ckpt"
     warned = wrong = stale = recovered = 0
     for turn in range(count):
@@ -109,7 +110,7 @@ def disks(folder: Path, count: int, chance: random.Random) -> dict[str, Any]:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             progress = None if turn % 2 else relieve(after=chance.randrange(10, 40))
-            result = fr.simulate(ROD, LOAD, 0.3, 0.1, segments=60, frames=31, checkpoint=path, progress=progress)
+            result = run(path, progress)
         limit(resource.RLIM_INFINITY)
         warned += any(issubclass(warning.category, fr.CheckpointWarning) for warning in caught)
         wrong += digest(result) != expected

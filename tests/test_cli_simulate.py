@@ -15,8 +15,7 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli
 from floquetrod.cli import common, simulate
-from floquetrod.simulation import integration as course
-from floquetrod.simulation import mesh as segmented
+from floquetrod.simulation import checkpoints, mesh
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
 SHORT = ["simulate", "--rod", "nitinol", *LOAD, "--segments", "60", "--duration", "0.2s"]
@@ -52,11 +51,11 @@ def test_json_says_what_the_library_finds(capsys: pytest.CaptureFixture[str]) ->
     record = answer(capsys, "--kick", "7:0.1mm/s")
     rod = fr.Rod.nitinol()
     load = fr.AxialLoad(0.2 * rod.critical_force, 0.2 * rod.critical_force, 150.0)
-    run = fr.simulate(rod, load, 0.2, perturbation=fr.Perturbation.modes({7: 1e-4}), segments=60)
+    run = fr.simulate(rod, load, duration=0.2, perturbation=fr.Perturbation.modes({7: 1e-4}), segments=60)
     assert record["growth_rate_per_s"] == run.growth_rate(7).rate
     assert record["predicted_growth_rate_per_s"] == rod.stability(load).growth_rate
     assert (record["buckled"], record["dominant_mode"], record["complete"]) == (False, 7, True)
-    assert record["time_step_s"] == run.setting.time_step
+    assert record["time_step_s"] == run.time_steps.size
     assert record["time_step_set_by"] == "shear"
 
 
@@ -94,7 +93,7 @@ def test_perturbations(
     path = tmp_path / "run.npz"
     size = ["--segments", "120", "--duration", "1ms", "--frames", "2", "--out", str(path)]
     assert cli.main([*SHORT, *size, *arguments]) == 0
-    assert fr.Simulation.load(path).setting.perturbation == expected
+    assert fr.Simulation.load(path).problem.perturbation == expected
 
 
 def test_writes_every_kind(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -136,7 +135,7 @@ def test_control_c_keeps_what_there_is(
         assert cli.main(arguments) == 130
     out = capsys.readouterr().out
     assert out.startswith("INTERRUPTED at 0.05 s of 0.2 s; so far NOT BUCKLED")
-    assert "kept      11 of 41 frames; the same command goes on from the checkpoint" in out
+    assert "kept      11 of 41 frames; the same command continues from the checkpoint" in out
     assert fr.Simulation.load(path).time.size == 11
     assert cli.main(arguments) == 0
     assert fr.Simulation.load(path).complete
@@ -148,7 +147,7 @@ def test_control_c_keeps_what_there_is(
 def test_divergence_keeps_the_frames_before(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(segmented, "SAFETY", 1.3)
+    monkeypatch.setattr(mesh, "SAFETY", 1.3)
     path = tmp_path / "run.npz"
     assert cli.main([*SHORT, "--out", str(path)]) == 2
     error = capsys.readouterr().err
@@ -294,7 +293,7 @@ def test_a_full_disk_at_the_end_loses_nothing(
 def test_a_checkpoint_that_cannot_be_written_is_told_at_once(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(course, "_BETWEEN_CHECKPOINTS", 0.0)
+    monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
     told: list[str] = []
     monkeypatch.setattr(common.Progress, "__call__", lambda *_: told.append(capsys.readouterr().err))
     FullDisk(monkeypatch, tmp_path)

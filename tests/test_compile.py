@@ -24,7 +24,7 @@ import floquetrod as fr
 from floquetrod._util import compilation, interrupt, kernel_cache
 from floquetrod.cli import common
 from floquetrod.kernels import mathieu, powers
-from floquetrod.simulation import integration as course
+from floquetrod.simulation import integration
 
 ROOT = Path(__file__).parents[1]
 JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") != "1"
@@ -431,8 +431,8 @@ def test_the_clock_of_a_simulation_starts_when_all_is_compiled(monkeypatch: pyte
         order.append("clock")
         return clock()
 
-    monkeypatch.setattr(course, "compiled_for", recorded)
-    monkeypatch.setattr(course.time, "monotonic", tick)
+    monkeypatch.setattr(integration, "compiled_for", recorded)
+    monkeypatch.setattr(integration.time, "monotonic", tick)
     load = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
     fr.simulate(fr.Rod.nitinol(), load, duration=1e-4, segments=60, frames=2)
     assert order[:3] == ["compile advance", "compile drift", "clock"]

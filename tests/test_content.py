@@ -18,7 +18,7 @@ import pytest
 import floquetrod as fr
 from floquetrod._util.content import ByContent
 from floquetrod.paper.simulations import Outcome, figure_4
-from floquetrod.simulation.integration import CheckpointWarning
+from floquetrod.simulation.checkpoints import CheckpointWarning
 from floquetrod.simulation.mesh import DiscreteRod
 
 ROD = fr.Rod.nitinol()
@@ -29,7 +29,7 @@ RUBBING = fr.FrictionalMathieu(0.5, -0.25, gamma=1.0)
 
 
 def short_run(seed: int = 1) -> fr.Simulation:
-    return fr.simulate(ROD, LOAD, 1e-3, segments=40, frames=3, perturbation=fr.Perturbation.random(1e-3, seed))
+    return fr.simulate(ROD, LOAD, duration=1e-3, segments=40, frames=3, perturbation=fr.Perturbation.random(1e-3, seed))
 
 
 def small_map(growth: bool = True) -> fr.Chart:
@@ -68,7 +68,7 @@ MADE: dict[str, Callable[[], Any]] = {
     "EscapeRanges": lambda: fr.friction.escape_ranges(RUBBING),
     "Trajectory": lambda: fr.friction.trajectory(RUBBING, 3.0),
     "Simulation": short_run,
-    "Setting": lambda: short_run().setting,
+    "SimulationProblem": lambda: short_run().problem,
     "DiscreteRod": lambda: DiscreteRod(ROD, 100),
     "Outcome": outcome,
 }

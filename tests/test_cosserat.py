@@ -1,4 +1,4 @@
-"""The segmented rod against closed forms, without and with the wall."""
+"""The discretised rod against closed forms, without and with the wall."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ ROD_MASS = SHORT.mass_per_length
 STIFFNESS = SHORT.flexural_rigidity
 
 
-def nodes(cut: DiscreteRod) -> np.ndarray:
+def nodes(mesh: DiscreteRod) -> np.ndarray:
     """Return the places of the nodes from 0 to 1."""
-    return np.arange(cut.segments + 1) / cut.segments
+    return np.arange(mesh.segments + 1) / mesh.segments
 
 
-def shaken(cut: DiscreteRod, rng: np.random.Generator, size: float = 0.1) -> Any:
+def shaken(mesh: DiscreteRod, rng: np.random.Generator, size: float = 0.1) -> Any:
     """Return a rod with every node and every segment strained at random."""
-    rod, n = cut.at_rest(), cut.segments
+    rod, n = mesh.straight(), mesh.segments
     for axis in "xyz":
-        rod[axis][: n + 1] += size * cut.segment_length * rng.uniform(-1, 1, n + 1)
+        rod[axis][: n + 1] += size * mesh.segment_length * rng.uniform(-1, 1, n + 1)
     q = np.array([np.ones(n), *(size * rng.uniform(-1, 1, (3, n)))])
     rod["q0"][:n], rod["q1"][:n], rod["q2"][:n], rod["q3"][:n] = q / np.linalg.norm(q, axis=0)
     return rod
@@ -38,38 +38,38 @@ def become(rod: Any, other: Any) -> None:
         rod[name][:] = other[name]
 
 
-def elastic(cut: DiscreteRod, rod: Any) -> float:
-    energies = cut.energies(rod)
+def elastic(mesh: DiscreteRod, rod: Any) -> float:
+    energies = mesh.energies(rod)
     return sum(energies[name] for name in ("stretch", "shear", "bend", "twist"))
 
 
 @pytest.mark.kernels
 def test_forces_and_torques_are_the_gradient_of_the_energy(rng: np.random.Generator) -> None:
-    cut = DiscreteRod(SHORT, 8)
-    rod, n, step = shaken(cut, rng), 8, 1e-12
-    physics = cut.physics(AT_REST, step, ends=cosserat.FREE)._replace(**FREE_SPACE)
+    mesh = DiscreteRod(SHORT, 8)
+    rod, n, step = shaken(mesh, rng), 8, 1e-12
+    physics = mesh.physics(AT_REST, step, ends=cosserat.FREE)._replace(**FREE_SPACE)
     moved = rod.copy()
     compiled(cosserat.advance)(moved, 1, physics)
-    mass = np.full(n + 1, cut.segment_mass)
+    mass = np.full(n + 1, mesh.segment_mass)
     mass[[0, n]] *= 0.5
-    scale = cut.rod.youngs_modulus * cut.rod.area
+    scale = mesh.rod.youngs_modulus * mesh.rod.area
 
     def slope(change: Any, size: float) -> float:
         sides = []
         for sign in (1.0, -1.0):
             other = rod.copy()
             change(other, sign * size)
-            sides.append(elastic(cut, other))
+            sides.append(elastic(mesh, other))
         return (sides[0] - sides[1]) / (2.0 * size)
 
     for i in range(n + 1):
         for axis in "xyz":
             found = mass[i] * moved[f"v{axis}"][i] / step
             expected = -slope(
-                lambda r, h, axis=axis, i=i: r[axis].__setitem__(i, r[axis][i] + h), 1e-6 * cut.segment_length
+                lambda r, h, axis=axis, i=i: r[axis].__setitem__(i, r[axis][i] + h), 1e-6 * mesh.segment_length
             )
             assert found == pytest.approx(expected, abs=1e-6 * scale)
-    inertia = {"w1": cut.inertia, "w2": cut.cross_inertia, "w3": cut.cross_inertia}
+    inertia = {"w1": mesh.inertia, "w2": mesh.cross_inertia, "w3": mesh.cross_inertia}
     for i in range(n):
         for name, moment in inertia.items():
 
@@ -78,13 +78,13 @@ def test_forces_and_torques_are_the_gradient_of_the_energy(rng: np.random.Genera
                 cosserat.drift(r, 1.0, physics)
 
             found = moment * moved[name][i] / step
-            assert found == pytest.approx(-slope(turn, 1e-6), abs=1e-6 * scale * cut.segment_length)
+            assert found == pytest.approx(-slope(turn, 1e-6), abs=1e-6 * scale * mesh.segment_length)
 
 
 @pytest.mark.kernels
 def test_rigid_motion_strains_nothing(rng: np.random.Generator) -> None:
-    cut = DiscreteRod(SHORT, 8)
-    rod, n = cut.at_rest(), 8
+    mesh = DiscreteRod(SHORT, 8)
+    rod, n = mesh.straight(), 8
     q = rng.normal(size=4)
     a, b, c, d = q / np.linalg.norm(q)
     turn = np.array(
@@ -100,22 +100,22 @@ def test_rigid_motion_strains_nothing(rng: np.random.Generator) -> None:
         rod[axis][: n + 1] = values
     for name, value in zip(("q0", "q1", "q2", "q3"), (a, b, c, d), strict=True):
         rod[name][:n] = value
-    assert elastic(cut, rod) == pytest.approx(0.0, abs=1e-20)
-    step = cut.critical_time_step()[0]
-    compiled(cosserat.advance)(rod, 20, cut.physics(AT_REST, step, ends=cosserat.FREE)._replace(**FREE_SPACE))
+    assert elastic(mesh, rod) == pytest.approx(0.0, abs=1e-20)
+    step = mesh.critical_time_step()[0]
+    compiled(cosserat.advance)(rod, 20, mesh.physics(AT_REST, step, ends=cosserat.FREE)._replace(**FREE_SPACE))
     assert np.abs([rod[axis][: n + 1] for axis in "xyz"] - moved).max() < 1e-13
 
 
 def hinged_frequency(segments: int, mode: int) -> float:
-    cut = DiscreteRod(SHORT, segments)
+    mesh = DiscreteRod(SHORT, segments)
     exact = math.sqrt(STIFFNESS / ROD_MASS) * (mode * math.pi / SHORT.length) ** 2
-    shape = 1e-6 * np.sin(mode * math.pi * nodes(cut))
+    shape = 1e-6 * np.sin(mode * math.pi * nodes(mesh))
 
     def start(rod: Any) -> None:
         rod["y"][: segments + 1] = shape
         along(rod, segments)
 
-    time, records = drive(cut, 6 * math.pi / exact, start, ends=cosserat.HINGED, **FREE_SPACE)
+    time, records = drive(mesh, 6 * math.pi / exact, start, ends=cosserat.HINGED, **FREE_SPACE)
     values = np.array([shape @ record["y"][: segments + 1] for record in records])
     return frequency(time, values, exact) / exact
 
@@ -130,11 +130,11 @@ def test_hinged_bending_frequencies_converge_at_second_order() -> None:
 
 def cantilever_frequency(segments: int) -> float:
     """Return it over the exact one; the clamp holds the slope in the middle of the first segment."""
-    cut = DiscreteRod(SHORT, segments)
-    length = SHORT.length - 0.5 * cut.segment_length
+    mesh = DiscreteRod(SHORT, segments)
+    length = SHORT.length - 0.5 * mesh.segment_length
     root = 1.8751040687119611
     exact = math.sqrt(STIFFNESS / ROD_MASS) * (root / length) ** 2
-    x = root * np.maximum(nodes(cut) * SHORT.length - 0.5 * cut.segment_length, 0.0) / length
+    x = root * np.maximum(nodes(mesh) * SHORT.length - 0.5 * mesh.segment_length, 0.0) / length
     part = (math.cosh(root) + math.cos(root)) / (math.sinh(root) + math.sin(root))
     shape = 1e-6 * (np.cosh(x) - np.cos(x) - part * (np.sinh(x) - np.sin(x)))
     shape[:2] = 0.0
@@ -143,7 +143,7 @@ def cantilever_frequency(segments: int) -> float:
         rod["y"][: segments + 1] = shape
         along(rod, segments)
 
-    time, records = drive(cut, 6 * math.pi / exact, start, ends=cosserat.CLAMPED, **FREE_SPACE)
+    time, records = drive(mesh, 6 * math.pi / exact, start, ends=cosserat.CLAMPED, **FREE_SPACE)
     values = np.array([shape @ record["y"][: segments + 1] for record in records])
     return frequency(time, values, exact) / exact
 
@@ -157,17 +157,17 @@ def test_cantilever_frequency_converges() -> None:
 @pytest.mark.parametrize("kind", ["stretch", "twist"])
 def test_wave_speeds(kind: str) -> None:
     n = 40
-    cut = DiscreteRod(SHORT, n)
-    speed = SHORT.wave_speed if kind == "stretch" else math.sqrt(cut.shear_modulus / SHORT.density)
+    mesh = DiscreteRod(SHORT, n)
+    speed = SHORT.wave_speed if kind == "stretch" else math.sqrt(mesh.shear_modulus / SHORT.density)
     exact = math.pi * speed / SHORT.length
-    places = nodes(cut) if kind == "stretch" else (np.arange(n) + 0.5) / n
+    places = nodes(mesh) if kind == "stretch" else (np.arange(n) + 0.5) / n
     field = "vx" if kind == "stretch" else "w1"
     shape = np.cos(math.pi * places)
 
     def start(rod: Any) -> None:
         rod[field][: shape.size] = 1e-6 * shape
 
-    time, records = drive(cut, 6 * math.pi / exact, start, part_of_step=0.2, **FREE_SPACE)
+    time, records = drive(mesh, 6 * math.pi / exact, start, part_of_step=0.2, **FREE_SPACE)
     values = np.array([shape @ record[field][: shape.size] for record in records])
     # Equal masses on equal springs: sin(k l / 2) / (k l / 2) of the speed in a continuous rod.
     half = math.pi / (2 * n)
@@ -177,9 +177,9 @@ def test_wave_speeds(kind: str) -> None:
 def test_euler_load() -> None:
     """In free space sigma^2 of mode 1 is linear in the force and vanishes at Euler's load."""
     n = 40
-    cut = DiscreteRod(SHORT, n)
+    mesh = DiscreteRod(SHORT, n)
     euler = STIFFNESS * (math.pi / SHORT.length) ** 2
-    shape = np.sin(math.pi * nodes(cut))
+    shape = np.sin(math.pi * nodes(mesh))
     squares = []
     for part in (0.9, 1.1):
         scale = math.sqrt(0.1 * euler * (math.pi / SHORT.length) ** 2 / ROD_MASS)
@@ -189,7 +189,7 @@ def test_euler_load() -> None:
             along(rod, n)
 
         load = fr.AxialLoad(part * euler, 0.0, 1.0)
-        time, records = drive(cut, 1.5 / scale, start, ends=cosserat.HINGED, load=load, **FREE_SPACE)
+        time, records = drive(mesh, 1.5 / scale, start, ends=cosserat.HINGED, load=load, **FREE_SPACE)
         values = np.array([shape @ record["y"][: n + 1] for record in records])
         values /= values[0]
         if part < 1.0:
@@ -204,28 +204,28 @@ def test_euler_load() -> None:
 def test_static_sag() -> None:
     """Hinged, under its own weight: 5 rho A g L^4 / (384 EI) in the middle."""
     rod = SHORT.replace(length=0.2, damping_rate=150.0, channel_radius=0.1)
-    cut = DiscreteRod(rod, 30)
+    mesh = DiscreteRod(rod, 30)
 
     def start(record: Any) -> None:
         record["z"][:] = 0.0
 
-    _, records = drive(cut, 0.15, start, ends=cosserat.HINGED, samples=1, contact=0.0)
+    _, records = drive(mesh, 0.15, start, ends=cosserat.HINGED, samples=1, contact=0.0)
     sag = -records[-1]["z"][15]
     exact = 5 * rod.mass_per_length * rod.gravity * rod.length**4 / (384 * rod.flexural_rigidity)
     assert sag == pytest.approx(exact, rel=3e-3)
-    weight = cut.energies(records[-1])["gravity"] - cut.energies(records[0])["gravity"]
+    weight = mesh.energies(records[-1])["gravity"] - mesh.energies(records[0])["gravity"]
     assert weight < 0.0
 
 
 def test_energy_does_not_drift_in_a_million_steps(rng: np.random.Generator) -> None:
-    cut = DiscreteRod(SHORT, 8)
+    mesh = DiscreteRod(SHORT, 8)
 
     def start(rod: Any) -> None:
-        become(rod, shaken(cut, rng, 1e-3))
+        become(rod, shaken(mesh, rng, 1e-3))
 
-    seconds = 1e6 * cut.critical_time_step()[0] * 0.5
-    time, records = drive(cut, seconds, start, samples=500, part_of_step=0.5, **FREE_SPACE)
-    energies = [cut.energies(record) for record in records]
+    seconds = 1e6 * mesh.critical_time_step()[0] * 0.5
+    time, records = drive(mesh, seconds, start, samples=500, part_of_step=0.5, **FREE_SPACE)
+    energies = [mesh.energies(record) for record in records]
     total = np.array([sum(e[name] for name in ("kinetic", "stretch", "shear", "bend", "twist")) for e in energies])
     slope = np.polyfit(time / seconds, total / total[0], 1)[0]
     noise = np.std(total / total[0]) / math.sqrt(len(total) / 12)
@@ -234,11 +234,11 @@ def test_energy_does_not_drift_in_a_million_steps(rng: np.random.Generator) -> N
 
 
 def test_second_order_in_time(rng: np.random.Generator) -> None:
-    cut = DiscreteRod(SHORT, 10)
-    first = shaken(cut, rng, 1e-3)
+    mesh = DiscreteRod(SHORT, 10)
+    first = shaken(mesh, rng, 1e-3)
     ends = []
     for part in (0.1, 0.05, 0.025):
-        _, records = drive(cut, 5e-5, lambda rod: become(rod, first), samples=1, part_of_step=part, **FREE_SPACE)
+        _, records = drive(mesh, 5e-5, lambda rod: become(rod, first), samples=1, part_of_step=part, **FREE_SPACE)
         ends.append(np.array([records[-1][axis][:11] for axis in "xyz"]))
     ratio = np.abs(ends[0] - ends[1]).max() / np.abs(ends[1] - ends[2]).max()
     assert ratio == pytest.approx(4.0, rel=0.15)
@@ -246,12 +246,12 @@ def test_second_order_in_time(rng: np.random.Generator) -> None:
 
 @pytest.mark.parametrize("segments", [30, 200])
 def test_the_bound_on_the_step_is_sharp(segments: int, rng: np.random.Generator) -> None:
-    cut = DiscreteRod(SHORT, segments, contact_damping=0.0)
+    mesh = DiscreteRod(SHORT, segments, contact_damping=0.0)
     grown = []
     for part in (0.99 / SAFETY, 1.01 / SAFETY):
-        step = cut.critical_time_step()[0] * part
-        rod = shaken(cut, rng, 1e-9)
-        compiled(cosserat.advance)(rod, 3000, cut.physics(AT_REST, step, ends=cosserat.FREE)._replace(**FREE_SPACE))
+        step = mesh.critical_time_step()[0] * part
+        rod = shaken(mesh, rng, 1e-9)
+        compiled(cosserat.advance)(rod, 3000, mesh.physics(AT_REST, step, ends=cosserat.FREE)._replace(**FREE_SPACE))
         grown.append(np.abs(rod["vy"][: segments + 1]).max())
     assert grown[0] < 1e-2
     assert not grown[1] < 1e2  # NaN included
@@ -259,16 +259,16 @@ def test_the_bound_on_the_step_is_sharp(segments: int, rng: np.random.Generator)
 
 @pytest.mark.parametrize("indentation", [1e-3, 1e-4])
 def test_a_rod_laid_down_sinks_in_as_stated(indentation: float) -> None:
-    cut = DiscreteRod(SHORT, 10, indentation=indentation)
+    mesh = DiscreteRod(SHORT, 10, indentation=indentation)
 
     def start(rod: Any) -> None:
         rod["z"][:] = -SHORT.radial_clearance
 
-    _, records = drive(cut, 0.1, start, samples=1)
+    _, records = drive(mesh, 0.1, start, samples=1)
     depth = -records[-1]["z"][:11] - SHORT.radial_clearance
     assert depth == pytest.approx(indentation * SHORT.radial_clearance, rel=1e-6)
-    energies = cut.energies(records[-1])
-    start_energy = cut.energies(records[0])
+    energies = mesh.energies(records[-1])
+    start_energy = mesh.energies(records[0])
     lost = start_energy["gravity"] + start_energy["contact"] - energies["gravity"] - energies["contact"]
     assert energies["dissipated_contact"] == pytest.approx(lost, rel=1e-2)
 
@@ -276,11 +276,11 @@ def test_a_rod_laid_down_sinks_in_as_stated(indentation: float) -> None:
 @pytest.mark.parametrize("friction", [0.0, 0.5])
 def test_swing(friction: float) -> None:
     """Without friction sqrt(g / R); rolling adds half the mass to what moves, sqrt(2 g / (3 R)), and loses nothing."""
-    cut = DiscreteRod(SHORT, 10)
-    rest = SHORT.radial_clearance + cut.depth_at_rest
+    mesh = DiscreteRod(SHORT, 10)
+    rest = SHORT.radial_clearance + mesh.depth_at_rest
     exact = math.sqrt(SHORT.gravity / rest / (1.5 if friction else 1.0))
     time, records = drive(
-        cut, 6 * math.pi / exact, lambda rod: bend(rod, cut, np.full(11, 1e-3 * rest)), friction=friction
+        mesh, 6 * math.pi / exact, lambda rod: bend(rod, mesh, np.full(11, 1e-3 * rest)), friction=friction
     )
     angle = np.array([np.arctan2(record["y"][5], -record["z"][5]) for record in records])
     assert frequency(time, angle, exact) == pytest.approx(exact, rel=2e-6)
@@ -288,50 +288,50 @@ def test_swing(friction: float) -> None:
 
 
 def test_braking_distance_along_the_channel() -> None:
-    cut = DiscreteRod(SHORT, 10)
+    mesh = DiscreteRod(SHORT, 10)
     speed, friction = 0.05, 0.1
 
     def start(rod: Any) -> None:
         rod["vx"][:11] = speed
 
     stop = speed / (friction * SHORT.gravity)
-    _, records = drive(cut, 1.5 * stop, start, samples=3, friction=friction)
+    _, records = drive(mesh, 1.5 * stop, start, samples=3, friction=friction)
     distance = np.mean(records[-1]["x"][:11] - records[0]["x"][:11])
     assert distance == pytest.approx(speed**2 / (2 * friction * SHORT.gravity), rel=1e-6)
     assert np.abs(records[-1]["vx"][:11]).max() == 0.0
-    lost = cut.energies(records[-1])["dissipated_friction"]
-    assert lost == pytest.approx(cut.energies(records[0])["kinetic"], rel=1e-6)
+    lost = mesh.energies(records[-1])["dissipated_friction"]
+    assert lost == pytest.approx(mesh.energies(records[0])["kinetic"], rel=1e-6)
 
 
 @pytest.mark.kernels
 def test_a_skid_ends_rolling_at_two_thirds_of_its_speed() -> None:
-    cut = DiscreteRod(SHORT, 8)
+    mesh = DiscreteRod(SHORT, 8)
     speed, friction = 1e-3, 0.2
 
     def start(rod: Any) -> None:
         rod["vy"][:9] = speed
 
     end = speed / (3.0 * friction * SHORT.gravity)
-    _, records = drive(cut, 1.02 * end, start, samples=2, friction=friction)
+    _, records = drive(mesh, 1.02 * end, start, samples=2, friction=friction)
     last = records[-1]
     assert last["vy"][:9] == pytest.approx(2.0 / 3.0 * speed, rel=1e-2)
     assert last["w1"][:8] * SHORT.radius == pytest.approx(-last["vy"][:8], rel=1e-9)
 
 
-def pressed_apart(cut: DiscreteRod, part: float, friction: float) -> Any:
+def pressed_apart(mesh: DiscreteRod, part: float, friction: float) -> Any:
     """Return a start in which elastic forces along the rod reach ``part`` of what friction can hold."""
     wave = math.pi / SHORT.length
     size = part * friction * ROD_MASS * SHORT.gravity / (SHORT.youngs_modulus * SHORT.area * wave**2)
 
     def start(rod: Any) -> None:
-        rod["x"][: cut.segments + 1] -= size * np.cos(math.pi * nodes(cut))
+        rod["x"][: mesh.segments + 1] -= size * np.cos(math.pi * nodes(mesh))
 
     return start
 
 
 def test_a_stuck_rod_stays_put() -> None:
-    cut, friction = DiscreteRod(SHORT, 20), 0.1
-    _, records = drive(cut, 1.0, pressed_apart(cut, 0.99, friction), samples=2, friction=friction)
+    mesh, friction = DiscreteRod(SHORT, 20), 0.1
+    _, records = drive(mesh, 1.0, pressed_apart(mesh, 0.99, friction), samples=2, friction=friction)
     crept = np.abs(records[-1]["x"][:21] - records[0]["x"][:21]).max()
     assert crept < 1e-15
     assert np.abs(records[-1]["vx"][:21]).max() == 0.0
@@ -339,21 +339,21 @@ def test_a_stuck_rod_stays_put() -> None:
 
 def test_static_friction_is_kinetic_friction() -> None:
     """What stays put for ever at 0.99 of the limit, above, slips at 1.02 of it."""
-    cut, friction = DiscreteRod(SHORT, 20), 0.1
-    _, records = drive(cut, 1e-4, pressed_apart(cut, 1.02, friction), samples=2, friction=friction)
+    mesh, friction = DiscreteRod(SHORT, 20), 0.1
+    _, records = drive(mesh, 1e-4, pressed_apart(mesh, 1.02, friction), samples=2, friction=friction)
     assert np.abs(records[-1]["x"][[0, 20]] - records[0]["x"][[0, 20]]).min() > 1e-12
 
 
 def test_a_bent_rod_sticks_around_the_channel() -> None:
     """Damped, for what sticks still rolls to and fro against its torsional stiffness, and loses nothing by that."""
     rod = fr.Rod.nitinol().replace(damping_rate=400.0)
-    cut, friction, mode = DiscreteRod(rod, 100), 0.1, 6
+    mesh, friction, mode = DiscreteRod(rod, 100), 0.1, 6
     limit = friction * rod.gravity / (rod.natural_frequency(mode) ** 2 * rod.radial_clearance)
-    shape = np.sin(mode * math.pi * nodes(cut))
+    shape = np.sin(mode * math.pi * nodes(mesh))
     _, records = drive(
-        cut,
+        mesh,
         0.6,
-        lambda record: bend(record, cut, rod.radial_clearance * np.sin(0.9 * limit * shape)),
+        lambda record: bend(record, mesh, rod.radial_clearance * np.sin(0.9 * limit * shape)),
         samples=3,
         ends=cosserat.HINGED,
         friction=friction,

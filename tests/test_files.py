@@ -44,7 +44,7 @@ def small_map(growth: bool = True) -> fr.Chart:
 
 
 def short_run(checkpoint: Path | None = None) -> fr.Simulation:
-    return fr.simulate(ROD, LOAD, 1e-3, segments=40, frames=3, checkpoint=checkpoint)
+    return fr.simulate(ROD, LOAD, duration=1e-3, segments=40, frames=3, checkpoint=checkpoint)
 
 
 STEADY = ["--rod", "nitinol", "--amplitude", "0.2Fcr"]
@@ -234,7 +234,7 @@ def test_the_terminal_checks_before_it_computes(
         pytest.fail("it computed before it looked at the path")
 
     monkeypatch.setattr(fr, "stability_map", computed)
-    monkeypatch.setattr(fr, "simulate", computed)
+    monkeypatch.setattr(fr.SimulationProblem, "run", computed)
     monkeypatch.setattr(reproduction.figures, "figure_2", computed)
     where = tmp_path / "report.html"
     where.mkdir()
@@ -379,18 +379,24 @@ def test_every_field_of_a_simulation_is_checked(tmp_path: Path) -> None:
         files.write_npz(path, meta, {**arrays, name: array}, compress=True)
         with pytest.raises(ValueError, match="is not a simulation that can be read"):
             fr.Simulation.load(path)
-    values = {"complete": 1, "seconds": -1.0, "version": 2}
-    setting = {
+    values = {
+        "complete": 1,
+        "seconds": -1.0,
+        "version": 2,
+        "step_limit": "me",
+        "steps_per_frame": 0,
+    }
+    problem = {
         "frames": 3.0,
         "segments": True,
         "friction": -1.0,
         "duration": "1",
-        "step_limit": "me",
+        "time_step": 0,
         "extra": 1,
         "rod": {},
     }
     for changed in [meta | {name: value} for name, value in values.items()] + [
-        meta | {"setting": meta["setting"] | {name: value}} for name, value in setting.items()
+        meta | {"problem": meta["problem"] | {name: value}} for name, value in problem.items()
     ]:
         files.write_npz(path, changed, arrays, compress=True)
         with pytest.raises(ValueError, match="is not a simulation that can be read"):

@@ -144,8 +144,24 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.friction.escape_ranges, {"equation": KICKED, "samples": 4, "effort": 1000, "workers": 1}),
     (fr.friction.trajectory, {"equation": KICKED, "epsilon": 2.0, "periods": 2}),
     (fr.Perturbation.modes, {"speeds": {8: 0.05}}),
+    (
+        fr.SimulationProblem,
+        {
+            "rod": ROD,
+            "load": LOAD,
+            "duration": 0.1,
+            "friction": 0.1,
+            "perturbation": None,
+            "segments": 60,
+            "time_step": None,
+            "frames": 3,
+            "poisson_ratio": 0.3,
+            "indentation": 1e-4,
+            "contact_damping": 0.3,
+        },
+    ),
 ]
-"""Callables with a valid call each; simulations have their own tests of junk."""
+"""Callables with a valid call each."""
 
 NAN_MEANS = {
     fr.mathieu.transition_curves: "order 0 has no second curve",

@@ -21,9 +21,14 @@ SHORT = 5e-3  # s
 every_trial = simulation_claims.trials
 
 
+def changed(trial: simulations.Trial, **options: float) -> simulations.Trial:
+    """Return a trial with some options of its problem changed."""
+    return replace(trial, problem=trial.problem.replace(**options))
+
+
 def short(quick: bool) -> list[list[simulations.Trial]]:
     """Return all trials, cut short."""
-    return [[replace(trial, duration=SHORT, frames=9) for trial in group] for group in every_trial(True)]
+    return [[changed(trial, duration=SHORT, frames=9) for trial in group] for group in every_trial(True)]
 
 
 @pytest.fixture(scope="module")
@@ -58,12 +63,12 @@ def test_everything_is_simulated_and_told(made: tuple[Study, list[str]]) -> None
 
 def test_parts_of_a_draw(made: tuple[Study, list[str]]) -> None:
     for draw in made[0].draws:
-        whole = dict(draw.whole.trial.perturbation.speeds)
-        without = dict(draw.without.trial.perturbation.speeds)
+        whole = dict(draw.whole.trial.problem.perturbation.speeds)
+        without = dict(draw.without.trial.problem.perturbation.speeds)
         assert draw.modes == {0.118: (6, 7), 0.424: (7, 8)}[draw.whole.trial.mean]
         assert without == {mode: speed for mode, speed in whole.items() if mode not in draw.modes}
         for mode, part in zip(draw.modes, draw.alone, strict=True):
-            assert part.trial.perturbation == fr.Perturbation.modes({mode: whole[mode]})
+            assert part.trial.problem.perturbation == fr.Perturbation.modes({mode: whole[mode]})
     assert [draw.seed for draw in made[0].draws] == [1, 2, 1, 2]
 
 
@@ -114,17 +119,17 @@ def test_figures(made: tuple[Study, list[str]], tmp_path: Path) -> None:
 
 
 def test_control_c_ends_the_runs_under_way() -> None:
-    trial = replace(simulations.figure_4()[0], duration=100.0)  # minutes
+    trial = changed(simulations.figure_4()[0], duration=100.0)  # minutes
 
     def stop(done: object, number: int) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        simulations.carry_out([replace(trial, duration=1e-3), *[trial] * 3], workers=2, progress=stop)
+        simulations.carry_out([changed(trial, duration=1e-3), *[trial] * 3], workers=2, progress=stop)
 
 
 def test_what_torsion_holds() -> None:
-    trial = replace(simulations.figure_4()[0], duration=SHORT, segments=60)
+    trial = changed(simulations.figure_4()[0], duration=SHORT, segments=60)
     run = trial.carry_out().run
     energy = dict.fromkeys(("twist", "shear"), np.array([1.0, 2.0, 1.0])) | {"bend": np.array([98.0, 16.0, 0.01])}
     share = simulations.torsion_and_shear_share(replace(run, energy=energy))

@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.simulation import integration as course
-from floquetrod.simulation import mesh as segmented
+from floquetrod.simulation import checkpoints, integration, mesh
 from floquetrod.simulation.growth import fit_growth
 
 ROD = fr.Rod.nitinol()
@@ -65,7 +64,13 @@ def test_two_threads_do_not_disturb_each_other() -> None:
 def test_energy_balance(friction: float, damping: float) -> None:
     kick = fr.Perturbation.modes({5: 0.3})
     result = fr.simulate(
-        ROD.replace(damping_rate=damping), LOAD, 0.3, friction, kick, segments=100, frames=30, contact_damping=0.3
+        ROD.replace(damping_rate=damping),
+        LOAD,
+        duration=0.3,
+        friction=friction,
+        perturbation=kick,
+        segments=100,
+        frames=30,
     )
     turned_over = result.energy["kinetic"][0] + np.abs(result.energy["work"]).max()
     assert np.abs(result.energy_error).max() < 1e-3 * turned_over
@@ -76,21 +81,21 @@ def test_energy_balance(friction: float, damping: float) -> None:
 
 def test_growth_rate_of_a_mode_near_the_prediction() -> None:
     """At 100 segments the rate is known to be 3 % low; `test_simulation_slow` follows it to the limit."""
-    result = fr.simulate(ROD, LOAD, 0.5, perturbation=fr.Perturbation.modes({7: 1e-4}), segments=100)
+    result = fr.simulate(ROD, LOAD, duration=0.5, perturbation=fr.Perturbation.modes({7: 1e-4}), segments=100)
     fit = result.growth_rate(7)
     assert fit.rate == pytest.approx(ROD.stability(LOAD).growth_rate, rel=0.035)
     assert fit.error < 0.01
     assert (fit.start, fit.end) == (0.0, pytest.approx(0.5))
     # Damping takes its rate off the growth, and a little more: it shifts beta by c^2.
     rod = ROD.replace(damping_rate=1.5)
-    damped = fr.simulate(rod, LOAD, 0.5, perturbation=fr.Perturbation.modes({7: 1e-4}), segments=100)
+    damped = fr.simulate(rod, LOAD, duration=0.5, perturbation=fr.Perturbation.modes({7: 1e-4}), segments=100)
     expected = rod.stability(LOAD).growth_rate - ROD.stability(LOAD).growth_rate
     assert damped.growth_rate(7).rate - fit.rate == pytest.approx(expected, abs=2e-3)  # 5e-4 of the rate
 
 
 def test_a_bounded_mode_does_not_grow() -> None:
     calm = fr.AxialLoad(0.05 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)
-    result = fr.simulate(ROD, calm, 0.5, perturbation=fr.Perturbation.modes({7: 1e-3}), segments=60)
+    result = fr.simulate(ROD, calm, duration=0.5, perturbation=fr.Perturbation.modes({7: 1e-3}), segments=60)
     assert result.growth_rate(7).rate == 0.0
     assert not result.buckled
     assert result.dominant_mode == 7
@@ -111,8 +116,8 @@ def test_buckling_under_a_constant_force() -> None:
     kick = fr.Perturbation.random(1e-3, seed=1)
     above = fr.AxialLoad(1.1 * ROD.critical_force, 0.0, 1.0)
     below = fr.AxialLoad(0.9 * ROD.critical_force, 0.0, 1.0)
-    buckled = fr.simulate(ROD, above, 0.6, perturbation=kick, segments=100)
-    calm = fr.simulate(ROD, below, 0.6, perturbation=kick, segments=100)
+    buckled = fr.simulate(ROD, above, duration=0.6, perturbation=kick, segments=100)
+    calm = fr.simulate(ROD, below, duration=0.6, perturbation=kick, segments=100)
     assert buckled.buckled
     assert buckled.dominant_mode in ROD.stability(above).unstable_modes
     assert not calm.buckled
@@ -155,7 +160,7 @@ def test_resumes_to_the_bit(tmp_path: Path, calls: int) -> None:
 
 
 def test_resumes_within_a_frame(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(course, "_AT_ONCE", 60_000)
+    monkeypatch.setattr(integration, "_ELEMENT_STEPS", 60_000)
     path = tmp_path / "run.ckpt"
     long_frames = {"frames": 3, "checkpoint": path}
     assert run(**long_frames, progress=Stop(4)).time.size == 1
@@ -163,7 +168,7 @@ def test_resumes_within_a_frame(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_checkpoints_are_written_on_the_way(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(course, "_BETWEEN_CHECKPOINTS", 0.0)
+    monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
     path = tmp_path / "run.ckpt"
 
     def killed(done: int, total: int) -> None:
@@ -204,7 +209,7 @@ def test_a_damaged_checkpoint_is_refused(tmp_path: Path, damage: str) -> None:
 
 
 def test_divergence_names_time_and_cause_and_keeps_the_frames_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(segmented, "SAFETY", 1.3)
+    monkeypatch.setattr(mesh, "SAFETY", 1.3)
     with pytest.raises(fr.SimulationDiverged, match=r"diverged before t = .* s; likely cause: ") as caught:
         run(frames=301, friction=0.0)
     kept = caught.value.simulation
@@ -275,10 +280,10 @@ def test_refuses_other_types_and_crushing_loads() -> None:
 
 def test_a_smaller_step_may_be_asked_for() -> None:
     result = run(time_step=5e-6, duration=0.01)
-    assert result.setting.time_step <= 5e-6
-    assert result.setting.step_limit == "choice"
+    assert result.time_steps.size <= 5e-6
+    assert result.time_steps.limit == "choice"
     stiff = run(indentation=1e-9, duration=1e-3, frames=2)
-    assert stiff.setting.step_limit == "contact"
+    assert stiff.time_steps.limit == "contact"
 
 
 def test_growth_rate_refuses_what_it_cannot_fit() -> None:

@@ -16,7 +16,8 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._util import files
-from floquetrod.simulation import integration as course
+from floquetrod.kernels import cosserat
+from floquetrod.simulation import checkpoints, integration, problem
 from test_simulation import ROD, Stop, run
 
 HERE = Path(__file__).parent
@@ -65,7 +66,7 @@ class Disk:
             flush(handle)
 
         monkeypatch.setattr(os, "fsync", fsync)
-        monkeypatch.setattr(course, "_BETWEEN_CHECKPOINTS", 0.0)
+        monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
 
 
 @pytest.mark.parametrize("number", [errno.ENOSPC, errno.EIO, errno.EDQUOT, errno.EACCES])
@@ -79,7 +80,7 @@ def test_a_save_that_fails_warns_and_costs_nothing(
     assert result == expected
     assert "has not been brought up to date" in str(caught[-1].message)
     assert disk.saves > 20  # it was tried again
-    on_the_way = [warning for warning in caught if "the run goes on, and will try again" in str(warning.message)]
+    on_the_way = [warning for warning in caught if "the run continues, and tries again" in str(warning.message)]
     assert len(on_the_way) == disk.saves - 1
     assert all(os.strerror(number) in str(warning.message) for warning in caught)
     assert all(warning.filename.endswith("test_simulation.py") for warning in caught)  # the line that asked for it
@@ -98,7 +99,7 @@ def test_a_disk_that_has_room_again_gets_its_checkpoint(tmp_path: Path, monkeypa
         if done > 0.7 * total:
             raise KeyboardInterrupt
 
-    with pytest.warns(fr.CheckpointWarning, match="will try again") as caught:
+    with pytest.warns(fr.CheckpointWarning, match="tries again") as caught:
         cut_short = run(checkpoint=path, progress=relieve)
     assert not any("up to date" in str(warning.message) for warning in caught)
     assert not cut_short.complete
@@ -120,7 +121,7 @@ def test_where_warnings_are_errors_the_run_is_still_carried_to_its_end(
 
 
 def test_a_folder_that_goes_away_costs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(course, "_BETWEEN_CHECKPOINTS", 0.0)
+    monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
     expected, folder = run(), tmp_path / "folder"
     folder.mkdir()
 
@@ -147,7 +148,7 @@ def test_control_c_during_a_save_keeps_the_run(tmp_path: Path, monkeypatch: pyte
     stop = 1  # the save at the end, the only one
     with pytest.warns(fr.CheckpointWarning, match="KeyboardInterrupt"):
         assert run(checkpoint=path) == expected
-    monkeypatch.setattr(course, "_BETWEEN_CHECKPOINTS", 0.0)
+    monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
     calls[0], stop = 0, 5  # one on the way
     cut_short = run(checkpoint=path)
     assert not cut_short.complete
@@ -158,17 +159,17 @@ def test_control_c_during_a_save_keeps_the_run(tmp_path: Path, monkeypatch: pyte
 def test_slow_saves_become_rare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a run whose saves take long, saving is a small part."""
     clock, saves = [0.0], [0]
-    monkeypatch.setattr(course.time, "monotonic", lambda: clock[0])
-    monkeypatch.setattr(course, "_AT_ONCE", 0)
+    monkeypatch.setattr(checkpoints.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr(integration, "_ELEMENT_STEPS", 0)
 
-    def save(self: course.Course, path: Path) -> None:
+    def save(self: checkpoints.Checkpoint, state: object) -> None:
         clock[0] += 10.0
         saves[0] += 1
 
     def computing(done: int, total: int) -> None:
         clock[0] += 10.0
 
-    monkeypatch.setattr(course.Course, "_save", save)
+    monkeypatch.setattr(checkpoints.Checkpoint, "_save", save)
     run(checkpoint=tmp_path / "run.ckpt", progress=computing)
     assert saves[0] > 1
     assert 10.0 * saves[0] < 0.1 * clock[0] + 20.0
@@ -177,7 +178,9 @@ def test_slow_saves_become_rare(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 def test_a_path_where_nothing_can_be_written_is_refused_before_the_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(course.Course, "run", lambda *_: pytest.fail("it computed before it looked at the path"))
+    monkeypatch.setattr(
+        integration.Integration, "run", lambda *_: pytest.fail("it computed before it looked at the path")
+    )
     for path in (tmp_path / "no" / "run.ckpt", tmp_path, Path("/dev/full")):
         with pytest.raises(ValueError, match=r"there is no folder|is a folder|is a device"):
             run(checkpoint=path)
@@ -185,13 +188,13 @@ def test_a_path_where_nothing_can_be_written_is_refused_before_the_run(
         run(checkpoint=5)
 
 
-@pytest.mark.parametrize("name", ["floquetrod", "sources", "numba", "numpy", "machine"])
+@pytest.mark.parametrize("name", ["floquetrod", "sources", "numba", "llvmlite", "numpy", "machine"])
 def test_what_another_version_or_machine_wrote_is_refused_with_a_remedy(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    path, here = tmp_path / "run.ckpt", course._arithmetic()
+    path, here = tmp_path / "run.ckpt", checkpoints._arithmetic()
     with monkeypatch.context() as other:
-        other.setattr(course, "_arithmetic", lambda: {**here, name: "7.5"})
+        other.setattr(checkpoints, "_arithmetic", lambda: {**here, name: "7.5"})
         run(checkpoint=path, progress=Stop(3))
     before = path.read_bytes()
     with pytest.raises(ValueError, match=rf"cannot be continued to the bit here: .* {name} 7\.5; continue .*remove"):
@@ -237,7 +240,7 @@ def test_a_clock_that_cannot_be_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "run.ckpt"
     run(checkpoint=path, progress=Stop(3))
     meta, arrays = files._unpack(path)
-    layout = course.cosserat.rod_type(60)
+    layout = cosserat.rod_type(60)
     for value in (np.nan, -1.0, 0.5, 1e300):
         (rod,) = np.frombuffer(bytearray(arrays["state"]), layout)
         rod["clock"][0] = value
@@ -272,9 +275,7 @@ def test_a_clock_that_cannot_be_is_refused(tmp_path: Path) -> None:
 def test_absurd_runs_are_refused_before_anything_is_allocated(
     changes: dict[str, Any], message: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from floquetrod.simulation import simulate as simulator
-
-    monkeypatch.setattr(simulator, "Course", lambda *_: pytest.fail("it began"))
+    monkeypatch.setattr(problem, "Integration", lambda *_: pytest.fail("it began"))
     with pytest.raises(ValueError, match=message):
         run(**changes)
 
@@ -282,11 +283,11 @@ def test_absurd_runs_are_refused_before_anything_is_allocated(
 def test_rods_too_slender_or_too_extreme_are_refused() -> None:
     thread = fr.Rod(youngs_modulus=68e9, density=6500.0, radius=1e-8, length=40.0, channel_radius=4.7e-3)
     with pytest.raises(ValueError, match="rod cannot be simulated: 6 segments for every half wave"):
-        fr.simulate(thread, fr.AxialLoad(0.0, 0.0, 1.0), 0.1)
+        fr.simulate(thread, fr.AxialLoad(0.0, 0.0, 1.0), duration=0.1)
     extremes = {"youngs_modulus": (1e-12,), "density": (1e15,), "radius": (1e-12,), "length": (1e-12, 1e6, 1e15)}
     for name, values in extremes.items():
         for value in values:
             with pytest.raises(ValueError, match=r"rod|segments|strain|radius|duration"):
-                fr.simulate(ROD.replace(**{name: value}), fr.AxialLoad(1e-3, 1e-3, 1.0), 1e-4, frames=2)
+                fr.simulate(ROD.replace(**{name: value}), fr.AxialLoad(1e-3, 1e-3, 1.0), duration=1e-4, frames=2)
     with pytest.raises(ValueError, match=r"indentation .* too extreme to be simulated \(.*\); check the units of Rod"):
-        fr.simulate(ROD, fr.AxialLoad(1e-3, 1e-3, 1.0), 1e-4, frames=2, indentation=1e-300)
+        fr.simulate(ROD, fr.AxialLoad(1e-3, 1e-3, 1.0), duration=1e-4, frames=2, indentation=1e-300)

@@ -48,8 +48,10 @@ def simulated(rod: fr.Rod, mean: float, amplitude: float, frequency: float, segm
     periods = math.ceil(max(6.0, min(2.0, 6.0 / rate) / period))
     kick = fr.Perturbation.modes({mode: 1e-5})
     # Frames at equal parts of a period: the recurrence that the rate is fitted to then needs no interpolation.
-    run = fr.simulate(rod, load, periods * period, 0.0, kick, segments, frames=16 * periods + 1)
-    sunk = rod.replace(channel_radius=rod.channel_radius + run.setting.indentation * rod.radial_clearance)
+    run = fr.simulate(
+        rod, load, duration=periods * period, perturbation=kick, segments=segments, frames=16 * periods + 1
+    )
+    sunk = rod.replace(channel_radius=rod.channel_radius + run.problem.indentation * rod.radial_clearance)
     x = frequency * rod.length / (2 * rod.wave_speed)
     larger = fr.AxialLoad(load.mean, load.amplitude * math.tan(x) / x, frequency)
     known = sunk.stability(larger, [mode]).mode_growth_rates[0]
@@ -76,7 +78,7 @@ def test_constant_force_below_and_above_the_critical_one() -> None:
     first = NITINOL.critical_mean_force(0.0, 100.0)
     kick = fr.Perturbation.random(1e-3, seed=1)
     for part, buckles in ((0.98, False), (1.02, True)):
-        run = fr.simulate(NITINOL, fr.AxialLoad(part * first, 0.0, 100.0), 2.0, perturbation=kick)
+        run = fr.simulate(NITINOL, fr.AxialLoad(part * first, 0.0, 100.0), duration=2.0, perturbation=kick)
         assert run.buckled == buckles
     assert run.dominant_mode == 6
 
@@ -111,7 +113,7 @@ def test_the_kick_that_friction_stops(mean: float, frequency: float, mode: int, 
     assert expected == mode
     for part, escapes in ((ratio - 0.02, False), (ratio + 0.02, True)):
         kick = fr.Perturbation.modes({mode: part * predicted})
-        assert fr.simulate(NITINOL, load, 2.5, 0.1, kick).buckled == escapes
+        assert fr.simulate(NITINOL, load, duration=2.5, friction=0.1, perturbation=kick).buckled == escapes
 
 
 def stiffer(rod: fr.Rod, factor: float) -> fr.Rod:
@@ -133,7 +135,8 @@ def test_sliding_along_the_channel_eases_small_kicks() -> None:
     for rod, segments, ratio in ((NITINOL, 250, 0.90), (stiffer(NITINOL, 25.0), 125, 1.02)):
         for part, escapes in ((ratio - 0.025, False), (ratio + 0.025, True)):
             kick = fr.Perturbation.modes({mode: part * predicted})
-            assert fr.simulate(rod, load, 3.0, 0.01, kick, segments).buckled == escapes
+            run = fr.simulate(rod, load, duration=3.0, friction=0.01, perturbation=kick, segments=segments)
+            assert run.buckled == escapes
 
 
 def test_case_c_needs_all_its_modes() -> None:
@@ -151,7 +154,7 @@ def test_case_c_needs_all_its_modes() -> None:
 @pytest.mark.parametrize("segments", [125, 250])
 def test_million_steps_with_contact_keep_the_balance(segments: int) -> None:
     load = fr.AxialLoad(0.52 * NITINOL.critical_force, 0.2 * NITINOL.critical_force, 150.0)
-    run = fr.simulate(NITINOL, load, 3.0, perturbation=fr.Perturbation.random(1e-3, seed=1), segments=segments)
+    run = fr.simulate(NITINOL, load, duration=3.0, segments=segments)
     assert run.buckled
     assert np.abs(run.energy_error).max() < 1e-3 * np.abs(run.energy["work"]).max()
 
@@ -160,10 +163,10 @@ def test_killed_at_any_moment_a_run_goes_on(tmp_path: Path, rng: np.random.Gener
     path = tmp_path / "run.ckpt"
     code = f"""
 import floquetrod as fr
-from floquetrod import course
-course._BETWEEN_CHECKPOINTS = course._AT_ONCE = 0
-rod = fr.Rod.nitinol()
-run = fr.simulate(rod, fr.AxialLoad(0.3, 0.3, 150.0), 4.0, 0.1, segments=60, frames=30, checkpoint={str(path)!r})
+from floquetrod.simulation import checkpoints, integration
+checkpoints._SECONDS_BETWEEN = integration._ELEMENT_STEPS = 0
+rod, load = fr.Rod.nitinol(), fr.AxialLoad(0.3, 0.3, 150.0)
+fr.simulate(rod, load, duration=4.0, friction=0.1, segments=60, frames=30, checkpoint={str(path)!r})
 """
     kills = 0
     while kills < 4:
@@ -177,9 +180,10 @@ run = fr.simulate(rod, fr.AxialLoad(0.3, 0.3, 150.0), 4.0, 0.1, segments=60, fra
             process.kill()
             process.wait()
             kills += 1
-    arguments = (NITINOL, fr.AxialLoad(0.3, 0.3, 150.0), 4.0, 0.1)
-    resumed = fr.simulate(*arguments, segments=60, frames=30, checkpoint=path)
-    whole = fr.simulate(*arguments, segments=60, frames=30)
+    load = fr.AxialLoad(0.3, 0.3, 150.0)
+    problem = fr.SimulationProblem(NITINOL, load, duration=4.0, friction=0.1, segments=60, frames=30)
+    resumed = problem.run(checkpoint=path)
+    whole = problem.run()
     assert kills > 0
     assert resumed.complete
     assert np.array_equal(resumed.positions, whole.positions)

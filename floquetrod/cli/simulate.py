@@ -36,7 +36,7 @@ from floquetrod.simulation.growth import GrowthFit
 from floquetrod.units import Unit
 
 _HELP = """\
-Simulate the whole nonlinear rod in its channel, with friction if you like, and hold it against the theory.
+Simulate the whole nonlinear rod in its channel, with or without friction, and compare it with the theory.
 
 examples:
   floquetrod simulate --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150 --out run.png --out run.npz
@@ -50,8 +50,8 @@ B modes 4, 6, 8, 10, C one mode and all others up to 20 at random, D every node 
 
 A .png, .pdf or .svg file shows the rod from above and the growth of its modes, a .gif or .mp4 moves (the latter needs
 ffmpeg), a .npz holds everything (floquetrod.Simulation.load reads it).  Ctrl-C ends the run early: what was simulated
-so far is written and told, and a checkpoint lets the same command go on later.  The exit status is then 130; it is 2
-for input that cannot be used, a run that diverges included, and where a file could not be written.
+so far is written and reported, and with a checkpoint the same command continues later.  The exit status is then 130; it
+is 2 for input that cannot be used, a run that diverges included, and where a file could not be written.
 
 Segments cost: half as many take a quarter of the time.  Growth rates of the reference rod are right to 1 % with 250
 segments, 3 % low with 100 and 10 % with 60.
@@ -59,13 +59,13 @@ segments, 3 % low with 100 and 10 % with 60.
 
 _FRAMES = 400  # at least: a picture every 5 ms of two seconds (a choice)
 _FRAMES_A_PERIOD = 10  # of the forcing, without friction: two more than the fit of a growth rate asks for
-_MOST_FRAMES = 100_000  # unless more are asked for (a choice)
+_MOST_FRAMES = 100_000  # unless --frames names more (a choice)
 _LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a choice)
 
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    command = add_command(commands, "simulate", "simulate a rod and hold it against theory", _HELP, _simulate)
+    command = add_command(commands, "simulate", "simulate a rod and compare it with theory", _HELP, _simulate)
     add_rod(command, judged=False)
     add_units(command)
     command.add_argument("--mean", required=True, help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
@@ -78,9 +78,9 @@ def add(commands: Any) -> None:
     command.add_argument("--case", help="perturbation of the paper: A, B, C or D, with a mode as in A:6")
     command.add_argument("--seed", type=int, help="of what is drawn at random (default 1)")
     command.add_argument("--segments", type=int, default=250, help="segments of the rod (default 250)")
-    command.add_argument("--time-step", help="largest step, such as 2us (default: the largest safe one)")
+    command.add_argument("--time-step", help="largest step, such as 2us (default: the largest stable one)")
     command.add_argument("--frames", type=int, help="frames kept (default: 400, more where the growth rate asks it)")
-    command.add_argument("--checkpoint", type=Path, help="file to keep up to date, and to go on from if it is there")
+    command.add_argument("--checkpoint", type=Path, help="file to keep up to date, and to continue from if it exists")
     command.add_argument("--out", action="append", default=[], type=Path, help="file to write; may be repeated")
 
 
@@ -93,21 +93,19 @@ def _simulate(options: argparse.Namespace) -> Answer:
     _check_kinds(options.out)
     _check_places([*options.out, *filter(None, [options.checkpoint])])
     progress = Progress("steps")
-    # Anything else that is wrong is told by simulate, before it begins.
+    problem = fr.SimulationProblem(
+        rod,
+        load,
+        duration=duration,
+        friction=options.mu,
+        perturbation=perturbation,
+        segments=options.segments,
+        time_step=step,
+        frames=_frames(load, duration, options.mu) if options.frames is None else options.frames,
+    )
     try:
         with _warnings_at_once(progress):
-            run = fr.simulate(
-                rod,
-                load,
-                duration,
-                options.mu,
-                perturbation,
-                options.segments,
-                step,
-                _frames(load, duration, options.mu) if options.frames is None else options.frames,
-                _Forewarning(progress),
-                options.checkpoint,
-            )
+            run = problem.run(_Forewarning(progress), options.checkpoint)
     except fr.SimulationDiverged as error:
         progress.close()
         kept, missed = _write_all(error.simulation, [path for path in options.out if path.suffix == ".npz"])
@@ -126,7 +124,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
 
 
 class _Forewarning:
-    """Progress that first says how long the run will take, when that is long, from the speed of its first second."""
+    """Progress that says how long a long run will take, estimated from its first second."""
 
     def __init__(self, progress: Progress) -> None:
         self.progress = progress
@@ -144,7 +142,7 @@ class _Forewarning:
                 self.progress.close()
                 print(
                     f"floquetrod: {total:,} steps will take roughly {_roughly(left)}; Ctrl-C ends them early, and what "
-                    "was simulated by then is told",
+                    "was simulated by then is reported",
                     file=sys.stderr,
                     flush=True,
                 )
@@ -161,7 +159,7 @@ def _roughly(seconds: float) -> str:
 
 @contextmanager
 def _warnings_at_once(progress: Progress) -> Iterator[None]:
-    """Tell of a checkpoint that cannot be written while something can still be done about it."""
+    """Report a checkpoint that cannot be written at once, while the cause can still be removed."""
     with warnings.catch_warnings():
         collect = warnings.showwarning
 
@@ -185,7 +183,7 @@ def _frames(load: fr.AxialLoad, duration: float, mu: float) -> int:
 
 
 def _perturbation(options: argparse.Namespace) -> fr.Perturbation:
-    """Return the sum of what was asked for."""
+    """Return the sum of all perturbations given."""
     parts = []
     for text in options.kick:
         mode, colon, speed = text.partition(":")
@@ -253,17 +251,17 @@ def _write(run: fr.Simulation, path: Path) -> Path:
 
 
 def _record(run: fr.Simulation) -> dict[str, Any]:
-    setting = run.setting
-    mode, linear = run.dominant_mode, run.rod.stability(setting.load)
-    predicted = float(run.rod.stability(setting.load, [mode]).mode_growth_rates[0])
+    problem, steps = run.problem, run.time_steps
+    mode, linear = run.dominant_mode, run.rod.stability(problem.load)
+    predicted = float(run.rod.stability(problem.load, [mode]).mode_growth_rates[0])
     fit: GrowthFit | None = None
     why_not: str | None = "with friction nothing grows exponentially"
-    if setting.friction == 0.0:
+    if problem.friction == 0.0:
         try:
             fit, why_not = run.growth_rate(mode), None
         except ValueError as error:
             why_not = str(error)
-    needed = run.rod.critical_velocity(setting.load, setting.friction) if setting.friction > 0.0 else None
+    needed = run.rod.critical_velocity(problem.load, problem.friction) if problem.friction > 0.0 else None
     work = float(abs(run.energy["work"]).max())
     return {
         "buckled": run.buckled,
@@ -279,19 +277,19 @@ def _record(run: fr.Simulation) -> dict[str, Any]:
         "predicted_fastest_mode": linear.fastest_mode,
         "critical_kick_m_per_s": None if needed is None else number(needed.velocity),
         "critical_kick_mode": None if needed is None else needed.mode,
-        "perturbation": str(setting.perturbation),
-        "mean_N": setting.load.mean,
-        "amplitude_N": setting.load.amplitude,
-        "frequency_rad_per_s": setting.load.frequency,
-        "mu": setting.friction,
+        "perturbation": str(problem.perturbation),
+        "mean_N": problem.load.mean,
+        "amplitude_N": problem.load.amplitude,
+        "frequency_rad_per_s": problem.load.frequency,
+        "mu": problem.friction,
         "complete": run.complete,
         "simulated_s": float(run.time[-1]),
-        "duration_s": setting.duration,
-        "segments": setting.segments,
+        "duration_s": problem.duration,
+        "segments": problem.segments,
         "frames": int(run.time.size),
-        "time_step_s": setting.time_step,
-        "time_step_set_by": setting.step_limit,
-        "steps": setting.steps,
+        "time_step_s": steps.size,
+        "time_step_set_by": steps.limit,
+        "steps": steps.count,
         "energy_error_J": float(abs(run.energy_error).max()),
         "energy_work_J": work,
         "wall_time_s": run.seconds,
@@ -299,29 +297,30 @@ def _record(run: fr.Simulation) -> dict[str, Any]:
 
 
 def _report(run: fr.Simulation, record: dict[str, Any], shown: dict[str, Unit]) -> str:
-    setting, angle = run.setting, f"largest angle {record['largest_angle_degrees']:.3g} degrees"
+    problem, steps = run.problem, run.time_steps
+    angle = f"largest angle {record['largest_angle_degrees']:.3g} degrees"
     status = f"BUCKLED: mode {record['dominant_mode']} leads, {angle}" if run.buckled else f"NOT BUCKLED: {angle}"
     lines = [
-        status if run.complete else f"INTERRUPTED at {run.time[-1]:.4g} s of {setting.duration:g} s; so far {status}"
+        status if run.complete else f"INTERRUPTED at {run.time[-1]:.4g} s of {problem.duration:g} s; so far {status}"
     ]
     lines += [
         "",
-        f"load      {describe_load(setting.load, shown, run.rod)}",
-        f"start     {record['perturbation']}; friction {setting.friction:g}",
+        f"load      {describe_load(problem.load, shown, run.rod)}",
+        f"start     {record['perturbation']}; friction {problem.friction:g}",
         f"growth    {_growth(record)}",
         f"theory    {_theory(record, shown['kick'])}",
         f"energy    kinetic + potential + dissipated - work off by {record['energy_error_J']:.1g} J, of "
         f"{record['energy_work_J']:.3g} J of work",
-        f"step      {1e6 * setting.time_step:.3g} us, set by {_BOUNDS[setting.step_limit]}",
-        f"cost      {record['wall_time_s']:.3g} s of wall time for {record['simulated_s']:.4g} s of {setting.segments} "
+        f"step      {1e6 * steps.size:.3g} us, set by {_BOUNDS[steps.limit]}",
+        f"cost      {record['wall_time_s']:.3g} s of wall time for {record['simulated_s']:.4g} s of {problem.segments} "
         "segments",
     ]
     nothing = "nothing" if record["not_written"] else "nothing: name files with --out"
     lines.append(f"written   {', '.join(record['written']) or nothing}")
     lines += [f"not       {what}" for what in record["not_written"]]
     if not run.complete:
-        resume = "; the same command goes on from the checkpoint" if record["checkpoint"] else ""
-        lines.append(f"kept      {record['frames']} of {setting.frames} frames{resume}")
+        resume = "; the same command continues from the checkpoint" if record["checkpoint"] else ""
+        lines.append(f"kept      {record['frames']} of {problem.frames} frames{resume}")
     return "\n".join(lines)
 
 

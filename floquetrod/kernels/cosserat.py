@@ -10,7 +10,8 @@ between a segment's nodes, l its unstrained length and Q its rotation, the elast
 and forces and torques are its exact gradient, so that without contact nothing but rounding makes energy drift.
 
 Positions and quaternions are kept half a step ahead of velocities (position Verlet with its half drifts merged), so the
-result does not depend on how a run is cut into calls.  Loops touch few arrays each, so that compilers vectorise them.
+result does not depend on how a run is divided into calls.  Loops touch few arrays each, so that compilers vectorise
+them.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ import numpy as np
 
 from floquetrod._util.compilation import kernel
 
-NODE = ("x", "y", "z", "vx", "vy", "vz", "px", "pt", "turn", "slip_x", "slip_t")
+NODE = ("x", "y", "z", "vx", "vy", "vz", "px", "pt", "spin_impulse", "slip_x", "slip_t")
 """Of nodes 0..n: position, velocity; impulse of friction in the last step, axial, circumferential and that which spins;
 velocity of the rod's surface after it.  Impulses per mass of a node."""
 
@@ -30,18 +31,18 @@ LOST = ("lost_contact", "lost_friction", "lost_damping")
 """Of nodes: energy lost so far to each cause, per mass of a node."""
 
 SEGMENT = ("q0", "q1", "q2", "q3", "w1", "w2", "w3", "lost_turning")
-"""Of segments 0..n-1: quaternion, angular velocity in material axes, energy that damping took from their turning."""
+"""Of segments 0..n-1: quaternion, angular velocity in material axes, energy that damping took from their rotation."""
 
 SCRATCH = ("fx", "fy", "fz", "h1", "h2", "h3", "c2", "c3")
-"""Forces, of segment i at i + 1, between two pads; moments at nodes."""
+"""Forces, of segment i at i + 1, between two ghost cells; moments at nodes."""
 
-FRICTION_SCRATCH = ("t1", "t2", "t3", "spin", "ey", "ez", "roll_x", "roll_t", "cap", "more")
-"""Tangents and spins, of segment i at i + 1, between two pads.  At nodes: the circumferential direction, surface speeds
-that unit surface speed of spinning makes, largest impulse, change of the impulse that spins."""
+FRICTION_SCRATCH = ("t1", "t2", "t3", "spin", "ey", "ez", "roll_x", "roll_t", "limit", "spin_change")
+"""Tangents and spins, of segment i at i + 1, between two ghost cells.  At nodes: the circumferential direction, surface
+speeds that unit surface speed of spinning makes, largest impulse of friction, change of the impulse that spins."""
 
-ONCE = ("home", "work", "clock")
-"""Where held nodes stay: x, y, z of the first, of the second, of the last.  In their first places: work done by the end
-forces so far, steps done so far."""
+ONCE = ("anchor", "work", "clock")
+"""Where held nodes stay: x, y, z of the first, of the second, of the last.  In their first elements: work done by the
+end forces so far, steps done so far."""
 
 
 def rod_type(segments: int) -> np.dtype[np.void]:
@@ -49,7 +50,7 @@ def rod_type(segments: int) -> np.dtype[np.void]:
 
     The lengths of its fields are part of its type: compilers then know that fields do not overlap, and vectorise loops
     over any number of them.  They come in few sizes because each is compiled anew, and are odd multiples of 64 bytes
-    because rows at powers of two would fight for the same places in the cache.
+    because rows at powers of two would compete for the same lines of the cache.
     """
     size = 256
     while size + 6 < segments:
@@ -65,7 +66,7 @@ _TINY = 1e-300  # keeps 0 / 0 out of quotients whose value is not used
 
 
 class Physics(NamedTuple):
-    """What the loop needs to know of a rod, its channel, its ends and its load, in SI units."""
+    """Rod, channel, ends, load and time step as the loop uses them, in SI units."""
 
     segments: int
     ends: int  # HINGED, FREE or CLAMPED
@@ -91,7 +92,7 @@ class Physics(NamedTuple):
 
 
 @kernel
-def _curve(rod: Any, p: Physics) -> None:
+def _moments(rod: Any, p: Physics) -> None:
     """Write the moment of twist and bending at every inner node: h on the left, -h on the right, -c on both."""
     q0, q1, q2, q3 = rod["q0"], rod["q1"], rod["q2"], rod["q3"]
     h1, h2, h3, c2, c3 = rod["h1"], rod["h2"], rod["h3"], rod["c2"], rod["c3"]
@@ -111,18 +112,18 @@ def _curve(rod: Any, p: Physics) -> None:
 
 
 @kernel
-def _segments(rod: Any, rubs: Literal[True, False], p: Physics) -> None:
+def _segment_forces(rod: Any, with_friction: Literal[True, False], p: Physics) -> None:
     """Write the force in every segment, and give the segments their new angular velocities.
 
     Half a step of torque, a turn about the rod's own axis that stands for the gyroscopic torque of a body with two
-    equal inertias (it keeps the energy), half a step of torque.  A rod that ``rubs`` also spins by last step's impulses
-    of friction, and leaves its tangents and spins for those of this step.
+    equal inertias (it keeps the energy), half a step of torque.  ``with_friction`` also applies last step's impulses of
+    friction to the spins, and writes the tangents and spins that this step's friction reads.
     """
     x, y, z = rod["x"], rod["y"], rod["z"]
     q0, q1, q2, q3 = rod["q0"], rod["q1"], rod["q2"], rod["q3"]
     w1, w2, w3 = rod["w1"], rod["w2"], rod["w3"]
     fx, fy, fz, t1s, t2s, t3s = rod["fx"], rod["fy"], rod["fz"], rod["t1"], rod["t2"], rod["t3"]
-    spin, turn, rolling = rod["spin"], rod["turn"], 0.5 * p.mass * p.radius / p.inertia
+    spin, spin_impulse, rolling = rod["spin"], rod["spin_impulse"], 0.5 * p.mass * p.radius / p.inertia
     h1, h2, h3, c2, c3 = rod["h1"], rod["h2"], rod["h3"], rod["c2"], rod["c3"]
     rest, stretch, shear = p.stretch, p.stretch / p.segment, p.shear / p.segment
     half1, half2 = 0.5 * p.step / p.inertia, 0.5 * p.step / p.cross_inertia
@@ -151,9 +152,9 @@ def _segments(rod: Any, rubs: Literal[True, False], p: Physics) -> None:
         g = gyro * u
         scale = 1.0 - g * g * (1.0 - g * g)  # 1 / (1 + g^2): g is the turn in half a step, far below 0.01
         a = u + a1
-        if rubs:
+        if with_friction:
             t1s[i + 1], t2s[i + 1], t3s[i + 1] = r11, r21, r31
-            a += rolling * (turn[i] + turn[i + 1])
+            a += rolling * (spin_impulse[i] + spin_impulse[i + 1])
             spin[i + 1] = a
         w1[i] = a
         w2[i] = scale * ((1.0 - g * g) * v + 2.0 * g * w) + a2
@@ -161,7 +162,7 @@ def _segments(rod: Any, rubs: Literal[True, False], p: Physics) -> None:
 
 
 @kernel
-def _nodes(rod: Any, p: Physics) -> None:
+def _frictionless_step(rod: Any, p: Physics) -> None:
     """Give the nodes of a frictionless rod their new velocities, and move them.
 
     The indentation is taken as d = (y^2 + z^2 - R^2) / (2 R), the distance beyond R but for a relative d / (2 R): its
@@ -189,8 +190,8 @@ def _nodes(rod: Any, p: Physics) -> None:
 
 
 @kernel
-def _pads(rod: Any, n: int, force: float) -> None:
-    """Close the rows of forces so that end nodes, which have half a mass, feel their segment and ``force`` doubly.
+def _fill_ghost_cells(rod: Any, n: int, force: float) -> None:
+    """Fill the ghost cells of the forces so that end nodes, of half a mass, feel their segment and ``force`` doubly.
 
     Tangents and spins are repeated beyond the ends.
     """
@@ -203,29 +204,29 @@ def _pads(rod: Any, n: int, force: float) -> None:
 
 
 @kernel
-def _hold(rod: Any, p: Physics) -> None:
-    """Put held ends back where they belong."""
-    n, home = p.segments, rod["home"]
+def _hold_ends(rod: Any, p: Physics) -> None:
+    """Return held ends to their anchors, at rest."""
+    n, anchor = p.segments, rod["anchor"]
     if p.ends == HINGED:
-        rod["y"][0], rod["z"][0], rod["y"][n], rod["z"][n] = home[1], home[2], home[7], home[8]
+        rod["y"][0], rod["z"][0], rod["y"][n], rod["z"][n] = anchor[1], anchor[2], anchor[7], anchor[8]
         rod["vy"][0] = rod["vz"][0] = rod["vy"][n] = rod["vz"][n] = 0.0
     elif p.ends == CLAMPED:
-        rod["x"][0], rod["y"][0], rod["z"][0] = home[0], home[1], home[2]
-        rod["x"][1], rod["y"][1], rod["z"][1] = home[3], home[4], home[5]
+        rod["x"][0], rod["y"][0], rod["z"][0] = anchor[0], anchor[1], anchor[2]
+        rod["x"][1], rod["y"][1], rod["z"][1] = anchor[3], anchor[4], anchor[5]
         rod["vx"][0] = rod["vy"][0] = rod["vz"][0] = rod["vx"][1] = rod["vy"][1] = rod["vz"][1] = 0.0
         rod["w1"][0] = rod["w2"][0] = rod["w3"][0] = 0.0
 
 
 @kernel
-def _turn(rod: Any, rubs: bool, time: float, p: Physics) -> None:
+def _rotate(rod: Any, with_friction: bool, time: float, p: Physics) -> None:
     """Turn the segments with their angular velocities, to which friction adds: Cayley's form of a small rotation."""
-    more, rolling = rod["more"], 0.5 * p.mass * p.radius / p.inertia
+    spin_change, rolling = rod["spin_change"], 0.5 * p.mass * p.radius / p.inertia
     q0, q1, q2, q3 = rod["q0"], rod["q1"], rod["q2"], rod["q3"]
     w1, w2, w3 = rod["w1"], rod["w2"], rod["w3"]
     half = 0.5 * time
     for i in range(p.segments):
-        if rubs:
-            w1[i] += rolling * (more[i] + more[i + 1])
+        if with_friction:
+            w1[i] += rolling * (spin_change[i] + spin_change[i + 1])
         a, b, c, d = q0[i], q1[i], q2[i], q3[i]
         u, v, w = half * w1[i], half * w2[i], half * w3[i]
         e0 = a - b * u - c * v - d * w
@@ -233,20 +234,20 @@ def _turn(rod: Any, rubs: bool, time: float, p: Physics) -> None:
         e2 = c + a * v + d * u - b * w
         e3 = d + a * w + b * v - c * u
         size = e0 * e0 + e1 * e1 + e2 * e2 + e3 * e3
-        scale = 1.875 - size * (1.25 - 0.375 * size)  # 1 / sqrt(size) near 1; what it leaves, the next step mends
+        scale = 1.875 - size * (1.25 - 0.375 * size)  # 1 / sqrt(size) near 1; the next step corrects what remains
         q0[i], q1[i], q2[i], q3[i] = scale * e0, scale * e1, scale * e2, scale * e3
 
 
 @kernel
-def _press(rod: Any, p: Physics) -> None:
-    """Give the nodes of a rubbing rod the velocities they would have if friction were what it was a step ago.
+def _contact(rod: Any, p: Physics) -> None:
+    """Give the nodes their velocities under elastic forces, contact, weight and last step's impulses of friction.
 
-    Besides, write for every node what friction needs to know: directions and the largest impulse.
+    Besides, write for every node what `_friction` reads: directions and the largest impulse.
     """
     y, z, vx, vy, vz, lost = rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["lost_contact"]
     fx, fy, fz, px, pt = rod["fx"], rod["fy"], rod["fz"], rod["px"], rod["pt"]
     t1, t2, t3, ey, ez = rod["t1"], rod["t2"], rod["t3"], rod["ey"], rod["ez"]
-    roll_x, roll_t, cap = rod["roll_x"], rod["roll_t"], rod["cap"]
+    roll_x, roll_t, limit = rod["roll_x"], rod["roll_t"], rod["limit"]
     stiffness, damping = p.step * p.contact, p.contact_damping
     kick, fall = p.step / p.mass, p.step * p.gravity
     inverse, gap = 1.0 / p.radial_clearance, p.radial_clearance
@@ -267,45 +268,49 @@ def _press(rod: Any, p: Physics) -> None:
         lost[i] += 0.5 * (push - root * depth) * (before + v * ny + w * nz)
         vx[i], vy[i], vz[i] = u + px[i], v + pt[i] * e, w + pt[i] * f
         ey[i], ez[i], roll_x[i], roll_t[i] = e, f, along, around
-        cap[i] = p.friction * push * (1.0 + beyond)  # |(y, z)| / R, to second order
+        limit[i] = p.friction * push * (1.0 + beyond)  # |(y, z)| / R, to second order
 
 
 @kernel
-def _rub(rod: Any, p: Physics) -> None:
+def _friction(rod: Any, p: Physics) -> None:
     """Replace last step's impulses of friction by those of Coulomb's law, static = kinetic, and move the nodes.
 
-    Each node is asked for the impulse that would stop its surface; when that exceeds mu N dt the surface slips, and the
-    impulse opposes its slip.  A neighbour's change of impulse reaches a node through their common segment's spin, one
-    step late; where the rod sticks these corrections die out geometrically and nothing creeps.
+    For each node the impulse that would stop its surface is computed; when it exceeds mu N dt the surface slips, and
+    the impulse opposes its slip.  A neighbour's change of impulse reaches a node through their common segment's spin,
+    one step late; where the rod sticks these corrections die out geometrically and nothing creeps.
     """
     x, y, z, vx, vy, vz, lost = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"], rod["lost_friction"]
     px, pt, spin, ey, ez = rod["px"], rod["pt"], rod["spin"], rod["ey"], rod["ez"]
-    turn, more = rod["turn"], rod["more"]
-    roll_x, roll_t, cap, old_x, old_t = rod["roll_x"], rod["roll_t"], rod["cap"], rod["slip_x"], rod["slip_t"]
+    spin_impulse, spin_change = rod["spin_impulse"], rod["spin_change"]
+    roll_x, roll_t, limit, old_x, old_t = rod["roll_x"], rod["roll_t"], rod["limit"], rod["slip_x"], rod["slip_t"]
     step, half_radius = p.step, 0.5 * p.radius
-    ease = 1.0 + p.mass * p.radius * p.radius / p.inertia  # speed an impulse gives a surface that spins, too
-    share, bend = 1.0 / ease, 3.0 * ease * ease
+    mobility = 1.0 + p.mass * p.radius * p.radius / p.inertia  # speed an impulse gives a surface that spins, too
+    share, weight = 1.0 / mobility, 3.0 * mobility * mobility
     for i in range(p.segments + 1):
         surface = half_radius * (spin[i] + spin[i + 1])
         across = vy[i] * ey[i] + vz[i] * ez[i]
         free_x = vx[i] + surface * roll_x[i] - px[i]
-        free_t = across + surface * roll_t[i] - ease * pt[i]
+        free_t = across + surface * roll_t[i] - mobility * pt[i]
         stop_x, stop_t = -free_x, -share * free_t
-        # Fast slip is opposed along itself; what is about to stick, along the impulse that stops it; smoothly between.
-        square, limit = free_x * free_x + free_t * free_t, cap[i] * cap[i]
-        slip_x, slip_t = -free_x * (square + ease * bend * limit), -free_t * (square + bend * limit)
-        scale = cap[i] / (math.sqrt(slip_x * slip_x + slip_t * slip_t) + _TINY)
-        sticks = stop_x * stop_x + stop_t * stop_t <= limit
+        # Fast slip is opposed along its own direction, slip that is about to stop along the impulse that stops it;
+        # between the two the direction changes smoothly.
+        square, squared_limit = free_x * free_x + free_t * free_t, limit[i] * limit[i]
+        slip_x, slip_t = (
+            -free_x * (square + mobility * weight * squared_limit),
+            -free_t * (square + weight * squared_limit),
+        )
+        scale = limit[i] / (math.sqrt(slip_x * slip_x + slip_t * slip_t) + _TINY)
+        sticks = stop_x * stop_x + stop_t * stop_t <= squared_limit
         new_x = stop_x if sticks else scale * slip_x
         new_t = stop_t if sticks else scale * slip_t
-        left_x, left_t = free_x + new_x, free_t + ease * new_t
+        left_x, left_t = free_x + new_x, free_t + mobility * new_t
         lost[i] -= 0.5 * (new_x * (old_x[i] + left_x) + new_t * (old_t[i] + left_t))
         old_x[i], old_t[i] = left_x, left_t
         dx, dt = new_x - px[i], new_t - pt[i]
         px[i], pt[i] = new_x, new_t
         new = new_x * roll_x[i] + new_t * roll_t[i]
-        more[i] = new - turn[i]
-        turn[i] = new
+        spin_change[i] = new - spin_impulse[i]
+        spin_impulse[i] = new
         u, v, w = vx[i] + dx, vy[i] + dt * ey[i], vz[i] + dt * ez[i]
         vx[i], vy[i], vz[i] = u, v, w
         x[i] += step * u
@@ -315,7 +320,7 @@ def _rub(rod: Any, p: Physics) -> None:
 
 @kernel
 def _decay(rod: Any, p: Physics) -> None:
-    """Damp every velocity for half a step and book what is lost."""
+    """Damp every velocity for half a step and add up the energy lost."""
     vx, vy, vz, lost = rod["vx"], rod["vy"], rod["vz"], rod["lost_damping"]
     w1, w2, w3, lost_turning = rod["w1"], rod["w2"], rod["w3"], rod["lost_turning"]
     factor = p.decay
@@ -341,7 +346,7 @@ def drift(rod: Any, time: float, p: Physics) -> None:
         x[i] += time * vx[i]
         y[i] += time * vy[i]
         z[i] += time * vz[i]
-    _turn(rod, False, time, p)
+    _rotate(rod, False, time, p)
 
 
 @kernel
@@ -354,22 +359,22 @@ def advance(rod: Any, steps: int, p: Physics) -> None:
         if p.decay != 1.0:
             _decay(rod, p)
         speed = vx[0] - vx[n]
-        _curve(rod, p)
+        _moments(rod, p)
         if p.friction > 0.0:
-            _segments(rod, True, p)
-            _pads(rod, n, force)
-            _press(rod, p)
-            if p.ends == HINGED:  # what bears the ends is the hinge
-                rod["cap"][0] = rod["cap"][n] = 0.0
-            _rub(rod, p)
+            _segment_forces(rod, True, p)
+            _fill_ghost_cells(rod, n, force)
+            _contact(rod, p)
+            if p.ends == HINGED:  # the hinge bears the ends, not the wall
+                rod["limit"][0] = rod["limit"][n] = 0.0
+            _friction(rod, p)
         else:
-            _segments(rod, False, p)
-            _pads(rod, n, force)
-            _nodes(rod, p)
+            _segment_forces(rod, False, p)
+            _fill_ghost_cells(rod, n, force)
+            _frictionless_step(rod, p)
         if p.ends != FREE:
-            _hold(rod, p)
+            _hold_ends(rod, p)
         rod["work"][0] += 0.5 * p.step * force * (speed + vx[0] - vx[n])
         if p.decay != 1.0:
             _decay(rod, p)
-        _turn(rod, p.friction > 0.0, p.step, p)
+        _rotate(rod, p.friction > 0.0, p.step, p)
     rod["clock"][0] = first + steps

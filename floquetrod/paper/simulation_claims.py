@@ -48,12 +48,12 @@ class Draw:
     @property
     def modes(self) -> tuple[int, ...]:
         """The modes that can grow, kicked alone in ``alone``."""
-        return tuple(outcome.trial.perturbation.highest_mode for outcome in self.alone)
+        return tuple(outcome.trial.problem.perturbation.highest_mode for outcome in self.alone)
 
     @property
     def shares(self) -> tuple[float, ...]:
         """Part of the friction that those modes feel at the start, one for all that they would feel alone."""
-        return tuple(friction_share(self.whole.trial.perturbation, mode) for mode in self.modes)
+        return tuple(friction_share(self.whole.trial.problem.perturbation, mode) for mode in self.modes)
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def trials(quick: bool) -> list[list[Trial]]:
     ]
     fewer = Perturbation.case("C", SPEED, 10, 2, FEWER)
     redrawn += [
-        replace(trial, case=f"C 10 up to mode {FEWER}, seed 2", perturbation=fewer)
+        _perturbed(trial, f"C 10 up to mode {FEWER}, seed 2", fewer)
         for trial in figure_7(("C 10",), segments=segments)
         if (trial.frequency, trial.mean, trial.case) == REDRAWN[0]
     ]
@@ -111,19 +111,24 @@ def _parts(trial: Trial, seed: int) -> list[Trial]:
     draw comes near that.
     """
     whole = Perturbation.case("C", SPEED, 10, seed, HIGHEST)
-    judged = ROD.stability(trial.load, friction=Coulomb(trial.friction, SPEED))
+    judged = ROD.stability(trial.problem.load, friction=Coulomb(trial.problem.friction, SPEED))
     able = {mode for mode, speed in judged.critical_velocities.items() if speed < 2.0 * SPEED}
     speeds = dict(whole.speeds)
     others = Perturbation.modes({mode: speed for mode, speed in speeds.items() if mode not in able})
     name = f"C 10, seed {seed}"
     return [
-        replace(trial, case=name, perturbation=whole),
-        replace(trial, case=f"{name}, without modes {_and(able)}", perturbation=others),
+        _perturbed(trial, name, whole),
+        _perturbed(trial, f"{name}, without modes {_and(able)}", others),
         *(
-            replace(trial, case=f"mode {mode} of {name}", perturbation=Perturbation.modes({mode: speeds[mode]}))
+            _perturbed(trial, f"mode {mode} of {name}", Perturbation.modes({mode: speeds[mode]}))
             for mode in sorted(able)
         ),
     ]
+
+
+def _perturbed(trial: Trial, case: str, perturbation: Perturbation) -> Trial:
+    """Return a trial with another perturbation, under its name."""
+    return replace(trial, case=case, problem=trial.problem.replace(perturbation=perturbation))
 
 
 def friction_share(perturbation: Perturbation, mode: int) -> float:
@@ -160,7 +165,7 @@ def f4(study: Study) -> Claim:
         "predicted one",
         not wrong,
         "; ".join(f"{o.trial}: {_found(o)}, predicted modes {_and(o.trial.expected_modes)}" for o in wrong),
-        not wrong and lead > 1.5 and off < 0.01 * (250.0 / outcomes[0].trial.segments) ** 2,
+        not wrong and lead > 1.5 and off < 0.01 * (250.0 / outcomes[0].trial.problem.segments) ** 2,
     )
 
 
@@ -277,7 +282,7 @@ def _lead(outcome: Outcome) -> float:
 def _growth_error(outcome: Outcome) -> float:
     """Return how far the fitted growth rate of the expected mode is from the predicted one, relative to this."""
     (mode,) = outcome.trial.expected_modes
-    predicted = ROD.stability(outcome.trial.load, [mode]).growth_rate
+    predicted = ROD.stability(outcome.trial.problem.load, [mode]).growth_rate
     return abs(outcome.run.growth_rate(mode).rate / predicted - 1.0)
 
 

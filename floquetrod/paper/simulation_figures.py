@@ -20,11 +20,11 @@ def figure_4(study: Study) -> Any:
         for row, outcome in enumerate(group):
             title = f"$F_\\mathrm{{ave}} = {outcome.trial.mean:g}\\,F_\\mathrm{{cr}}$: {_words(outcome, 'predicted')}"
             strips.draw_strip(outcome.run, axes[row, column], title)
-    trial = study.figure_4[0].trial
+    trial, problem = study.figure_4[0].trial, study.figure_4[0].trial.problem
     drawing.caption(
         figure,
-        f"Simulated rods without friction from above, {trial.segments} segments, amplitude {trial.amplitude:g} F_cr, "
-        f"started with random speeds ({trial.case}): four times of the last quarter of {trial.duration:g} s, black "
+        f"Simulated rods without friction from above, {problem.segments} segments, amplitude {trial.amplitude:g} F_cr, "
+        f"started with random speeds ({trial.case}): four times of the last quarter of {problem.duration:g} s, black "
         "where farthest out. The scale across is stretched; the forces at 85 rad/s, which the paper does not tell, are "
         "ours.",
         112,
@@ -39,12 +39,12 @@ def figure_7(study: Study) -> Any:
     figure, axes = strips.strips(rows, columns, (8.0, 7.6), ROD.radial_clearance)
     for place, outcome in enumerate(study.figure_7):
         strips.draw_strip(outcome.run, axes.flat[place], _words(outcome, "paper"))
-    trial = study.figure_7[0].trial
+    trial, problem = study.figure_7[0].trial, study.figure_7[0].trial.problem
     drawing.caption(
         figure,
-        f"Simulated rods with friction {trial.friction:g} from above, {trial.segments} segments, amplitude "
+        f"Simulated rods with friction {problem.friction:g} from above, {problem.segments} segments, amplitude "
         f"{trial.amplitude:g} F_cr, kicks of {1e3 * SPEED:g} mm/s (columns), y in mm: four times of the last quarter "
-        f"of {trial.duration:g} s, black where farthest out. The first mode of C is that of A: 6 at 85, 8 at 150 "
+        f"of {problem.duration:g} s, black where farthest out. The first mode of C is that of A: 6 at 85, 8 at 150 "
         "rad/s. Where the paper found something else, the title says what.",
         112,
     )

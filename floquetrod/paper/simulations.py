@@ -17,8 +17,7 @@ from floquetrod._util.compilation import cores
 from floquetrod.rod.load import AxialLoad
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.integration import Progress
-from floquetrod.simulation.result import Simulation
-from floquetrod.simulation.simulate import simulate
+from floquetrod.simulation.problem import Simulation, SimulationProblem
 from floquetrod.simulation.start import Perturbation
 
 ROD = Rod.nitinol()
@@ -45,53 +44,38 @@ class Trial:
 
     Attributes
     ----------
-    mean, amplitude, frequency : float
-        The load: parts of the critical force, and rad/s.
-    friction : float
+    problem : SimulationProblem
+    mean : float
+        The mean force as the paper states it, a part of the critical force.
     case : str
         The perturbation in a word.
-    perturbation : Perturbation
     expected_modes : tuple of int
         The modes one of which is expected to win; none when the rod is expected to stay.
-    duration : float
-        s.
-    segments, frames : int
     """
 
+    problem: SimulationProblem
     mean: float
-    amplitude: float
-    frequency: float
-    friction: float
     case: str
-    perturbation: Perturbation
     expected_modes: tuple[int, ...]
-    duration: float
-    segments: int
-    frames: int = 400
 
     @property
-    def load(self) -> AxialLoad:
-        """The load in N and rad/s."""
-        force = ROD.critical_force
-        return AxialLoad(self.mean * force, self.amplitude * force, self.frequency)
+    def frequency(self) -> float:
+        """Frequency of the load in rad/s."""
+        return self.problem.load.frequency
+
+    @property
+    def amplitude(self) -> float:
+        """Amplitude of the load, a part of the critical force."""
+        return self.problem.load.amplitude / ROD.critical_force
 
     def carry_out(self, progress: Progress | None = None) -> Outcome:
         """Simulate it; ``progress`` is called with the steps done and to do."""
-        run = simulate(
-            ROD,
-            self.load,
-            self.duration,
-            self.friction,
-            self.perturbation,
-            self.segments,
-            frames=self.frames,
-            progress=progress,
-        )
+        run = self.problem.run(progress)
         return Outcome(self, run.buckled, run.dominant_mode if run.buckled else 0, run)
 
     def __str__(self) -> str:
-        """Return what tells it from the others."""
-        return f"{self.frequency:g} rad/s, mean {self.mean:g} Fcr, friction {self.friction:g}, {self.case}"
+        """Return what distinguishes it from the others."""
+        return f"{self.frequency:g} rad/s, mean {self.mean:g} Fcr, friction {self.problem.friction:g}, {self.case}"
 
 
 @dataclass(frozen=True)
@@ -119,11 +103,12 @@ def figure_4(seed: int = 1, speed: float = 1e-3, duration: float = 2.0, segments
     kick, trials = Perturbation.random(speed, seed), []
     for frequency, means in FIGURE_4.items():
         for mean in means:
-            verdict = ROD.stability(AxialLoad(mean * ROD.critical_force, 0.2 * ROD.critical_force, frequency))
+            load = _load(mean, 0.2, frequency)
+            verdict = ROD.stability(load)
             rates = zip(verdict.modes, verdict.mode_growth_rates, strict=True)
             grow = tuple(mode for mode, rate in rates if rate * duration > np.log(100.0))
-            name = f"random, seed {seed}"
-            trials.append(Trial(mean, 0.2, frequency, 0.0, name, kick, grow, duration, segments))
+            problem = SimulationProblem(ROD, load, duration=duration, perturbation=kick, segments=segments)
+            trials.append(Trial(problem, mean, f"random, seed {seed}", grow))
     return trials
 
 
@@ -145,8 +130,17 @@ def figure_7(
             letter, _, mode = name.partition(" ")
             kick = Perturbation.case(letter, SPEED, int(mode or first), seed, HIGHEST)
             modes = (expected[name],) if expected[name] else ()
-            trials.append(Trial(mean, 0.7, frequency, 0.1, name, kick, modes, duration, segments))
+            load = _load(mean, 0.7, frequency)
+            problem = SimulationProblem(
+                ROD, load, duration=duration, friction=0.1, perturbation=kick, segments=segments
+            )
+            trials.append(Trial(problem, mean, name, modes))
     return trials
+
+
+def _load(mean: float, amplitude: float, frequency: float) -> AxialLoad:
+    """Return a load from parts of the critical force and a frequency in rad/s."""
+    return AxialLoad(mean * ROD.critical_force, amplitude * ROD.critical_force, frequency)
 
 
 def carry_out(

@@ -30,7 +30,7 @@ _LINES = {
 
 
 def draw_top_view(run: Any, ax: Any = None, pictures: int = 5) -> Any:
-    """Draw a `floquetrod.simulation.Simulation` from above: some times of its last quarter, the last one black."""
+    """Draw a `floquetrod.Simulation` from above: some times of its last quarter, the last one black."""
     ax = new_axes() if ax is None else ax
     last = run.time.size - 1
     chosen = np.unique(np.linspace(last - last // 4, last, pictures).astype(int))
@@ -73,7 +73,7 @@ def strips(rows: Sequence[str], columns: Sequence[str], size: tuple[float, float
 
 
 def draw_energy(run: Any, ax: Any = None) -> Any:
-    """Draw the sizes of the energies of a `floquetrod.simulation.Simulation` over time, seven decades of them."""
+    """Draw the sizes of the energies of a `floquetrod.Simulation` over time, seven decades of them."""
     ax = new_axes() if ax is None else ax
     for name, (colour, line) in _LINES.items():
         ax.plot(run.time, np.abs(run.energy[name]), color=colour, linestyle=line, linewidth=1.0, label=name)
@@ -134,7 +134,7 @@ def animate_top_view(run: Any, pictures: int = 200) -> Any:
     clock = ax.text(0.99, 0.95, "", transform=ax.transAxes, ha="right", va="top", fontsize="small")
     _frame_axes(ax, run)
     ax.figure.draw_without_rendering()
-    ax.figure.set_layout_engine("none")  # it is laid out: once for all pictures
+    ax.figure.set_layout_engine("none")  # laid out once, for all pictures
 
     def show(frame: int) -> tuple[Any, Any]:
         line.set_data(run.positions[frame, :, 0], 1e3 * run.positions[frame, :, 1])
@@ -157,7 +157,7 @@ def save_animation(animation: Any, path: Path, progress: Callable[[int, int], No
     from matplotlib import pyplot
 
     require_writer(path)
-    # A writer opens its file by name, and tells the kind from it: so a folder elsewhere, not a temporary name.
+    # A writer opens its file by name, and derives the kind from the name: hence a folder, not a temporary name.
     with tempfile.TemporaryDirectory() as folder:
         drawn = Path(folder) / f"drawn{path.suffix}"
         writer = "pillow" if path.suffix == ".gif" else "ffmpeg"

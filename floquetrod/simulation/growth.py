@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 LEAST_PER_PERIOD = 8  # frames in a forcing period: interpolation between them costs the rate less than 1e-4
+_LINEAR_UP_TO = 0.05  # rad: up to here sin(theta) is theta to 4e-4 (a choice)
 _MARGIN = 4  # frames at both ends to which the recurrence does not reach (heuristic)
 
 
@@ -52,6 +53,38 @@ def fit_growth(
     half = len(places) // 2
     both = rate(slice(None)), abs(rate(slice(None, half)) - rate(slice(half, None)))
     return GrowthFit(both[0], float(time[0]), float(time[-1]), 0.5 * both[1])
+
+
+def fit_linear_growth(
+    time: NDArray[np.float64],
+    amplitude: NDArray[np.float64],
+    largest_angle: NDArray[np.float64],
+    *,
+    duration: float,
+    frames: int,
+    period: float | None,
+    damping_rate: float,
+) -> GrowthFit:
+    """Return the growth rate of a mode up to the time at which any node passes 0.05 rad.
+
+    ``duration`` in s and ``frames`` are those of the whole run.  ``period`` is that of the force, in s; None where it
+    is constant, and any period will do.  Raises ValueError where there are fewer than three periods, or fewer than 8
+    frames in each.
+    """
+    beyond = np.flatnonzero(largest_angle > _LINEAR_UP_TO)
+    count = int(beyond[0]) if beyond.size else time.size
+    step = duration / (frames - 1)
+    if period is None:
+        period = max(count, 9) * step / 4.0
+    if period < LEAST_PER_PERIOD * step:
+        needed = math.ceil(LEAST_PER_PERIOD * duration / period) + 1
+        raise ValueError(f"growth_rate needs {LEAST_PER_PERIOD} frames a forcing period: ask for {needed} frames")
+    if (count - 1) * step < 3.0 * period:
+        raise ValueError(
+            f"growth_rate needs three forcing periods of motion below {_LINEAR_UP_TO:g} rad, got "
+            f"{max(0, count - 1) * step / period:.2g}; simulate longer, or from a smaller perturbation"
+        )
+    return fit_growth(time[:count], amplitude[:count], period, damping_rate)
 
 
 def growth_of_trace(trace: float, period: float, damping_rate: float) -> float:

@@ -1,4 +1,4 @@
-"""A rod cut into segments: what the simulation computes with, how large a step it bears, what energy it has."""
+"""The discretised rod: its segments and nodes, the largest stable time step, the steps of a run, its energies."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from floquetrod.rod.load import AxialLoad
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS
 
 SAFETY = 0.9  # of the largest time step of the linearised rod (heuristic: large motion never came near the rest)
+_MOST_WORK = 1e14  # steps times segments, of which a core does some 1e8 in a second: two weeks (a choice)
+_SMALLEST_PART = 1e-9  # of the critical step: a smaller one adds nothing but rounding (a choice)
 
 ENERGIES = (
     "kinetic",
@@ -32,7 +34,28 @@ ENERGIES = (
 """What `DiscreteRod.energies` returns."""
 
 STEP_LIMITS = ("stretch", "shear", "contact", "choice")
-"""What sets a time step: three motions of the rod, or whoever asked for a smaller one."""
+"""What limits a time step: three motions of the rod, or the caller's choice of a smaller one."""
+
+
+@dataclass(frozen=True)
+class TimeSteps:
+    """The time steps of a run: their number, how many lie between frames, their size in s, and what limits it."""
+
+    count: int
+    per_frame: int
+    size: float
+    limit: str
+
+    @property
+    def frames(self) -> int:
+        """Frames kept, the start and the end among them."""
+        return self.count // self.per_frame + 1
+
+    @classmethod
+    def between_frames(cls, duration: float, frames: int, per_frame: int, limit: str) -> TimeSteps:
+        """Return the steps of a run of ``duration`` s, ``per_frame`` of them between each two frames."""
+        count = (frames - 1) * per_frame
+        return cls(count, per_frame, duration / count, limit)
 
 
 @dataclass(frozen=True)
@@ -47,7 +70,8 @@ class DiscreteRod:
     poisson_ratio : float
         In (-1, 0.5]; with Young's modulus it gives the shear modulus.
     indentation : float
-        How deep the rod at rest sinks into the floor, as a part of R: it sets the stiffness of the contact.
+        Depth to which the weight of the rod at rest indents the floor, as a part of R: it sets the stiffness of the
+        contact.
     contact_damping : float
         Damping of small motion against the wall about rest, as a part of the critical damping.
 
@@ -57,8 +81,8 @@ class DiscreteRod:
 
     Examples
     --------
-    >>> cut = DiscreteRod(RodData.nitinol(), 250)
-    >>> step, limit = cut.critical_time_step()
+    >>> mesh = DiscreteRod(RodData.nitinol(), 250)
+    >>> step, limit = mesh.critical_time_step()
     >>> f"{1e6 * step:.2f} us, set by {limit}"
     '2.91 us, set by shear'
     """
@@ -149,12 +173,12 @@ class DiscreteRod:
 
     @property
     def depth_at_rest(self) -> float:
-        """How deep the rod at rest sinks into the floor, in m."""
+        """Depth to which the weight of the rod at rest indents the floor, in m."""
         return self.indentation * self.rod.radial_clearance
 
     @property
     def contact_stiffness(self) -> float:
-        """Factor k of the contact's acceleration k sqrt(d) (d + C v): at rest it bears the weight."""
+        """Factor k of the contact's acceleration k sqrt(d) (d + C v): at rest it carries the weight."""
         gap, depth = self.rod.radial_clearance, self.depth_at_rest
         d = depth * (1.0 + 0.5 * depth / gap)  # the measure of indentation of the kernels
         return self.rod.gravity / (math.sqrt(d) * d * (1.0 + depth / gap))
@@ -165,7 +189,7 @@ class DiscreteRod:
         return 2.0 * self.contact_damping * math.sqrt(1.5 * self.depth_at_rest / self.rod.gravity)
 
     def critical_time_step(self, impact_speed: float = 0.0) -> tuple[float, str]:
-        """Return the largest safe time step in s and what sets it: "stretch", "shear" or "contact".
+        """Return the largest stable time step in s, with a margin, and what limits it: "stretch", "shear" or "contact".
 
         The fastest motion of the linearised rod in which neighbours move against each other has the frequency w; a step
         below 2 / w is stable.  Stretch: w^2 = 4 E / (rho l^2).  Nodes against turning segments: the larger eigenvalue
@@ -216,8 +240,64 @@ class DiscreteRod:
             frequency=load.frequency,
         )
 
-    def at_rest(self, force: float = 0.0) -> Any:
-        """Return the record of the rod straight on the floor, squeezed by ``force`` (N), sunk in by its weight."""
+    def time_steps(self, duration: float, frames: int, largest: float | None, speed: float) -> TimeSteps:
+        """Return the steps of a run: as few as the critical time step allows, equally many between all frames.
+
+        Parameters
+        ----------
+        duration : float
+            s.
+        frames : int
+            Frames kept, the start and the end among them.
+        largest : float or None
+            The largest step in s that the caller wants, None to leave it to the critical time step.
+        speed : float
+            The largest speed across the channel at the start, in m/s.
+
+        Raises
+        ------
+        ValueError
+            For a step that is unstable or far too small, for more than 1e14 steps times segments, and for frames that
+            lie too close together.
+        ArithmeticError
+            For data so extreme that the critical time step is not a positive number.
+        """
+        step, limit = self._largest_step(largest, speed)
+        steps, most = max(duration / step, frames - 1.0), _MOST_WORK / self.segments
+        if steps > most:
+            name, value = ("duration", duration) if largest is None else ("time_step", step)
+            raise ValueError(
+                f"{name} of {value:.4g} s makes {steps:.4g} steps of {step:.4g} s, at most {most:.4g} are taken with "
+                f"{self.segments} segments (about two weeks on one core); simulate a shorter time, or take a longer "
+                "step or fewer segments"
+            )
+        between = duration / (frames - 1)
+        if between < _SMALLEST_PART * step:
+            raise ValueError(
+                f"duration must be at least {(frames - 1) * _SMALLEST_PART * step:.4g} s with {frames} frames, got "
+                f"{duration:.4g} s"
+            )
+        return TimeSteps.between_frames(duration, frames, math.ceil(between / step), limit)
+
+    def _largest_step(self, asked: float | None, speed: float) -> tuple[float, str]:
+        """Return the largest step to take in s, and what limits it."""
+        critical, limit = self.critical_time_step(speed)
+        if not 0.0 < critical < math.inf:
+            raise ArithmeticError(f"its critical time step is {critical} s")
+        if asked is None:
+            return critical, limit
+        if asked > critical:
+            raise ValueError(
+                f"time_step must be at most {critical:.4g} s, got {asked:.4g} s: a longer one is unstable, by "
+                f"{self.critical_time_step()[1]}; leave it out, or take fewer segments"
+            )
+        if asked < _SMALLEST_PART * critical:
+            least = _SMALLEST_PART * critical
+            raise ValueError(f"time_step must be at least {least:.4g} s, got {asked:.4g} s; leave it out")
+        return asked, "choice"
+
+    def straight(self, force: float = 0.0) -> Any:
+        """Return the record of the rod at rest, straight on the floor, squeezed by ``force`` (N)."""
         rod = np.zeros(1, cosserat.rod_type(self.segments))[0]
         n = self.segments
         squeezed = 1.0 - force / (self.rod.youngs_modulus * self.rod.area)
@@ -226,10 +306,10 @@ class DiscreteRod:
         rod["q0"][:n] = 1.0
         return rod
 
-    def set_off(self, rod: Any) -> None:
-        """Prepare a record of positions and velocities for its first step: held ends, surface velocities."""
+    def initialise(self, rod: Any) -> None:
+        """Complete a record of positions and velocities before its first step: anchors, surface velocities."""
         for place, node in enumerate((0, 1, self.segments)):
-            rod["home"][3 * place : 3 * place + 3] = [rod[axis][node] for axis in "xyz"]
+            rod["anchor"][3 * place : 3 * place + 3] = [rod[axis][node] for axis in "xyz"]
         n = self.segments
         y, z, spin = rod["y"][: n + 1], rod["z"][: n + 1], np.pad(rod["w1"][:n], 1, mode="edge")
         around = (y * rod["vz"][: n + 1] - z * rod["vy"][: n + 1]) / np.maximum(np.hypot(y, z), 1e-300)

@@ -16,6 +16,7 @@ EQUATION = fr.Mathieu(0.5, -0.3, 0.01)
 FRICTION = fr.FrictionalMathieu(1.0, 0.3, 1.0)
 
 VALUES = (fr.AxialLoad, fr.Coulomb, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
+VALUES += (fr.SimulationProblem,)
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.SafeRanges, fr.Simulation, fr.mathieu.TransitionCurves)
@@ -45,6 +46,8 @@ LEFT_OUT = {
     "Chart.plot": "its axes are an object of matplotlib",
     "Chart.to_xarray": "takes no argument",
     "Simulation.animate": "takes no argument",
+    "SimulationProblem.as_dict": "takes no argument",
+    "SimulationProblem.from_dict": "reads what files hold, which are damaged elsewhere",
     "Simulation.plot": "its axes are an object of matplotlib",
     "Simulation.plot_energy": "its axes are an object of matplotlib",
     "Simulation.plot_growth": "its axes are an object of matplotlib",
@@ -171,8 +174,9 @@ def _of_rods(place: Path) -> dict[str, Call]:
     sheet = {name: getattr(ROD, name) for name in ROD.__dataclass_fields__}
     mu, tolerance = {"mu": 0.1}, {"growth_tolerance": 0.1}
     coulomb = fr.Coulomb(0.1, 0.05)
-    run = {"duration": 0.005, "friction": 0.1, "segments": 40, "time_step": None, "frames": 3, "checkpoint": None}
+    run = {"duration": 0.005, "friction": 0.1, "segments": 40, "time_step": None, "frames": 3}
     run |= {"perturbation": None, "poisson_ratio": 0.33, "indentation": 1e-4, "contact_damping": 0.3}
+    problem = fr.SimulationProblem(ROD, LOAD, duration=0.005, segments=40, frames=3)
     judged = {"criterion": None, "friction": None, "workers": 1}
     return {
         "Coulomb": Call(fr.Coulomb, {"mu": 0.1, "velocity": 0.05}),
@@ -209,7 +213,10 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.growth_rate": Call(ROD.growth_rate, {**load, "workers": 1}),
         "Rod.fastest": Call(ROD.fastest, {**load, "workers": 1}),
         "Explorer": Call(fr.Explorer, {"rod": ROD, "load": LOAD}),
-        "simulate": Call(fr.simulate, {"rod": ROD, "load": LOAD, **run}),
+        "simulate": Call(fr.simulate, {"rod": ROD, "load": LOAD, **run, "checkpoint": None}),
+        "SimulationProblem": Call(fr.SimulationProblem, {"rod": ROD, "load": LOAD, **run}),
+        "SimulationProblem.replace": Call(problem.replace, run),
+        "SimulationProblem.run": Call(problem.run, {"checkpoint": None}),
         "stability_map": Call(
             fr.stability_map,
             {

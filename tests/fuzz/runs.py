@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.simulation import integration as course
+from floquetrod.simulation import checkpoints, integration
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.4, 0.6, 150.0)
@@ -18,8 +18,9 @@ LOAD = fr.AxialLoad(0.4, 0.6, 150.0)
 
 def simulate(checkpoint: Path | None = None, frames: int = 12, progress: Any = None) -> fr.Simulation:
     """Run, with a checkpoint after every piece of work instead of every few seconds."""
-    before = course._BETWEEN_CHECKPOINTS, course._AT_ONCE
-    course._BETWEEN_CHECKPOINTS, course._AT_ONCE = -1.0, 1  # pieces of a thousand steps, saved one by one
+    before = checkpoints._SECONDS_BETWEEN, integration._ELEMENT_STEPS
+    # Pieces of a thousand steps, saved one by one.
+    checkpoints._SECONDS_BETWEEN, integration._ELEMENT_STEPS = -1.0, 1
     try:
         return fr.simulate(
             ROD,
@@ -33,7 +34,7 @@ def simulate(checkpoint: Path | None = None, frames: int = 12, progress: Any = N
             progress=progress,
         )
     finally:
-        course._BETWEEN_CHECKPOINTS, course._AT_ONCE = before
+        checkpoints._SECONDS_BETWEEN, integration._ELEMENT_STEPS = before
 
 
 @functools.cache

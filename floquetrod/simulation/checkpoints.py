@@ -1,0 +1,234 @@
+"""Checkpoints: files from which a simulation continues to the bit, and what those bits depend on."""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import platform
+import sys
+import time
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from importlib import metadata
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import files
+from floquetrod._util.version import __version__
+from floquetrod.kernels import cosserat
+from floquetrod.simulation.mesh import ENERGIES, TimeSteps
+from floquetrod.simulation.result import RecordedMotion
+
+_FORMAT = "floquetrod checkpoint 3"
+_SECONDS_BETWEEN = 5.0  # of wall time, between saves (a choice)
+_QUICK_SAVE = 0.25  # s: after one that takes longer, the next is put off as many times longer (a choice)
+_PACKAGE = Path(__file__).parents[1]
+_COMPUTING = ("_util", "kernels", "rod", "simulation")
+"""Packages whose sources determine the bits of a run; a test follows every function that one calls."""
+
+
+class CheckpointWarning(UserWarning):
+    """A checkpoint could not be written; the run continues, and its frames are kept in memory.
+
+    Where warnings are errors, this one is raised at the end alone: ``simulation`` is then what `simulate` would have
+    returned.
+    """
+
+    def __init__(self, message: str, simulation: Any = None) -> None:
+        """Keep the result, if there is one yet."""
+        super().__init__(message)
+        self.simulation = simulation
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Tell pickle of both arguments."""
+        return type(self), (str(self), self.simulation)
+
+
+class RunState(NamedTuple):
+    """A run under way: record of the rod now and one piece of steps earlier, frames so far, wall time in s."""
+
+    rod: Any
+    before: Any
+    frames: dict[str, NDArray[np.float64]]
+    seconds: float
+
+
+class Resumable(NamedTuple):
+    """What the content of a file is checked against.
+
+    The segments and time steps of the run, the steps there may be between its two records, and what computes them.
+    """
+
+    segments: int
+    time_steps: TimeSteps
+    most_steps: int
+    advance: Callable[[Any, int], Any]
+
+    def record(self, arrays: Mapping[str, NDArray[Any]], name: str) -> Any:
+        """Return the record of the rod that a file holds under ``name``."""
+        layout = cosserat.rod_type(self.segments)
+        (rod,) = np.frombuffer(bytearray(files.field(arrays, name, np.uint8, (layout.itemsize,))), dtype=layout)
+        clock = float(rod["clock"][0])
+        if not (0.0 <= clock <= self.time_steps.count and clock == int(clock)):
+            raise ValueError(f"the clock of its {name} shows {clock!r} steps")
+        return rod
+
+    def frames(self, arrays: Mapping[str, NDArray[Any]], rod: Any) -> dict[str, NDArray[np.float64]]:
+        """Return the frames that a file holds, as many as the clock of its record says."""
+        count = int(rod["clock"][0]) // self.time_steps.per_frame + 1
+        return {
+            name: files.field(arrays, name, np.float64, (count, *shape), finite=True)
+            for name, shape in frame_shapes(self.segments).items()
+        }
+
+
+def frame_shapes(segments: int) -> dict[str, tuple[int, ...]]:
+    """Return the arrays that a frame consists of, with their shapes."""
+    return {"positions": (segments + 1, 3), "velocities": (segments + 1, 3), "energies": (len(ENERGIES),)}
+
+
+class Checkpoint:
+    """The file of one run.
+
+    Parameters
+    ----------
+    path : Path
+        ValueError, before anything is computed, when nothing can be written there.
+    identity : mapping
+        Plain data that distinguishes the run from every other.
+    """
+
+    def __init__(self, path: Path, identity: Mapping[str, Any]) -> None:
+        """Make sure that the file can be written."""
+        self.path = files.writable(path)
+        self._identity = dict(identity)
+        self._due = 0.0
+
+    def exists(self) -> bool:
+        """Return whether there is something to continue from."""
+        return self.path.exists()
+
+    def start_clock(self) -> None:
+        """Count the time to the first save from now."""
+        self._due = time.monotonic() + _SECONDS_BETWEEN
+
+    def save_when_due(self, state: Callable[[], RunState]) -> None:
+        """Save from time to time, or warn: slow saves become rare, so that they take little of a run's time."""
+        now = time.monotonic()
+        if now < self._due:
+            return
+        with suppress(CheckpointWarning):  # raised where warnings are errors: the run is worth more
+            try:
+                self._save(state())
+            except (OSError, ValueError, MemoryError) as error:
+                text = f"checkpoint {self.path} cannot be written ({_cause(error)}); the run continues, and tries again"
+                warnings.warn(CheckpointWarning(text), stacklevel=_level_of_caller())
+        took = time.monotonic() - now
+        self._due = now + took + _SECONDS_BETWEEN * max(1.0, took / _QUICK_SAVE)
+
+    def save_at_the_end(self, state: RunState, result: RecordedMotion) -> None:
+        """Save, or warn, also on Ctrl-C: the result exists and must be returned."""
+        try:
+            self._save(state)
+        except (OSError, ValueError, MemoryError, KeyboardInterrupt) as error:
+            text = f"checkpoint {self.path} has not been brought up to date ({_cause(error)}); the result is in memory"
+            warnings.warn(CheckpointWarning(text, result), stacklevel=_level_of_caller())
+
+    def _save(self, state: RunState) -> None:
+        """Write the file."""
+        meta = {
+            "format": _FORMAT,
+            "version": __version__,
+            "arithmetic": _arithmetic(),
+            "problem": self._identity,
+            "seconds": state.seconds,
+        }
+        records = {"state": state.rod, "before": state.before}
+        arrays = {name: np.frombuffer(rod.tobytes(), np.uint8) for name, rod in records.items()}
+        files.write_npz(self.path, meta, arrays | state.frames, compress=False)
+
+    def load(self, expected: Resumable) -> RunState:
+        """Return the state that the file holds.
+
+        Raises ValueError, with a remedy, when it is damaged, of another format or another run, or cannot be continued
+        to the bit here.
+        """
+        remedy = "or remove it to start anew"
+        try:
+            foreign, state = files.read_npz(
+                self.path, _FORMAT, "a checkpoint of a simulation", lambda *content: self._read(expected, *content)
+            )
+        except ValueError as error:
+            raise ValueError(f"{error}; give another path, {remedy}") from error.__cause__
+        if state is None:
+            raise ValueError(f"checkpoint {self.path} {foreign}, {remedy}")
+        return state
+
+    def _read(
+        self, expected: Resumable, meta: dict[str, Any], arrays: dict[str, NDArray[Any]]
+    ) -> tuple[str, RunState | None]:
+        """Return why the content is not for this run, or the state it holds."""
+        unlike = f"of floquetrod {files.entry(meta, 'version', str)} cannot be continued to the bit here"
+        theirs, ours = files.entry(meta, "arithmetic", dict), _arithmetic()
+        if theirs != ours:
+            other = [f"{name} {value}" for name, value in theirs.items() if ours.get(name) != value]
+            return f"{unlike}: it was computed with {', '.join(other)}; continue it where that is installed", None
+        mine, its = self._identity, files.entry(meta, "problem", dict)
+        if wrong := [name for name in mine if its[name] != mine[name]]:
+            return f"belongs to another run, with another {', '.join(wrong)}; give another path", None
+        before, rod = (expected.record(arrays, name) for name in ("before", "state"))
+        frames = expected.frames(arrays, rod)
+        steps = int(rod["clock"][0]) - int(before["clock"][0])
+        if not 0 <= steps <= expected.most_steps:
+            raise ValueError("its states do not follow one another")
+        # The sources are the same, but a processor or a system's library may differ in a last digit.
+        repeated = before.copy()
+        expected.advance(repeated, steps)
+        if repeated.tobytes() != rod.tobytes():
+            return (
+                f"{unlike}: its last {steps} steps come out otherwise; continue it on the machine that wrote it",
+                None,
+            )
+        return "", RunState(rod, before, frames, files.entry(meta, "seconds", float))
+
+
+def _cause(error: BaseException) -> str:
+    """Return why a save failed, in a few words."""
+    return getattr(error, "strerror", None) or str(error) or type(error).__name__
+
+
+def _level_of_caller() -> int:
+    """Return the stack level, for the caller of this function, of the first frame outside the package."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("floquetrod."):
+        level, frame = level + 1, frame.f_back
+    return level
+
+
+def computing_sources() -> Iterator[Path]:
+    """Yield the files whose code determines the bits of a run, in a fixed order."""
+    for package in _COMPUTING:
+        yield from sorted((_PACKAGE / package).rglob("*.py"))
+
+
+@functools.cache
+def _arithmetic() -> dict[str, str]:
+    """Return what the bits of a run depend on, other than its problem and the processor's own arithmetic."""
+    import numba
+
+    digest = hashlib.sha256()
+    for path in computing_sources():
+        content = path.read_bytes()
+        digest.update(f"{path.relative_to(_PACKAGE).as_posix()} {len(content)}\n".encode() + content)
+    return {
+        "floquetrod": __version__,
+        "sources": digest.hexdigest()[:16],
+        "numba": numba.__version__,
+        "llvmlite": metadata.version("llvmlite"),
+        "numpy": np.__version__,
+        "machine": f"{platform.system()} {platform.machine()}",
+    }

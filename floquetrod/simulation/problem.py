@@ -1,0 +1,404 @@
+"""A rod to be simulated, and what came of it: `SimulationProblem` -> `Simulation`, both plain picklable values."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, asdict, dataclass, field, fields, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import files, validate
+from floquetrod._util.version import __version__
+from floquetrod.rod.coulomb import friction_coefficient
+from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.rod import Rod
+from floquetrod.simulation.checkpoints import Checkpoint
+from floquetrod.simulation.growth import GrowthFit, fit_linear_growth
+from floquetrod.simulation.integration import Integration, Progress
+from floquetrod.simulation.mesh import ENERGIES, STEP_LIMITS, DiscreteRod, TimeSteps
+from floquetrod.simulation.result import RecordedMotion
+from floquetrod.simulation.start import Perturbation
+
+_LARGEST_STRAIN = 0.02  # that a load may cause: beyond it linear elasticity has no meaning (a choice)
+_MOST_MEMORY = 1 << 32  # bytes of all frames (a choice)
+_FORMAT = "floquetrod simulation 3"
+
+
+@dataclass(frozen=True)
+class SimulationProblem:
+    """A rod, its load, and how both are simulated: everything a simulation depends on, in SI units.
+
+    The rod starts straight on the floor, squeezed by the mean force, with the speeds of ``perturbation``; its ends are
+    hinged there, free to move along the channel, and pushed inwards by F(t).  Options are given by keyword.
+
+    Parameters
+    ----------
+    rod : Rod
+    load : AxialLoad
+        Must strain the rod by at most 0.02.
+    duration : float
+        s.
+    friction : float
+        mu, static = kinetic, along the channel and around it.
+    perturbation : Perturbation, optional
+        By default Perturbation.random(1e-3, seed=1), which the problem then holds.
+    segments : int
+        At least 6 for every half wave of the critical mode and of those the perturbation names; none shorter than the
+        rod's radius.
+    time_step : float, optional
+        The largest step to take, in s; by default the critical one with a margin.  Frames come at equal numbers of
+        steps, so the step taken, ``time_steps.size``, is a little smaller.
+    frames : int
+        Frames kept, the start and the end among them.
+    poisson_ratio : float
+        In (-1, 0.5]; with Young's modulus it gives the shear modulus.
+    indentation : float
+        Depth to which the weight of the rod at rest indents the floor, as a part of the radial clearance R.
+    contact_damping : float
+        Damping of small motion against the wall about rest, as a part of the critical damping.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what cannot be simulated: among others an unstable time step, a run of more than 1e14 steps times segments,
+        some two weeks, and frames that take more than 4 GiB.
+
+    Notes
+    -----
+    The model of section 3.3 of DOI 10.1115/1.4031710, for any rod; docs/simulator.md says how it is discretised.
+
+    Examples
+    --------
+    >>> problem = SimulationProblem(Rod.nitinol(), AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0), duration=0.01)
+    >>> problem.time_steps.count, problem.replace(duration=0.02).time_steps.count
+    (3591, 7182)
+    """
+
+    rod: Rod
+    load: AxialLoad
+    _: KW_ONLY
+    duration: float = 2.0
+    friction: float = 0.0
+    perturbation: Perturbation = None  # type: ignore[assignment]  # never None once it is made
+    segments: int = 250
+    time_step: float | None = None
+    frames: int = 400
+    poisson_ratio: float = DiscreteRod.poisson_ratio
+    indentation: float = DiscreteRod.indentation
+    contact_damping: float = DiscreteRod.contact_damping
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters; the derived numbers raise for what they cannot be computed from."""
+        validate.instance("rod", self.rod, Rod)
+        validate.instance("load", self.load, AxialLoad)
+        kick = Perturbation.random(1e-3, seed=1) if self.perturbation is None else self.perturbation
+        validate.instance("perturbation", kick, Perturbation, "such as Perturbation.modes({8: 0.05})")
+        cleaned: dict[str, Any] = {
+            "perturbation": kick,
+            "duration": validate.positive("duration", self.duration, "in s"),
+            "frames": validate.integer("frames", self.frames, 2),
+            "friction": friction_coefficient(self.friction, "friction"),
+            "time_step": None if self.time_step is None else validate.positive("time_step", self.time_step, "in s"),
+        }
+        self._hold(cleaned)
+        try:
+            self._require_small_strain()
+            mesh = self.mesh
+            self._hold({name: getattr(mesh, name) for name in _OF_THE_MESH})
+            kick.velocities(self.segments)
+            self._require_memory()
+            _ = self.time_steps
+        except ArithmeticError as error:  # of a rod whose data lie further apart than a double reaches
+            raise ValueError(
+                f"rod, load, indentation or contact_damping too extreme to be simulated ({error.args[-1]}); check "
+                f"the units of {self.rod}"
+            ) from None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return the parameters alone: what follows from them is computed anew in another process."""
+        return {part.name: getattr(self, part.name) for part in fields(self)}
+
+    @cached_property
+    def mesh(self) -> DiscreteRod:
+        """The discretised rod."""
+        return DiscreteRod(self.rod, **{name: getattr(self, name) for name in _OF_THE_MESH})
+
+    @cached_property
+    def time_steps(self) -> TimeSteps:
+        """The steps that will be taken: their number, how many between frames, their size in s, what limits it."""
+        speed = float(np.abs(self.perturbation.velocities(self.segments)).max())
+        return self.mesh.time_steps(self.duration, self.frames, self.time_step, speed)
+
+    def replace(self, **changes: Any) -> SimulationProblem:
+        """Return a copy with some parameters changed, checked anew."""
+        return replace(self, **changes)
+
+    def run(self, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Simulation:
+        """Simulate.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called with the numbers of steps done and to do.
+        checkpoint : path, optional
+            A file that is kept up to date; when it exists at the start, the run continues from it, to the bit the same
+            as if it had never stopped.  A save that fails later warns with `CheckpointWarning`, is tried again, and
+            loses no frame.
+
+        Returns
+        -------
+        Simulation
+            With ``complete`` False, and the frames so far, when interrupted by Ctrl-C.
+
+        Raises
+        ------
+        SimulationDiverged
+            When the rod leaves every physical state; its ``simulation`` holds the frames before.
+        ValueError
+            Before anything is computed, for a checkpoint that cannot be written, is damaged, belongs to another run, or
+            cannot be continued to the bit here (docs/simulator.md says when).
+        """
+        place = None if checkpoint is None else validate.path("checkpoint", checkpoint)
+        validate.progress(progress)
+        file = None if place is None else Checkpoint(place, self.as_dict() | {"time_steps": asdict(self.time_steps)})
+        steps = self.time_steps
+        physics = self.mesh.physics(self.load, steps.size, self.friction)
+        velocities = self.perturbation.velocities(self.segments)
+        return Integration(self.mesh, physics, steps, velocities, self._result, file).run(progress)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the parameters as plain data, for files: what JSON gives back as it was."""
+        plain: dict[str, Any] = json.loads(json.dumps(asdict(self)))
+        return plain
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> SimulationProblem:
+        """Return the problem that `as_dict` wrote; ValueError, KeyError or TypeError for anything else."""
+        kick = Perturbation(*(tuple((a, b) for a, b in data["perturbation"][name]) for name in ("speeds", "noises")))
+        parts = {"rod": Rod(**data["rod"]), "load": AxialLoad(**data["load"]), "perturbation": kick}
+        problem = cls(**{**data, **parts})
+        # As text: to Python 1, 1.0 and True are equal.
+        if json.dumps(problem.as_dict(), sort_keys=True) != json.dumps(data, sort_keys=True):
+            raise ValueError("its problem is not of the kinds it is written with")
+        return problem
+
+    def _hold(self, values: Mapping[str, Any]) -> None:
+        """Set fields of this frozen value while it is made."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def _result(self, motion: RecordedMotion) -> Simulation:
+        """Return the simulation whose frames these are."""
+        recorded = {part.name: getattr(motion, part.name) for part in fields(motion)}
+        return Simulation(problem=self, time_steps=self.time_steps, **recorded)
+
+    def _require_small_strain(self) -> None:
+        """Raise ValueError for a load beyond linear elasticity."""
+        strain = (abs(self.load.mean) + self.load.amplitude) / (self.rod.youngs_modulus * self.rod.area)
+        if strain > _LARGEST_STRAIN:
+            raise ValueError(
+                f"load strains the rod by {strain:.2g}, must be at most {_LARGEST_STRAIN:g}; its critical force is "
+                f"{self.rod.critical_force:.4g} N: check the units"
+            )
+
+    def _require_memory(self) -> None:
+        """Raise ValueError for more frames than memory should hold."""
+        frame = 6 * 8 * (self.segments + 1)
+        most = _MOST_MEMORY // frame
+        if self.frames > most:
+            raise ValueError(
+                f"frames must be at most {most:,} with {self.segments} segments, got {self.frames:,} of {frame:,} "
+                "bytes each; take fewer"
+            )
+
+
+_OF_THE_MESH = [part.name for part in fields(DiscreteRod) if part.name != "rod"]
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class Simulation(RecordedMotion):
+    """The motion of a simulated rod.
+
+    Attributes
+    ----------
+    problem : SimulationProblem
+        What was simulated: rod, load, perturbation, friction, segments and so on.
+    time_steps : TimeSteps
+        The steps taken: their number, how many between frames, their size in s, and what limited it.
+    time : ndarray (frames,)
+        s.
+    positions, velocities : ndarray (frames, nodes, 3)
+        m and m/s; x along the channel, z up, the axis of the channel at y = z = 0.
+    energy : dict of ndarray (frames,)
+        J: kinetic, stretch, shear, bend, twist, gravity, contact (the latter two from rest on the floor), dissipated by
+        contact, friction and damping together and apart ("dissipated_contact", ...), and the work of the end forces.
+    complete : bool
+        Whether it reached its end; False when it was interrupted.
+    seconds : float
+        Wall time it took.
+    version : str
+        Version of the package that made it.
+
+    Simulations are equal when all but time taken and version is, to the bit.
+    """
+
+    problem: SimulationProblem
+    time_steps: TimeSteps
+    version: str = field(default=__version__, compare=False)
+
+    @property
+    def rod(self) -> Rod:
+        """The rod simulated."""
+        return self.problem.rod
+
+    def growth_rate(self, mode: int) -> GrowthFit:
+        """Return the growth rate of a mode in 1/s with the times it was fitted to; zero when it does not grow.
+
+        Fitted up to the time at which any node's angle passes 0.05 rad, beyond which the motion is no longer linear, by
+        `floquetrod.simulation.growth.fit_growth`; best when frames fall on equal parts of the forcing period.  Raises
+        ValueError when there is too little to fit: fewer than three forcing periods or 8 frames a period, or friction,
+        with which nothing grows exponentially.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> rod = fr.Rod.nitinol()
+        >>> load = fr.AxialLoad(mean=0.2 * rod.critical_force, amplitude=0.2 * rod.critical_force, frequency=150.0)
+        >>> run = fr.simulate(rod, load, duration=0.4, perturbation=fr.Perturbation.modes({7: 1e-4}), segments=80)
+        >>> 3.9 < run.growth_rate(7).rate < 4.1
+        True
+        """
+        mode = validate.integer("mode", mode, 1, self._most_modes, self._why_no_more)
+        if self.problem.friction > 0.0:
+            raise ValueError("growth_rate needs a frictionless run; with friction look at mode_amplitudes")
+        problem = self.problem
+        return fit_linear_growth(
+            self.time,
+            self._amplitudes([mode])[:, 0],
+            self.largest_angle,
+            duration=problem.duration,
+            frames=problem.frames,
+            period=2.0 * math.pi / problem.load.frequency if problem.load.amplitude > 0.0 else None,
+            damping_rate=self.rod.damping_rate,
+        )
+
+    @property
+    def caption(self) -> str:
+        """What was simulated, in a line."""
+        problem, scale = self.problem, self.rod.critical_force
+        load = problem.load
+        return (
+            f"mean {load.mean / scale:.3g} Fcr, amplitude {load.amplitude / scale:.3g} Fcr, "
+            f"{load.frequency:.4g} rad/s, friction {problem.friction:g}, {problem.perturbation}"
+        )
+
+    def __repr__(self) -> str:
+        """Return what was simulated, and what came of it."""
+        problem, steps = self.problem, self.time_steps
+        end = "" if self.complete else f", interrupted at {self.time[-1]:.4g} s"
+        what = f"buckled in mode {self.dominant_mode}" if self.buckled else "not buckled"
+        return (
+            f"<{what}, largest angle {math.degrees(self.largest_angle.max()):.3g} degrees; {problem.duration:g} s of a "
+            f"rod of {problem.segments} segments, friction {problem.friction:g}{end}; {steps.count} steps of "
+            f"{1e6 * steps.size:.3g} us, set by {steps.limit}>"
+        )
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the rod from above at five times of the last quarter, the last one black; return the axes."""
+        from floquetrod.plotting.rod import draw_top_view
+
+        return draw_top_view(self, ax)
+
+    def plot_energy(self, ax: Any = None) -> Any:
+        """Draw the energies over time; return the axes."""
+        from floquetrod.plotting.rod import draw_energy
+
+        return draw_energy(self, ax)
+
+    def plot_growth(self, ax: Any = None) -> Any:
+        """Draw the leading modes over time, dashed the growth `Rod.stability` predicts them; return the axes.
+
+        With friction nothing is predicted: what grows is not exponential.
+        """
+        from floquetrod.plotting.rod import draw_growth
+
+        return draw_growth(self, self.leading_modes, self._predicted_rates, ax)
+
+    def plot_run(self) -> Any:
+        """Draw the rod from above over the growth of its leading modes; return the figure."""
+        from floquetrod.plotting.rod import draw_run
+
+        return draw_run(self, self.leading_modes, self._predicted_rates)
+
+    def animate(self) -> Any:
+        """Return a matplotlib animation of the rod from above, of at most 200 pictures."""
+        from floquetrod.plotting.rod import animate_top_view
+
+        return animate_top_view(self)
+
+    @property
+    def _predicted_rates(self) -> tuple[float, ...]:
+        """Growth in 1/s that the mode equations predict the leading modes, zero with friction."""
+        if self.problem.friction > 0.0:
+            return (0.0,) * len(self.leading_modes)
+        return tuple(map(float, self.rod.stability(self.problem.load, self.leading_modes).mode_growth_rates))
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""
+        meta = {
+            "format": _FORMAT,
+            "version": self.version,
+            "problem": self.problem.as_dict(),
+            "steps_per_frame": self.time_steps.per_frame,
+            "step_limit": self.time_steps.limit,
+            "complete": self.complete,
+            "seconds": self.seconds,
+        }
+        arrays = {"time": self.time, "positions": self.positions, "velocities": self.velocities}
+        energy = {f"energy_{name}": values for name, values in self.energy.items()}
+        return files.write_npz(path, meta, {**arrays, **energy}, compress=True)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Simulation:
+        """Read a simulation that `save` wrote.
+
+        Raises ValueError for a file that is damaged, if only in one bit, or foreign.
+        """
+        return files.read_npz(path, _FORMAT, "a simulation", _simulation)
+
+
+def _simulation(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Simulation:
+    """Return the simulation that a file describes; an error where it is not as `Simulation.save` writes it."""
+    problem = SimulationProblem.from_dict(files.entry(meta, "problem", dict))
+    # As they were taken: another version may choose others for the same problem.
+    per_frame = validate.integer("steps_per_frame", files.entry(meta, "steps_per_frame", int), 1)
+    limit = validate.choice("step_limit", meta["step_limit"], STEP_LIMITS)
+    complete, seconds = files.entry(meta, "complete", bool), files.entry(meta, "seconds", float)
+    time = files.field(arrays, "time", np.float64, (None,), finite=True)
+    count, nodes = time.size, problem.segments + 1
+    if not 1 <= count <= problem.frames or (complete and count != problem.frames) or seconds < 0.0:
+        raise ValueError(f"it has {count} of {problem.frames} frames, made in {seconds!r} s")
+    positions, velocities = (
+        files.field(arrays, name, np.float64, (count, nodes, 3), finite=True) for name in ("positions", "velocities")
+    )
+    energy = {
+        name: files.field(arrays, f"energy_{name}", np.float64, (count,), finite=True)
+        for name in (*ENERGIES, "dissipated")
+    }
+    return Simulation(
+        problem=problem,
+        time_steps=TimeSteps.between_frames(problem.duration, problem.frames, per_frame, limit),
+        time=time,
+        positions=positions,
+        velocities=velocities,
+        energy=energy,
+        complete=complete,
+        seconds=seconds,
+        version=files.entry(meta, "version", str),
+    )

@@ -1,0 +1,128 @@
+"""`fr.SimulationProblem`: a value that is checked, replaced, pickled and run, here or in another process."""
+
+from __future__ import annotations
+
+import dataclasses
+import inspect
+import multiprocessing
+import pickle
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+import pytest
+
+import floquetrod as fr
+from floquetrod._util import files
+from floquetrod.simulation import checkpoints
+from floquetrod.simulation.mesh import TimeSteps
+
+ROD = fr.Rod.nitinol()
+LOAD = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)
+PROBLEM = fr.SimulationProblem(ROD, LOAD, duration=0.01, friction=0.1, segments=60, frames=5)
+OPTIONS = [part.name for part in dataclasses.fields(PROBLEM) if part.kw_only]
+
+
+def test_it_holds_what_was_asked_for_cleaned() -> None:
+    problem = fr.SimulationProblem(ROD, LOAD, duration=1, friction=0)
+    assert problem.perturbation == fr.Perturbation.random(1e-3, seed=1)
+    assert problem == fr.SimulationProblem(ROD, LOAD, duration=1.0, perturbation=problem.perturbation)
+    assert (type(problem.duration), type(problem.friction), problem.time_step) == (float, float, None)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        problem.duration = 2.0  # type: ignore[misc]
+
+
+def test_what_follows_from_it_is_computed_anew_when_it_is_replaced() -> None:
+    steps = PROBLEM.time_steps
+    assert (steps.count, steps.frames, steps.limit) == (4 * steps.per_frame, 5, "shear")
+    assert steps.size == 0.01 / steps.count
+    assert PROBLEM.replace(duration=0.02).time_steps.count == pytest.approx(2 * steps.count, abs=8)
+    finer = dataclasses.replace(PROBLEM, segments=120)
+    assert (finer.mesh.segments, finer.time_steps.count) == (120, pytest.approx(2 * steps.count, rel=0.1))
+    small = PROBLEM.replace(time_step=1.5e-6)  # which 2.5 ms between frames hold 1666.7 times
+    assert small.time_steps == TimeSteps.between_frames(0.01, 5, 1667, "choice")
+    assert small.time_step == 1.5e-6
+    with pytest.raises(ValueError, match="time_step must be at most"):
+        PROBLEM.replace(time_step=1e-4)
+
+
+def test_simulate_runs_the_problem_it_is_given_the_options_of() -> None:
+    options = {name: getattr(PROBLEM, name) for name in OPTIONS}
+    result = fr.simulate(ROD, LOAD, **options)
+    assert result == PROBLEM.run()
+    assert result.problem == PROBLEM
+    assert result.time_steps == PROBLEM.time_steps
+
+
+def test_simulate_names_its_options() -> None:
+    signature = inspect.signature(fr.simulate)
+    assert list(signature.parameters) == ["rod", "load", *OPTIONS, "progress", "checkpoint"]
+    for name in OPTIONS:
+        assert signature.parameters[name].kind is inspect.Parameter.KEYWORD_ONLY
+    assert signature.parameters["poisson_ratio"].default == 0.33
+    with pytest.raises(TypeError, match=r"simulate has no option 'frictoin'; the options are duration, friction, "):
+        fr.simulate(ROD, LOAD, frictoin=0.1)
+    with pytest.raises(TypeError, match="positional"):
+        fr.simulate(ROD, LOAD, 0.3)  # type: ignore[misc]
+
+
+def test_a_pickled_problem_holds_its_parameters_alone() -> None:
+    twin = pickle.loads(pickle.dumps(PROBLEM))
+    assert twin == PROBLEM
+    assert set(vars(twin)) == {"rod", "load", *OPTIONS}
+    assert twin.time_steps == PROBLEM.time_steps
+
+
+def test_another_process_makes_the_same_simulation() -> None:
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        there = pool.submit(PROBLEM.run)
+        here = PROBLEM.run()
+        assert there.result() == here
+        assert there.result().positions.tobytes() == here.positions.tobytes()
+
+
+def test_plain_data_makes_the_problem_again() -> None:
+    assert fr.SimulationProblem.from_dict(PROBLEM.as_dict()) == PROBLEM
+    for changes in ({"frames": 5.0}, {"duration": "1"}, {"friction": -1.0}, {"extra": 1}):
+        with pytest.raises((TypeError, ValueError)):
+            fr.SimulationProblem.from_dict(PROBLEM.as_dict() | changes)
+
+
+def test_a_file_tells_the_steps_that_were_taken(tmp_path: Path) -> None:
+    """Another version may take other steps for the same problem; what it made stays readable, and says so."""
+    path = PROBLEM.run().save(tmp_path / "run.npz")
+    meta, arrays = files._unpack(path)
+    files.write_npz(path, {**meta, "steps_per_frame": 1000}, arrays, compress=True)
+    assert fr.Simulation.load(path).time_steps == TimeSteps.between_frames(0.01, 5, 1000, "shear")
+
+
+def test_a_checkpoint_of_an_older_format_is_refused_with_a_remedy(tmp_path: Path) -> None:
+    path = tmp_path / "run.ckpt"
+    PROBLEM.run(checkpoint=path)
+    meta, arrays = files._unpack(path)
+    files.write_npz(path, {**meta, "format": "floquetrod checkpoint 2"}, arrays, compress=False)
+    with pytest.raises(ValueError, match=r"its format is 'floquetrod checkpoint 2'.*; give another path, or remove it"):
+        PROBLEM.run(checkpoint=path)
+
+
+def test_the_sources_that_compute_are_those_that_a_checkpoint_digests() -> None:
+    """Of the package, no function of another file is called to set up a problem and to run it."""
+    package = Path(fr.__file__).parent
+    called: set[Path] = set()
+
+    def note(frame: FrameType, event: str, argument: Any) -> None:
+        path = Path(frame.f_code.co_filename)
+        if event == "call" and package in path.parents:
+            called.add(path)
+
+    sys.setprofile(note)
+    try:
+        rod, load = fr.Rod.nitinol(), fr.AxialLoad(0.3, 0.3, 150.0)
+        for friction in (0.0, 0.1):
+            fr.SimulationProblem(rod, load, duration=1e-3, segments=60, frames=3, friction=friction).run()
+    finally:
+        sys.setprofile(None)
+    assert package / "simulation/integration.py" in called
+    assert called <= set(checkpoints.computing_sources())
