@@ -20,6 +20,7 @@ from floquetrod._util.compilation import compiled, compiled_for
 from floquetrod._util.version import __version__
 from floquetrod.kernels import cosserat
 from floquetrod.rod import data as rod_data
+from floquetrod.rod import parts as rod_parts
 from floquetrod.simulation import mesh as segmented
 from floquetrod.simulation import result as simulation
 from floquetrod.simulation.mesh import ENERGIES
@@ -282,7 +283,7 @@ def _arithmetic() -> dict[str, str]:
     import numba
 
     digest = hashlib.sha256(Path(__file__).read_bytes())
-    for module in (compilation, cosserat, rod_data, segmented, simulation):
+    for module in (compilation, cosserat, rod_data, rod_parts, segmented, simulation):
         digest.update(Path(str(module.__file__)).read_bytes())
     return {
         "floquetrod": __version__,

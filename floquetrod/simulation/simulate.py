@@ -127,7 +127,7 @@ def _setting(
         raise TypeError(f"perturbation must be a Perturbation such as Perturbation.modes({{8: 0.05}}), got {kick!r}")
     duration = validate.positive("duration", duration, "in s")
     frames = validate.integer("frames", frames, 2)
-    friction = friction_coefficient(friction, "friction")
+    friction = friction_coefficient(friction)
     try:
         _require_small_strain(rod, load)
         cut = DiscreteRod(rod, segments, poisson_ratio, indentation, contact_damping)
