@@ -165,8 +165,8 @@ def test_map_with_friction(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     rod = fr.Rod.nitinol()
     for row, mean in enumerate(chart.y.values):
         for column, omega in enumerate(chart.x.values):
-            judged = rod.stability(fr.AxialLoad(mean, 0.7 * rod.critical_force, omega), friction=0.1, kick=0.05)
-            assert chart.stable[row, column] == judged.stable
+            verdict = rod.stability(fr.AxialLoad(mean, 0.7 * rod.critical_force, omega), friction=0.1, kick=0.05)
+            assert chart.stable[row, column] == verdict.stable
 
 
 def test_compare(capsys: pytest.CaptureFixture[str]) -> None:

@@ -54,7 +54,7 @@ def add_command(commands: Any, name: str, summary: str, text: str, run: Any) -> 
 
 
 def add_rod(command: argparse.ArgumentParser, *, judged: bool = True) -> None:
-    """Add the options that describe a rod and, where it is to be judged, which growth matters."""
+    """Add the options that describe a rod and, where it is to be classified, which growth matters."""
     command.add_argument("--rod", required=True, help="nitinol (the reference rod), or a TOML file")
     command.add_argument("--damping-rate", help="decay rate of free motion in 1/s (replaces that of the rod)")
     if judged:

@@ -40,8 +40,6 @@ LEFT_OUT = {
     "Hill.as_hill": "takes no argument",
     "Mathieu.as_hill": "takes no argument",
     "Rod.nitinol": "takes no argument",
-    "Rod.loads_at_once": "for the methods of a rod, whose arguments are checked there",
-    "Rod.require_in_reach": "for the methods of a rod, whose arguments are checked there",
     "Chart.plot": "its axes are an object of matplotlib",
     "Chart.to_xarray": "takes no argument",
     "Simulation.animate": "takes no argument",
