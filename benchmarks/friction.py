@@ -11,8 +11,9 @@ import numpy as np
 
 import floquetrod as fr
 from benchmarks.measure import Row, best_of
+from floquetrod.rod.coulomb import mode_friction
 
-KICK = fr.Coulomb(mu=0.1, velocity=0.05)
+FRICTION, KICK = 0.1, 0.05
 
 
 def run() -> list[Row]:
@@ -25,18 +26,20 @@ def paper_map() -> Row:
     rod = fr.Rod.nitinol()
     unit = rod.critical_force
     mean, frequency = np.linspace(0.0, unit, 100)[:, None], np.linspace(20.0, 200.0, 100)
-    ours = best_of(lambda: rod.is_stable(mean, 0.7 * unit, frequency, friction=KICK, workers=1), repeats=2)
+    ours = best_of(
+        lambda: rod.is_stable(mean, 0.7 * unit, frequency, friction=FRICTION, kick=KICK, workers=1), repeats=2
+    )
     alphas, betas, gammas, kicks, orbits = [], [], [], [], 0
     for share in np.linspace(0.05, 0.95, 5):
         for omega in np.linspace(25.0, 195.0, 5):
             load = fr.AxialLoad(share * unit, 0.7 * unit, omega)
             modes = np.arange(1, rod.modes_needed(load)[0] + 1)
-            alpha, beta = rod.mode_parameters(load, modes)
-            inside = KICK.in_mode_equation(rod, load)
+            system = rod.modal_system(load, modes)
+            inside = mode_friction(rod, FRICTION, KICK, load.amplitude, load.frequency)
             orbits += modes.size
             pick = (int(100.0 * share) + int(omega)) % modes.size
-            alphas.append(alpha[pick])
-            betas.append(beta[pick])
+            alphas.append(system.alpha[pick])
+            betas.append(system.beta[pick])
             gammas.append(inside.gamma)
             kicks.append(inside.epsilon)
     leapfrog = best_of(lambda: fr.friction.leapfrog_escapes(alphas, betas, gammas, kicks), repeats=2)

@@ -48,9 +48,9 @@ def slow_ways() -> tuple[float, float]:
         equation
         for share in (0.1, 0.6)
         for omega in (50.0, 150.0)
-        for equation in ROD.mode_equations(
+        for equation in ROD.modal_system(
             fr.AxialLoad(share * ROD.critical_force, MAP["amplitude"], omega), (2, 7, 12)
-        )
+        ).equations
     ]
     dop853 = best_of(lambda: [peers.dop853(e.alpha, e.beta) for e in equations], repeats=3)
     leapfrog = best_of(lambda: [fr.stability(e, method="leapfrog") for e in equations], repeats=3)

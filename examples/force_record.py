@@ -41,9 +41,9 @@ print("mean force", mean, "N; amplitudes", np.abs(harmonics), "N; noise", noise,
 # Force to equation: a unit of force adds w_m^2 / (rho A omega^2) to the coefficient of mode m, Eq. (4).
 def mode_equation(mode: int, harmonics: np.ndarray) -> fr.Hill:
     """Return Hill's equation of a mode under the recorded force."""
-    unit, static = rod.mode_parameters(fr.AxialLoad(mean, 1.0, omega), [mode])
-    z = unit[0] * harmonics
-    return fr.Hill(static[0], cosines=tuple(z.real), sines=tuple(-z.imag))
+    (unit,) = rod.modal_system(fr.AxialLoad(mean, 1.0, omega), [mode]).equations
+    z = unit.alpha * harmonics
+    return fr.Hill(unit.beta, cosines=tuple(z.real), sines=tuple(-z.imag))
 
 
 modes = range(1, 16)

@@ -18,10 +18,10 @@ amplitude = 0.7 * rod.critical_force
 # %%
 # One load.  Without friction four modes grow; a kick of 50 mm/s sets off two of them.
 load = fr.AxialLoad(0.825 * rod.critical_force, amplitude, omega)
-verdict = rod.stability(load, friction=fr.Coulomb(mu, velocity=0.05))
+verdict = rod.stability(load, friction=mu, kick=0.05)
 print(verdict)
-for mode, velocity in verdict.critical_velocities.items():
-    print(f"mode {mode:2d} is set off by {1e3 * velocity:.1f} mm/s")
+for mode, kick in verdict.critical_kicks.items():
+    print(f"mode {mode:2d} is set off by {1e3 * kick:.1f} mm/s")
 smallest, first, none_up_to = verdict.critical_kick
 print(f"the smallest kick found to buckle the rod is {1e3 * smallest:.2f} mm/s, into mode {first}")
 print(f"proved: none up to {1e3 * none_up_to:.2f} mm/s does")
@@ -32,20 +32,20 @@ print(f"proved: none up to {1e3 * none_up_to:.2f} mm/s does")
 share = np.linspace(0.0, 1.0, 101)
 _, panels = plt.subplots(2, 1, figsize=(8.0, 5.6), sharex=True, layout="constrained")
 for axes, part in zip(panels, (0.7, 0.3), strict=True):
-    velocity, mode, _ = rod.critical_velocities(
-        share * rod.critical_force, part * rod.critical_force, omega, mu, growth_tolerance=0.01
+    kick, mode, _ = rod.critical_kicks(
+        share * rod.critical_force, part * rod.critical_force, omega, friction=mu, growth_tolerance=0.01
     )
-    often, never = 100.0 * (velocity < 0.05).mean(), 100.0 * np.isinf(velocity).mean()
+    often, never = 100.0 * (kick < 0.05).mean(), 100.0 * np.isinf(kick).mean()
     print(
         f"amplitude {part} F_cr: 50 mm/s buckle it at {often:.0f} % of the mean forces, no kick does at {never:.0f} %"
     )
     for number, marker in zip(np.unique(mode[mode > 0]), "os^Dv<>pPX*", strict=False):
         here = mode == number
-        axes.plot(share[here], 1e3 * velocity[here], marker, color="black", markersize=3)
-        lowest = np.flatnonzero(here)[np.argmin(velocity[here])]
+        axes.plot(share[here], 1e3 * kick[here], marker, color="black", markersize=3)
+        lowest = np.flatnonzero(here)[np.argmin(kick[here])]
         offset = {"xytext": (0, -12), "textcoords": "offset points", "ha": "center", "fontsize": "small"}
-        axes.annotate(f"{number}", (share[lowest], 1e3 * velocity[lowest]), **offset)
-    for calm in share[np.isinf(velocity)]:
+        axes.annotate(f"{number}", (share[lowest], 1e3 * kick[lowest]), **offset)
+    for calm in share[np.isinf(kick)]:
         axes.axvspan(calm - 0.005, calm + 0.005, **palette.NO_KICK)
     axes.axhline(50.0, color="black", linestyle="--", linewidth=0.9)
     axes.set(xlim=(0.0, 1.0), ylim=(0.0, 150.0), ylabel="critical kick / mm/s")

@@ -29,7 +29,7 @@ print(f"{np.count_nonzero(~passes & (growth == 0.0))} fail it and are stable: it
 
 # %%
 # A grid finds only tongues wider than its steps.  Without one, none is missed, however thin:
-ranges = rod.stable_mean_forces(amplitude, omega, upto=0.47 * rod.critical_force)
+ranges = rod.stable_mean_forces(amplitude, omega, bounds=(0.0, 0.47 * rod.critical_force))
 gaps = [(right.low - left.high, left.high_end) for left, right in zip(ranges, list(ranges)[1:], strict=False)]
 for width, (number, tongue) in sorted(gaps, reverse=True)[:8]:
     print(f"mode {number:2d} in tongue {tongue:2d}: {width / rod.critical_force:.1e} F_cr wide")

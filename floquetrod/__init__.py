@@ -31,11 +31,10 @@ if TYPE_CHECKING:
     from floquetrod.floquet.result import Stability as Stability
     from floquetrod.floquet.stability import stability as stability
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
-    from floquetrod.rod.coulomb import Coulomb as Coulomb
     from floquetrod.rod.friction import FrictionalRodStability as FrictionalRodStability
     from floquetrod.rod.load import AxialLoad as AxialLoad
     from floquetrod.rod.map import stability_map as stability_map
-    from floquetrod.rod.ranges import SafeRanges as SafeRanges
+    from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.rod import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.stability import RodStability as RodStability
@@ -51,7 +50,6 @@ _WHERE = {
     "Chart": "chart",
     "CheckpointWarning": "simulation.checkpoints",
     "Comparison": "floquet.comparison",
-    "Coulomb": "rod.coulomb",
     "Explorer": "explorer",
     "FrictionalMathieu": "equations",
     "Hill": "equations",
@@ -62,13 +60,13 @@ _WHERE = {
     "Rod": "rod.rod",
     "FrictionalRodStability": "rod.friction",
     "RodStability": "rod.stability",
-    "SafeRanges": "rod.ranges",
     "Simulation": "simulation.problem",
     "SimulationDiverged": "simulation.integration",
     "SimulationProblem": "simulation.problem",
     "Meissner": "equations",
     "SquareWave": "equations",
     "Stability": "floquet.result",
+    "StabilityIntervals": "rod.ranges",
     "UniformForceWarning": "rod.rod",
     "certify": "floquet.proof",
     "compare": "floquet.comparison",

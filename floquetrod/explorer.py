@@ -47,7 +47,7 @@ class Explorer:
         validate.instance("rod", rod, Rod)
         if load is not None:
             validate.instance("load", load, AxialLoad)
-        shown = _units(rod, units or {})
+        shown = _units(rod, {} if units is None else units)
         unit, pendulum = rod.critical_force, rod.pendulum_frequency
         self.rod = rod
         self.load = load or AxialLoad(0.2 * unit, 0.2 * unit, 3.0 * pendulum)
@@ -77,8 +77,8 @@ class Explorer:
                 amplitude=self._amplitude,
                 frequency=(*self._limits["frequency"], _MAP[0]),
             ).stable
-        alpha, beta = self.rod.mode_parameters(self.load, range(1, _MODES + 1))
-        damping = self.rod.damping_rate / self.load.frequency
+        system = self.rod.modal_system(self.load, range(1, _MODES + 1))
+        alpha, beta, damping = system.alpha, system.beta, system.damping
         growth = mathieu.growth_rate(alpha, beta, damping) * self.load.frequency
         # In steps, so that the axes stay as they are for most moves.
         right = 0.1 * 2.0 ** math.ceil(math.log2(max(12.0 * float(alpha[-1]), 1.0)))
@@ -93,7 +93,8 @@ class Explorer:
 
 def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:
     kinds = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
-    validate.instance("units", names, dict)
+    if not isinstance(names, Mapping):
+        raise TypeError(f"units must be a mapping such as {{'mean': 'Fcr'}}, got {validate.short(names)}")
     if not names.keys() <= kinds.keys():
         raise ValueError(f"units must be of mean, amplitude and frequency, got {dict(names)!r}")
     return {

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.rod.ranges import SafeInterval
+from floquetrod.rod.ranges import StabilityInterval
 from fuzz import consistency, rods
 from strategies import decades, numbers
 
@@ -87,9 +87,9 @@ def test_the_clipped_search_would_be_found(monkeypatch: pytest.MonkeyPatch) -> N
     question = rods.Question(rod, 0.6 * unit, 0.4 * unit, 96.0, 0.0)
     right = fr.Rod.stable_frequencies
 
-    def clipped(self: fr.Rod, *arguments: object, **options: object) -> fr.SafeRanges:
+    def clipped(self: fr.Rod, *arguments: object, **options: object) -> fr.StabilityIntervals:
         found = right(self, *arguments, **options)  # type: ignore[arg-type]  # passed on as they come
-        return dataclasses.replace(found, intervals=(SafeInterval(*found.between, None, None),))
+        return dataclasses.replace(found, intervals=(StabilityInterval(*found.bounds, None, None),))
 
     monkeypatch.setattr(fr.Rod, "stable_frequencies", clipped)
     found = consistency.disagreements(question, np.random.default_rng(1), ("ranges",))

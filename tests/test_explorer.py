@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from pathlib import Path
+from types import MappingProxyType
 
 import matplotlib as mpl
 import numpy as np
@@ -79,6 +80,15 @@ def test_sliders_and_axes_speak_the_units_asked_for() -> None:
 def test_units_that_are_none(units: dict[str, str], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         fr.Explorer(ROD, None, units)
+
+
+def test_units_are_any_mapping() -> None:
+    shown = fr.Explorer(ROD, None, MappingProxyType({"frequency": "Hz"}))
+    assert "Hz" in shown.window.sliders["frequency"].label.get_text()
+    pyplot.close("all")
+    for wrong in ("Hz", 0, [("mean", "N")]):
+        with pytest.raises(TypeError, match="units must be a mapping"):
+            fr.Explorer(ROD, None, wrong)  # type: ignore[arg-type]
 
 
 def test_a_canvas_that_keeps_no_copies_will_do(explorer: fr.Explorer) -> None:

@@ -19,7 +19,7 @@ import pytest
 import floquetrod as fr
 from conftest import SEED
 from floquetrod import cli
-from floquetrod.rod.ranges import SafeInterval
+from floquetrod.rod.ranges import StabilityInterval
 from fuzz import (
     apart,
     calls,
@@ -90,10 +90,10 @@ def test_the_oracle_knows_constant_coefficients() -> None:
 # Each attack can fail.
 
 
-def stated(low: float, high: float, *parts: tuple[float, float]) -> fr.SafeRanges:
+def stated(low: float, high: float, *parts: tuple[float, float]) -> fr.StabilityIntervals:
     found = ROD.stable_frequencies(0.3, 0.3, (100.0, 110.0), growth_tolerance=0.1)
-    intervals = tuple(SafeInterval(*part, None, None) for part in parts)
-    return dataclasses.replace(found, between=(low, high), intervals=intervals)
+    intervals = tuple(StabilityInterval(*part, None, None) for part in parts)
+    return dataclasses.replace(found, bounds=(low, high), intervals=intervals)
 
 
 def test_ranges_can_fail(rng: np.random.Generator) -> None:

@@ -22,7 +22,6 @@ ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
 MATHIEU = fr.Mathieu(0.5, -0.25)
 KICKED = fr.FrictionalMathieu(1.0, 0.3, 1.0)
-COULOMB = fr.Coulomb(mu=0.1, velocity=0.05)
 KICK = fr.Perturbation.modes({8: 0.05})
 ALL: dict[str, Any] = {"alpha": 0.5, "beta": -0.25, "damping": 0.01, "workers": 1}
 LOADS: dict[str, Any] = {"mean": 0.3, "amplitude": 0.3, "frequency": 150.0}
@@ -74,36 +73,37 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.FiniteTimeCriterion().is_stable, ALL),
     (fr.AxialLoad, LOADS),
     (fr.AxialLoad.hertz, LOADS),
-    (fr.Coulomb, {"mu": 0.1, "velocity": 0.05}),
-    (COULOMB.in_mode_equation, {"rod": ROD, "load": LOAD}),
     (fr.Rod, dataclasses.asdict(ROD)),
     (ROD.replace, {"length": 3.0, "damping_rate": 0.1}),
-    (ROD.stability, {"load": LOAD, "modes": (6, 7), "growth_tolerance": 0.0, "friction": COULOMB}),
+    (ROD.stability, {"load": LOAD, "modes": (6, 7), "growth_tolerance": 0.0, "friction": 0.1, "kick": 0.05}),
     (ROD.stability, {"load": LOAD}),
-    (ROD.critical_velocity, {"load": LOAD, "mu": 0.1, "growth_tolerance": 0.0}),
-    (ROD.critical_velocities, {**LOADS, "mu": 0.1, "growth_tolerance": 0.0, "workers": 1}),
-    (ROD.is_stable, {**LOADS, "growth_tolerance": 0.0, "criterion": None, "friction": None, "workers": 1}),
-    (ROD.verdicts, {**LOADS, "growth_tolerance": 0.0, "criterion": None, "friction": COULOMB, "workers": 1}),
+    (ROD.critical_kick, {"load": LOAD, "friction": 0.1, "growth_tolerance": 0.0}),
+    (ROD.critical_kicks, {**LOADS, "friction": 0.1, "growth_tolerance": 0.0, "workers": 1}),
+    (
+        ROD.is_stable,
+        {**LOADS, "growth_tolerance": 0.0, "criterion": None, "friction": None, "kick": None, "workers": 1},
+    ),
+    (ROD.verdicts, {**LOADS, "growth_tolerance": 0.0, "criterion": None, "friction": 0.1, "kick": 0.05, "workers": 1}),
     (ROD.growth_rate, {**LOADS, "workers": 1}),
     (ROD.fastest, {**LOADS, "workers": 1}),
     (
         ROD.stable_mean_forces,
-        {"amplitude": 0.3, "frequency": 150.0, "upto": 0.5, "growth_tolerance": 0.1, "progress": None},
+        {"amplitude": 0.3, "frequency": 150.0, "bounds": (0.1, 0.5), "growth_tolerance": 0.1, "progress": None},
     ),
     (
         ROD.stable_amplitudes,
-        {"mean": 0.3, "frequency": 150.0, "upto": 0.5, "growth_tolerance": 0.1, "progress": None},
+        {"mean": 0.3, "frequency": 150.0, "bounds": (0.1, 0.5), "growth_tolerance": 0.1, "progress": None},
     ),
     (
         ROD.stable_frequencies,
-        {"mean": 0.3, "amplitude": 0.3, "between": (99.0, 150.0), "growth_tolerance": 0.1, "progress": None},
+        {"mean": 0.3, "amplitude": 0.3, "bounds": (99.0, 150.0), "growth_tolerance": 0.1, "progress": None},
     ),
     (ROD.critical_mean_force, {"amplitude": 0.3, "frequency": 150.0, "growth_tolerance": 0.1}),
     (ROD.critical_amplitude, {"mean": 0.3, "frequency": 150.0, "growth_tolerance": 0.1}),
     (ROD.natural_frequency, {"mode": 7}),
     (ROD.wavenumber, {"mode": 7}),
-    (ROD.mode_equations, {"load": LOAD, "modes": (6, 7)}),
-    (ROD.mode_parameters, {"load": LOAD, "modes": (6, 7)}),
+    (ROD.modal_system, {"load": LOAD, "modes": (6, 7)}),
+    (ROD.modal_systems, LOADS),
     (ROD.modes_needed, {"load": LOAD, "growth_tolerance": 0.0}),
     (ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
     (
@@ -118,6 +118,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "damping": None,
             "criterion": None,
             "friction": None,
+            "kick": None,
             "workers": 1,
             "progress": None,
         },
@@ -283,7 +284,7 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "Proof",
         "FrictionalRodStability",
         "RodStability",
-        "SafeRanges",
+        "StabilityIntervals",
         "Simulation",
         "Stability",
     }

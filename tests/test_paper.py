@@ -109,7 +109,7 @@ def test_bands_and_tongues_are_the_exact_verdict(rng: np.random.Generator) -> No
     for band in wide:
         middle, inside = 0.5 * (band.low + band.high), 0.49 * (band.high - band.low)
         equations = [
-            ROD.mode_equations(fr.AxialLoad(f * UNIT, 0.2 * UNIT, 85.0), [band.mode])[0]
+            ROD.modal_system(fr.AxialLoad(f * UNIT, 0.2 * UNIT, 85.0), [band.mode]).equations[0]
             for f in (middle - inside, middle, middle + inside)
         ]
         growth = [fr.stability(equation).growth_rate for equation in equations]

@@ -25,7 +25,7 @@ WORDS = {"mean force": "mean", "amplitude": "amplitude", "frequency": "frequency
 
 def searches(
     rod: fr.Rod, mean: float, amplitude: float, omega: float, tolerance: float
-) -> list[tuple[fr.SafeRanges, dict[str, float]]]:
+) -> list[tuple[fr.StabilityIntervals, dict[str, float]]]:
     """Return the three kinds of ranges about a load, with what is fixed."""
     return [
         (
@@ -40,9 +40,9 @@ def searches(
     ]
 
 
-def scan(rod: fr.Rod, ranges: fr.SafeRanges, fixed: dict[str, float], points: int) -> None:
+def scan(rod: fr.Rod, ranges: fr.StabilityIntervals, fixed: dict[str, float], points: int) -> None:
     """Assert that a dense scan agrees with the ranges everywhere but within rounding of an end."""
-    values = np.linspace(*ranges.between, points + 2)[1:-1]
+    values = np.linspace(*ranges.bounds, points + 2)[1:-1]
     found = rod.is_stable(
         **{WORDS[ranges.quantity]: values}, **fixed, growth_tolerance=max(ranges.growth_tolerance, 1e-9)
     )
@@ -61,6 +61,18 @@ def test_dense_scans_of_the_reference_rod(mean: float, omega: float, tolerance: 
     rod = ROD.replace(damping_rate=damping)
     for ranges, fixed in searches(rod, mean * FCR, 0.2 * FCR, omega, tolerance):
         scan(rod, ranges, fixed, 20_000)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.2, 0.7), (-0.5, 0.4), (-0.9, -0.1)])
+def test_bounds_need_not_begin_at_zero(low: float, high: float) -> None:
+    whole = ROD.stable_mean_forces(0.2 * FCR, 150.0, (-1.0 * FCR, FCR), growth_tolerance=1e-3)
+    part = ROD.stable_mean_forces(0.2 * FCR, 150.0, (low * FCR, high * FCR), growth_tolerance=1e-3)
+    scan(ROD, part, {"amplitude": 0.2 * FCR, "frequency": 150.0}, 5000)
+    ends = [end for interval in part for end in interval[:2] if low * FCR < end < high * FCR]
+    known = [end for interval in whole for end in interval[:2] if low * FCR < end < high * FCR]
+    assert ends == pytest.approx(known, rel=1e-9)
+    amplitudes = ROD.stable_amplitudes(0.34 * FCR, 150.0, (abs(low) * FCR, FCR), growth_tolerance=1e-3)
+    scan(ROD, amplitudes, {"mean": 0.34 * FCR, "frequency": 150.0}, 5000)
 
 
 RODS_AND_LOADS = given(
@@ -109,7 +121,7 @@ def scan_a_damped_rod(
     omega = rod.pendulum_frequency * math.exp(speed)
     partial = 0
     for ranges, fixed in searches(rod, mean * FCR, amplitude * FCR, omega, tolerance):
-        values = np.linspace(*ranges.between, 4002)[1:-1]
+        values = np.linspace(*ranges.bounds, 4002)[1:-1]
         growth = rod.growth_rate(**{WORDS[ranges.quantity]: values}, **fixed)
         inside = np.zeros(values.size, dtype=bool)
         for part in ranges:
@@ -148,7 +160,7 @@ def test_two_thousand_damped_and_tolerant_ranges_against_dense_scans() -> None:
 def test_a_band_that_starts_below_its_damping() -> None:
     # Mode 7 grows at 0.267 1/s at 102 rad/s; where its tongue begins, damping exceeds its growth.
     rod = ROD.replace(damping_rate=12.0)
-    ranges = rod.stable_frequencies(0.6 * FCR, 0.4 * FCR, between=(50.0, 150.0), growth_tolerance=0.0)
+    ranges = rod.stable_frequencies(0.6 * FCR, 0.4 * FCR, bounds=(50.0, 150.0), growth_tolerance=0.0)
     assert 102.0 not in ranges
     assert next((part.low, part.high) for part in ranges) == (50.0, pytest.approx(97.61, abs=0.01))
     assert ranges.intervals[1].low == pytest.approx(107.86, abs=0.01)
@@ -207,7 +219,7 @@ def test_every_end_judged_by_the_reference() -> None:
                 if side > 0.0 and any(part.low < place < part.high for part in ranges):
                     continue  # the tongue is thinner than that
                 load = fr.AxialLoad(**{WORDS[ranges.quantity]: place}, **fixed)
-                verdict = reference(ROD.mode_equations(load, [cause[0]])[0], digits=40)
+                verdict = reference(ROD.modal_system(load, [cause[0]]).equations[0], digits=40)
                 assert verdict.status == ("unstable" if side > 0.0 else "stable"), (ranges.quantity, value, cause)
                 judged += 1
         assert judged >= 2
@@ -264,11 +276,13 @@ def test_margins_in_every_direction(mean: float, amplitude: float, omega: float)
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: ROD.stable_mean_forces(0.1, 150.0, upto=-1.0), "upto must be greater than zero"),
+        (lambda: ROD.stable_mean_forces(0.1, 150.0, (0.1, -1.0)), "bounds must increase"),
+        (lambda: ROD.stable_amplitudes(0.1, 150.0, (-0.1, 1.0)), r"bounds\[0\] must be zero or more"),
+        (lambda: ROD.stable_mean_forces(0.1, 150.0, (0.0, 1e13)), r"bounds\[1\] must lie between"),
         (lambda: ROD.stable_mean_forces(-0.1, 150.0), "amplitude must be zero or more"),
         (lambda: ROD.stable_amplitudes(0.1, 0.0), "frequency must be greater than zero"),
-        (lambda: ROD.stable_frequencies(0.1, 0.1, (5.0, 1.0)), "between must increase"),
-        (lambda: ROD.stable_frequencies(0.1, 0.1, (0.0, 1.0)), r"between\[0\] must be greater than zero"),
+        (lambda: ROD.stable_frequencies(0.1, 0.1, (5.0, 1.0)), "bounds must increase"),
+        (lambda: ROD.stable_frequencies(0.1, 0.1, (0.0, 1.0)), r"bounds\[0\] must be greater than zero"),
         (lambda: ROD.critical_amplitude(0.1, 1.0, growth_tolerance=math.nan), "growth_tolerance must be finite"),
     ],
 )

@@ -104,7 +104,7 @@ def test_answers_in_other_forms(tmp_path: Path, capsys: pytest.CaptureFixture[st
         (ROD.stability(fr.AxialLoad(0.34 * UNIT, 0.2 * UNIT, 150.0)), "<stable; "),
         (ROD.stability(fr.AxialLoad(0.2 * UNIT, 0.2 * UNIT, 150.0), growth_tolerance=4.3), "within the tolerance"),
         (
-            ROD.stability(fr.AxialLoad(0.825 * UNIT, 0.7 * UNIT, 150.0), friction=fr.Coulomb(0.1, 0.05)),
+            ROD.stability(fr.AxialLoad(0.825 * UNIT, 0.7 * UNIT, 150.0), friction=0.1, kick=0.05),
             "sets off modes 9, 10",
         ),
         (fr.mathieu.transition_curves([0.0, 1.0], [1, 2]), "orders 1, 2 at 2 values"),
@@ -131,7 +131,8 @@ def test_values_introduce_themselves(value: object, words: str) -> None:
                 amplitude=0.3,
                 frequency=(100.0, 150.0, 4),
                 growth=True,
-                friction=fr.Coulomb(0.1, 0.05),
+                friction=0.1,
+                kick=0.05,
             ),
             ValueError,
             "leave out either growth or friction",

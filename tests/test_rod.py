@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import copy
+import dataclasses
 import math
+import pickle
 import warnings
 
 import numpy as np
@@ -13,6 +16,7 @@ from hypothesis import strategies as st
 import floquetrod as fr
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.mathieu.tongues import along_mean, damping_to_stabilise
+from floquetrod.rod.parts import Channel, Ends, Material, Section
 
 pytestmark = pytest.mark.kernels
 
@@ -46,7 +50,7 @@ def test_the_reference_rod() -> None:
 
 def test_mode_equations_are_equation_4() -> None:
     rod, push = ROD.replace(damping_rate=0.3), load(0.2, 0.3, 150.0)
-    (equation,) = rod.mode_equations(push, [7])
+    (equation,) = rod.modal_system(push, [7]).equations
     w = 7.0 * math.pi / rod.length
     inertia = rod.density * math.pi * rod.radius**2 * 150.0**2
     weight = rod.density * math.pi * rod.radius**2 * 9.81 / rod.radial_clearance
@@ -54,7 +58,7 @@ def test_mode_equations_are_equation_4() -> None:
     assert equation.alpha == pytest.approx(w**2 * push.amplitude / inertia, rel=1e-14)
     assert equation.beta == pytest.approx((push.mean * w**2 - rigidity * w**4 - weight) / inertia, rel=1e-12)
     assert equation.damping == 0.3 / 150.0
-    free = rod.mode_equations(fr.AxialLoad(0.0, 0.0, rod.natural_frequency(7)), [7])[0]
+    free = rod.modal_system(fr.AxialLoad(0.0, 0.0, rod.natural_frequency(7)), [7]).equations[0]
     assert free.beta == pytest.approx(-1.0, rel=1e-14)
 
 
@@ -95,7 +99,7 @@ def test_claim_f3c() -> None:
 
 def unstable_forces(mode: int, amplitude: float, omega: float, growth: float, top: float) -> list[tuple[float, float]]:
     """Intervals of mean force in [0, top] where one mode grows by more than ``growth`` per tau."""
-    ends = [ROD.mode_equations(fr.AxialLoad(mean, amplitude, omega), [mode])[0] for mean in (0.0, top)]
+    ends = [ROD.modal_system(fr.AxialLoad(mean, amplitude, omega), [mode]).equations[0] for mean in (0.0, top)]
     parts = along_mean(*(np.array([x]) for x in (ends[0].alpha, growth, ends[0].beta, ends[1].beta)))
     scale = top / (ends[1].beta - ends[0].beta)
     forces = ((beta - ends[0].beta) * scale for beta in (parts.first, parts.last))
@@ -158,8 +162,8 @@ def test_no_mode_beyond_the_cut_off_matters(rod: fr.Rod, mean: float, amplitude:
     coarse, coarse_bound = rod.modes_needed(push, growth_tolerance=1e-4)
     assert coarse <= last
     beyond = np.arange(coarse + 1, 2 * last + 20)
-    alpha, beta = rod.mode_parameters(push, beyond)
-    assert (omega * fr.mathieu.growth_rate(alpha, beta)).max() <= coarse_bound * (1.0 + 1e-9)
+    system = rod.modal_system(push, beyond)
+    assert (omega * fr.mathieu.growth_rate(system.alpha, system.beta)).max() <= coarse_bound * (1.0 + 1e-9)
 
 
 @settings(max_examples=200)
@@ -327,6 +331,62 @@ SHEET = {"youngs_modulus": 68e9, "density": 6500.0, "radius": 0.8e-3, "length": 
 def test_bad_rods(change: dict[str, object], error: type[Exception], message: str) -> None:
     with pytest.raises(error, match=message):
         fr.Rod(**{**SHEET, **change})  # type: ignore[arg-type]
+
+
+def test_a_rod_is_its_parts() -> None:
+    rod = ROD.replace(damping_rate=0.3)
+    assert rod.material == Material(rod.youngs_modulus, rod.density)
+    assert rod.section == Section(rod.radius)
+    assert rod.channel == Channel(rod.channel_radius, rod.gravity)
+    assert rod.ends == Ends()
+    assert rod.flexural_rigidity == rod.material.youngs_modulus * rod.section.second_moment
+    assert rod.wavenumber(3) == 3.0 * rod.ends.first_wavenumber(rod.length)
+    assert rod.replace(radius=1e-3).section.area == math.pi * 1e-6
+
+
+def test_a_rod_with_its_parts_is_still_its_data_sheet() -> None:
+    rod, again = fr.Rod(**SHEET), fr.Rod(**SHEET)
+    assert rod.section.area > 0.0
+    assert rod == again
+    assert hash(rod) == hash(again)
+    assert eval("fr." + repr(rod)) == rod == pickle.loads(pickle.dumps(rod)) == copy.deepcopy(rod)
+    assert dataclasses.asdict(rod) == {**SHEET, "gravity": 9.81, "damping_rate": 0.0}
+
+
+@pytest.mark.parametrize("amplitude", [0.0, 0.3])
+def test_the_modal_system_is_what_a_verdict_looks_at(amplitude: float) -> None:
+    rod, push = ROD.replace(damping_rate=0.2), load(0.3, amplitude, 150.0)
+    system, verdict = rod.modal_system(push), rod.stability(push)
+    assert verdict.system == system
+    assert (verdict.modes, verdict.mode_equations, verdict.load) == (system.modes, system.equations, push)
+    assert (len(system.modes), system.left_out_bound) == rod.modes_needed(push)
+    assert [(e.alpha, e.beta, e.damping) for e in system.equations] == [
+        (a, b, system.damping) for a, b in zip(system.alpha, system.beta, strict=True)
+    ]
+    assert "every higher mode" in system.cutoff or "no higher mode" in system.cutoff
+    assert "nothing is said" in rod.modal_system(push, (6, 7)).cutoff
+    more = rod.modal_system(fr.AxialLoad(push.mean + 1.0, push.amplitude + 1.0, 150.0), system.modes)
+    assert more.beta - system.beta == pytest.approx(system.per_newton, rel=1e-9)
+    assert more.alpha - system.alpha == pytest.approx(system.per_newton, rel=1e-9)
+    in_seconds = [150.0**2 * part for part in (system.alpha, system.beta)]
+    assert np.array(system.in_seconds) == pytest.approx(np.array(in_seconds), rel=1e-12)
+
+
+def test_modal_systems_of_arrays_are_those_of_single_loads() -> None:
+    means = np.array([0.1, 0.5, 0.9]) * FCR
+    alpha, beta = ROD.modal_systems(means, 0.3 * FCR, 150.0).coefficients(7)
+    for mean, *pair in zip(means, alpha, beta, strict=True):
+        (equation,) = ROD.modal_system(fr.AxialLoad(mean, 0.3 * FCR, 150.0), [7]).equations
+        assert [equation.alpha, equation.beta] == pair
+
+
+def test_bad_modal_systems() -> None:
+    with pytest.raises(ValueError, match=r"modes\[1\] must be 1 or more"):
+        ROD.modal_system(load(0.1, 0.1, 150.0), [1, 0])
+    with pytest.raises(ValueError, match=r"modes must have coefficients up to 1e.09, got .* for mode 20000"):
+        _ = ROD.modal_system(load(0.1, 0.1, 1.0), [20_000]).equations
+    with pytest.raises(ValueError, match="frequency must be at least"):
+        ROD.modal_systems(0.1, 0.1, [150.0, 1e-8])
 
 
 @pytest.mark.parametrize(

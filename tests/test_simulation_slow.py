@@ -109,7 +109,7 @@ THRESHOLDS = [(0.825, 150.0, 9, 1.02), (0.424, 150.0, 8, 1.05), (0.825, 85.0, 7,
 def test_the_kick_that_friction_stops(mean: float, frequency: float, mode: int, ratio: float) -> None:
     """The simulated rod needs 2 to 5 % more than the mode equation with friction says; docs/simulator.md says why."""
     load = fr.AxialLoad(mean * NITINOL.critical_force, 0.7 * NITINOL.critical_force, frequency)
-    predicted, expected, _ = NITINOL.critical_velocity(load, 0.1)
+    predicted, expected, _ = NITINOL.critical_kick(load, friction=0.1)
     assert expected == mode
     for part, escapes in ((ratio - 0.02, False), (ratio + 0.02, True)):
         kick = fr.Perturbation.modes({mode: part * predicted})
@@ -131,7 +131,7 @@ def test_sliding_along_the_channel_eases_small_kicks() -> None:
     """At a tenth of the friction and the kick the rod escapes earlier; not once it is too stiff to slide."""
     mean, frequency, mode, _ = THRESHOLDS[0]
     load = fr.AxialLoad(mean * NITINOL.critical_force, 0.7 * NITINOL.critical_force, frequency)
-    predicted = NITINOL.critical_velocity(load, 0.01).velocity
+    predicted = NITINOL.critical_kick(load, friction=0.01).kick
     for rod, segments, ratio in ((NITINOL, 250, 0.90), (stiffer(NITINOL, 25.0), 125, 1.02)):
         for part, escapes in ((ratio - 0.025, False), (ratio + 0.025, True)):
             kick = fr.Perturbation.modes({mode: part * predicted})

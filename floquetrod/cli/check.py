@@ -31,13 +31,13 @@ from floquetrod.rod.stability import Margin
 from floquetrod.units import Unit
 
 _HELP = """\
-Judge a rod under an axial load: stable or not, which modes grow, how fast, and how far the load is from a change.
+Say whether a rod is stable under an axial load, which modes grow, how fast, and how far the load is from a change.
 
 examples:
   floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz
   floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85 --growth-tolerance 0.7 --json
-  floquetrod check --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150 --mu 0.1 --kick 50mm/s
+  floquetrod check --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150 --friction 0.1 --kick 50mm/s
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz --unit Fcr,rpm --exit-code
 
 forces: N, kN, lbf or Fcr (the critical force of the rod).  frequencies: rad/s (none means this), Hz, rpm.
@@ -51,7 +51,7 @@ damping_rate, as SI numbers or strings such as "68GPa"; radii, not diameters.
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    check = add_command(commands, "check", "judge a rod under an axial load", _HELP, _check)
+    check = add_command(commands, "check", "say whether a rod is stable under an axial load", _HELP, _check)
     add_rod(check)
     add_friction(check)
     check.add_argument("--mean", required=True, help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
@@ -71,17 +71,18 @@ _LAST_MODE = 20_000  # far beyond any mode that matters: a slip of the keyboard 
 def _check(options: argparse.Namespace) -> Answer:
     rod = read_rod(options)
     load = fr.AxialLoad(**{name: read_quantity(getattr(options, name), name, rod) for name in KINDS})
-    tolerance, friction, modes = read_tolerance(options), read_friction(options), _modes(options.modes)
+    tolerance, rubbing, modes = read_tolerance(options), read_friction(options), _modes(options.modes)
     shown = read_units(options, rod)
-    with waiting("judging the load and searching its margins"):
-        if friction is None:
+    with waiting("deciding stability and searching the margins"):
+        if rubbing is None:
             linear = rod.stability(load, modes=modes, growth_tolerance=tolerance)
             status, record, lines = linear.status, _record(linear), _report(linear, shown)
         else:
-            judged = rod.stability(load, modes=modes, growth_tolerance=tolerance, friction=friction)
-            status = judged.status
-            record = {"with_friction": kick.record(judged), "without_friction": _record(judged.linear)}
-            lines = [*kick.report(judged, shown["kick"]), "", "without friction:", *_report(judged.linear, shown)]
+            mu, speed = rubbing
+            verdict = rod.stability(load, modes=modes, growth_tolerance=tolerance, friction=mu, kick=speed)
+            status = verdict.status
+            record = {"with_friction": kick.record(verdict), "without_friction": _record(verdict.linear)}
+            lines = [*kick.report(verdict, shown["kick"]), "", "without friction:", *_report(verdict.linear, shown)]
     text = json.dumps(record, indent=2, allow_nan=False) if options.json else "\n".join(lines)
     return Answer(text, _STATUS[status] if options.exit_code else 0)
 

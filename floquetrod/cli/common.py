@@ -16,14 +16,14 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.files import writable
 from floquetrod.rod.data import RodData
+from floquetrod.rod.load import LIMITS, Quantity
 from floquetrod.units import Unit
 
 _TINY, _HUGE = 1e-9, 1e12  # what the library takes, in SI units: a slip of the keyboard lies beyond
 
-KINDS = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
+KINDS: dict[Quantity, str] = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
 """Quantities of a load and their kind."""
 
-_BOUNDS = {"mean": (-_HUGE, _HUGE), "amplitude": (0.0, _HUGE), "frequency": (_TINY, _HUGE)}
 _SHOWN = ("force", "frequency", "speed")  # kinds of quantity that --unit is for
 
 
@@ -54,7 +54,7 @@ def add_command(commands: Any, name: str, summary: str, text: str, run: Any) -> 
 
 
 def add_rod(command: argparse.ArgumentParser, *, judged: bool = True) -> None:
-    """Add the options that describe a rod and, where it is to be judged, which growth matters."""
+    """Add the options that describe a rod and, where it is to be classified, which growth matters."""
     command.add_argument("--rod", required=True, help="nitinol (the reference rod), or a TOML file")
     command.add_argument("--damping-rate", help="decay rate of free motion in 1/s (replaces that of the rod)")
     if judged:
@@ -72,22 +72,26 @@ def add_units(command: argparse.ArgumentParser) -> None:
 
 def add_friction(command: argparse.ArgumentParser) -> None:
     """Add the options that describe friction and a kick."""
-    command.add_argument("--mu", type=float, help="coefficient of friction between rod and channel (needs --kick)")
-    command.add_argument("--kick", help="transverse speed each mode is disturbed with, such as 50mm/s (needs --mu)")
+    command.add_argument(
+        "--friction", "--mu", type=float, help="coefficient of friction between rod and channel (needs --kick)"
+    )
+    command.add_argument(
+        "--kick", help="transverse speed each mode is disturbed with, such as 50mm/s (needs --friction)"
+    )
 
 
-def read_friction(options: argparse.Namespace) -> fr.Coulomb | None:
-    """Return friction and kick, None where there is none; one without the other is refused."""
-    if options.mu is None:
+def read_friction(options: argparse.Namespace) -> tuple[float, float] | None:
+    """Return the coefficient of friction and the kick in m/s, None without either; one alone is refused."""
+    if options.friction is None:
         if options.kick is not None:
-            raise ValueError("--kick needs --mu: without friction every kick sets off what is unstable")
+            raise ValueError("--kick needs --friction: without friction every kick sets off what is unstable")
         return None
     if options.kick is None:
         raise ValueError(
-            "--mu needs --kick: friction holds every rod that nothing disturbs, so a verdict without a kick would say "
-            "nothing; add the transverse speed each mode is disturbed with, such as --kick 50mm/s"
+            "--friction needs --kick: friction holds every rod that nothing disturbs, so a verdict without a kick "
+            "would say nothing; add the transverse speed each mode is disturbed with, such as --kick 50mm/s"
         )
-    return fr.Coulomb(options.mu, units.quantity(options.kick, "--kick", "speed", least=_TINY, largest=_HUGE))
+    return options.friction, units.quantity(options.kick, "--kick", "speed", least=_TINY, largest=_HUGE)
 
 
 def read_tolerance(options: argparse.Namespace) -> float:
@@ -95,16 +99,16 @@ def read_tolerance(options: argparse.Namespace) -> float:
     return units.quantity(options.growth_tolerance, "--growth-tolerance", "rate", least=0.0, largest=_HUGE)
 
 
-def read_quantity(text: str, name: str, rod: fr.Rod, given: str | None = None) -> float:
+def read_quantity(text: str, name: Quantity, rod: fr.Rod, given: str | None = None) -> float:
     """Return a quantity of the load in SI units; messages quote ``given`` in place of the text."""
-    least, largest = _BOUNDS[name]
+    least, largest = LIMITS[name][:2]
     force = rod.critical_force
     return units.quantity(
         text, f"--{name}", KINDS[name], critical_force=force, least=least, largest=largest, given=given
     )
 
 
-def read_range(text: str, name: str, rod: fr.Rod) -> list[float]:
+def read_range(text: str, name: Quantity, rod: fr.Rod) -> list[float]:
     """Return one quantity, or both ends of a range; a first end without a unit has that of the second."""
     first, colon, last = text.partition(":")
     if not colon:
@@ -131,8 +135,8 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
         if kind in chosen:
             raise ValueError(f"--unit must name one unit of {kind}, got {chosen[kind]} and {name} in {options.unit!r}")
         chosen[kind] = name.strip()
-    found = {}
-    for name, kind in {**KINDS, "kick": "speed"}.items():
+    found: dict[str, Unit] = {}
+    for name, kind in [*KINDS.items(), ("kick", "speed")]:
         text = getattr(options, name, None)
         typed = units.unit_of(text.rpartition(":")[2]) if isinstance(text, str) else None
         wanted = chosen.get(kind, ("mm/s" if kind == "speed" else "") if typed is None else typed)

@@ -11,7 +11,7 @@ from floquetrod.cli.common import Answer, add_command, number
 from floquetrod.cli.waiting import waiting
 
 _HELP = """\
-Judge one equation A'' + 2 c A' = (beta + alpha sin tau) A by every method and show where they agree.
+Compare on one equation A'' + 2 c A' = (beta + alpha sin tau) A all methods that apply, and show where they agree.
 
 examples:
   floquetrod compare --alpha 0.5 --beta -0.25
@@ -21,7 +21,7 @@ examples:
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    compare = add_command(commands, "compare", "judge one equation by every method", _HELP, _compare)
+    compare = add_command(commands, "compare", "compare all methods on one equation", _HELP, _compare)
     compare.add_argument("--alpha", required=True, type=float, help="amplitude of the coefficient")
     compare.add_argument("--beta", required=True, type=float, help="mean of the coefficient")
     compare.add_argument("--damping", type=float, default=0.0, help="c, per unit tau (default 0)")
@@ -31,7 +31,7 @@ def add(commands: Any) -> None:
 def _compare(options: argparse.Namespace) -> Answer:
     kind = fr.Meissner if options.wave == "square" else fr.Mathieu
     equation = kind(options.alpha, options.beta, options.damping)
-    with waiting("judging by every method"):
+    with waiting("asking every method"):
         comparison = fr.compare(equation)
     if not options.json:
         return Answer(repr(comparison))

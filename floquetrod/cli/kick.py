@@ -23,8 +23,9 @@ def report(result: fr.FrictionalRodStability, shown: Unit) -> list[str]:
     lines = [
         headline,
         "",
-        f"friction  mu {inside.mu:g}: gamma {inside.gamma:.4g}; the rod slides axially at {shown.show(inside.v_a, 3)}",
-        f"kick      {shown.show(result.friction.velocity)} in each mode: eps {inside.epsilon:.4g}",
+        f"friction  mu {result.friction:g}: gamma {inside.gamma:.4g}; "
+        f"the rod slides axially at {shown.show(inside.v_a, 3)}",
+        f"kick      {shown.show(result.kick)} in each mode: eps {inside.epsilon:.4g}",
         f"needed    {_needed(result, shown)}",
     ]
     if math.isfinite(result.critical_kick.none_up_to):
@@ -32,17 +33,17 @@ def report(result: fr.FrictionalRodStability, shown: Unit) -> list[str]:
     if result.modes:
         lines += ["", f"mode  {f'kick needed {shown.name}':>16}  this kick"]
     for mode, fate in zip(result.modes, result.fates, strict=True):
-        lines.append(f"{mode:4d}  {shown.of(result.critical_velocities[mode]):16.6g}  {fate.status}: {fate.reason}")
+        lines.append(f"{mode:4d}  {shown.of(result.critical_kicks[mode]):16.6g}  {fate.status}: {fate.reason}")
     return lines
 
 
 def _needed(result: fr.FrictionalRodStability, shown: Unit) -> str:
     kick = result.critical_kick
-    if math.isinf(kick.velocity):
+    if math.isinf(kick.kick):
         return "no kick buckles the rod: no mode grows even without friction"
     if kick.mode is None:
         return "the smallest kick that buckles the rod could not be decided"
-    return f"{shown.show(kick.velocity)} is the smallest found to buckle the rod, into mode {kick.mode}"
+    return f"{shown.show(kick.kick)} is the smallest found to buckle the rod, into mode {kick.mode}"
 
 
 def record(result: fr.FrictionalRodStability) -> dict[str, Any]:
@@ -51,17 +52,17 @@ def record(result: fr.FrictionalRodStability) -> dict[str, Any]:
     return {
         "status": result.status,
         "unstable_modes": list(result.unstable_modes),
-        "mu": inside.mu,
+        "mu": result.friction,
         "mu_theta": inside.mu_theta,
-        "kick_m_per_s": result.friction.velocity,
+        "kick_m_per_s": result.kick,
         "axial_velocity_m_per_s": inside.v_a,
         "gamma": inside.gamma,
         "epsilon": inside.epsilon,
-        "critical_kick_m_per_s": number(kick.velocity),
+        "critical_kick_m_per_s": number(kick.kick),
         "critical_mode": kick.mode,
         "no_kick_buckles_up_to_m_per_s": number(kick.none_up_to),
         "modes": [
-            {"mode": mode, "critical_kick_m_per_s": number(result.critical_velocities[mode]), "fate": fate.status}
+            {"mode": mode, "critical_kick_m_per_s": number(result.critical_kicks[mode]), "fate": fate.status}
             for mode, fate in zip(result.modes, result.fates, strict=True)
         ],
     }

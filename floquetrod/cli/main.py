@@ -17,7 +17,7 @@ from floquetrod.cli.common import Parser, compiling_told
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command and return the exit status.
 
-    0: it answered; 1: `reproduce` lost a finding, `check --exit-code` judged unstable; 2: input it cannot use;
+    0: it answered; 1: `reproduce` lost a finding, `check --exit-code` found it unstable; 2: input it cannot use;
     3: `check --exit-code` could not decide; 130: Ctrl-C.
     """
     options = argparse.Namespace()
@@ -46,14 +46,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     return int(answer.status)
 
 
-_ARGUMENTS = {"velocity": "kick", "friction": "mu", "load": "mean", "between": "frequency"}
+_ARGUMENTS = {"friction": "mu", "load": "mean"}
 """Arguments of the library that an option of another name sets."""
 
 
 def _naming_options(message: str, options: argparse.Namespace) -> str:
     """Return a message of the library with the option in place of the argument it begins with, and what was typed."""
     match = re.match(r"(\w+)(?:\[\d+\])? (?=must|needs)", message)
-    name = _ARGUMENTS.get(match[1], match[1]) if match else ""
+    name = match[1] if match else ""
+    if name not in vars(options):
+        name = _ARGUMENTS.get(name, name)
     typed = vars(options).get(name)
     if match is None or typed is None:
         return message

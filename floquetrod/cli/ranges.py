@@ -1,9 +1,10 @@
-"""`floquetrod ranges`: every safe interval of one quantity of the load."""
+"""`floquetrod ranges`: every stability interval of one quantity of the load."""
 
 from __future__ import annotations
 
 import argparse
 import json
+from collections.abc import Callable
 from typing import Any
 
 import floquetrod as fr
@@ -22,7 +23,7 @@ from floquetrod.cli.waiting import waiting
 from floquetrod.rod.tongues import HAIRLINE_GROWTH
 
 _HELP = """\
-List every stable interval of one quantity of the load: give the other two, and what to search.
+List every stability interval of one quantity of the load: give the other two, and what to search.
 
 examples:
   floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150 --mean 0:1.2Fcr
@@ -37,12 +38,14 @@ answer is in the unit of the range, or of --unit; --json is in N and rad/s.
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    ranges = add_command(commands, "ranges", "list every safe interval of one quantity of the load", _HELP, _ranges)
+    ranges = add_command(
+        commands, "ranges", "list every stability interval of one quantity of the load", _HELP, _ranges
+    )
     add_rod(ranges)
     add_units(ranges)
     ranges.set_defaults(growth_tolerance=f"{HAIRLINE_GROWTH:g}")
-    ranges.add_argument("--mean", required=True, help="mean force, or a range from zero such as 0:1.2Fcr")
-    ranges.add_argument("--amplitude", required=True, help="amplitude, or a range from zero such as 0:0.5Fcr")
+    ranges.add_argument("--mean", required=True, help="mean force, or a range such as 0:1.2Fcr")
+    ranges.add_argument("--amplitude", required=True, help="amplitude, or a range such as 0:0.5Fcr")
     ranges.add_argument("--frequency", required=True, help="frequency, or a range such as 10Hz:60Hz")
 
 
@@ -58,22 +61,21 @@ def _ranges(options: argparse.Namespace) -> Answer:
     tolerance = read_tolerance(options)
     values = {name: read_range(text, name, rod) for name, text in texts.items()}
     shown = read_units(options, rod)
-    low, high = values.pop(varied[0])
+    bounds = tuple(values.pop(varied[0]))
     fixed: dict[str, Any] = {name: value for name, (value,) in values.items()}
-    if varied[0] != "frequency" and low != 0.0:
-        raise ValueError(f"--{varied[0]} must be a range from zero such as 0:1.2Fcr, got {texts[varied[0]]!r}")
+    searches: dict[str, Callable[..., fr.StabilityIntervals]] = {
+        "mean": rod.stable_mean_forces,
+        "amplitude": rod.stable_amplitudes,
+        "frequency": rod.stable_frequencies,
+    }
     with waiting(f"searching every tongue along the {varied[0]}"):
-        if varied[0] == "frequency":
-            found = rod.stable_frequencies(**fixed, between=(low, high), growth_tolerance=tolerance)
-        else:
-            search = rod.stable_mean_forces if varied[0] == "mean" else rod.stable_amplitudes
-            found = search(**fixed, upto=high, growth_tolerance=tolerance)
+        found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance)
     if not options.json:
         return Answer(found.table(*shown[varied[0]]))
     unit = "N" if found.unit == "N" else "rad_per_s"
     record = {
         "quantity": found.quantity,
-        f"searched_{unit}": list(found.between),
+        f"searched_{unit}": list(found.bounds),
         "growth_tolerance_per_s": found.growth_tolerance,
         "modes_checked": found.modes,
         "tongues_left_out": found.hairlines,

@@ -261,7 +261,7 @@ def _record(run: fr.Simulation) -> dict[str, Any]:
             fit, why_not = run.growth_rate(mode), None
         except ValueError as error:
             why_not = str(error)
-    needed = run.rod.critical_velocity(problem.load, problem.friction) if problem.friction > 0.0 else None
+    needed = run.rod.critical_kick(problem.load, friction=problem.friction) if problem.friction > 0.0 else None
     work = float(abs(run.energy["work"]).max())
     return {
         "buckled": run.buckled,
@@ -275,7 +275,7 @@ def _record(run: fr.Simulation) -> dict[str, Any]:
         "predicted_status": linear.status,
         "predicted_unstable_modes": list(linear.unstable_modes),
         "predicted_fastest_mode": linear.fastest_mode,
-        "critical_kick_m_per_s": None if needed is None else number(needed.velocity),
+        "critical_kick_m_per_s": None if needed is None else number(needed.kick),
         "critical_kick_mode": None if needed is None else needed.mode,
         "perturbation": str(problem.perturbation),
         "mean_N": problem.load.mean,

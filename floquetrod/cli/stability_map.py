@@ -25,6 +25,7 @@ from floquetrod.cli.common import (
     read_tolerance,
     read_units,
 )
+from floquetrod.rod.load import Quantity
 
 _HELP = """\
 Draw a rod's stability over two of mean force, amplitude and frequency; the third is fixed.
@@ -34,7 +35,7 @@ examples:
   floquetrod map --rod nitinol --frequency 150 --mean 0:1.1Fcr --amplitude 0:0.5Fcr --growth --out map.npz
   floquetrod map --rod my_rod.toml --amplitude 2N --mean 0:12N --frequency 5Hz:60Hz --mark 6N,24Hz
   floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --paper-criterion exact --out m.png
-  floquetrod map --rod nitinol --amplitude 0.7Fcr --mean 0:1.1Fcr --frequency 20:200 --mu 0.1 --kick 50mm/s --out k.png
+  floquetrod map --rod nitinol --amplitude 0.7Fcr --mean 0:1.1Fcr --frequency 20:200 --friction 0.1 --kick 50mm/s
 
 A .png, .pdf or .svg file is a figure, a .npz file all the numbers (floquetrod.Chart.load reads it); give --out twice
 for both.  Axes and caption are in the units of the ranges, or of --unit; a .npz file is in N and rad/s.
@@ -73,7 +74,7 @@ def _map(options: argparse.Namespace) -> Answer:
         check_out(path, (*charts.FIGURES, ".npz"))
     columns, rows = _points(options.points)
     values = {name: read_range(getattr(options, name), name, rod) for name in KINDS}
-    tolerance, friction = read_tolerance(options), read_friction(options)
+    tolerance, rubbing = read_tolerance(options), read_friction(options)
     shown = read_units(options, rod)
     varied = [name for name, ends in values.items() if len(ends) == 2]
     if len(varied) != 2:
@@ -91,10 +92,11 @@ def _map(options: argparse.Namespace) -> Answer:
         growth=options.growth,
         growth_tolerance=tolerance,
         criterion=criterion,
-        friction=friction,
+        friction=None if rubbing is None else rubbing[0],
+        kick=None if rubbing is None else rubbing[1],
         progress=Progress("points"),
     )
-    drawn = chart.in_units(**{name: shown[name].name for name in ("kick", *KINDS)[friction is None :]})
+    drawn = chart.in_units(**{name: shown[name].name for name in ("kick", *KINDS)[rubbing is None :]})
     for path in paths:
         if path.suffix == ".npz":
             chart.save(path)
@@ -129,7 +131,7 @@ def _points(text: str) -> tuple[int, int]:
     return columns, rows
 
 
-def _point(text: str, varied: list[str], across: str, rod: fr.Rod) -> dict[str, float]:
+def _point(text: str, varied: list[Quantity], across: str, rod: fr.Rod) -> dict[Quantity, float]:
     """Return the point to mark in SI units, by quantity, the one drawn to the right first."""
     parts = text.split(",")
     if len(parts) != 2:

@@ -123,6 +123,25 @@ def critical_bounds(
     samples = validate.integer("samples", samples, 1, _MOST_SAMPLES)
     effort = validate.integer("effort", effort, 1)
     rate = growth_without_friction(alpha, beta, c, workers)
+    result = known_bounds(alpha, beta, gamma, c, rate, limit, samples, effort, workers)
+    if shape:
+        return CriticalPerturbation(*(part.reshape(shape) for part in result))
+    return CriticalPerturbation(*(float(part[0]) for part in result))
+
+
+def known_bounds(
+    alpha: NDArray[np.float64],
+    beta: NDArray[np.float64],
+    gamma: NDArray[np.float64],
+    damping: NDArray[np.float64],
+    rate: NDArray[np.float64],
+    limit: NDArray[np.float64],
+    samples: int = 24,
+    effort: int = 20_000,
+    workers: int | None = None,
+) -> CriticalPerturbation:
+    """Return `critical_bounds` of flat arrays that are checked, ``rate`` as `growth_without_friction` has it."""
+    c = damping
     grows = rate >= 0.0
     floor = np.where(grows & (gamma == 0.0), 0.0, math.inf)  # without friction the slightest kick
     found = floor.copy()
@@ -133,9 +152,7 @@ def critical_bounds(
         smallest = search.smallest(samples)
         unknown = np.isinf(smallest) & np.isinf(limit[part])
         found[part] = np.where(unknown, math.nan, gamma[part] * smallest)
-    if shape:
-        return CriticalPerturbation(floor.reshape(shape), found.reshape(shape))
-    return CriticalPerturbation(float(floor[0]), float(found[0]))
+    return CriticalPerturbation(floor, found)
 
 
 def certain_kicks(equation: FrictionalMathieu) -> KickRange:

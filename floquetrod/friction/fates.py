@@ -72,9 +72,26 @@ def outcome(
     [0, 1]
     """
     shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, epsilon=size_of(epsilon))
-    fates = _fates(alpha, beta, gamma, kick, c, effort, workers)
+    effort = validate.integer("effort", effort, 1)
+    rate = growth_without_friction(alpha, beta, c, workers)
+    result = known_outcome(alpha, beta, gamma, kick, c, rate, effort, workers)
+    return result.reshape(shape) if shape else int(result[0])
+
+
+def known_outcome(
+    alpha: NDArray[np.float64],
+    beta: NDArray[np.float64],
+    gamma: NDArray[np.float64],
+    kick: NDArray[np.float64],
+    damping: NDArray[np.float64],
+    rate: NDArray[np.float64],
+    effort: int = EFFORT,
+    workers: int | None = None,
+) -> NDArray[np.int8]:
+    """Return `outcome` of flat arrays that are checked, ``rate`` as `growth_without_friction` has it."""
+    fates = _fates(alpha, beta, gamma, kick, damping, rate, effort, workers)
     result = np.where(fates == kernels.GROWS, ESCAPES, np.where(fates < kernels.GROWS, BOUNDED, UNDECIDED))
-    return result.astype(np.int8).reshape(shape) if shape else int(result[0])
+    return result.astype(np.int8)
 
 
 def escapes(
@@ -117,12 +134,11 @@ def _fates(
     gamma: NDArray[np.float64],
     kick: NDArray[np.float64],
     damping: NDArray[np.float64],
+    rate: NDArray[np.float64],
     effort: int,
     workers: int | None,
 ) -> NDArray[np.int8]:
     """Return why each run ended, as the kernels number it."""
-    effort = validate.integer("effort", effort, 1)
-    rate = growth_without_friction(alpha, beta, damping, workers)
     out = np.full(kick.size, kernels.NO_GROWTH, dtype=np.int8)
     if kick.size == 1:
         one = FrictionalMathieu(float(alpha[0]), float(beta[0]), float(gamma[0]), float(damping[0]))

@@ -125,7 +125,7 @@ def f3_a() -> Claim:
     by_test = first_failure(0.2, 85.0, LEAPFROG, 0.6)
     load = AxialLoad(0.0, 0.2 * UNIT, 85.0)
     last = ROD.modes_needed(AxialLoad(0.6 * UNIT, 0.2 * UNIT, 85.0))[0]
-    bands = unstable_loads("mean", ROD, load, range(1, last + 1), 0.0, (0.0, 0.6 * UNIT)).ranges
+    bands = unstable_loads("mean", ROD.modal_system(load, range(1, last + 1)), 0.0, (0.0, 0.6 * UNIT)).intervals
     main = min(band for band in bands if band.low <= by_test * UNIT < band.high)  # in which the test fails further on
     below = sum(band.high < main.low for band in bands)
     thin = np.linspace(0.0, 0.99 * main.low, 4501)
@@ -169,7 +169,10 @@ def f3_c() -> Claim:
     visible = omega[growth > EXACT.threshold * omega]
     failing = omega[~ROD.is_stable(0.0, 0.2 * UNIT, omega, criterion=LEAPFROG)]
     slow = first_failure(0.2, 20.0, LEAPFROG, 1.0)
-    firsts = {rate: ROD.critical_mean_force(0.2 * UNIT, 20.0, rate * 20.0) / UNIT for rate in (0.022, 1e-3, 2e-4)}
+    firsts = {
+        rate: ROD.critical_mean_force(0.2 * UNIT, 20.0, growth_tolerance=rate * 20.0) / UNIT
+        for rate in (0.022, 1e-3, 2e-4)
+    }
     thin = ", ".join(f"{force:.3f} F_cr by more than {rate:g}" for rate, force in firsts.items())
     return Claim(
         "F3-c",

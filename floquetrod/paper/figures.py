@@ -12,7 +12,6 @@ from floquetrod import mathieu
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.square_wave import square_wave
-from floquetrod.kernels.mathieu import mode_coefficients
 from floquetrod.paper.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
 from floquetrod.plotting import paper as drawing
 from floquetrod.plotting.paper import Band, Tongue
@@ -38,7 +37,8 @@ def figure_2(chart: int) -> Any:
     drawing.draw_plane(axes[0], alpha, beta.ravel(), ~LEAPFROG.is_stable(alpha, beta), curves)
     for ax, (force, frequency) in zip(axes[1:], LOADS, strict=True):
         load = AxialLoad(force * UNIT, 0.2 * UNIT, frequency)
-        mode_alpha, mode_beta = ROD.mode_parameters(load, range(1, 11))
+        system = ROD.modal_system(load, range(1, 11))
+        mode_alpha, mode_beta = system.alpha, system.beta
         fine_alpha = np.linspace(0.0, 1.25 * mode_alpha[-1], 500)
         fine_beta = np.linspace(1.1 * mode_beta.min(), -0.3 * mode_beta.min(), 500)
         exact = ~mathieu.is_stable(fine_alpha, fine_beta[:, None])
@@ -82,11 +82,11 @@ def figure_3(points: tuple[int, int]) -> Any:
 def unstable_bands(amplitude: float, frequency: float, upto: float) -> list[Band]:
     """Return every unstable interval of the mean force (all in F_cr), mode by mode, thin ones first."""
     last = ROD.modes_needed(AxialLoad(upto * UNIT, amplitude * UNIT, frequency))[0]
-    load, modes = AxialLoad(0.0, amplitude * UNIT, frequency), range(1, last + 1)
+    system = ROD.modal_system(AxialLoad(0.0, amplitude * UNIT, frequency), range(1, last + 1))
     return [
         Band(r.low / UNIT, r.high / UNIT, r.mode, tolerance > 0.0)
         for tolerance in (0.0, EXACT.threshold * frequency)
-        for r in unstable_loads("mean", ROD, load, modes, tolerance, (0.0, upto * UNIT)).ranges
+        for r in unstable_loads("mean", system, tolerance, (0.0, upto * UNIT)).intervals
     ]
 
 
@@ -95,11 +95,11 @@ def tongues(amplitude: float, omega: NDArray[np.float64], upto: float) -> list[T
     found: dict[tuple[int, int], list[tuple[int, float, float]]] = {}
     for column, frequency in enumerate(omega.tolist()):
         top = AxialLoad(upto * UNIT, amplitude * UNIT, frequency)
-        modes = range(1, ROD.modes_needed(top, SHOWN * frequency)[0] + 1)
-        bands = unstable_loads("mean", ROD, top, modes, 0.0, (0.0, upto * UNIT)).ranges
+        system = ROD.modal_system(top, range(1, ROD.modes_needed(top, SHOWN * frequency)[0] + 1))
+        bands = unstable_loads("mean", system, 0.0, (0.0, upto * UNIT)).intervals
         middles = np.array([0.5 * (max(band.low, 0.0) + min(band.high, upto * UNIT)) for band in bands])
-        family = ROD.mode_family(middles, amplitude * UNIT, frequency)
-        growth = mathieu.growth_rate(*mode_coefficients(*family, np.array([band.mode for band in bands])))
+        systems = ROD.modal_systems(middles, amplitude * UNIT, frequency)
+        growth = mathieu.growth_rate(*systems.coefficients(np.array([band.mode for band in bands])))
         for band, rate in zip(bands, growth, strict=True):
             if rate > SHOWN:
                 found.setdefault((band.mode, band.tongue), []).append((column, band.low / UNIT, band.high / UNIT))

@@ -8,16 +8,16 @@ import numpy as np
 
 from floquetrod import friction, mathieu
 from floquetrod.paper.claims import ROD, UNIT, Claim, window
-from floquetrod.rod.coulomb import Coulomb
+from floquetrod.rod.coulomb import mode_friction
 from floquetrod.rod.load import AxialLoad
 
 GAMMA = 0.01
 KICKS = 0.005, 0.01, 0.05, 0.5
 """Friction and kicks of Figure 5; the second and third kick are our choice."""
 
-FRICTION = Coulomb(mu=0.1, velocity=0.05)
+FRICTION, KICK = 0.1, 0.05
 AMPLITUDE = 0.7
-"""Friction and amplitude (F_cr) of Figures 6 and 7."""
+"""Friction, kick (m/s) and amplitude (F_cr) of Figures 6 and 7."""
 
 FORCES = 0.118, 0.424, 0.825
 """Mean forces in F_cr of the runs with friction."""
@@ -50,8 +50,8 @@ def f6_7() -> Claim:
     for omega in (85.0, 150.0):
         for force in FORCES:
             load = AxialLoad(force * UNIT, AMPLITUDE * UNIT, omega)
-            speeds = ROD.stability(load, friction=FRICTION).critical_velocities
-            found[omega, force] = {m: 1e3 * v for m, v in speeds.items() if v < FRICTION.velocity}
+            speeds = ROD.stability(load, friction=FRICTION, kick=KICK).critical_kicks
+            found[omega, force] = {m: 1e3 * v for m, v in speeds.items() if v < KICK}
     mode_8 = 1e3 * speeds[8]  # of the last load
     said = {(85.0, 0.118), (85.0, 0.424), (150.0, 0.118)}
     agrees = all((not modes) == (key in said) for key, modes in found.items())
@@ -81,9 +81,9 @@ def f6_b() -> Claim:
     """Frequency acts through gamma and epsilon, not through the axial sliding."""
     speeds, shares = [], []
     for omega in (85.0, 150.0):
-        inside = FRICTION.in_mode_equation(ROD, AxialLoad(0.4 * UNIT, AMPLITUDE * UNIT, omega))
+        inside = mode_friction(ROD, FRICTION, KICK, AMPLITUDE * UNIT, omega)
         speeds.append(1e3 * inside.v_a)
-        shares.append(1.0 - inside.mu_theta / inside.mu)
+        shares.append(1.0 - inside.mu_theta / FRICTION)
     return Claim(
         "F6-b",
         "With friction the frequency acts through the axial sliding speed v_a",

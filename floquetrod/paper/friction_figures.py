@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import friction, mathieu
-from floquetrod.kernels.mathieu import mode_coefficients
 from floquetrod.paper.claims import ROD, UNIT, WINDOW, window
-from floquetrod.paper.friction_claims import AMPLITUDE, FRICTION, GAMMA, KICKS
+from floquetrod.paper.friction_claims import AMPLITUDE, FRICTION, GAMMA, KICK, KICKS
 from floquetrod.plotting import paper as drawing
-from floquetrod.rod.coulomb import Coulomb, critical_velocities
+from floquetrod.rod.coulomb import kicks_of
 from floquetrod.rod.load import AxialLoad
 
 SLOWEST = 0.01
@@ -45,15 +44,15 @@ def figure_6(points: int) -> Any:
     figure, axes = drawing.panels(3, 2, (8.0, 10.4))
     omega, force = np.linspace(20.0, 200.0, points), np.linspace(0.0, 1.1, points)
     loads = force[:, None] * UNIT, AMPLITUDE * UNIT, omega
-    for ax, kick in zip(axes, (FRICTION, None, Coulomb(0.1, 0.035), Coulomb(0.05, 0.05)), strict=False):
-        escapes = ~ROD.is_stable(*loads, growth_tolerance=SLOWEST, friction=kick)
+    for ax, (mu, kick) in zip(axes, ((FRICTION, KICK), (None, None), (0.1, 0.035), (0.05, 0.05)), strict=False):
+        escapes = ~ROD.is_stable(*loads, growth_tolerance=SLOWEST, friction=mu, kick=kick)
         drawing.draw_map(ax, omega, force, escapes, [])
-        words = rf"$\mu = {kick.mu:g}$, {1e3 * kick.velocity:g} mm/s" if kick is not None else "no friction"
+        words = rf"$\mu = {mu:g}$, {1e3 * kick:g} mm/s" if kick is not None else "no friction"
         ax.set_title(words, fontsize="medium")
     for ax, frequency in zip(axes[4:], (85.0, 150.0), strict=True):
         shares = np.linspace(0.0, 1.1, 2 * points)
-        drawing.draw_kicks(ax, shares, mode_kicks(shares, frequency), 1e3 * FRICTION.velocity)
-        ax.set_title(rf"$\omega = {frequency:g}$ rad/s, $\mu = {FRICTION.mu:g}$", fontsize="medium")
+        drawing.draw_kicks(ax, shares, mode_kicks(shares, frequency), 1e3 * KICK)
+        ax.set_title(rf"$\omega = {frequency:g}$ rad/s, $\mu = {FRICTION:g}$", fontsize="medium")
     drawing.caption(
         figure,
         f"The reference rod at an amplitude of {AMPLITUDE:g} F_cr. (a)-(d) Loads under which a kick buckles it "
@@ -67,12 +66,12 @@ def figure_6(points: int) -> Any:
 def mode_kicks(shares: NDArray[np.float64], frequency: float) -> dict[int, NDArray[np.float64]]:
     """Return the critical kick in mm/s of every mode over the mean force (F_cr), infinite where none in reach does."""
     top = AxialLoad(float(shares[-1]) * UNIT, AMPLITUDE * UNIT, frequency)
-    family = ROD.mode_family(shares * UNIT, top.amplitude, frequency)
+    systems = ROD.modal_systems(shares * UNIT, top.amplitude, frequency)
     kicks = {}
     for mode in range(1, ROD.modes_needed(top)[0] + 1):
-        alpha, beta = mode_coefficients(*family, mode)
+        alpha, beta = systems.coefficients(mode)
         ratio = friction.critical_perturbation(alpha, beta, upto=HARDEST)
-        kicks[mode] = 1e3 * critical_velocities(ROD, top.amplitude, frequency, FRICTION.mu, ratio)
+        kicks[mode] = 1e3 * kicks_of(ROD, FRICTION, top.amplitude, frequency, ratio)
     return {mode: values for mode, values in kicks.items() if np.isfinite(values).any()}
 
 
@@ -80,14 +79,14 @@ def figure_kick(points: int) -> Any:
     """Draw the map of the smallest kick that buckles the rod."""
     figure, axes = drawing.panels(1, 1, (7.0, 5.4))
     omega, force = np.linspace(20.0, 200.0, points), np.linspace(0.0, 1.1, points)
-    velocity = ROD.critical_velocities(
-        force[:, None] * UNIT, AMPLITUDE * UNIT, omega, FRICTION.mu, growth_tolerance=SLOWEST
-    ).velocity
-    drawing.draw_kick_map(axes[0], omega, force, 1e3 * velocity)
+    kick = ROD.critical_kicks(
+        force[:, None] * UNIT, AMPLITUDE * UNIT, omega, friction=FRICTION, growth_tolerance=SLOWEST
+    ).kick
+    drawing.draw_kick_map(axes[0], omega, force, 1e3 * kick)
     drawing.caption(
         figure,
         f"The smallest transverse kick that buckles the reference rod for good, at an amplitude of {AMPLITUDE:g} F_cr "
-        f"and mu = {FRICTION.mu:g}; hatched: no mode grows by more than {SLOWEST:g} 1/s (at isolated points: "
+        f"and mu = {FRICTION:g}; hatched: no mode grows by more than {SLOWEST:g} 1/s (at isolated points: "
         "undecided). The paper has no such figure.",
         100,
     )

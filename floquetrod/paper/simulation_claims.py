@@ -24,7 +24,6 @@ from floquetrod.paper.simulations import (
     figure_7,
     torsion_and_shear_share,
 )
-from floquetrod.rod.coulomb import Coulomb
 from floquetrod.simulation.start import Perturbation
 
 DRAWN = (150.0, 0.118), (150.0, 0.424)
@@ -111,8 +110,8 @@ def _parts(trial: Trial, seed: int) -> list[Trial]:
     draw comes near that.
     """
     whole = Perturbation.case("C", SPEED, 10, seed, HIGHEST)
-    judged = ROD.stability(trial.problem.load, friction=Coulomb(trial.problem.friction, SPEED))
-    able = {mode for mode, speed in judged.critical_velocities.items() if speed < 2.0 * SPEED}
+    judged = ROD.stability(trial.problem.load, friction=trial.problem.friction, kick=SPEED)
+    able = {mode for mode, speed in judged.critical_kicks.items() if speed < 2.0 * SPEED}
     speeds = dict(whole.speeds)
     others = Perturbation.modes({mode: speed for mode, speed in speeds.items() if mode not in able})
     name = f"C 10, seed {seed}"

@@ -9,105 +9,86 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import broadcast, shaped
 from floquetrod.rod.data import RodData
-from floquetrod.rod.load import AxialLoad, load_array
 
-_LARGEST = 1e6  # coefficient of friction, and velocity in m/s (a choice: beyond any)
-
-
-@dataclass(frozen=True)
-class Coulomb:
-    """Dry friction, and the transverse velocity with which the rod is disturbed.
-
-    Parameters
-    ----------
-    mu : float
-        Coefficient of friction, static and kinetic.
-    velocity : float
-        v_theta(0) in m/s, greater than zero: the amplitude of the disturbance in each mode.  Friction holds every rod
-        that nothing disturbs, so that a verdict without a kick would say nothing.
-
-    Notes
-    -----
-    Eqs. (15)-(18) of DOI 10.1115/1.4031710; what they come to for a rod under a load is `in_mode_equation`.
-
-    Examples
-    --------
-    >>> rod = RodData.nitinol()
-    >>> load = AxialLoad(mean=0.8 * rod.critical_force, amplitude=0.7 * rod.critical_force, frequency=150.0)
-    >>> Coulomb(mu=0.1, velocity=0.05).in_mode_equation(rod, load)
-    <friction gamma 0.01423, kick eps 0.08547; mu_theta 0.09999 of mu 0.1, axial sliding 0.6426 mm/s>
-    """
-
-    mu: float
-    velocity: float
-
-    def __post_init__(self) -> None:
-        """Check and clean the parameters."""
-        object.__setattr__(self, "mu", friction_coefficient(self.mu))
-        hint = "friction needs a kick: give its size in m/s, 0.05 say; what it takes is told by critical_velocity"
-        velocity = validate.positive("velocity", self.velocity, hint)
-        object.__setattr__(self, "velocity", validate.within("velocity", velocity, 0.0, _LARGEST, "give it in m/s"))
-
-    def in_mode_equation(self, rod: RodData, load: AxialLoad) -> ModeFriction:
-        """Return gamma, epsilon and what they come from, the same for every mode."""
-        validate.instance("load", load, AxialLoad)
-        values = self.in_mode_equations(rod, load.amplitude, load.frequency)
-        return ModeFriction(self.mu, *map(float, values))
-
-    def in_mode_equations(self, rod: RodData, amplitude: Any, frequency: Any) -> tuple[Any, Any, Any, Any]:
-        """Return mu_theta, v_a, gamma and epsilon, Eqs. (15)-(18), over amplitudes (N) and frequencies (rad/s)."""
-        validate.instance("rod", rod, RodData)
-        shape, (force, omega) = broadcast(
-            amplitude=load_array("amplitude", amplitude), frequency=load_array("frequency", frequency)
-        )
-        axial = axial_velocity(rod, force, omega)
-        share = self.velocity / np.hypot(axial, self.velocity)
-        gamma = 4.0 * self.mu * share * rod.gravity / (math.pi * omega**2 * rod.radial_clearance)
-        mu_theta, axial, gamma, epsilon = (
-            shaped(part, shape)
-            for part in (self.mu * share, axial, gamma, self.velocity / (omega * rod.radial_clearance))
-        )
-        return mu_theta, axial, gamma, epsilon
+_LARGEST = 1e6  # coefficient of friction, and kick in m/s (a choice: beyond any)
 
 
 @dataclass(frozen=True, repr=False)
 class ModeFriction:
-    """What `Coulomb` friction comes to in the mode equations of a rod under a load.
+    """What Coulomb friction and a kick come to in the mode equations of a rod under a load, the same in every mode.
 
     Attributes
     ----------
-    mu : float
-        Coefficient of friction.
+    friction : float
+        Coefficient of friction mu, static and kinetic.
     mu_theta : float
-        Share of it that acts across the rod, Eq. (16): the rest opposes axial sliding.
+        Share of it that acts across the rod, Eq. (16) of DOI 10.1115/1.4031710: the rest opposes axial sliding.
     v_a : float
         Speed in m/s with which the ends slide axially, Eq. (17).
     gamma : float
         Friction in the mode equation, Eq. (15).
     epsilon : float
-        Kick A'(0), Eq. (18).
+        Kick A'(0) in the mode equation, Eq. (18).
     """
 
-    mu: float
-    mu_theta: float
-    v_a: float
-    gamma: float
-    epsilon: float
+    friction: float
+    mu_theta: Any
+    v_a: Any
+    gamma: Any
+    epsilon: Any
 
     def __repr__(self) -> str:
         """Return the numbers with their names."""
         return (
             f"<friction gamma {self.gamma:.4g}, kick eps {self.epsilon:.4g}; mu_theta {self.mu_theta:.4g} of "
-            f"mu {self.mu:g}, axial sliding {1e3 * self.v_a:.4g} mm/s>"
+            f"mu {self.friction:g}, axial sliding {1e3 * self.v_a:.4g} mm/s>"
         )
 
 
-def friction_coefficient(mu: Any, name: str = "mu") -> float:
+def mode_friction(rod: RodData, friction: float, kick: float, amplitude: Any, frequency: Any) -> ModeFriction:
+    """Return Eqs. (15)-(18) for a kick in m/s, amplitude in N and frequency in rad/s, both checked; broadcasts.
+
+    Examples
+    --------
+    >>> rod = RodData.nitinol()
+    >>> mode_friction(rod, 0.1, 0.05, 0.7 * rod.critical_force, 150.0)
+    <friction gamma 0.01423, kick eps 0.08547; mu_theta 0.09999 of mu 0.1, axial sliding 0.6426 mm/s>
+    """
+    axial = axial_velocity(rod, amplitude, frequency)
+    share = kick / np.hypot(axial, kick)
+    gamma = 4.0 * friction * share * rod.gravity / (math.pi * (frequency * frequency) * rod.radial_clearance)
+    epsilon = kick / (frequency * rod.radial_clearance)
+    return ModeFriction(friction, friction * share, axial, gamma, epsilon)
+
+
+def friction_coefficient(friction: Any) -> float:
     """Return a coefficient of friction as a float."""
-    number = validate.nonnegative(name, mu, "friction opposes the motion")
-    return validate.within(name, number, 0.0, _LARGEST, "it is a coefficient such as 0.1")
+    number = validate.nonnegative("friction", friction, "friction opposes the motion")
+    return validate.within("friction", number, 0.0, _LARGEST, "it is a coefficient such as 0.1")
+
+
+def friction_and_kick(friction: Any, kick: Any) -> tuple[float, float] | None:
+    """Return the coefficient of friction and the kick (m/s), None without either; ValueError for one alone.
+
+    Friction of zero needs no kick: the rod is then the one without friction.
+    """
+    if friction is not None:
+        friction = friction_coefficient(friction)
+    if kick is None:
+        if friction:
+            raise ValueError(
+                f"kick must be given with friction, got friction = {friction:g} alone: friction holds every rod that "
+                "nothing disturbs; give kick=0.05 (m/s), say, or ask critical_kick what it takes"
+            )
+        return None
+    if friction is None:
+        raise ValueError(
+            f"friction must be given with a kick, got kick = {validate.short(kick)} alone: without friction every kick "
+            "sets off what is unstable; give friction=0.1, say, or leave out both"
+        )
+    hint = "give the transverse velocity in m/s, 0.05 say; critical_kick tells what it takes"
+    return friction, validate.within("kick", validate.positive("kick", kick, hint), 0.0, _LARGEST, "give it in m/s")
 
 
 def axial_velocity(rod: RodData, amplitude: Any, frequency: Any) -> Any:
@@ -115,14 +96,14 @@ def axial_velocity(rod: RodData, amplitude: Any, frequency: Any) -> Any:
     return rod.length * amplitude * frequency / (2.0 * math.pi * rod.youngs_modulus * rod.area)
 
 
-def critical_velocities(rod: RodData, amplitude: Any, frequency: Any, mu: float, ratio: Any) -> Any:
-    """Return the velocities in m/s whose kick over friction, epsilon / gamma, is ``ratio``; broadcasts (N, rad/s).
+def kicks_of(rod: RodData, friction: float, amplitude: Any, frequency: Any, ratio: Any) -> Any:
+    """Return the kicks in m/s that come to ``ratio``, epsilon over gamma, in the mode equation; broadcasts (N, rad/s).
 
     By (15)-(18) epsilon / gamma = pi omega sqrt(v_a^2 + v^2) / (4 g mu): zero where axial sliding alone is enough, and
     infinite where the ratio is, without friction too.
     """
     ratio = np.asarray(ratio, dtype=np.float64)
-    whole = 4.0 * rod.gravity * mu / (math.pi * frequency) * np.where(np.isinf(ratio), 1.0, ratio)
+    whole = 4.0 * rod.gravity * friction / (math.pi * frequency) * np.where(np.isinf(ratio), 1.0, ratio)
     axial = axial_velocity(rod, amplitude, frequency)
-    velocity = np.sqrt(np.maximum(0.0, (whole - axial) * (whole + axial)))
-    return np.where(np.isinf(ratio), math.inf, velocity)
+    kick = np.sqrt(np.maximum(0.0, (whole - axial) * (whole + axial)))
+    return np.where(np.isinf(ratio), math.inf, kick)

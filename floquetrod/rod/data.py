@@ -1,41 +1,34 @@
-"""The rod's data sheet, and the equation of each of its modes."""
+"""The rod's data sheet: its parts, what follows from them, and the modal system of a load."""
 
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, dataclass, fields, replace
+from functools import cached_property
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import plain
-from floquetrod.equations import Mathieu
-from floquetrod.kernels import mathieu as kernels
-from floquetrod.rod.load import AxialLoad, load_array
-
-NEGLIGIBLE_GROWTH = 1e-12  # growth in 1/s that modes left out may have: a doubling in 20,000 years
-MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
-
-
-_LEAST, _LARGEST = 1e-12, 1e15  # of any parameter in its SI unit: what is computed from them stays in range (a choice)
-_UNITS = {
-    "youngs_modulus": "Pa",
-    "density": "kg/m^3",
-    "radius": "m",
-    "length": "m",
-    "channel_radius": "m",
-    "gravity": "m/s^2",
-}
+from floquetrod.rod.constants import MOST_MODES, ModeConstants
+from floquetrod.rod.load import AxialLoad, Loads
+from floquetrod.rod.modes import ModalSystem, ModalSystems
+from floquetrod.rod.parts import Channel, Ends, Material, Section, decay_rate, parameter
 
 
 @dataclass(frozen=True)
 class RodData:
-    """Data sheet of a straight elastic rod on the floor of a horizontal circular channel, and its mode equations.
+    """Data sheet of a straight elastic rod on the floor of a horizontal circular channel, and its modal systems.
 
-    Its parameters, in SI units, are described at `floquetrod.rod.Rod`, which adds the verdicts.
+    Its parameters, in SI units, are described at `floquetrod.Rod`, which adds the verdicts.  They are what is typed,
+    compared and stored; the parts made of them, `material`, `section`, `channel` and `ends`, are what everything else
+    is computed from.
 
     Notes
     -----
@@ -46,6 +39,8 @@ class RodData:
     >>> rod = RodData.nitinol()
     >>> round(rod.critical_force, 3), round(rod.critical_mode, 2)
     (1.696, 6.14)
+    >>> rod.section
+    Section(radius=0.0008)
     """
 
     youngs_modulus: float
@@ -58,17 +53,18 @@ class RodData:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        for name, unit in _UNITS.items():
-            number = validate.positive(name, getattr(self, name), f"give it in {unit}")
-            validate.within(name, number, _LEAST, _LARGEST, f"give it in {unit}")
+        cleaned = {
+            "youngs_modulus": self.material.youngs_modulus,
+            "density": self.material.density,
+            "radius": self.section.radius,
+            "length": parameter("length", self.length, "m"),
+            "channel_radius": self.channel.radius,
+            "gravity": self.channel.gravity,
+            "damping_rate": decay_rate(self.damping_rate),
+        }
+        self.channel.clearance(self.section)  # raises where the rod does not fit
+        for name, number in cleaned.items():
             object.__setattr__(self, name, number)
-        rate = validate.nonnegative("damping_rate", self.damping_rate, "give the decay rate in 1/s")
-        object.__setattr__(self, "damping_rate", validate.within("damping_rate", rate, 0.0, _LARGEST))
-        if self.radius >= self.channel_radius:
-            raise ValueError(
-                f"channel_radius must exceed the rod's radius, got channel_radius = {self.channel_radius:g} m and "
-                f"radius = {self.radius:g} m; both are radii, not diameters"
-            )
 
     @classmethod
     def nitinol(cls) -> Self:
@@ -79,44 +75,91 @@ class RodData:
         """
         return cls(youngs_modulus=68e9, density=6500.0, radius=0.8e-3, length=3.1, channel_radius=4.7e-3)
 
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """Read a rod from a TOML file.
+
+        Keys are the parameters of `floquetrod.Rod`; values are numbers in SI units, or strings with a unit such as
+        "68GPa" or "0.8mm".  Raises ValueError, naming file and key, for what cannot be read, is missing or unknown.
+        """
+        path = validate.path("path", path)
+        try:
+            table = tomllib.loads(path.read_text(encoding="utf-8"))
+        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+            raise ValueError(f"rod file {path} cannot be read: {error}") from None
+        known = {f.name: f.default is MISSING for f in fields(cls)}
+        unknown = [key for key in table if key not in known]
+        missing = [name for name, needed in known.items() if needed and name not in table]
+        if unknown or missing:
+            what = [f"unknown key {key!r}" for key in unknown] + [f"missing key {name!r}" for name in missing]
+            raise ValueError(f"rod file {path}: {', '.join(what)}; the keys are {', '.join(known)}")
+        try:
+            return cls(**{key: units.quantity(value, key, units.ROD_KINDS[key]) for key, value in table.items()})
+        except (TypeError, ValueError) as error:
+            raise ValueError(f"rod file {path}: {error}") from None
+
     def replace(self, **changes: float) -> Self:
         """Return a copy with some parameters changed."""
         return replace(self, **changes)
 
+    # --- parts ---
+
+    @cached_property
+    def material(self) -> Material:
+        """Young's modulus and density."""
+        return Material(self.youngs_modulus, self.density)
+
+    @cached_property
+    def section(self) -> Section:
+        """Radius, area and second moment."""
+        return Section(self.radius)
+
+    @cached_property
+    def channel(self) -> Channel:
+        """Inner radius, and gravity across it."""
+        return Channel(self.channel_radius, self.gravity)
+
+    @cached_property
+    def ends(self) -> Ends:
+        """How the ends are held."""
+        return Ends()
+
+    # --- what follows from them ---
+
     @property
     def area(self) -> float:
-        """Area of the section, pi r^2, in m^2."""
-        return math.pi * self.radius**2
+        """Area of the section in m^2."""
+        return self.section.area
 
     @property
     def second_moment(self) -> float:
-        """Second moment of the section, I = pi r^4 / 4, in m^4."""
-        return 0.25 * math.pi * self.radius**4
+        """Second moment of the section, I, in m^4."""
+        return self.section.second_moment
 
     @property
     def flexural_rigidity(self) -> float:
         """E I in N m^2."""
-        return self.youngs_modulus * self.second_moment
+        return self.material.youngs_modulus * self.section.second_moment
 
     @property
     def mass_per_length(self) -> float:
         """Rho A in kg/m."""
-        return self.density * self.area
+        return self.material.density * self.section.area
 
     @property
     def radial_clearance(self) -> float:
         """R = channel radius - rod radius in m: the radius of the motion of the rod's axis."""
-        return self.channel_radius - self.radius
+        return self.channel.clearance(self.section)
 
     @property
     def pendulum_frequency(self) -> float:
         """Frequency sqrt(g / R) in rad/s at which a rigid rod swings in the channel."""
-        return math.sqrt(self.gravity / self.radial_clearance)
+        return self.channel.pendulum_frequency(self.section)
 
     @property
     def critical_force(self) -> float:
         """F_cr = 2 sqrt(E I rho A g / R) in N: a constant push beyond it buckles a long rod."""
-        return 2.0 * math.sqrt(self.flexural_rigidity * self.mass_per_length) * self.pendulum_frequency
+        return self.mode_constants.critical_force
 
     @property
     def critical_mode(self) -> float:
@@ -127,98 +170,68 @@ class RodData:
     @property
     def wave_speed(self) -> float:
         """Speed of axial waves, sqrt(E / rho), in m/s."""
-        return math.sqrt(self.youngs_modulus / self.density)
+        return self.material.wave_speed
 
     def wavenumber(self, mode: Any) -> Any:
         """Return w_m = m pi / L in 1/m."""
-        return plain(_modes(mode) * (math.pi / self.length))
+        return plain(_modes(mode) * self.ends.first_wavenumber(self.length))
 
     def natural_frequency(self, mode: Any) -> Any:
         """Return the frequency in rad/s of free motion in a mode, without axial force or damping."""
         bending = self.flexural_rigidity / self.mass_per_length * self.wavenumber(mode) ** 4
         return plain((bending + self.pendulum_frequency**2) ** 0.5)
 
-    def mode_parameters(self, load: AxialLoad, modes: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return alpha_m and beta_m of Eq. (4) as arrays over ``modes``."""
+    # --- modal systems ---
+
+    @cached_property
+    def mode_constants(self) -> ModeConstants:
+        """What the mode equations need of the rod."""
+        return ModeConstants(
+            self.ends.first_wavenumber(self.length) ** 2,
+            self.mass_per_length,
+            self.flexural_rigidity,
+            self.pendulum_frequency,
+            self.damping_rate,
+        )
+
+    def modal_system(self, load: AxialLoad, modes: Iterable[int] | None = None) -> ModalSystem:
+        """Return the equations of the rod's modes under a load.
+
+        Parameters
+        ----------
+        load : AxialLoad
+        modes : iterable of int, optional
+            Mode numbers, 1 to 20,000; by default all that can matter, see `modes_needed`.
+
+        Raises
+        ------
+        ValueError
+            For numbers that are no modes, and for loads that need more than 20,000 modes or too large coefficients.
+
+        Examples
+        --------
+        >>> rod = RodData.nitinol()
+        >>> system = rod.modal_system(AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0), modes=(6, 7))
+        >>> round(system.equations[1].alpha, 4), system.damping
+        (0.0513, 0.0)
+        """
         validate.instance("load", load, AxialLoad)
-        family = self.mode_family(load.mean, load.amplitude, load.frequency)
-        alpha, beta = kernels.mode_coefficients(*family, _modes(modes, "modes"))
-        return np.asarray(alpha), np.asarray(beta)
+        constants = self.mode_constants
+        if modes is not None:
+            chosen = validate.modes(modes)
+            constants.require_in_reach(Loads.single(load))
+            return ModalSystem(constants, load, chosen)
+        last, left_out = constants.modes_needed(load, 0.0)
+        return ModalSystem(constants, load, tuple(range(1, last + 1)), left_out)
 
-    def mode_equations(self, load: AxialLoad, modes: Iterable[int]) -> tuple[Mathieu, ...]:
-        """Return the Mathieu equation (3) of each mode, in the time tau = omega t, damping included."""
-        chosen = validate.integers("modes", modes, 1)
-        alpha, beta = self.mode_parameters(load, chosen)
-        self.require_in_reach(load.mean, load.amplitude, load.frequency)
-        for mode, size in zip(chosen, np.maximum(abs(alpha), abs(beta)), strict=True):
-            if size > validate.LARGEST:
-                raise ValueError(
-                    f"modes must have coefficients up to {validate.LARGEST:g}, got {size:.3g} for mode {mode} at "
-                    f"frequency {load.frequency:g} rad/s; leave out modes so high, or check the units"
-                )
-        damping = self.damping_rate / load.frequency
-        return tuple(Mathieu(float(a), float(b), damping) for a, b in zip(alpha, beta, strict=True))
+    def modal_systems(self, mean: Any, amplitude: Any, frequency: Any) -> ModalSystems:
+        """Return the modal systems over arrays of loads (N, N, rad/s) that broadcast.
 
-    @property
-    def mode_constants(self) -> tuple[float, float, float, float]:
-        """What mode equations need of the rod: w_1^2 (1/m^2), mass per length, E I and the pendulum frequency."""
-        w2 = (math.pi / self.length) ** 2
-        return w2, self.mass_per_length, self.flexural_rigidity, self.pendulum_frequency
-
-    def mode_family(self, mean: Any, amplitude: Any, frequency: Any) -> tuple[Any, Any, Any, Any]:
-        """Return A, B, C, D of alpha_m = A m^2, beta_m = B m^2 - C m^4 - D: Eq. (4), for every use of it.
-
-        Broadcasts over arrays of mean force (N), amplitude (N) and frequency (rad/s).
+        Raises ValueError for loads that need more than 20,000 modes, or too large coefficients.
         """
-        load = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
-        return kernels.mode_family(*self.mode_constants, *(plain(load_array(*item)) for item in load.items()))
-
-    def require_in_reach(self, mean: Any, amplitude: Any, frequency: Any) -> None:
-        """Raise ValueError for loads that need too many modes, or whose mode equations have too large coefficients.
-
-        Over arrays of mean force (N), amplitude (N) and frequency (rad/s); the largest of all are taken together.
-        """
-        slowest = float(np.min(frequency, initial=math.inf))
-        modes, fastest = self._extent(mean, amplitude)
-        if modes > MOST_MODES:
-            push = float(np.max(mean, initial=-math.inf) + np.max(amplitude, initial=0.0))
-            raise ValueError(
-                f"load needs more than {MOST_MODES} modes: mean and amplitude come to {push:g} N, far above the "
-                f"critical force {self.critical_force:g} N of this rod; check units and length"
-            )
-        least = fastest / math.sqrt(validate.LARGEST)
-        if slowest < least:
-            raise ValueError(
-                f"frequency must be at least {least:.3g} rad/s for this rod and load, got {slowest:g}: coefficients of "
-                f"its mode equations would exceed {validate.LARGEST:g}; check the units"
-            )
-        bending = math.sqrt(self.flexural_rigidity / self.mass_per_length)
-        most = bending * (MOST_MODES * math.pi / self.length) ** 2  # the natural frequency of the last mode
-        if float(np.max(frequency, initial=0.0)) > most:
-            raise ValueError(
-                f"frequency must be at most {most:.3g} rad/s for this rod, got {float(np.max(frequency)):g}: it sets "
-                f"off modes beyond {MOST_MODES}; check the units"
-            )
-        if self.damping_rate > math.sqrt(validate.LARGEST) * slowest:
-            raise ValueError(
-                f"damping_rate must be at most {math.sqrt(validate.LARGEST):.3g} times the frequency, got "
-                f"{self.damping_rate:g} 1/s at {slowest:g} rad/s; check the units"
-            )
-
-    def loads_at_once(self, mean: Any, amplitude: Any, frequency: Any) -> int:
-        """Return how many loads a thread takes at a time: the slower they are the fewer, so that Ctrl-C is heard."""
-        modes, fastest = self._extent(mean, amplitude)
-        rows = fastest / float(np.min(frequency, initial=math.inf))  # of Hill's matrix
-        return max(1, int(4096.0 / (1.0 + 1e-4 * modes * rows)))
-
-    def _extent(self, mean: Any, amplitude: Any) -> tuple[float, float]:
-        """Return up to which mode the largest push outweighs bending, and a bound in rad/s on motion up to there."""
-        push = max(0.0, float(np.max(mean, initial=-math.inf) + np.max(amplitude, initial=0.0)))
-        force = float(np.max(np.abs(mean), initial=0.0) + np.max(amplitude, initial=0.0))
-        w2, mass, rigidity, pendulum = self.mode_constants
-        modes = math.sqrt(push / rigidity / w2)
-        w2 *= max(1.0, modes) ** 2
-        return modes, math.sqrt((force * w2 + rigidity * w2 * w2) / mass + pendulum**2)
+        loads = Loads.of(mean, amplitude, frequency)
+        self.mode_constants.require_in_reach(loads)
+        return ModalSystems(self.mode_constants, loads)
 
     def modes_needed(self, load: AxialLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
@@ -233,22 +246,8 @@ class RodData:
         larger, before a rate that in 1/s does not depend on it.
         """
         validate.instance("load", load, AxialLoad)
-        growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-        self.require_in_reach(load.mean, load.amplitude, load.frequency)
-        family = self.mode_family(load.mean, load.amplitude, load.frequency)
-        c = self.damping_rate / load.frequency
-        a, b, stiffness, d = family
-        d -= c * c
-        target = c + max(growth_tolerance, NEGLIGIBLE_GROWTH) / load.frequency
-        last = kernels.modes_needed(a, b, stiffness, d, target, 1)
-        if last > MOST_MODES:
-            raise ValueError(
-                f"load needs {last} modes, more than {MOST_MODES}: its frequency {load.frequency:g} rad/s or its "
-                f"forces are far beyond those of this rod; check the units"
-            )
-        bound = kernels.modes_left_out(a, b, stiffness, d, last)
-        return last, max(0.0, bound - c) * load.frequency
+        return self.mode_constants.modes_needed(load, validate.tolerance("growth_tolerance", growth_tolerance))
 
 
-def _modes(mode: Any, name: str = "mode") -> NDArray[np.float64]:
-    return validate.array(name, mode, least=0.0, largest=10.0 * MOST_MODES)
+def _modes(mode: Any) -> NDArray[np.float64]:
+    return validate.array("mode", mode, least=0.0, largest=10.0 * MOST_MODES)

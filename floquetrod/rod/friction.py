@@ -3,42 +3,41 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import mathieu
-from floquetrod.equations import FrictionalMathieu
+from floquetrod.equations import FrictionalMathieu, Mathieu
 from floquetrod.floquet.result import Status, Verdict
-from floquetrod.friction.critical import critical_bounds, critical_perturbation
-from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, outcome
-from floquetrod.kernels.mathieu import mode_coefficients
-from floquetrod.rod.coulomb import Coulomb, ModeFriction, critical_velocities
+from floquetrod.friction.critical import CriticalPerturbation, known_bounds
+from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, known_outcome
+from floquetrod.friction.inputs import growth_without_friction
+from floquetrod.rod.coulomb import ModeFriction, kicks_of, mode_friction
 from floquetrod.rod.data import RodData
-from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.modes import GrowingModes, ModalSystems
 from floquetrod.rod.stability import RodStability
 
 _AT_ONCE = 4096  # loads whose modes are held at once (a choice: some megabytes)
 
 
 class CriticalKick(NamedTuple):
-    """Smallest transverse velocity found to buckle the rod, and the mode it buckles into; what is proved beside it.
+    """Smallest kick found to buckle the rod, and the mode it buckles into; what is proved beside it.
 
     Attributes
     ----------
-    velocity : float or ndarray
-        The smallest found, m/s; infinite where no kick buckles the rod, NaN where that could not be decided.
+    kick : float or ndarray
+        The smallest found, a transverse velocity in m/s; infinite where no kick buckles the rod, NaN where that could
+        not be decided.
     mode : int or None, or ndarray
-        The mode that it sets off; none is 0 in an array.
+        The mode that it sets off; none is 0 over arrays of loads.
     none_up_to : float or ndarray
-        Proved: no velocity up to it, m/s, sets off a mode (that grows faster than the tolerance asked for).
+        Proved: no kick up to it, m/s, sets off a mode (that grows faster than the tolerance asked for).
     """
 
-    velocity: Any
+    kick: Any
     mode: Any
     none_up_to: Any
 
@@ -49,8 +48,10 @@ class FrictionalRodStability(Verdict):
 
     Attributes
     ----------
-    friction : Coulomb
-        Coefficient of friction and kick.
+    friction : float
+        Coefficient of friction mu.
+    kick : float
+        Transverse velocity of each mode in m/s.
     in_modes : ModeFriction
         What they come to in the mode equations.
     linear : RodStability
@@ -59,7 +60,8 @@ class FrictionalRodStability(Verdict):
         Of the modes in ``modes``.
     """
 
-    friction: Coulomb
+    friction: float
+    kick: float
     in_modes: ModeFriction
     linear: RodStability
     fates: tuple[Fate, ...]
@@ -67,7 +69,7 @@ class FrictionalRodStability(Verdict):
     @property
     def modes(self) -> tuple[int, ...]:
         """Modes that grow, or may grow, without friction: no kick sets off any other."""
-        return _growing(self.linear)
+        return tuple(_growing(self.linear))
 
     @property
     def unstable_modes(self) -> tuple[int, ...]:
@@ -83,16 +85,19 @@ class FrictionalRodStability(Verdict):
     @cached_property
     def critical_kick(self) -> CriticalKick:
         """Smallest kick found to buckle the rod, the mode it buckles into, and the kick up to which none does."""
-        return critical_kick(self.linear, self.friction.mu)
+        return critical_kick(self.linear, self.friction)
 
     @cached_property
-    def critical_velocities(self) -> dict[int, float]:
+    def critical_kicks(self) -> dict[int, float]:
         """Smallest kick in m/s found to set off each of ``modes``."""
-        return _critical_velocities(self.linear, self.friction.mu)
+        growing, rod, load = _growing_modes(self.linear), self.linear.rod, self.linear.load
+        ratio = _bounds(growing, np.full(growing.load.size, math.inf), None).smallest_found
+        kicks = kicks_of(rod, self.friction, load.amplitude, load.frequency, ratio)
+        return dict(zip(growing.mode.tolist(), kicks.tolist(), strict=True))
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""
-        kick = f"a kick of {1e3 * self.friction.velocity:g} mm/s against mu = {self.friction.mu:g}"
+        kick = f"a kick of {1e3 * self.kick:g} mm/s against mu = {self.friction:g}"
         if self.status == "unstable":
             what = f"sets off mode{'s' * (len(self.unstable_modes) > 1)} {', '.join(map(str, self.unstable_modes))}"
         else:
@@ -101,107 +106,73 @@ class FrictionalRodStability(Verdict):
         return f"<{self.status}: {kick} {what}; {growing}>"
 
 
-def judge_kick(linear: RodStability, friction: Coulomb) -> FrictionalRodStability:
+def classify_kick(linear: RodStability, friction: float, kick: float) -> FrictionalRodStability:
     """Return the verdict with friction that follows on one without."""
-    inside = friction.in_mode_equation(linear.rod, linear.load)
-    equations = dict(zip(linear.modes, linear.mode_equations, strict=True))
+    inside = mode_friction(linear.rod, friction, kick, linear.load.amplitude, linear.load.frequency)
+    inside = ModeFriction(friction, *map(float, (inside.mu_theta, inside.v_a, inside.gamma, inside.epsilon)))
     fates = tuple(
         fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon)
-        for e in (equations[mode] for mode in _growing(linear))
+        for e in _growing(linear).values()
     )
-    return FrictionalRodStability(friction, inside, linear, fates)
+    return FrictionalRodStability(friction, kick, inside, linear, fates)
 
 
-def critical_kick(linear: RodStability, mu: float) -> CriticalKick:
+def critical_kick(linear: RodStability, friction: float) -> CriticalKick:
     """Return the smallest kick found to set off a mode, and that up to which none does."""
-    mode = np.array(_growing(linear), dtype=np.int64)
     least = _Least.of(1)
-    _least_kicks((np.zeros(mode.size, dtype=np.int64), mode, *_parameters(linear)), 1, least)
+    _least_kicks(_growing_modes(linear), None, least)
     load = linear.load
     ratios = np.concatenate([least.found, least.proved])
-    velocity, none_up_to = critical_velocities(linear.rod, load.amplitude, load.frequency, mu, ratios)
-    return CriticalKick(float(velocity), int(least.mode[0]) or None, float(none_up_to))
-
-
-def _growing(linear: RodStability) -> tuple[int, ...]:
-    unsure = {m for m, v in zip(linear.modes, linear.mode_verdicts, strict=True) if v.status == "undecided"}
-    return tuple(m for m in linear.modes if m in unsure or m in linear.unstable_modes)
-
-
-def _parameters(linear: RodStability) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return alpha, beta and damping of the modes that grow."""
-    equations = dict(zip(linear.modes, linear.mode_equations, strict=True))
-    chosen = [equations[mode] for mode in _growing(linear)]
-    return (
-        np.array([e.alpha for e in chosen]),
-        np.array([e.beta for e in chosen]),
-        np.array([e.damping for e in chosen]),
-    )
-
-
-def _critical_velocities(linear: RodStability, mu: float) -> dict[int, float]:
-    alpha, beta, damping = _parameters(linear)
-    ratio = critical_perturbation(alpha, beta, 1.0, damping)
-    speeds = critical_velocities(linear.rod, linear.load.amplitude, linear.load.frequency, mu, ratio)
-    return dict(zip(_growing(linear), map(float, speeds), strict=True))
-
-
-GrowingModes: TypeAlias = tuple[
-    NDArray[np.int64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]
-]
-
-
-def growing_modes(
-    rod: RodData, loads: Sequence[NDArray[np.float64]], tolerance: float, workers: int | None
-) -> GrowingModes:
-    """Return index of the load, mode, alpha, beta and damping of all modes that grow without friction.
-
-    ``loads`` are flat arrays of mean force, amplitude and frequency (N, N, rad/s); ``tolerance`` in 1/s.
-    """
-    mean, amplitude, frequency = loads
-    last, _ = rod.modes_needed(AxialLoad(mean.max(), amplitude.max(), frequency.max()), tolerance)
-    modes = np.arange(1, last + 1)
-    a, b, c, d = (np.reshape(part, (-1, 1)) for part in rod.mode_family(mean, amplitude, frequency))
-    alpha, beta = mode_coefficients(a, b, c, d, modes)
-    damping = np.broadcast_to((rod.damping_rate / frequency)[:, None], alpha.shape)
-    load, column = np.nonzero(~mathieu.is_stable(alpha, beta, damping, workers=workers))
-    chosen = alpha[load, column], beta[load, column], damping[load, column]
-    if tolerance > 0.0:
-        fast = mathieu.growth_rate(*chosen, workers=workers) * frequency[load] > tolerance
-        load, column = load[fast], column[fast]
-        chosen = chosen[0][fast], chosen[1][fast], chosen[2][fast]
-    return load, modes[column], *chosen
+    kick, none_up_to = kicks_of(linear.rod, friction, load.amplitude, load.frequency, ratios)
+    return CriticalKick(float(kick), int(least.mode[0]) or None, float(none_up_to))
 
 
 def kicked_loads(
-    rod: RodData,
-    loads: Sequence[NDArray[np.float64]],
-    friction: Coulomb,
-    tolerance: float,
-    workers: int | None,
+    rod: RodData, systems: ModalSystems, friction: float, kick: float, tolerance: float, workers: int | None
 ) -> NDArray[np.int8]:
-    """Return whether the kick sets off no mode (1), one (0), or cannot be told (-1), for flat arrays of loads."""
-    found = np.full(loads[0].size, BOUNDED, dtype=np.int8)
-    for part in _parts(loads[0].size):
-        some = [values[part] for values in loads]
-        load, _, alpha, beta, damping = growing_modes(rod, some, tolerance, workers)
-        _, _, gamma, epsilon = friction.in_mode_equations(rod, some[1], some[2])
-        fates = outcome(alpha, beta, gamma[load], epsilon[load], damping, workers=workers)
+    """Return whether the kick sets off no mode (1), one (0), or cannot be told (-1), for each load."""
+    found = np.full(systems.loads.size, BOUNDED, dtype=np.int8)
+    for part in _parts(systems.loads.size):
+        loads = systems.loads.part(part)
+        load, _, alpha, beta, damping, rate = ModalSystems(systems.constants, loads).growing(tolerance, workers)
+        inside = mode_friction(rod, friction, kick, loads.amplitude, loads.frequency)
+        gamma, epsilon = inside.gamma[load], inside.epsilon[load]
+        fates = known_outcome(alpha, beta, gamma, epsilon, damping, rate, workers=workers)
         found[part][load[fates == UNDECIDED]] = UNDECIDED
         found[part][load[fates == ESCAPES]] = ESCAPES
     return np.where(found == UNDECIDED, -1, found == BOUNDED).astype(np.int8)
 
 
 def critical_kicks(
-    rod: RodData, loads: Sequence[NDArray[np.float64]], mu: float, tolerance: float, workers: int | None
+    rod: RodData, systems: ModalSystems, friction: float, tolerance: float, workers: int | None
 ) -> CriticalKick:
-    """Return what `critical_kick` does for flat arrays of loads."""
-    least = _Least.of(loads[0].size)
-    for part in _parts(loads[0].size):
-        growing = growing_modes(rod, [values[part] for values in loads], tolerance, workers)
+    """Return what `critical_kick` does for each of many loads."""
+    loads = systems.loads
+    least = _Least.of(loads.size)
+    for part in _parts(loads.size):
+        growing = ModalSystems(systems.constants, loads.part(part)).growing(tolerance, workers)
         _least_kicks(growing, workers, least.part(part))
-    velocity, none_up_to = (critical_velocities(rod, loads[1], loads[2], mu, r) for r in (least.found, least.proved))
-    return CriticalKick(velocity, least.mode, none_up_to)
+    kick, none_up_to = (
+        kicks_of(rod, friction, loads.amplitude, loads.frequency, ratio) for ratio in (least.found, least.proved)
+    )
+    return CriticalKick(kick, least.mode, none_up_to)
+
+
+def _growing(linear: RodStability) -> dict[int, Mathieu]:
+    """Return the equations of the modes that grow, or may grow, without friction, by mode."""
+    rows = zip(linear.modes, linear.mode_equations, linear.mode_verdicts, strict=True)
+    unstable = set(linear.unstable_modes)
+    return {mode: e for mode, e, verdict in rows if verdict.status == "undecided" or mode in unstable}
+
+
+def _growing_modes(linear: RodStability) -> GrowingModes:
+    """Return the same as arrays, with their growth."""
+    growing = _growing(linear)
+    values = np.array([(e.alpha, e.beta, e.damping) for e in growing.values()]).reshape(-1, 3)
+    alpha, beta, damping = (np.ascontiguousarray(column) for column in values.T)
+    mode = np.array(list(growing), dtype=np.int64)
+    rate = growth_without_friction(alpha, beta, damping, None)
+    return GrowingModes(np.zeros(mode.size, dtype=np.int64), mode, alpha, beta, damping, rate)
 
 
 class _Least(NamedTuple):
@@ -223,21 +194,27 @@ class _Least(NamedTuple):
 
 def _least_kicks(growing: GrowingModes, workers: int | None, least: _Least) -> None:
     """Lower ``least`` to what the growing modes of each load need; NaN where none was found and one is unknown."""
-    load, mode, alpha, beta, damping = growing
+    load = growing.load
     # The fastest mode of every load first: what it needs is as far as the others are followed.
-    order = np.lexsort((-mathieu.growth_rate(alpha, beta, damping, workers=workers), load))
+    order = np.lexsort((-growing.rate, load))
     place = np.arange(load.size) - np.searchsorted(load, load)  # of each mode among those of its load
     unknown = np.zeros(least.found.size, dtype=np.bool_)
     for turn in range(int(place.max(initial=-1)) + 1):
         now = order[place == turn]
         at = load[now]
-        proved, found = critical_bounds(alpha[now], beta[now], 1.0, damping[now], upto=least.found[at], workers=workers)
+        proved, found = _bounds(GrowingModes(*(part[now] for part in growing)), least.found[at], workers)
         least.proved[at] = np.minimum(least.proved[at], proved)
         unknown[at] |= np.isnan(found)
         better = found < least.found[at]
         least.found[at[better]] = found[better]
-        least.mode[at[better]] = mode[now][better]
+        least.mode[at[better]] = growing.mode[now][better]
     least.found[unknown & np.isinf(least.found)] = math.nan
+
+
+def _bounds(growing: GrowingModes, limit: NDArray[np.float64], workers: int | None) -> CriticalPerturbation:
+    """Return the critical kicks over friction, up to a limit."""
+    _, _, alpha, beta, damping, rate = growing
+    return known_bounds(alpha, beta, np.ones(alpha.size), damping, rate, limit, workers=workers)
 
 
 def _parts(size: int) -> list[slice]:

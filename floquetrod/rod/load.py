@@ -1,30 +1,96 @@
-"""The load that pushes a rod's ends together."""
+"""The load that pushes a rod's ends together, one or arrays of them."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import broadcast
 
-LARGEST_FORCE = 1e12  # N
-LEAST_FREQUENCY, LARGEST_FREQUENCY = 1e-9, 1e12  # rad/s: beyond any rod, and within what doubles can follow
+Quantity: TypeAlias = Literal["mean", "amplitude", "frequency"]
+"""A quantity of `AxialLoad`."""
 
-_BOUNDS = {
-    "mean": (-LARGEST_FORCE, LARGEST_FORCE),
-    "amplitude": (0.0, LARGEST_FORCE),
-    "frequency": (LEAST_FREQUENCY, LARGEST_FREQUENCY),
+_STRONGEST = 1e12  # N
+_SLOWEST, _FASTEST = 1e-9, 1e12  # rad/s: beyond any rod, and within what doubles can follow
+
+
+class _Limits(NamedTuple):
+    """What a quantity of a load may be: from ``least`` to ``largest``, both in ``unit``; ``check`` sees it first."""
+
+    least: float
+    largest: float
+    unit: str
+    check: Callable[[str, Any, str], float]
+    hint: str
+
+
+LIMITS: dict[Quantity, _Limits] = {
+    "mean": _Limits(-_STRONGEST, _STRONGEST, "N", validate.finite, "give it in N"),
+    "amplitude": _Limits(
+        0.0, _STRONGEST, "N", validate.nonnegative, "a negative amplitude only shifts time: give its size"
+    ),
+    "frequency": _Limits(
+        _SLOWEST, _FASTEST, "rad/s", validate.positive, "for a constant force set amplitude=0 and any frequency"
+    ),
 }
+"""Limits of the quantities of a load, for every check of one."""
 
 
-def load_array(name: str, values: Any) -> NDArray[np.float64]:
-    """Return mean forces (N), amplitudes (N) or frequencies (rad/s), as ``name`` says, within what a load may have."""
-    least, largest = _BOUNDS[name]
-    return validate.array(name, values, least=least, largest=largest)
+def load_number(quantity: Quantity, value: Any, name: str | None = None) -> float:
+    """Return a quantity of a load as a float within its limits; ``name`` is the argument's, where it is another."""
+    name, limits = name or quantity, LIMITS[quantity]
+    number = limits.check(name, value, limits.hint)
+    return validate.within(name, number, limits.least, limits.largest, f"give it in {limits.unit}")
+
+
+def load_bounds(quantity: Quantity, bounds: Any) -> tuple[float, float]:
+    """Return the argument ``bounds``, (low, high) of a quantity of a load, low below high."""
+    return validate.interval("bounds", bounds, lambda name, value: load_number(quantity, value, name))
+
+
+class Loads(NamedTuple):
+    """Loads in flat arrays of one length: mean force (N), amplitude (N), frequency (rad/s); ``shape`` is theirs."""
+
+    shape: tuple[int, ...]
+    mean: NDArray[np.float64]
+    amplitude: NDArray[np.float64]
+    frequency: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, mean: Any, amplitude: Any, frequency: Any) -> Loads:
+        """Return arrays that broadcast as loads; ValueError and TypeError name the quantity that cannot be."""
+        given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
+        arrays: dict[str, NDArray[np.float64]] = {
+            name: validate.array(name, values, least=LIMITS[name].least, largest=LIMITS[name].largest)
+            for name, values in given.items()
+        }
+        shape, flat = broadcast(**arrays)
+        return cls(shape, *flat)
+
+    @classmethod
+    def single(cls, load: AxialLoad) -> Loads:
+        """Return one load as arrays of one element."""
+        return cls((), *(np.array([value]) for value in (load.mean, load.amplitude, load.frequency)))
+
+    @property
+    def size(self) -> int:
+        """Number of loads."""
+        return self.frequency.size
+
+    @property
+    def flat(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """The three arrays."""
+        return self.mean, self.amplitude, self.frequency
+
+    def part(self, part: slice) -> Loads:
+        """Return some of the loads."""
+        return Loads((len(self.frequency[part]),), *(values[part] for values in self.flat))
 
 
 @dataclass(frozen=True)
@@ -52,17 +118,8 @@ class AxialLoad:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        mean = validate.within("mean", self.mean, -LARGEST_FORCE, LARGEST_FORCE, "give it in N")
-        amplitude = validate.nonnegative(
-            "amplitude", self.amplitude, "a negative amplitude only shifts time: give its size"
-        )
-        validate.within("amplitude", amplitude, 0.0, LARGEST_FORCE, "give it in N")
-        frequency = validate.positive(
-            "frequency", self.frequency, "for a constant force set amplitude=0 and any frequency"
-        )
-        validate.within("frequency", frequency, LEAST_FREQUENCY, LARGEST_FREQUENCY, "give it in rad/s")
-        for name, value in (("mean", mean), ("amplitude", amplitude), ("frequency", frequency)):
-            object.__setattr__(self, name, value)
+        for name in LIMITS:
+            object.__setattr__(self, name, load_number(name, getattr(self, name)))
 
     @classmethod
     def hertz(cls, mean: float, amplitude: float, frequency: float) -> AxialLoad:

@@ -12,10 +12,11 @@ from floquetrod._util import validate
 from floquetrod._util.version import __version__
 from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.rod.coulomb import Coulomb
+from floquetrod.rod.coulomb import friction_and_kick
+from floquetrod.rod.load import LIMITS, Quantity
 from floquetrod.rod.rod import Rod
 
-_AXES = {
+_AXES: dict[Quantity, tuple[str, str, str]] = {
     "frequency": ("frequency", r"\omega", "rad/s"),
     "mean": ("mean force", r"F_\mathrm{ave}", "N"),
     "amplitude": ("amplitude", r"\Delta F", "N"),
@@ -33,7 +34,8 @@ def stability_map(
     growth_tolerance: float = 0.0,
     damping: float | None = None,
     criterion: FiniteTimeCriterion | None = None,
-    friction: Coulomb | None = None,
+    friction: float | None = None,
+    kick: float | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Chart:
@@ -52,10 +54,11 @@ def stability_map(
         Decay rate of free motion in 1/s, in place of the rod's.
     criterion : FiniteTimeCriterion, optional
         The paper's test in place of stability for ever.
+    friction, kick : float, optional
+        Coefficient of friction, and the transverse velocity in m/s that every mode is given; not together with
+        ``growth``, which is that without friction.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
-    friction : Coulomb, optional
-        Friction and the kick every mode is given; not together with ``growth``, which is that without friction.
     progress : callable, optional
         Called with the numbers of points done and to do.
 
@@ -67,15 +70,18 @@ def stability_map(
     """
     validate.instance("rod", rod, Rod)
     growth = validate.flag("growth", growth)
-    for name, option, kind in (("criterion", criterion, FiniteTimeCriterion), ("friction", friction, Coulomb)):
-        if option is not None:
-            validate.instance(name, option, kind)
+    if criterion is not None:
+        validate.instance("criterion", criterion, FiniteTimeCriterion)
+    rubbing = friction_and_kick(friction, kick)
     workers = validate.workers(workers)
     validate.progress(progress)
-    if friction is not None and growth:
+    if rubbing is not None and growth:
         raise ValueError("growth is that of the rod without friction; leave out either growth or friction")
-    given = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
-    fixed = [name for name, value in given.items() if validate.array(name, value, least=-1e12, largest=1e12).ndim == 0]
+    given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
+    largest = max(limits.largest for limits in LIMITS.values())  # the number of points, too, is among the values
+    fixed = [
+        name for name, value in given.items() if validate.array(name, value, least=-largest, largest=largest).ndim == 0
+    ]
     if len(fixed) != 1:
         raise ValueError(
             "exactly one of mean, amplitude and frequency must be a single number and the others (low, high, number) "
@@ -91,7 +97,7 @@ def stability_map(
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
         load = {across: x.values, up: values, fixed[0]: value}
         found = rod.verdicts(
-            **load, growth_tolerance=tolerance, criterion=criterion, friction=friction, workers=workers
+            **load, growth_tolerance=tolerance, criterion=criterion, friction=friction, kick=kick, workers=workers
         )
         return (found, *rod.fastest(**load, workers=workers)) if growth else (found,)
 
@@ -99,8 +105,8 @@ def stability_map(
     verdicts, *rest = fill_rows(rows, y.values, x.values.size, kinds, progress)
     name, _, unit = _AXES[fixed[0]]
     fixed_values: list[list[Any]] = [[name, value, unit], ["critical force", rod.critical_force, "N"]]
-    if friction is not None:
-        fixed_values += [["friction", friction.mu, ""], ["kick", friction.velocity, "m/s"]]
+    if rubbing is not None:
+        fixed_values += [["friction", rubbing[0], ""], ["kick", rubbing[1], "m/s"]]
     subject = {
         "kind": "rod",
         "fixed": fixed_values,

@@ -1,14 +1,21 @@
-"""Which loads are safe: every stable interval of one quantity of the load, in order."""
+"""Which loads are stable: every stability interval of one quantity of the load, in order."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, NamedTuple
+
+import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.content import NoTruthValue
-from floquetrod.rod.tongues import Quantity, UnstableLoads
+from floquetrod.rod.data import RodData
+from floquetrod.rod.load import AxialLoad, Quantity
+from floquetrod.rod.modes import ModalSystem
+from floquetrod.rod.tongues import Progress, UnstableLoads, unstable_loads
 
 QUANTITIES: dict[Quantity, tuple[str, str]] = {
     "mean": ("mean force", "N"),
@@ -17,9 +24,11 @@ QUANTITIES: dict[Quantity, tuple[str, str]] = {
 }
 """Name and unit of what may vary."""
 
+_PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
 
-class SafeInterval(NamedTuple):
-    """Stable from ``low`` to ``high``; what closes each end is (mode, tongue), or None at an end of the search."""
+
+class StabilityInterval(NamedTuple):
+    """Stable from ``low`` to ``high``; what closes each end is (mode, tongue), None at an end of the search."""
 
     low: float
     high: float
@@ -28,41 +37,41 @@ class SafeInterval(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class SafeRanges(NoTruthValue):
-    """All stable intervals of one quantity of the load within a range.
+class StabilityIntervals(NoTruthValue):
+    """All stability intervals of one quantity of the load within bounds.
 
     Attributes
     ----------
     quantity, unit : str
         What varies ("mean force", "amplitude" or "frequency"), in N or rad/s.
-    between : tuple of float
-        The range searched.
-    intervals : tuple of SafeInterval
-        Stable intervals in increasing order; nothing between them is stable.
+    bounds : tuple of float
+        Where was searched, (low, high).
+    intervals : tuple of StabilityInterval
+        In increasing order; nothing between them is stable.
     growth_tolerance : float
-        Growth in 1/s up to which a mode counts as stable; tongues that never exceed it are left out.
+        Growth in 1/s up to which a mode counts as stable; resonance tongues that never exceed it are left out.
     modes : int
         Modes looked at, 1 to this; every higher mode grows at less than 1e-12 per second or the tolerance.
     hairlines : int
-        Tongues within the stable intervals that grow, but nowhere faster than the tolerance.
+        Resonance tongues within the stability intervals in which a mode grows, but nowhere faster than the tolerance.
     resolution : float
         Unstable parts up to this width may have been missed, in ``unit``: 0 where the search is complete.
 
-    Iterating gives the intervals; ``value in ranges`` asks whether a value is safe.
+    Iterating gives the intervals; ``value in intervals`` asks whether a value is stable.
     """
 
     ask = "len(...) or .intervals: how many intervals are stable says nothing of a load"
 
     quantity: str
     unit: str
-    between: tuple[float, float]
-    intervals: tuple[SafeInterval, ...]
+    bounds: tuple[float, float]
+    intervals: tuple[StabilityInterval, ...]
     growth_tolerance: float
     modes: int
     hairlines: int
     resolution: float
 
-    def __iter__(self) -> Iterator[SafeInterval]:
+    def __iter__(self) -> Iterator[StabilityInterval]:
         """Iterate over the intervals."""
         return iter(self.intervals)
 
@@ -71,7 +80,7 @@ class SafeRanges(NoTruthValue):
         return len(self.intervals)
 
     def __contains__(self, value: Any) -> bool:
-        """Return whether ``value`` is safe; an end of the search may be, an end of a tongue is not."""
+        """Return whether ``value`` is stable; an end of the search may be, an end of a tongue is not."""
         return any(
             part.low < value < part.high
             or (value == part.low and part.low_end is None)
@@ -96,8 +105,8 @@ class SafeRanges(NoTruthValue):
         """Return the intervals as a table in another unit, ``size`` of `unit` each: ("Hz", 2 pi), say."""
         if not isinstance(unit, str):
             raise TypeError(f"unit must be a word such as 'Hz', got {validate.short(unit)}")
-        size = validate.positive("size", size, "give it in the unit of the ranges")
-        low, high = (value / size for value in self.between)
+        size = validate.positive("size", size, "give it in the unit of the intervals")
+        low, high = (value / size for value in self.bounds)
         lines = [f"stable {self.quantity} in {unit}, between {low:.6g} and {high:.6g}"]
         for part in self.intervals:
             ends = (_end(end) for end in (part.low_end, part.high_end))
@@ -109,37 +118,57 @@ class SafeRanges(NoTruthValue):
         return "\n".join([*lines, f"  ({self.note})"])
 
 
-def safe_ranges(
-    quantity: str,
-    unit: str,
-    unstable: UnstableLoads,
-    between: tuple[float, float],
+def stability_intervals(
+    varied: Quantity,
+    rod: RodData,
+    largest: AxialLoad,
+    bounds: tuple[float, float],
     growth_tolerance: float,
-    modes: int,
-) -> SafeRanges:
-    """Return what the unstable loads leave of ``between``."""
-    low, high = between
+    progress: Progress | None,
+) -> StabilityIntervals:
+    """Return the stability intervals of one quantity within ``bounds``, with as many modes as ``largest`` needs."""
+    validate.progress(progress)
+    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    system = _system(rod, largest, tolerance)
+    found = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
+    name, unit = QUANTITIES[varied]
+    intervals = tuple(_between(found, bounds))
+    last = system.modes[-1]
+    return StabilityIntervals(name, unit, bounds, intervals, tolerance, last, found.hairlines, found.resolution)
+
+
+def first_unstable(varied: Quantity, rod: RodData, largest: AxialLoad, growth_tolerance: float) -> float:
+    """Return where one quantity, going from zero to that of ``largest``, first meets growth; infinite without any."""
+    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    ends = np.linspace(0.0, getattr(largest, varied), _PIECES[varied] + 1).tolist()
+    for piece in pairwise(ends):
+        modes = _system(rod, replace(largest, **{varied: piece[1]}), tolerance).modes
+        system = ModalSystem(rod.mode_constants, largest, modes)
+        found = unstable_loads(varied, system, tolerance, piece, union=True, nearest=piece[0]).intervals
+        if found:
+            return min(part.low for part in found)
+    return math.inf
+
+
+def _system(rod: RodData, load: AxialLoad, tolerance: float) -> ModalSystem:
+    """Return the equations of all modes that can grow faster than the tolerance."""
+    last, left_out = rod.modes_needed(load, tolerance)
+    return ModalSystem(rod.mode_constants, load, tuple(range(1, last + 1)), left_out)
+
+
+def _between(unstable: UnstableLoads, bounds: tuple[float, float]) -> Iterator[StabilityInterval]:
+    """Yield what the unstable loads leave of ``bounds``."""
+    low, high = bounds
     at, closed_by = low, None
-    intervals = []
-    for part in sorted(unstable.ranges):
+    for part in sorted(unstable.intervals):
         if part.high <= at or part.low >= high:
             continue
         cause = (part.mode, part.tongue)
         if part.low > at:
-            intervals.append(SafeInterval(at, part.low, closed_by, cause))
+            yield StabilityInterval(at, part.low, closed_by, cause)
         at, closed_by = part.high, cause
     if at < high:
-        intervals.append(SafeInterval(at, high, closed_by, None))
-    return SafeRanges(
-        quantity,
-        unit,
-        between,
-        tuple(intervals),
-        growth_tolerance,
-        modes,
-        unstable.hairlines,
-        unstable.resolution,
-    )
+        yield StabilityInterval(at, high, closed_by, None)
 
 
 def _end(end: tuple[int, int] | None) -> str:

@@ -1,4 +1,4 @@
-"""What a rod's verdict carries: modes, rates, the damping that would stabilise it, and its margin in mean force."""
+"""What a rod's verdict carries: modes, rates, the damping that would stabilise it, and its margins."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from floquetrod._util import validate
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.result import Stability, Status, Verdict
 from floquetrod.floquet.stability import stability
-from floquetrod.mathieu.tongues import damping_to_stabilise
 from floquetrod.rod.data import RodData
-from floquetrod.rod.load import AxialLoad
-from floquetrod.rod.tongues import HAIRLINE_GROWTH, Quantity, gaps, unstable_loads
+from floquetrod.rod.load import AxialLoad, Quantity
+from floquetrod.rod.modes import ModalSystem
+from floquetrod.rod.tongues import HAIRLINE_GROWTH, gaps, unstable_loads
 
 _SPANS = (1 / 32, 1 / 8, 0.5, 2.0, 8.0)
 """Reaches of the search for a margin: in critical forces, or as the factor less one by which a frequency changes."""
@@ -43,36 +43,50 @@ class RodStability(Verdict):
 
     Attributes
     ----------
-    rod, load : Rod, AxialLoad
-        What was judged.
+    rod : Rod
+    system : ModalSystem
+        The equations of its modes under the load; ``load``, ``modes`` and ``mode_equations`` are taken from it.
     status : {"stable", "unstable", "undecided"}
         Stable when no mode grows faster than the tolerance.
-    modes : tuple of int
-        Modes looked at.
-    mode_equations : tuple of Mathieu
-        Equation of each mode, in the time tau = omega t.
     mode_verdicts : tuple of Stability
         Verdict on each of them.
     mode_growth_rates : ndarray
         Growth rate of each mode in 1/s.
     growth_tolerance : float
         Growth in 1/s up to which a mode counts as stable.
-    left_out_bound : float
-        Bound in 1/s on the growth of every mode not looked at; infinite when the modes were chosen by the caller.
-    cutoff : str
-        Why these modes.
     """
 
     rod: RodData
-    load: AxialLoad
+    system: ModalSystem
     status: Status
-    modes: tuple[int, ...]
-    mode_equations: tuple[Mathieu, ...]
     mode_verdicts: tuple[Stability, ...]
     mode_growth_rates: NDArray[np.float64] = field(compare=False)
     growth_tolerance: float
-    left_out_bound: float
-    cutoff: str
+
+    @property
+    def load(self) -> AxialLoad:
+        """The load."""
+        return self.system.load
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Modes looked at."""
+        return self.system.modes
+
+    @property
+    def mode_equations(self) -> tuple[Mathieu, ...]:
+        """Equation of each mode, in the time tau = omega t."""
+        return self.system.equations
+
+    @property
+    def left_out_bound(self) -> float:
+        """Bound in 1/s on the growth of every other mode, infinite where the modes were chosen by the caller."""
+        return self.system.left_out_bound
+
+    @property
+    def cutoff(self) -> str:
+        """Why these modes and no others."""
+        return self.system.cutoff
 
     @property
     def modes_checked(self) -> int:
@@ -109,10 +123,8 @@ class RodStability(Verdict):
         are looked at, or those the caller chose.  Infinite when the mean force alone buckles a mode: damping only slows
         that down.
         """
-        chosen = self._modes_for(self.rod.replace(damping_rate=0.0), self.load, 0.0)
-        alphas, betas = self.rod.mode_parameters(self.load, chosen)
-        rates = (damping_to_stabilise(float(a), float(b)) for a, b in zip(alphas, betas, strict=True))
-        return self.load.frequency * max(rates)
+        undamped = self.rod.replace(damping_rate=0.0)
+        return replace(self.system, modes=self._modes_for(undamped, self.load, 0.0)).damping_to_stabilise
 
     @cached_property
     def mean_force_margin(self) -> Margin:
@@ -177,8 +189,9 @@ class RodStability(Verdict):
         tolerance = self.margin_tolerance
         modes = self._modes_for(self.rod, replace(self.load, **{varied: high}), tolerance)
         start = piece[0] if self.stable else None  # nothing beyond the first unstable part matters
-        found = unstable_loads(varied, self.rod, self.load, modes, tolerance, (low, high), union=True, nearest=start)
-        stable = gaps(found.ranges, (low, high))
+        system = replace(self.system, modes=modes)
+        found = unstable_loads(varied, system, tolerance, (low, high), union=True, nearest=start)
+        stable = gaps(found.intervals, (low, high))
         if not stable:
             return piece[0] if self.stable else None
         near, far = stable[0] if piece[0] == low else stable[-1][::-1]
@@ -203,22 +216,14 @@ class RodStability(Verdict):
         )
 
 
-def judge_modes(
-    rod: RodData,
-    load: AxialLoad,
-    modes: tuple[int, ...],
-    equations: tuple[Mathieu, ...],
-    growth_tolerance: float,
-    left_out_bound: float,
-    cutoff: str,
-) -> RodStability:
-    """Judge every mode and put the verdicts together."""
-    verdicts = tuple(stability(equation) for equation in equations)
-    rates = np.array([verdict.growth_rate for verdict in verdicts]) * load.frequency
+def classify_modes(rod: RodData, system: ModalSystem, growth_tolerance: float) -> RodStability:
+    """Classify every mode and put the verdicts together."""
+    verdicts = tuple(stability(equation) for equation in system.equations)
+    rates = np.array([verdict.growth_rate for verdict in verdicts]) * system.frequency
     grows = [v.status == "unstable" and _grows(r, growth_tolerance) for v, r in zip(verdicts, rates, strict=True)]
     unsure = [v.status == "undecided" and not r < growth_tolerance for v, r in zip(verdicts, rates, strict=True)]
     status: Status = "unstable" if any(grows) else "undecided" if any(unsure) else "stable"
-    return RodStability(rod, load, status, modes, equations, verdicts, rates, growth_tolerance, left_out_bound, cutoff)
+    return RodStability(rod, system, status, verdicts, rates, growth_tolerance)
 
 
 def _grows(rate: float, tolerance: float) -> bool:

@@ -103,7 +103,7 @@ class SimulationProblem:
             "perturbation": kick,
             "duration": validate.positive("duration", self.duration, "in s"),
             "frames": validate.integer("frames", self.frames, 2),
-            "friction": friction_coefficient(self.friction, "friction"),
+            "friction": friction_coefficient(self.friction),
             "time_step": None if self.time_step is None else validate.positive("time_step", self.time_step, "in s"),
         }
         self._hold(cleaned)

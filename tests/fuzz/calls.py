@@ -15,11 +15,11 @@ LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
 EQUATION = fr.Mathieu(0.5, -0.3, 0.01)
 FRICTION = fr.FrictionalMathieu(1.0, 0.3, 1.0)
 
-VALUES = (fr.AxialLoad, fr.Coulomb, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
+VALUES = (fr.AxialLoad, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
 VALUES += (fr.SimulationProblem,)
 """Classes that people construct, and whose methods they call with arguments."""
 
-RESULTS = (fr.Chart, fr.RodStability, fr.SafeRanges, fr.Simulation, fr.mathieu.TransitionCurves)
+RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
@@ -41,8 +41,6 @@ LEFT_OUT = {
     "Hill.as_hill": "takes no argument",
     "Mathieu.as_hill": "takes no argument",
     "Rod.nitinol": "takes no argument",
-    "Rod.loads_at_once": "for the methods of a rod, whose arguments are checked there",
-    "Rod.require_in_reach": "for the methods of a rod, whose arguments are checked there",
     "Chart.plot": "its axes are an object of matplotlib",
     "Chart.to_xarray": "takes no argument",
     "Simulation.animate": "takes no argument",
@@ -54,7 +52,7 @@ LEFT_OUT = {
     "Simulation.plot_run": "takes no argument",
     "Chart": "constructed by charts and maps",
     "RodStability": "constructed by Rod.stability",
-    "SafeRanges": "constructed by the methods of Rod",
+    "StabilityIntervals": "constructed by the methods of Rod",
     "Simulation": "constructed by simulate",
     "mathieu.TransitionCurves": "constructed by transition_curves",
     "mathieu.TransitionCurves.plot": "its axes are an object of matplotlib",
@@ -129,7 +127,7 @@ def table() -> dict[str, Call]:
         "Chart.save": Call(chart.save, {"path": str(place / "again.npz")}),
         "Chart.load": Call(fr.Chart.load, {"path": str(place / "chart.npz")}),
         "RodStability.time_to_grow": Call(ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
-        "SafeRanges.table": Call(ranges.table, {"unit": "N", "size": 1.0}),
+        "StabilityIntervals.table": Call(ranges.table, {"unit": "N", "size": 1.0}),
         "Simulation.save": Call(run.save, {"path": str(place / "again.npz")}),
         "Simulation.load": Call(fr.Simulation.load, {"path": str(place / "run.npz")}),
         "Simulation.mode_amplitudes": Call(run.mode_amplitudes, {"modes": [1, 2]}),
@@ -172,39 +170,36 @@ def _of_equations() -> dict[str, Call]:
 def _of_rods(place: Path) -> dict[str, Call]:
     load = {"mean": 0.34, "amplitude": 0.34, "frequency": 150.0}
     sheet = {name: getattr(ROD, name) for name in ROD.__dataclass_fields__}
-    mu, tolerance = {"mu": 0.1}, {"growth_tolerance": 0.1}
-    coulomb = fr.Coulomb(0.1, 0.05)
+    mu, tolerance = {"friction": 0.1}, {"growth_tolerance": 0.1}
     run = {"duration": 0.005, "friction": 0.1, "segments": 40, "time_step": None, "frames": 3}
     run |= {"perturbation": None, "poisson_ratio": 0.33, "indentation": 1e-4, "contact_damping": 0.3}
     problem = fr.SimulationProblem(ROD, LOAD, duration=0.005, segments=40, frames=3)
-    judged = {"criterion": None, "friction": None, "workers": 1}
+    judged = {"criterion": None, "friction": None, "kick": None, "workers": 1}
     return {
-        "Coulomb": Call(fr.Coulomb, {"mu": 0.1, "velocity": 0.05}),
-        "Coulomb.in_mode_equation": Call(coulomb.in_mode_equation, {"rod": ROD, "load": LOAD}),
-        "Coulomb.in_mode_equations": Call(
-            coulomb.in_mode_equations, {"rod": ROD, "amplitude": 0.3, "frequency": 150.0}
-        ),
         "Rod": Call(fr.Rod, sheet),
         "Rod.from_toml": Call(fr.Rod.from_toml, {"path": str(place / "rod.toml")}),
         "Rod.replace": Call(ROD.replace, {"length": 3.0, "damping_rate": 1.0}),
         "Rod.wavenumber": Call(ROD.wavenumber, {"mode": 3}),
         "Rod.natural_frequency": Call(ROD.natural_frequency, {"mode": 3}),
-        "Rod.mode_parameters": Call(ROD.mode_parameters, {"load": LOAD, "modes": [1, 2]}),
-        "Rod.mode_equations": Call(ROD.mode_equations, {"load": LOAD, "modes": [1, 2]}),
-        "Rod.mode_family": Call(ROD.mode_family, dict(load)),
+        "Rod.modal_system": Call(ROD.modal_system, {"load": LOAD, "modes": [1, 2]}),
+        "Rod.modal_systems": Call(ROD.modal_systems, dict(load)),
         "Rod.modes_needed": Call(ROD.modes_needed, {"load": LOAD, **tolerance}),
-        "Rod.stability": Call(ROD.stability, {"load": LOAD, "modes": None, "friction": None, **tolerance}),
-        "Rod.critical_velocity": Call(ROD.critical_velocity, {"load": LOAD, **mu, **tolerance}),
-        "Rod.critical_velocities": Call(ROD.critical_velocities, {**load, **mu, **tolerance, "workers": 1}),
+        "Rod.stability": Call(
+            ROD.stability, {"load": LOAD, "modes": None, "friction": None, "kick": None, **tolerance}
+        ),
+        "Rod.critical_kick": Call(ROD.critical_kick, {"load": LOAD, **mu, **tolerance}),
+        "Rod.critical_kicks": Call(ROD.critical_kicks, {**load, **mu, **tolerance, "workers": 1}),
         "Rod.stable_mean_forces": Call(
-            ROD.stable_mean_forces, {"amplitude": 0.34, "frequency": 150.0, "upto": 1.7, "progress": None, **tolerance}
+            ROD.stable_mean_forces,
+            {"amplitude": 0.34, "frequency": 150.0, "bounds": (0.1, 1.7), "progress": None, **tolerance},
         ),
         "Rod.stable_amplitudes": Call(
-            ROD.stable_amplitudes, {"mean": 0.34, "frequency": 150.0, "upto": 1.7, "progress": None, **tolerance}
+            ROD.stable_amplitudes,
+            {"mean": 0.34, "frequency": 150.0, "bounds": (0.1, 1.7), "progress": None, **tolerance},
         ),
         "Rod.stable_frequencies": Call(
             ROD.stable_frequencies,
-            {"mean": 0.34, "amplitude": 0.34, "between": (100.0, 150.0), "progress": None, **tolerance},
+            {"mean": 0.34, "amplitude": 0.34, "bounds": (100.0, 150.0), "progress": None, **tolerance},
         ),
         "Rod.critical_mean_force": Call(ROD.critical_mean_force, {"amplitude": 0.34, "frequency": 150.0, **tolerance}),
         "Rod.critical_amplitude": Call(ROD.critical_amplitude, {"mean": 0.34, "frequency": 150.0, **tolerance}),

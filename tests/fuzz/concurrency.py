@@ -95,8 +95,8 @@ LONG: dict[str, Callable[[], Any]] = {
     ),
     "friction.outcome": lambda: fr.friction.outcome(1.0, 0.3, 1.0, np.linspace(0.5, 3.0, 2_000_000)),
     "mathieu.chart": lambda: fr.mathieu.chart((0.0, 5.0, 4000), (-4.0, 1.0, 4000), growth=True),
-    "critical_velocities": lambda: ROD.critical_velocities(
-        np.linspace(0.1, 1.6, 300), np.linspace(0.1, 1.2, 300)[:, None], 150.0, 0.1
+    "critical_kicks": lambda: ROD.critical_kicks(
+        np.linspace(0.1, 1.6, 300), np.linspace(0.1, 1.2, 300)[:, None], 150.0, friction=0.1
     ),
     "compare": lambda: [fr.compare(fr.Mathieu(0.5, -0.25 - 1e-6 * k)) for k in range(10_000)],
     "stability": lambda: [ROD.stability(LOAD) for _ in range(10_000)],
@@ -151,12 +151,10 @@ def _hearing(call: Callable[[], Any]) -> Any:
 def values() -> dict[str, Any]:
     """Return one of every kind of problem and result."""
     mpl.use("Agg")
-    coulomb = fr.Coulomb(0.1, 0.05)
     kick = fr.FrictionalMathieu(1.0, 0.3, 1.0)
     return {
         "Rod": ROD,
         "AxialLoad": LOAD,
-        "Coulomb": coulomb,
         "Perturbation": fr.Perturbation.case("C"),
         "FiniteTimeCriterion": fr.FiniteTimeCriterion(),
         "Mathieu": fr.Mathieu(0.5, -0.25),
@@ -167,8 +165,8 @@ def values() -> dict[str, Any]:
         "Proof": fr.certify(fr.Mathieu(0.5, -0.25)),
         "Comparison": fr.compare(fr.Mathieu(0.5, -0.25)),
         "RodStability": ROD.stability(LOAD),
-        "FrictionalRodStability": ROD.stability(LOAD, friction=coulomb),
-        "SafeRanges": ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1),
+        "FrictionalRodStability": ROD.stability(LOAD, friction=0.1, kick=0.05),
+        "StabilityIntervals": ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1),
         "Margin": ROD.stability(LOAD, growth_tolerance=0.1).mean_force_margin,
         "Chart": fr.mathieu.chart((0.0, 1.0, 5), (-1.0, 0.0, 4), growth=True),
         "map": fr.stability_map(ROD, mean=(0.0, 1.7, 4), amplitude=0.3, frequency=(20.0, 200.0, 5), growth=True),
@@ -188,7 +186,7 @@ def _results(rng: np.random.Generator) -> Found:
 
 
 VERDICTS = (
-    *("Stability", "Proof", "Comparison", "RodStability", "FrictionalRodStability", "SafeRanges"),
+    *("Stability", "Proof", "Comparison", "RodStability", "FrictionalRodStability", "StabilityIntervals"),
     *("Fate", "EscapeRanges", "Chart", "Simulation"),
 )
 """Classes of results whose truth would be taken for a verdict."""

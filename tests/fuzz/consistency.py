@@ -63,8 +63,8 @@ def _ranges(q: rods.Question, rng: np.random.Generator) -> Iterator[str]:
     tail = {"growth_tolerance": q.tolerance}
     with limit():
         found = {
-            "mean": rod.stable_mean_forces(q.amplitude, q.frequency, 1.2 * unit, **tail),
-            "amplitude": rod.stable_amplitudes(q.mean, q.frequency, unit, **tail),
+            "mean": rod.stable_mean_forces(q.amplitude, q.frequency, (0.0, 1.2 * unit), **tail),
+            "amplitude": rod.stable_amplitudes(q.mean, q.frequency, (0.0, unit), **tail),
             "frequency": rod.stable_frequencies(q.mean, q.amplitude, (0.6 * q.frequency, 1.6 * q.frequency), **tail),
         }
     for varied, ranges in found.items():
@@ -73,8 +73,8 @@ def _ranges(q: rods.Question, rng: np.random.Generator) -> Iterator[str]:
             yield from _verdicts(q, varied, values, inside)
     with limit():
         critical = {
-            "mean": (rod.critical_mean_force(q.amplitude, q.frequency, q.tolerance), 1.5 * unit),
-            "amplitude": (rod.critical_amplitude(q.mean, q.frequency, q.tolerance), unit),
+            "mean": (rod.critical_mean_force(q.amplitude, q.frequency, growth_tolerance=q.tolerance), 1.5 * unit),
+            "amplitude": (rod.critical_amplitude(q.mean, q.frequency, growth_tolerance=q.tolerance), unit),
         }
     for varied, (value, upto) in critical.items():
         firsts = _first_ends(found[varied], functools.partial(_negligible, q, varied))
@@ -91,7 +91,7 @@ def _negligible(q: rods.Question, varied: str, value: float) -> bool:
 
 def _first_ends(ranges: Any, negligible: Callable[[float], bool]) -> list[float]:
     """Return where the first unstable part begins, and those before it that may be missed: narrow, or negligible."""
-    low, high = ranges.between
+    low, high = ranges.bounds
     parts = list(ranges)
     if not parts or parts[0].low > low:
         return [low]
@@ -217,11 +217,11 @@ def _terminal(q: rods.Question) -> Iterator[str]:
         result = q.rod.stability(fr.AxialLoad(**_load(q)), growth_tolerance=q.tolerance)
     if (record["status"], record["growth_rate_per_s"]) != (result.status, result.growth_rate):
         yield f"check says {record['status']}, {record['growth_rate_per_s']!r}; stability {result!r}"
-    between = (0.6 * q.frequency, 1.6 * q.frequency)
-    asked = f"--frequency={between[0]!r}:{between[1]!r}"
+    bounds = (0.6 * q.frequency, 1.6 * q.frequency)
+    asked = f"--frequency={bounds[0]!r}:{bounds[1]!r}"
     with limit():
         record = _json(["ranges", *rod, load["mean"], load["amplitude"], asked])
-        ranges = q.rod.stable_frequencies(q.mean, q.amplitude, between, q.tolerance)
+        ranges = q.rod.stable_frequencies(q.mean, q.amplitude, bounds, growth_tolerance=q.tolerance)
     ends = [(part["low_rad_per_s"], part["high_rad_per_s"]) for part in record["stable"]]
     if not np.allclose(ends, [part[:2] for part in ranges], rtol=1e-12, atol=0.0):
         yield f"ranges prints {ends}, stable_frequencies has {list(ranges)}"

@@ -91,8 +91,6 @@ JUNK: tuple[str, ...] = (
     "fr.AxialLoad(0.3, 1e12, 150.0)",
     "fr.AxialLoad(0.3, 0.3, 1e-9)",
     "fr.AxialLoad(0.3, 0.3, 1e12)",
-    "fr.Coulomb(0.1, 1e6)",
-    "fr.Coulomb(1e6, 0.05)",
     "fr.FiniteTimeCriterion(periods=10**9)",
 )
 """What is put in the place of an argument, as expressions."""

@@ -37,8 +37,8 @@ def check(rng: np.random.Generator) -> Found:
     varied = str(rng.choice(["mean", "amplitude", "frequency"]))
     if varied == "mean":
         question = question._replace(mean=0.0)
-    between, stated = ask(question, varied)
-    failures = [f"{stated}: {wrong}" for wrong in compare(question, varied, between, _answer(stated), rng)]
+    bounds, stated = ask(question, varied)
+    failures = [f"{stated}: {wrong}" for wrong in compare(question, varied, bounds, _answer(stated), rng)]
     return Found(1, failures)
 
 
@@ -48,13 +48,13 @@ def ask(question: rods.Question, varied: str) -> tuple[tuple[float, float], str]
     tail = f"growth_tolerance={q.tolerance!r})"
     name = rods.named(rod)
     if varied == "mean":
-        upto = 1.5 * rod.critical_force
-        return (0.0, upto), f"{name}.stable_mean_forces({q.amplitude!r}, {q.frequency!r}, {upto!r}, {tail}"
+        bounds = (0.0, 1.5 * rod.critical_force)
+        return bounds, f"{name}.stable_mean_forces({q.amplitude!r}, {q.frequency!r}, {bounds!r}, {tail}"
     if varied == "amplitude":
-        upto = rod.critical_force
-        return (0.0, upto), f"{name}.stable_amplitudes({q.mean!r}, {q.frequency!r}, {upto!r}, {tail}"
-    between = (0.5 * q.frequency, 2.0 * q.frequency)
-    return between, f"{name}.stable_frequencies({q.mean!r}, {q.amplitude!r}, {between!r}, {tail}"
+        bounds = (0.0, rod.critical_force)
+        return bounds, f"{name}.stable_amplitudes({q.mean!r}, {q.frequency!r}, {bounds!r}, {tail}"
+    bounds = (0.5 * q.frequency, 2.0 * q.frequency)
+    return bounds, f"{name}.stable_frequencies({q.mean!r}, {q.amplitude!r}, {bounds!r}, {tail}"
 
 
 def _answer(call: str) -> Any:
@@ -63,10 +63,10 @@ def _answer(call: str) -> Any:
 
 
 def compare(
-    question: rods.Question, varied: str, between: tuple[float, float], ranges: Any, rng: np.random.Generator
+    question: rods.Question, varied: str, bounds: tuple[float, float], ranges: Any, rng: np.random.Generator
 ) -> list[str]:
     """Return what is wrong about stated ranges: a band called stable, or a stable stretch called unstable."""
-    low, high = between
+    low, high = bounds
     values = np.linspace(low, high, POINTS + 1)[:-1] + (high - low) / POINTS * rng.random(POINTS)
     load = {"mean": question.mean, "amplitude": question.amplitude, "frequency": question.frequency}
     modes = rods.modes_seen(question.rod, **load | {varied: np.sort(values)}, tolerance=question.tolerance)

@@ -23,7 +23,7 @@ STATUSES = {0, 1, 2, 3, 130}
 LINES = (
     "check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150",
     "check --rod rod.toml --mean 0.34N --amplitude 0.3N --frequency 24Hz --growth-tolerance 0.7 --json",
-    "check --rod nitinol --mean 0.8Fcr --amplitude 0.7Fcr --frequency 150 --mu 0.1 --kick 50mm/s --modes 7,8",
+    "check --rod nitinol --mean 0.8Fcr --amplitude 0.7Fcr --frequency 150 --friction 0.1 --kick 50mm/s --modes 7,8",
     "ranges --rod nitinol --amplitude 0.2Fcr --frequency 150 --mean 0:1.2Fcr --growth-tolerance 0.1",
     "ranges --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 20Hz:60Hz --growth-tolerance 0.05 --json",
     "ranges --rod rod.toml --mean 0.3N --frequency 24Hz --amplitude 0:1N --damping-rate 1",
@@ -89,6 +89,7 @@ TOKENS = (
     "8:",
     "--json",
     "--mu",
+    "--friction",
     "0.1",
     "--kick",
     "50mm/s",

@@ -1,0 +1,109 @@
+"""What the mode equations need of a rod, which loads are refused, and how many modes decide a verdict."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod.kernels import mathieu as kernels
+from floquetrod.rod.load import AxialLoad, Loads
+
+NEGLIGIBLE_GROWTH = 1e-12  # growth in 1/s that modes left out may have: a doubling in 20,000 years
+MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
+
+
+class ModeConstants(NamedTuple):
+    """All that the mode equations of a rod depend on besides the load.
+
+    Attributes
+    ----------
+    w2 : float
+        Square of the first mode's wavenumber, 1/m^2.
+    mass_per_length : float
+        kg/m.
+    rigidity : float
+        E I in N m^2.
+    pendulum_frequency : float
+        rad/s.
+    damping_rate : float
+        Decay rate of free motion, 1/s.
+    """
+
+    w2: float
+    mass_per_length: float
+    rigidity: float
+    pendulum_frequency: float
+    damping_rate: float
+
+    @property
+    def critical_force(self) -> float:
+        """F_cr in N, see `RodData.critical_force`."""
+        return 2.0 * math.sqrt(self.rigidity * self.mass_per_length) * self.pendulum_frequency
+
+    def modes_needed(self, load: AxialLoad, growth_tolerance: float) -> tuple[int, float]:
+        """Return how many modes decide a verdict and a bound in 1/s on all others; see `RodData.modes_needed`."""
+        self.require_in_reach(Loads.single(load))
+        a, b, stiffness, d = kernels.mode_family(*self[:4], load.mean, load.amplitude, load.frequency)
+        c = self.damping_rate / load.frequency
+        d -= c * c
+        target = c + max(growth_tolerance, NEGLIGIBLE_GROWTH) / load.frequency
+        last = kernels.modes_needed(a, b, stiffness, d, target, 1)
+        if last > MOST_MODES:
+            raise ValueError(
+                f"load needs {last} modes, more than {MOST_MODES}: its frequency {load.frequency:g} rad/s or its "
+                f"forces are far beyond those of this rod; check the units"
+            )
+        bound = kernels.modes_left_out(a, b, stiffness, d, last)
+        return last, max(0.0, bound - c) * load.frequency
+
+    def require_in_reach(self, loads: Loads) -> None:
+        """Raise ValueError for loads that need too many modes, or whose mode equations have too large coefficients.
+
+        The largest mean, amplitude and frequency are taken together, and the lowest frequency.
+        """
+        slowest = float(np.min(loads.frequency, initial=math.inf))
+        modes, fastest = self._extent(loads)
+        if modes > MOST_MODES:
+            push = float(np.max(loads.mean, initial=-math.inf) + np.max(loads.amplitude, initial=0.0))
+            raise ValueError(
+                f"load needs more than {MOST_MODES} modes: mean and amplitude come to {push:g} N, far above the "
+                f"critical force {self.critical_force:g} N of this rod; check units and length"
+            )
+        least = fastest / math.sqrt(validate.LARGEST)
+        if slowest < least:
+            raise ValueError(
+                f"frequency must be at least {least:.3g} rad/s for this rod and load, got {slowest:g}: coefficients of "
+                f"its mode equations would exceed {validate.LARGEST:g}; check the units"
+            )
+        bending = math.sqrt(self.rigidity / self.mass_per_length)
+        most = bending * self.w2 * MOST_MODES**2  # the natural frequency of the last mode
+        highest = float(np.max(loads.frequency, initial=0.0))
+        if highest > most:
+            raise ValueError(
+                f"frequency must be at most {most:.3g} rad/s for this rod, got {highest:g}: it sets "
+                f"off modes beyond {MOST_MODES}; check the units"
+            )
+        if self.damping_rate > math.sqrt(validate.LARGEST) * slowest:
+            raise ValueError(
+                f"damping_rate must be at most {math.sqrt(validate.LARGEST):.3g} times the frequency, got "
+                f"{self.damping_rate:g} 1/s at {slowest:g} rad/s; check the units"
+            )
+
+    def loads_at_once(self, loads: Loads) -> int:
+        """Return how many loads a thread takes at a time: the slower they are the fewer, so that Ctrl-C is heard."""
+        modes, fastest = self._extent(loads)
+        rows = fastest / float(np.min(loads.frequency, initial=math.inf))  # of Hill's matrix
+        return max(1, int(4096.0 / (1.0 + 1e-4 * modes * rows)))
+
+    def _extent(self, loads: Loads) -> tuple[float, float]:
+        """Return up to which mode the largest push outweighs bending, and a bound in rad/s on motion up to there."""
+        strongest = np.max(loads.amplitude, initial=0.0)
+        push = max(0.0, float(np.max(loads.mean, initial=-math.inf) + strongest))
+        force = float(np.max(np.abs(loads.mean), initial=0.0) + strongest)
+        modes = math.sqrt(push / self.rigidity / self.w2)
+        w2 = self.w2 * max(1.0, modes) ** 2
+        swing = self.pendulum_frequency**2
+        return modes, math.sqrt((force * w2 + self.rigidity * w2 * w2) / self.mass_per_length + swing)
