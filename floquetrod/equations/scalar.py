@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import plain
+from floquetrod._util.arrays import shaped
 
 _LATEST = 1e14  # periods, after which neighbouring doubles lie a large part of one apart
 
@@ -58,7 +58,8 @@ class Mathieu:
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau) = beta + alpha sin tau; broadcasts over ``tau``."""
-        return plain(self.beta + self.alpha * np.sin(_times(tau, self.period)))
+        times = _times(tau, self.period)
+        return shaped(self.beta + self.alpha * np.sin(times), times.shape)
 
     def as_hill(self) -> Hill:
         """Return the same equation as a `Hill` value."""
@@ -98,7 +99,8 @@ class Meissner:
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau) = beta + alpha sign(sin tau); broadcasts over ``tau``."""
-        return plain(self.beta + self.alpha * np.sign(np.sin(_times(tau, self.period))))
+        times = _times(tau, self.period)
+        return shaped(self.beta + self.alpha * np.sign(np.sin(times)), times.shape)
 
 
 SquareWave = Meissner
@@ -151,7 +153,7 @@ class Hill:
             total = total + value * np.cos(k * phase)
         for k, value in enumerate(self.sines, start=1):
             total = total + value * np.sin(k * phase)
-        return plain(total)
+        return shaped(total, phase.shape)
 
     @property
     def harmonics(self) -> tuple[complex, ...]:
@@ -225,8 +227,8 @@ def require(value: Any, kinds: tuple[type, ...] = (Mathieu, Meissner, Hill), by:
 
 def _damping(value: Any) -> float:
     number = validate.nonnegative("damping", value, "growth of the free motion is not damping")
-    if number > math.sqrt(validate.LARGEST):
-        raise ValueError(f"damping must be at most {math.sqrt(validate.LARGEST):g}, got {number!r}; check its unit")
+    if number > validate.LARGEST_DAMPING:
+        raise ValueError(f"damping must be at most {validate.LARGEST_DAMPING:g}, got {number!r}; check its unit")
     return validate.unrounded("damping", value, number)
 
 

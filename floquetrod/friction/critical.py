@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import (
     Prepared,
@@ -133,9 +134,7 @@ def critical_bounds(
         smallest = search.smallest(samples)
         unknown = np.isinf(smallest) & np.isinf(limit[part])
         found[part] = np.where(unknown, math.nan, gamma[part] * smallest)
-    if shape:
-        return CriticalPerturbation(floor.reshape(shape), found.reshape(shape))
-    return CriticalPerturbation(float(floor[0]), float(found[0]))
+    return CriticalPerturbation(shaped(floor, shape), shaped(found, shape))
 
 
 def certain_kicks(equation: FrictionalMathieu) -> KickRange:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
 from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import (
@@ -74,7 +75,7 @@ def outcome(
     shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, epsilon=size_of(epsilon))
     fates = _fates(alpha, beta, gamma, kick, c, effort, workers)
     result = np.where(fates == kernels.GROWS, ESCAPES, np.where(fates < kernels.GROWS, BOUNDED, UNDECIDED))
-    return result.astype(np.int8).reshape(shape) if shape else int(result[0])
+    return shaped(result.astype(np.int8), shape)
 
 
 def escapes(
@@ -108,7 +109,7 @@ def escapes(
             UndecidedWarning,
             stacklevel=2,
         )
-    return bool(fate == ESCAPES) if np.ndim(fate) == 0 else fate == ESCAPES
+    return fate == ESCAPES
 
 
 def _fates(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import plain
+from floquetrod._util.arrays import shaped
 from floquetrod.equations import Mathieu
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.rod.load import AxialLoad, load_array
@@ -131,12 +131,13 @@ class RodData:
 
     def wavenumber(self, mode: Any) -> Any:
         """Return w_m = m pi / L in 1/m."""
-        return plain(_modes(mode) * (math.pi / self.length))
+        modes = _modes(mode)
+        return shaped(modes * (math.pi / self.length), modes.shape)
 
     def natural_frequency(self, mode: Any) -> Any:
         """Return the frequency in rad/s of free motion in a mode, without axial force or damping."""
         bending = self.flexural_rigidity / self.mass_per_length * self.wavenumber(mode) ** 4
-        return plain((bending + self.pendulum_frequency**2) ** 0.5)
+        return (bending + self.pendulum_frequency**2) ** 0.5
 
     def mode_parameters(self, load: AxialLoad, modes: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return alpha_m and beta_m of Eq. (4) as arrays over ``modes``."""
@@ -170,8 +171,8 @@ class RodData:
 
         Broadcasts over arrays of mean force (N), amplitude (N) and frequency (rad/s).
         """
-        load = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
-        return kernels.mode_family(*self.mode_constants, *(plain(load_array(*item)) for item in load.items()))
+        load = [load_array(*item) for item in (("mean", mean), ("amplitude", amplitude), ("frequency", frequency))]
+        return kernels.mode_family(*self.mode_constants, *(shaped(array, array.shape) for array in load))
 
     def require_in_reach(self, mean: Any, amplitude: Any, frequency: Any) -> None:
         """Raise ValueError for loads that need too many modes, or whose mode equations have too large coefficients.

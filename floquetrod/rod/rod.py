@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arrays import broadcast, plain, shaped
+from floquetrod._util.arrays import broadcast, shaped
 from floquetrod._util.compilation import over_chunks
 from floquetrod.friction.fates import UndecidedWarning
 from floquetrod.kernels import mathieu as kernels
@@ -356,7 +356,7 @@ class Rod(RodData):
                 UndecidedWarning,
                 stacklevel=2,
             )
-        return plain(np.equal(found, 1))
+        return found == 1
 
     def verdicts(
         self,
