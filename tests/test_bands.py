@@ -10,7 +10,8 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from floquetrod.mathieu.bands import TOUCHING, level, parts_above, roots
+from floquetrod._util.roots import bisected, roots
+from floquetrod.mathieu.bands import TOUCHING, level, parts_above
 
 Floats = NDArray[np.float64]
 
@@ -91,3 +92,24 @@ def test_roots(place: float, width: float, power: float) -> None:
     low, high = np.array([place - width]), np.array([place + 2.0 * width])
     (found,) = roots(function, low, high, function(low, None), function(high, None))
     assert abs(found - place) <= 1e-14 * (abs(place) + width)
+
+
+def test_a_statement_is_bisected_to_where_it_ceases_to_hold() -> None:
+    places, low, high = np.array([0.3, 2.0, 7.5]), np.zeros(3), np.full(3, 8.0)
+    bottom, top = bisected(lambda x: x < places, low, high, 20)
+    assert (bottom < places).all()
+    assert (places <= top).all()
+    assert (top - bottom == 8.0 / 2**20).all()
+    looked: list[Floats] = []
+
+    def noted(x: Floats) -> NDArray[np.bool_]:
+        looked.append(x)
+        return x < places
+
+    bottom, top = bisected(noted, low, high, 1000, relative=1e-3)
+    assert (top - bottom <= 1e-3 * top).all()
+    assert len(looked) == 15  # 8 / 2^15 is the first below 1e-3 of 0.3
+    assert (low == 0.0).all()  # what came in is left as it was
+    bottom, top = bisected(noted, low[:0], high[:0], 1000)
+    assert bottom.size == top.size == 0
+    assert len(looked) == 15

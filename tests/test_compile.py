@@ -439,6 +439,24 @@ def test_the_clock_of_a_simulation_starts_when_all_is_compiled(monkeypatch: pyte
     assert set(order[3:]) == {"clock"}
 
 
+# --- interpreted or compiled
+
+
+def test_small_work_and_little_work_are_interpreted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compilation, "compiled", lambda function: "machine code")
+    monkeypatch.setattr(compilation, "_ASKED", {})
+
+    def chosen(size: int, **options: int) -> str:
+        return "machine code" if compilation.runner(len, size, **options) == "machine code" else "interpreted"
+
+    few = compilation.INTERPRETED_UP_TO
+    assert [chosen(size) for size in (0, few, few + 1)] == ["interpreted", "interpreted", "machine code"]
+    assert [chosen(size, interpret_up_to=0, patience=9) for size in (0, 1)] == ["interpreted", "machine code"]
+    # Three times 40 elements are up to 30 times as many as 4; what is always interpreted does not count.
+    asked = [chosen(size, interpret_up_to=4, patience=30) for size in (40, 4, 40, 4, 40, 4, 40, 4)]
+    assert asked == ["interpreted"] * 6 + ["machine code", "interpreted"]
+
+
 # --- one compilation for a kernel ------------------------------------------------------------------------------------
 
 
@@ -480,7 +498,7 @@ class Compiled(event.Listener):
     def on_end(self, e):
         pass
 event.register("numba:compile", Compiled())
-fr.mathieu._PATIENCE = 0  # short questions are compiled here too
+fr.mathieu.arrays._PATIENCE = 0  # short questions are compiled here too
 a = np.linspace(0.1, 1.0, 200)
 locked = a.copy()
 locked.flags.writeable = False

@@ -11,7 +11,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.floquet.methods.determinant import determinant
+from floquetrod.floquet.methods.determinant import _log_product, determinant
 from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.methods.spectral import spectral
 from floquetrod.floquet.result import Cost, Interval, classify
@@ -107,6 +107,17 @@ def test_determinants_converge_as_the_seventh_power_of_the_terms() -> None:
     errors = [abs(determinant(fr.Mathieu(2.0, -1.3), terms=n).discriminant - exact) for n in (20, 40, 80)]
     orders = [math.log2(errors[i] / errors[i + 1]) for i in (0, 1)]
     assert orders == pytest.approx([7.0, 7.0], abs=0.4)
+
+
+@given(decades(1.0, 2e4), numbers(-40.0, 0.999))
+def test_the_product_of_the_rows_left_out_is_as_exact_as_stated(kappa: float, share: float) -> None:
+    first = kappa + 1.0
+    h2 = share * abs(share) * first * first
+    value, rounding = _log_product(kappa, h2)
+    with mpmath.workdps(60):
+        h = mpmath.sqrt(mpmath.mpc(h2))
+        truth = 2 * mpmath.loggamma(first) - mpmath.loggamma(first - h) - mpmath.loggamma(first + h)
+        assert abs(truth.real - value) <= rounding
 
 
 EXTREMES = st.sampled_from((0.0, 5e-324, -5e-324, 1e-320, 1e-300, -1e-200, 1e-160, 1e-120, 1e-30))

@@ -91,7 +91,7 @@ def test_numba_is_used_where_it_is_loaded_and_not_loaded_for_a_few_steps(monkeyp
         asked.append(function)
         return compiled(function)
 
-    monkeypatch.setattr("floquetrod.floquet.methods.monodromy.compiled", recorded)
+    monkeypatch.setattr("floquetrod._util.compilation.compiled", recorded)
     equation = fr.Hill(-0.3, (0.5, 0.2), (0.0, 0.3))
     monkeypatch.setitem(sys.modules, "numba", importlib.import_module("numba"))
     loaded = monodromy(equation)

@@ -14,23 +14,21 @@ import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
-from mpmath.ctx_iv import MPIntervalContext
 
-from floquetrod.equations import Equation, Hill, Mathieu, Meissner
+from floquetrod.equations import Equation, FrictionalMathieu, Hill, Mathieu, Meissner
 from floquetrod.floquet.methods.reference import discriminant_excess, reference
-from floquetrod.floquet.proof import _cosh_sinhc, _pi, _problem, _prove_by_trace, _trace, certify
+from floquetrod.floquet.proof import certify
+from floquetrod.floquet.proof.certification import by_trace
+from floquetrod.floquet.proof.intervals import arithmetic, cosh_sinhc, pi
+from floquetrod.floquet.proof.problem import exact_problem
+from floquetrod.floquet.proof.series import Series, Wave
+from floquetrod.floquet.proof.trace import enclose_trace
 from floquetrod.floquet.result import Interval
 from strategies import hills, mathieu_points, mathieus, near_boundary_points, numbers, square_waves, transition_betas
 
 DIGITS = 20  # of the reference that proofs are held against; it uses up to 20 times as many
 
 doubles = st.floats(allow_nan=False, allow_infinity=False)
-
-
-def arithmetic(digits: int = 15) -> Any:
-    context = MPIntervalContext()
-    context.dps = digits
-    return context
 
 
 def ends(interval: Any) -> tuple[Fraction, Fraction]:
@@ -54,7 +52,7 @@ def test_intervals_of_mpmath_are_rounded_outwards(x: float, y: float, operation:
     context = arithmetic(6)  # fewer digits than a double has: even the operands are rounded
     low, high = ends(operation(context.mpf(x), context.mpf(y)))
     assert low <= operation(Fraction(x), Fraction(y)) <= high
-    context = arithmetic()
+    context = arithmetic(15)
     low, high = ends(operation(context.mpf(x), context.mpf(y)))
     exact = operation(Fraction(x), Fraction(y))
     assert low <= exact <= high
@@ -65,7 +63,7 @@ def test_intervals_of_mpmath_are_rounded_outwards(x: float, y: float, operation:
 def test_operations_on_wide_intervals(a: float, b: float, c: float, d: float, operation: Any) -> None:
     first, second = sorted((a, b)), sorted((c, d))
     assume(operation is operator.mul or second[0] > 0.0 or second[1] < 0.0)
-    context = arithmetic()
+    context = arithmetic(15)
     low, high = ends(operation(context.mpf(first), context.mpf(second)))
     for x in first:
         for y in second:
@@ -75,12 +73,12 @@ def test_operations_on_wide_intervals(a: float, b: float, c: float, d: float, op
 @given(numbers(-4000.0, 4000.0) | st.sampled_from([0.0, 1e-300, -1e-30, 1.0, -1.0, -1e9]), st.integers(8, 60))
 def test_entire_functions_are_enclosed(z: float, digits: int) -> None:
     context = arithmetic(digits)
-    even, odd = _cosh_sinhc(context.mpf(z), context)
+    even, odd = cosh_sinhc(context, context.mpf(z))
     with mpmath.mp.workdps(150):
         root = mpmath.sqrt(mpmath.mpc(z))
         assert holds(even, mpmath.cosh(root).real)
         assert holds(odd, mpmath.mpf(1) if z == 0.0 else (mpmath.sinh(root) / root).real)
-        assert holds(_pi(context), mpmath.pi())
+        assert holds(pi(context), mpmath.pi())
         size = mpmath.cosh(root.real) * (1 + abs(z))
         assert even.delta.b <= context.mpf(mpmath.nstr(size * mpmath.mpf(10) ** (3 - digits), 20)).b
 
@@ -185,9 +183,10 @@ def test_mathieu_as_hill_lies_in_the_same_interval(point: tuple[float, float]) -
 def test_trace_is_enclosed(equation: Mathieu | Hill, digits: int) -> None:
     context = arithmetic(digits)
     hill = equation.as_hill()
-    unit = context.mpf(hill.period) / (2 * _pi(context)) if isinstance(equation, Hill) else context.one
+    unit = context.mpf(hill.period) / (2 * pi(context)) if isinstance(equation, Hill) else context.one
     mean = unit**2 * (context.mpf(hill.mean) + context.mpf(hill.damping) ** 2)
-    trace = _trace(context, mean, [(unit**2 * z.real, -(unit**2) * z.imag) for z in hill.harmonics])
+    waves = [Wave(unit**2 * z.real, -(unit**2) * z.imag) for z in hill.harmonics]
+    trace = enclose_trace(context, Series(mean, waves))
     found = discriminant_excess(equation, 60)
     with mpmath.mp.workdps(60):
         assert holds(trace, found.sign * (2 + 4 * found.excess))
@@ -292,7 +291,7 @@ def test_both_ways_of_treating_damping_agree() -> None:
     # Where counting proves decay, the trace must prove it too.
     equation = Mathieu(1.0, -0.6, damping=0.05)
     assert certify(equation).statement.endswith("every solution decays")
-    assert _prove_by_trace(_problem(equation), arithmetic(30), None).status == certify(equation).status == "stable"
+    assert by_trace(arithmetic(30), exact_problem(equation, {}), None).status == certify(equation).status == "stable"
 
 
 def test_huge_parameters() -> None:
@@ -331,6 +330,28 @@ def test_wrong_digits(digits: Any, error: type[Exception]) -> None:
 def test_wrong_equation() -> None:
     with pytest.raises(TypeError, match="equation must be Mathieu"):
         certify("Mathieu")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="equation must be Mathieu"):
+        certify(FrictionalMathieu, alpha=1, beta=0, gamma=1)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("equation", "constant", "halves", "sinusoid"),
+    [
+        (Mathieu(0.5, -0.25), None, None, (Fraction(-1, 4), Fraction(1, 2))),
+        (Mathieu(0.0, -0.25), Fraction(-1, 4), None, None),
+        (Meissner(0.5, -0.25), None, (Fraction(1, 4), Fraction(-3, 4)), None),
+        (Meissner(0.0, -0.25), Fraction(-1, 4), None, None),
+        (Hill(-0.25, sines=(0.5,)), None, None, None),  # its period is a double, which 2 pi is not
+        (Hill(-0.25, sines=(0.0,)), Fraction(-1, 4), None, None),
+        (Hill(-0.25, (0.5,), (0.0, 0.0)), None, None, None),
+    ],
+)
+def test_an_equation_becomes_one_exact_problem(equation: Equation, constant: Any, halves: Any, sinusoid: Any) -> None:
+    problem = exact_problem(equation, {})
+    assert problem.equation == equation
+    assert sum(piece.share for piece in problem.pieces) == 1
+    assert (problem.constant, problem.halves, problem.sinusoid) == (constant, halves, sinusoid)
+    assert problem.period == (Fraction(equation.period) if isinstance(equation, Hill) else None)
 
 
 @pytest.mark.parametrize("offset", [Fraction(1, 10**30), Fraction(1, 7 * 10**25)])

@@ -1,4 +1,8 @@
-"""Arrays in, arrays out; numbers in, Python numbers out: what every public function over arrays does alike."""
+"""Arrays in, arrays out; scalars in, Python scalars out: what every public function over arrays does alike.
+
+shape, (x, y) = broadcast(x=validate.array("x", x), y=validate.array("y", y))
+return shaped(computed(x, y), shape)
+"""
 
 from __future__ import annotations
 
@@ -20,11 +24,25 @@ def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[An
     return shape, tuple(np.ascontiguousarray(array).ravel() for array in whole)
 
 
-def shaped(values: NDArray[Any], shape: tuple[int, ...]) -> Any:
-    """Return flat results in their shape; one without dimensions as a Python bool, int, float or complex."""
+def shaped(values: Any, shape: tuple[int, ...]) -> Any:
+    """Return results in the shape of the arguments they belong to.
+
+    Parameters
+    ----------
+    values : ndarray or numpy scalar
+        As many results as ``shape`` has elements.
+    shape : tuple of int
+        Common shape of the arguments; () where all of them were scalars.
+
+    Returns
+    -------
+    bool, int, float, complex or ndarray
+        A Python scalar for the shape (), from which results compare, print and serialise as numbers do; else an array
+        of the type of ``values``.
+
+    Examples
+    --------
+    >>> shaped(np.array([True]), ()), shaped(np.float64(0.5), ()), shaped(np.arange(4), (2, 2)).tolist()
+    (True, 0.5, [[0, 1], [2, 3]])
+    """
     return values.reshape(shape) if shape else values.item()
-
-
-def plain(values: Any) -> Any:
-    """Return an array as it is, and one without dimensions as a Python number."""
-    return shaped(np.asarray(values), np.shape(values))

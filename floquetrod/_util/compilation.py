@@ -26,7 +26,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 _LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the level INFO
 
-_INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
+INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
 _OPTIONS = {"nogil": True, "error_model": "numpy"}
 _CHUNK = 8192  # elements a thread takes at a time (heuristic: well above the cost of a call, well below a map)
 _HEARD_WITHIN = 0.1  # seconds until Ctrl-C is looked at while threads work (a choice)
@@ -160,9 +160,30 @@ def _after_passes(act: Callable[[], None]) -> Any:
     return AfterPasses()
 
 
-def fastest(function: Callable[..., Any], size: int) -> Callable[..., Any]:
-    """Return ``function`` itself for small work (``size`` elements), its compiled version for more."""
-    return function if size <= _INTERPRETED_UP_TO else compiled(function)
+def runner(
+    function: Callable[..., Any], size: int, *, interpret_up_to: int = INTERPRETED_UP_TO, patience: int = 0
+) -> Callable[..., Any]:
+    """Return a kernel as it stands or compiled: the one rule for that choice.
+
+    Parameters
+    ----------
+    function : callable
+        The kernel.
+    size : int
+        Elements of work to be done now.
+    interpret_up_to : int
+        Elements left to the interpreter at any time: loading numba costs more than they do.
+    patience : int
+        Larger work is left to it, too, until the process has asked this kernel for ``patience`` times as many:
+        compiling takes seconds, which a single question should not have to wait.
+    """
+    if size <= interpret_up_to:
+        return function
+    asked = _ASKED.get(function, 0.0) + size / max(interpret_up_to, 1)
+    if interpret_up_to and asked <= patience:
+        _ASKED[function] = asked
+        return function
+    return compiled(function)
 
 
 def cores() -> int:
@@ -180,18 +201,17 @@ def over_chunks(
     *constants: Any,
     workers: int | None = None,
     chunk: int = _CHUNK,
-    interpret_up_to: int = _INTERPRETED_UP_TO,
+    interpret_up_to: int = INTERPRETED_UP_TO,
     patience: int = 0,
 ) -> None:
     """Call ``function(*inputs, out, *constants)`` on matching pieces of equally long arrays, in threads if it pays.
 
-    Kernels release the GIL, so the threads run side by side, and Ctrl-C is answered between pieces.  Arrays of up to
-    ``interpret_up_to`` elements are left to the interpreter, and so are larger ones until the process has asked for
-    ``patience`` times as many: compiling takes seconds, which a single question should not have to wait.
+    Kernels release the GIL, so the threads run side by side, and Ctrl-C is answered between pieces.
+    ``interpret_up_to`` and ``patience`` as in `runner`.
     """
     workers = validate.workers(workers) or cores()
     size = len(out)
-    run: Any = function if _is_cold(function, size, interpret_up_to, patience) else compiled(function)
+    run: Any = runner(function, size, interpret_up_to=interpret_up_to, patience=patience)
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
         run(*(array.tolist() for array in inputs), out, *constants)
         return
@@ -209,17 +229,6 @@ def over_chunks(
         return
     with interrupt.held() as deliver:
         _in_threads(run, pieces, threads, deliver)
-
-
-def _is_cold(function: Callable[..., Any], size: int, interpret_up_to: int, patience: int) -> bool:
-    """Return whether a kernel is better interpreted: the work is small, or the process has not asked for much yet."""
-    if size <= interpret_up_to:
-        return True
-    asked = _ASKED.get(function, 0.0) + size / max(interpret_up_to, 1)
-    if not interpret_up_to or asked > patience:
-        return False
-    _ASKED[function] = asked
-    return True
 
 
 def _in_threads(

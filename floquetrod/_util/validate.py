@@ -20,12 +20,16 @@ from numpy.typing import NDArray
 LARGEST = 1e9
 """Largest magnitude of a dimensionless coefficient; beyond it a double no longer resolves the tongues it lies among."""
 
+LARGEST_DAMPING = LARGEST**0.5
+"""Largest damping c, whose square is added to a coefficient."""
+
 MOST_THREADS = 1024
 """Largest number of threads that may be asked for (a choice)."""
 
 MOST_NUMBERS = 20_000
 """Most modes, orders or Fourier coefficients in one list (a choice)."""
 
+_LEAST_POSITIVE = math.ulp(0.0)
 _LARGEST_INTEGER = 2**62  # by default; what machine code can hold with room to add
 
 T = TypeVar("T")
@@ -48,37 +52,34 @@ def finite(name: str, value: Any, hint: str = "") -> float:
     except (TypeError, ValueError):
         raise TypeError(f"{name} must be a single real number, got {short(value)}{_remedy(hint)}") from None
     if not math.isfinite(number):
-        raise ValueError(f"{name} must be finite, got {number!r}{_remedy(hint)}")
+        raise _outside(name, number, -math.inf, math.inf, hint)
     return number
 
 
 def positive(name: str, value: Any, hint: str = "") -> float:
     """Return ``value`` as a finite float above zero."""
-    number = finite(name, value, hint)
-    if number <= 0.0:
-        raise ValueError(f"{name} must be greater than zero, got {number!r}{_remedy(hint)}")
-    return number
+    return within(name, value, _LEAST_POSITIVE, math.inf, hint)
 
 
 def nonnegative(name: str, value: Any, hint: str = "") -> float:
     """Return ``value`` as a finite float that is zero or more."""
-    number = finite(name, value, hint)
-    if number < 0.0:
-        raise ValueError(f"{name} must be zero or more, got {number!r}{_remedy(hint)}")
-    return number
+    return within(name, value, 0.0, math.inf, hint)
 
 
 def within(name: str, value: Any, least: float, largest: float, hint: str = "") -> float:
-    """Return ``value`` as a float from ``least`` to ``largest``."""
+    """Return ``value`` as a float from ``least`` to ``largest``.
+
+    A ``least`` above zero asks for what is greater than zero, and one of zero for zero or more.
+    """
     number = finite(name, value, hint)
     if not least <= number <= largest:
-        raise ValueError(f"{name} must lie between {least:g} and {largest:g}, got {number!r}{_remedy(hint)}")
+        raise _outside(name, number, least, largest, hint)
     return number
 
 
 def tolerance(name: str, value: Any) -> float:
     """Return a growth rate up to which a motion counts as stable, zero to `LARGEST`."""
-    return within(name, nonnegative(name, value), 0.0, LARGEST)
+    return within(name, value, 0.0, LARGEST)
 
 
 def coefficient(name: str, value: Any) -> float:
@@ -275,6 +276,19 @@ def _masked(values: Any) -> bool:
 
 def _at(name: str, index: Sequence[int]) -> str:
     return f"{name}[{', '.join(map(str, index))}]" if index else name
+
+
+def _outside(name: str, number: float, least: float, largest: float, hint: str) -> ValueError:
+    """Return the error for a number that is not finite or not from ``least`` to ``largest``: the one wording."""
+    if not math.isfinite(number):
+        wanted = "be finite"
+    elif number <= 0.0 < least:
+        wanted = "be greater than zero"
+    elif number < 0.0 == least:
+        wanted = "be zero or more"
+    else:
+        wanted = f"lie between {least:g} and {largest:g}"
+    return ValueError(f"{name} must {wanted}, got {number!r}{_remedy(hint)}")
 
 
 def _remedy(hint: str) -> str:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import plain
+from floquetrod._util.arrays import shaped
 
 _LATEST = 1e14  # periods, after which neighbouring doubles lie a large part of one apart
 
@@ -103,7 +103,7 @@ class Equation(ABC):
                 here = (low <= t) & (t <= high)
                 total[here] += value_on(piece, t[here], low, period)
                 weight[here] += 1.0
-        return plain(total / weight)
+        return shaped(total / weight, phase.shape)
 
 
 def value_on(piece: Piece, tau: NDArray[np.float64], begin: float, period: float) -> NDArray[np.float64]:
@@ -149,8 +149,8 @@ def require(value: Any, kinds: tuple[type, ...] = (Equation,), by: str = "") -> 
 def damping_rate(value: Any) -> float:
     """Return c, checked."""
     number = validate.nonnegative("damping", value, "growth of the free motion is not damping")
-    if number > math.sqrt(validate.LARGEST):
-        raise ValueError(f"damping must be at most {math.sqrt(validate.LARGEST):g}, got {number!r}; check its unit")
+    if number > validate.LARGEST_DAMPING:
+        raise ValueError(f"damping must be at most {validate.LARGEST_DAMPING:g}, got {number!r}; check its unit")
     return validate.unrounded("damping", value, number)
 
 

@@ -17,7 +17,7 @@ from __future__ import annotations
 from typing import Any
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import plain
+from floquetrod._util.arrays import shaped
 
 __all__ = ["from_aq", "from_delta_epsilon", "to_aq", "to_delta_epsilon"]
 
@@ -63,4 +63,5 @@ def from_delta_epsilon(delta: Any, epsilon: Any) -> tuple[Any, Any]:
 
 
 def _scaled(name: str, values: Any, factor: float) -> Any:
-    return plain(factor * validate.array(name, values, least=-_LARGEST, largest=_LARGEST))
+    array = validate.array(name, values, least=-_LARGEST, largest=_LARGEST)
+    return shaped(factor * array, array.shape)

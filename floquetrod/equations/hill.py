@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import plain
+from floquetrod._util.arrays import shaped
 from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, times
 
 _EPS = 2.220446049250313e-16
@@ -64,7 +64,7 @@ class Hill(Equation):
             total = total + value * np.cos(k * phase)
         for k, value in enumerate(self.sines, start=1):
             total = total + value * np.sin(k * phase)
-        return plain(total)
+        return shaped(total, phase.shape)
 
     @property
     def harmonics(self) -> tuple[complex, ...]:

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import plain
+from floquetrod._util.arrays import shaped
 from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, times
 from floquetrod.equations.hill import Hill
 
@@ -68,7 +68,8 @@ class Mathieu(Equation):
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau) = beta + alpha sin tau; broadcasts over ``tau``."""
-        return plain(self.beta + self.alpha * np.sin(times(tau, self.period)))
+        tau = times(tau, self.period)
+        return shaped(self.beta + self.alpha * np.sin(tau), tau.shape)
 
     def as_hill(self) -> Hill:
         """Return the same equation as a `Hill` value."""

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import plain
+from floquetrod._util.arrays import shaped
 from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, times
 
 
@@ -67,7 +67,8 @@ class Meissner(Equation):
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau) = beta + alpha sign(sin tau); broadcasts over ``tau``."""
-        return plain(self.beta + self.alpha * np.sign(np.sin(times(tau, self.period))))
+        tau = times(tau, self.period)
+        return shaped(self.beta + self.alpha * np.sign(np.sin(tau)), tau.shape)
 
 
 SquareWave = Meissner

@@ -125,7 +125,7 @@ def escapes(
             UndecidedWarning,
             stacklevel=2,
         )
-    return bool(fate == ESCAPES) if np.ndim(fate) == 0 else fate == ESCAPES
+    return fate == ESCAPES
 
 
 def _fates(

@@ -33,7 +33,7 @@ def arguments(alpha: Any, beta: Any, gamma: Any, damping: Any, **kicks: NDArray[
         "alpha": validate.array("alpha", alpha),
         "beta": validate.array("beta", beta),
         "gamma": validate.array("gamma", gamma, least=0.0, largest=largest),
-        "damping": validate.array("damping", damping, least=0.0, largest=validate.LARGEST**0.5),
+        "damping": validate.array("damping", damping, least=0.0, largest=validate.LARGEST_DAMPING),
         **kicks,
     }
     shape, flat = broadcast(**arrays)

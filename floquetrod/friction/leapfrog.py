@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.compilation import fastest
+from floquetrod._util.arrays import shaped
+from floquetrod._util.compilation import runner
 from floquetrod.friction.inputs import arguments, over_friction, size_of
 from floquetrod.kernels.frictional_leapfrog import frictional_leapfrog_fill
 
@@ -49,7 +50,7 @@ def leapfrog_escapes(
     sine = np.sin(2.0 * math.pi * np.arange(count) / count)
     out = np.empty(alpha.size, dtype=np.bool_)
 
-    run = fastest(frictional_leapfrog_fill, alpha.size * periods * count // 1000)
+    run = runner(frictional_leapfrog_fill, alpha.size * periods * count // 1000)
     with np.errstate(over="ignore", invalid="ignore"):  # interpreted: what grows beyond doubles has escaped
         run(alpha, beta, c, np.minimum(over_friction(kick, gamma), _HARDEST), sine, periods, limit, out)
-    return out.reshape(shape) if shape else bool(out[0])
+    return shaped(out, shape)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import over_chunks
+from floquetrod._util.roots import bisected
 from floquetrod.kernels import friction as kernels
 from floquetrod.kernels import frictional_escape as escape
 from floquetrod.kernels.frictional_cell import CELL_WAVE, TERMS, at_the_end, series, slope, value
@@ -117,11 +118,12 @@ def _sizes(sine: Floats, cosine: Floats, beta: Floats, damping: Floats, h: Float
     crosses = np.flatnonzero((a[0] >= 0.0) != (value(a, 1.0) >= 0.0))  # at most once: cells are short
     if crosses.size:
         a, integral = a[:, crosses], integral[:, crosses]
-        low, high = np.zeros(crosses.size), np.ones(crosses.size)
-        for _ in range(_FEW_HALVINGS):
-            x = 0.5 * (low + high)
-            before = (value(a, x) >= 0.0) == (a[0] >= 0.0)
-            low, high = np.where(before, x, low), np.where(before, high, x)
+        low, _ = bisected(
+            lambda x: (value(a, x) >= 0.0) == (a[0] >= 0.0),
+            np.zeros(crosses.size),
+            np.ones(crosses.size),
+            _FEW_HALVINGS,
+        )
         part = low * value(integral, low)
         result[crosses] = np.abs(part) + np.abs(whole[crosses] - part)
     sizes: Floats = h * result
@@ -171,10 +173,10 @@ def _motion(bases: Floats, a: Floats, velocity: Floats, s: float) -> Floats:
 
 def _kick_that_stops_at(safe: Floats, s: Floats, f: Floats) -> Floats:
     """Return the kick -F' / S' of the time in the cell at which the kick that stops there stops at ``safe``."""
-    low, high = np.zeros(safe.size), np.ones(safe.size)
-    for _ in range(_HALVINGS):
-        x = 0.5 * (low + high)
-        rate = slope(s, x)
-        beyond = rate * (safe - value(f, x)) + value(s, x) * slope(f, x) <= 0.0
-        low, high = np.where(beyond, low, x), np.where(beyond, x, high)
+
+    def before(x: Floats) -> NDArray[np.bool_]:
+        stops: Floats = slope(s, x) * (safe - value(f, x)) + value(s, x) * slope(f, x)
+        return ~(stops <= 0.0)  # NaN too
+
+    low, _ = bisected(before, np.zeros(safe.size), np.ones(safe.size), _HALVINGS)
     return np.where(low > 0.0, -slope(f, low) / slope(s, low), 0.0)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.content import NoTruthValue
+from floquetrod._util.roots import bisected
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.critical import KickRange, certain_kicks
 from floquetrod.friction.fates import ESCAPES, UNDECIDED, outcome
@@ -89,11 +90,13 @@ def escape_ranges(
     found = fates(kicks)
     escaped = found == ESCAPES
     change = np.flatnonzero(escaped[1:] != escaped[:-1])
-    below, above = kicks[change], kicks[change + 1]
-    while (above - below > 1e-10 * above).any():
-        middle = 0.5 * (below + above)
-        same = (fates(middle) == ESCAPES) == escaped[change]
-        below, above = np.where(same, middle, below), np.where(same, above, middle)
+    _, above = bisected(
+        lambda kick: (fates(kick) == ESCAPES) == escaped[change],
+        kicks[change],
+        kicks[change + 1],
+        1200,  # doubles end before
+        relative=1e-10,
+    )
     edges = [*map(float, above), math.inf]
     intervals = tuple(KickRange(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True))
     return EscapeRanges(e, intervals, low, high, (high / low) ** (1.0 / samples) - 1.0, int((found == UNDECIDED).sum()))

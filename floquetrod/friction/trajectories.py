@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.compilation import compiled
+from floquetrod._util.compilation import runner
 from floquetrod._util.content import ByContent
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import SHORT, prepare_one
@@ -73,7 +73,7 @@ def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20
     scale, more = (e.gamma, 1.0) if e.gamma > 0.0 else (abs(epsilon), 1.0 / _HARD)
     start[7] = periods
     record = np.empty((most + 16, 4))
-    run = kernels.run if most <= SHORT else compiled(kernels.run)
+    run = runner(kernels.run, most, interpret_up_to=SHORT)
     with np.errstate(over="ignore", invalid="ignore"):
         none, work = np.full(kernels.TRAP, -1.0), kernels.workspace()
         run(e.alpha, e.beta, e.damping, table, basis, start, most, False, record, none, work)

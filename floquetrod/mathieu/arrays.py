@@ -105,12 +105,12 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty((a.size, 2), dtype=np.complex128)
     over_chunks(kernels.multipliers_fill, (a, b, c), out, workers=workers)
-    return out.reshape((*shape, 2))
+    return shaped(out, (*shape, 2))
 
 
 def _arrays(alpha: Any, beta: Any, damping: Any) -> dict[str, NDArray[np.float64]]:
     return {
         "alpha": validate.array("alpha", alpha),
         "beta": validate.array("beta", beta),
-        "damping": validate.array("damping", damping, least=0.0, largest=validate.LARGEST**0.5),
+        "damping": validate.array("damping", damping, least=0.0, largest=validate.LARGEST_DAMPING),
     }

@@ -14,6 +14,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.roots import roots
+
 Floats: TypeAlias = NDArray[np.float64]
 Ints: TypeAlias = NDArray[np.int64]
 Growth: TypeAlias = Callable[[Floats, Ints], Floats]
@@ -216,37 +218,6 @@ def _cut(growth: Growth, above: Level, crossing: list[_Pieces]) -> Parts:
 
     root = roots(surplus, x1, x2, at_low, at_high)
     return Parts(which, np.where(at_low > 0.0, x1, root), np.where(at_low > 0.0, root, x2))
-
-
-def roots(function: Growth, low: Floats, high: Floats, at_low: Floats, at_high: Floats) -> Floats:
-    """Return a zero of a function between ``low`` and ``high``, where it has different signs, to rounding.
-
-    Chandrupatla's method, Adv. Eng. Software 28 (1997) 145, on many brackets at once: SciPy's has come only lately, and
-    takes longer to import than the terminal takes to answer.
-    """
-    a, b, fa, fb = low.copy(), high.copy(), at_low.copy(), at_high.copy()
-    c, fc = a.copy(), fa.copy()
-    t = np.full(a.shape, 0.5)
-    open_ = np.flatnonzero((fa != 0.0) & (fb != 0.0))
-    while open_.size:
-        i = open_
-        place = a[i] + t[i] * (b[i] - a[i])
-        value = function(place, i)
-        same = (value > 0.0) == (fa[i] > 0.0)
-        c[i], fc[i] = np.where(same, a[i], b[i]), np.where(same, fa[i], fb[i])
-        b[i], fb[i] = np.where(same, b[i], a[i]), np.where(same, fb[i], fa[i])
-        a[i], fa[i] = place, value
-        width = np.abs(b[i] - a[i])
-        size = np.abs(np.where(np.abs(fa[i]) < np.abs(fb[i]), a[i], b[i]))
-        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-            least = 2.0 * _EPS * size / width
-            xi, phi = (a[i] - b[i]) / (c[i] - b[i]), (fa[i] - fb[i]) / (fc[i] - fb[i])
-            inverse = fa[i] / (fb[i] - fa[i]) * fc[i] / (fb[i] - fc[i])
-            inverse += (c[i] - a[i]) / (b[i] - a[i]) * fa[i] / (fc[i] - fa[i]) * fb[i] / (fc[i] - fb[i])
-            smooth = (phi * phi < xi) & ((1.0 - phi) ** 2 < 1.0 - xi) & np.isfinite(inverse)
-        t[i] = np.clip(np.where(smooth, inverse, 0.5), np.minimum(least, 0.5), np.maximum(1.0 - least, 0.5))
-        open_ = i[(fa[i] != 0.0) & ~(least > 0.5)]
-    return np.where((fb == 0.0) | (np.abs(fb) < np.abs(fa)), b, a)
 
 
 def _joined(found: list[Parts]) -> Parts:

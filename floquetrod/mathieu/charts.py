@@ -62,7 +62,7 @@ def chart(
     """
     x = Axis("alpha", r"\alpha", "", axis_values("alpha", alpha))
     y = Axis("beta", r"\beta", "", axis_values("beta", beta))
-    c = validate.within("damping", damping, 0.0, validate.LARGEST**0.5, "give one number for the whole chart")
+    c = validate.within("damping", damping, 0.0, validate.LARGEST_DAMPING, "give one number for the whole chart")
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     growth = validate.flag("growth", growth)
     workers = validate.workers(workers)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import over_chunks
+from floquetrod._util.roots import bisected
 from floquetrod.kernels import characteristic, mathieu
 from floquetrod.mathieu.bands import Floats, Ints, Parts, level, parts_above
 
@@ -248,15 +249,12 @@ def _where_bounded(settled: Callable[[Floats, Ints], NDArray[np.bool_]], low: Fl
     every = np.arange(low.size)
     if not low.size:
         return low
-    bottom, top = low.copy(), high.copy()
-    holds = settled(bottom, every)
-    all_of_it = settled(top, every) & holds
+    holds = settled(low, every)
+    all_of_it = settled(high, every) & holds
     some = np.flatnonzero(holds & ~all_of_it)
-    for _ in range(40 if some.size else 0):
-        middle = 0.5 * (bottom[some] + top[some])
-        here = settled(middle, some)
-        bottom[some], top[some] = np.where(here, middle, bottom[some]), np.where(here, top[some], middle)
-    return np.where(all_of_it, high, np.where(holds, bottom, low))
+    place = np.where(all_of_it, high, low)
+    place[some], _ = bisected(lambda x: settled(x, some), low[some], high[some], 40)
+    return place
 
 
 def _passages(count: Callable[[Floats, Ints], Ints], index: Ints, target: Ints, more: Floats, less: Floats) -> Floats:

@@ -83,18 +83,17 @@ def f2_b() -> Claim:
 
 def f2_c() -> Claim:
     """At beta = -0.80 the mode is stable up to alpha = 1.5."""
+    from scipy.optimize import bisect
+
     below = bool(mathieu.is_stable(np.linspace(0.0, 1.5, 15001), -0.8).all())
-    low, high = 1.5, 1.7
-    while high - low > 1e-13:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if mathieu.is_stable(middle, -0.8) else (low, middle)
+    end = float(bisect(lambda alpha: 0.5 - mathieu.is_stable(alpha, -0.8), 1.5, 1.7, xtol=1e-13))
     return Claim(
         "F2-c",
         "At beta = -0.80 a mode is stable up to alpha = 1.5",
-        f"stable at all of 15001 values up to 1.5; the boundary is at alpha = {low:.10f}",
+        f"stable at all of 15001 values up to 1.5; the boundary is at alpha = {end:.10f}",
         below,
         "",
-        below and 1.58 < low < 1.6,
+        below and 1.58 < end < 1.6,
     )
 
 

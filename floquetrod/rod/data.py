@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arrays import plain
+from floquetrod._util.arrays import shaped
 from floquetrod.rod.constants import MOST_MODES, ModeConstants
 from floquetrod.rod.load import AxialLoad, Loads
 from floquetrod.rod.modes import ModalSystem, ModalSystems
@@ -174,12 +174,13 @@ class RodData:
 
     def wavenumber(self, mode: Any) -> Any:
         """Return w_m = m pi / L in 1/m."""
-        return plain(_modes(mode) * self.ends.first_wavenumber(self.length))
+        modes = _modes(mode)
+        return shaped(modes * self.ends.first_wavenumber(self.length), modes.shape)
 
     def natural_frequency(self, mode: Any) -> Any:
         """Return the frequency in rad/s of free motion in a mode, without axial force or damping."""
         bending = self.flexural_rigidity / self.mass_per_length * self.wavenumber(mode) ** 4
-        return plain((bending + self.pendulum_frequency**2) ** 0.5)
+        return (bending + self.pendulum_frequency**2) ** 0.5
 
     # --- modal systems ---
 

@@ -11,7 +11,7 @@ from typing import Any, overload
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import plain, shaped
+from floquetrod._util.arrays import shaped
 from floquetrod.friction.fates import UndecidedWarning
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.coulomb import friction_and_kick, friction_coefficient
@@ -302,7 +302,7 @@ class Rod(RodData):
                 UndecidedWarning,
                 stacklevel=2,
             )
-        return plain(np.equal(found, 1))
+        return found == 1
 
     def verdicts(
         self,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 
 import numpy as np
@@ -181,28 +180,18 @@ def _log_product(kappa: float, h2: float) -> tuple[float, float]:
 
     h^2 must be below (kappa + 1)^2.
     """
+    from scipy.special import loggamma, zeta
+
     first = kappa + 1.0
     if abs(h2) < 0.25 * first * first:
         # Term by term, without the cancellation between logarithms of Gamma functions.
-        from scipy.special import zeta
-
         powers = np.arange(1, _PRODUCT_TERMS)
         sums = zeta(2.0 * powers, first) * first ** (2.0 * powers)  # of (first / k)^2j, at most first + 1
         value = -float(np.sum((h2 / (first * first)) ** powers / powers * sums))
         return value, 8.0 * _EPS * (1.0 + abs(value))
     h = math.sqrt(abs(h2))
-    far = first + h + 20.0  # where Stirling's series starts, as far as it matters to rounding
+    far = first + h + 20.0  # what cancels is of the size far log(far), or below (heuristic)
     rounding = 8.0 * _EPS * far * math.log(far)
     if h2 >= 0.0:
         return 2.0 * math.lgamma(first) - math.lgamma(first - h) - math.lgamma(first + h), rounding
-    return 2.0 * (math.lgamma(first) - _log_gamma(complex(first, h)).real), rounding
-
-
-def _log_gamma(z: complex) -> complex:
-    """Return log Gamma(z) by Stirling's series (DLMF 5.11.1) after moving z to the right; Re z > 0."""
-    moved = 0j
-    while abs(z) < 20.0:
-        moved += cmath.log(z)
-        z += 1.0
-    series = 1.0 / (12.0 * z) - 1.0 / (360.0 * z**3) + 1.0 / (1260.0 * z**5) - 1.0 / (1680.0 * z**7)
-    return (z - 0.5) * cmath.log(z) - z + 0.5 * math.log(2.0 * math.pi) + series - moved
+    return 2.0 * (math.lgamma(first) - float(loggamma(complex(first, h)).real)), rounding

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod._util import validate
-from floquetrod._util.compilation import compiled, fastest
+from floquetrod._util.compilation import INTERPRETED_UP_TO, runner
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import from_instant
 from floquetrod.floquet.result import Cost, Stability, classify
@@ -185,7 +185,7 @@ def _carry(pieces: list[_Stretch], period: float, steps: int, order: int = ORDER
     y = np.array([1.0, 0.0, 0.0, 1.0])
     exponent, taken = 0, 0
     # Machine code is a hundred times faster, but for a few steps not worth loading numba.
-    run = compiled(advance) if "numba" in sys.modules else fastest(advance, steps)
+    run = runner(advance, steps, interpret_up_to=0 if "numba" in sys.modules else INTERPRETED_UP_TO)
     for piece in pieces:
         share = max(1, math.ceil(steps * piece.length / whole - 1e-9))
         real = np.array([z.real for z in piece.amplitudes])

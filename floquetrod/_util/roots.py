@@ -1,0 +1,87 @@
+"""Many brackets at once: zeros of functions, and where a statement ceases to hold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats: TypeAlias = NDArray[np.float64]
+Ints: TypeAlias = NDArray[np.int64]
+
+_EPS = float(np.finfo(np.float64).eps)
+
+
+def roots(
+    function: Callable[[Floats, Ints], Floats], low: Floats, high: Floats, at_low: Floats, at_high: Floats
+) -> Floats:
+    """Return a zero of a function in each of many brackets, to rounding: Chandrupatla's method.
+
+    Parameters
+    ----------
+    function : callable
+        ``function(x, i)`` returns the values at places x, one for each, in the brackets of number i.
+    low, high : ndarray of float
+        Ends of the brackets.
+    at_low, at_high : ndarray of float
+        Values there, of different signs or zero.
+
+    Notes
+    -----
+    T. R. Chandrupatla, Adv. Eng. Software 28 (1997) 145.
+    """
+    a, b, fa, fb = low.copy(), high.copy(), at_low.copy(), at_high.copy()
+    c, fc = a.copy(), fa.copy()
+    t = np.full(a.shape, 0.5)
+    open_ = np.flatnonzero((fa != 0.0) & (fb != 0.0))
+    while open_.size:
+        i = open_
+        place = a[i] + t[i] * (b[i] - a[i])
+        value = function(place, i)
+        same = (value > 0.0) == (fa[i] > 0.0)
+        c[i], fc[i] = np.where(same, a[i], b[i]), np.where(same, fa[i], fb[i])
+        b[i], fb[i] = np.where(same, b[i], a[i]), np.where(same, fb[i], fa[i])
+        a[i], fa[i] = place, value
+        width = np.abs(b[i] - a[i])
+        size = np.abs(np.where(np.abs(fa[i]) < np.abs(fb[i]), a[i], b[i]))
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            least = 2.0 * _EPS * size / width
+            xi, phi = (a[i] - b[i]) / (c[i] - b[i]), (fa[i] - fb[i]) / (fc[i] - fb[i])
+            inverse = fa[i] / (fb[i] - fa[i]) * fc[i] / (fb[i] - fc[i])
+            inverse += (c[i] - a[i]) / (b[i] - a[i]) * fa[i] / (fc[i] - fa[i]) * fb[i] / (fc[i] - fb[i])
+            smooth = (phi * phi < xi) & ((1.0 - phi) ** 2 < 1.0 - xi) & np.isfinite(inverse)
+        t[i] = np.clip(np.where(smooth, inverse, 0.5), np.minimum(least, 0.5), np.maximum(1.0 - least, 0.5))
+        open_ = i[(fa[i] != 0.0) & ~(least > 0.5)]
+    return np.where((fb == 0.0) | (np.abs(fb) < np.abs(fa)), b, a)
+
+
+def bisected(
+    holds: Callable[[Floats], NDArray[np.bool_]], low: Floats, high: Floats, halvings: int, *, relative: float = 0.0
+) -> tuple[Floats, Floats]:
+    """Return brackets in which a statement ceases to hold, halved.
+
+    Parameters
+    ----------
+    holds : callable
+        Takes a place in every bracket and returns whether the statement holds there.
+    low, high : ndarray of float
+        Ends of the brackets; the statement holds at the lower and not at the higher, which is not looked at.
+    halvings : int
+        How often they are halved at most.
+    relative : float
+        No more are made once every bracket is as narrow as this share of its end ``high``.
+
+    Returns
+    -------
+    low, high : ndarray of float
+        New ends, with the same properties.
+    """
+    for _ in range(halvings):
+        if not (high - low > relative * np.abs(high)).any():
+            break
+        middle = 0.5 * (low + high)
+        here = holds(middle)
+        low, high = np.where(here, middle, low), np.where(here, high, middle)
+    return low, high

@@ -1,0 +1,12 @@
+"""Verdicts that are proofs: the signs that decide are found in interval arithmetic, for parameters taken exactly.
+
+`problem` states an equation in exact numbers, `certification` chooses what is computed and draws the conclusion;
+`chains`, `band`, `trace` and `closed_form` enclose the quantities that decide.
+"""
+
+from __future__ import annotations
+
+from floquetrod.floquet.proof.certification import certify
+from floquetrod.floquet.proof.result import Enclosure, Proof
+
+__all__ = ["Enclosure", "Proof", "certify"]

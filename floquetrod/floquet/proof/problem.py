@@ -1,0 +1,189 @@
+"""Equations as exact numbers: the border behind which a proof knows no classes of equations and no doubles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from decimal import Decimal
+from fractions import Fraction
+from itertools import zip_longest
+from typing import Any, NamedTuple
+
+from floquetrod._util import validate
+from floquetrod.equations import Equation, Hill, Mathieu, Meissner, require
+
+MOST_DIGITS = 10_000
+"""Most digits of an exact number, and of the arithmetic of a proof (a choice)."""
+
+_HALF = Fraction(1, 2)
+
+
+class Wave(NamedTuple):
+    """Coefficients of cos(k W tau) and sin(k W tau), W = 2 pi / period."""
+
+    cosine: Fraction
+    sine: Fraction
+
+
+class Piece(NamedTuple):
+    """A share of the period over which the coefficient is a finite Fourier series, with waves k = 1, 2, ..."""
+
+    share: Fraction
+    mean: Fraction
+    waves: tuple[Wave, ...] = ()
+
+
+@dataclass(frozen=True)
+class ExactProblem:
+    """A'' + 2 c A' = p(tau) A with exact numbers.
+
+    Attributes
+    ----------
+    equation : Equation
+        The same with the nearest doubles.
+    pieces : tuple of Piece
+        p over a period, from tau = 0 on.
+    damping : Fraction
+        c, zero or more.
+    period : Fraction or None
+        Period of p; None is the exact 2 pi.
+    inexact : tuple of (str, Fraction)
+        The parameters that are not doubles, by name.
+    """
+
+    equation: Equation
+    pieces: tuple[Piece, ...]
+    damping: Fraction
+    period: Fraction | None
+    inexact: tuple[tuple[str, Fraction], ...]
+
+    @property
+    def constant(self) -> Fraction | None:
+        """Value of a constant coefficient; None for any other."""
+        first = self.pieces[0]
+        return first.mean if len(self.pieces) == 1 and not first.waves else None
+
+    @property
+    def halves(self) -> tuple[Fraction, Fraction] | None:
+        """Values of a coefficient that is constant over each half of the period 2 pi; None for any other."""
+        if self.period is None and [(piece.share, piece.waves) for piece in self.pieces] == [(_HALF, ())] * 2:
+            return self.pieces[0].mean, self.pieces[1].mean
+        return None
+
+    @property
+    def sinusoid(self) -> tuple[Fraction, Fraction] | None:
+        """Mean and amplitude of a coefficient mean + amplitude sin tau; None for any other."""
+        first = self.pieces[0]
+        if self.period is None and len(self.pieces) == len(first.waves) == 1 and not first.waves[0].cosine:
+            return first.mean, first.waves[0].sine
+        return None
+
+
+Parameters = dict[str, Any]
+"""Exact parameters of an equation, Fraction or tuple of Fraction, by name."""
+
+
+def exact_problem(equation: Equation | type[Equation], parameters: Parameters) -> ExactProblem:
+    """Return the problem of an equation, given as a value, or as a class with its parameters."""
+    if isinstance(equation, type) and any(issubclass(equation, kind) for kind in _READERS):
+        return _read(equation, parameters)
+    require(equation, tuple(_READERS))
+    kind = type(equation)
+    if parameters:
+        names = ", ".join(parameters)
+        raise TypeError(f"{names} must follow a class: certify({kind.__name__}, ...), not a value of it")
+    return _read(kind, {field.name: getattr(equation, field.name) for field in fields(equation)})
+
+
+def _read(kind: Any, parameters: Parameters) -> ExactProblem:
+    """Return the problem with these parameters, of whatever type, of a class of equations."""
+    names = [field.name for field in fields(kind)]
+    unknown = [name for name in parameters if name not in names]
+    if unknown:
+        raise TypeError(f"{', '.join(unknown)} is no parameter of {kind.__name__}; they are {', '.join(names)}")
+    exact = {name: _exact(name, value, several=name in _LISTS) for name, value in parameters.items()}
+    equation: Equation = kind(**{name: _nearest(name, value) for name, value in exact.items()})
+    if exact.get("damping", 0) < 0:  # by less than a double shows
+        raise ValueError("damping must be zero or more, got less; growth of the free motion is not damping")
+    for field in fields(kind):
+        exact.setdefault(field.name, _exact(field.name, getattr(equation, field.name), several=field.name in _LISTS))
+    given = [
+        (f"{name}[{i}]" if name in _LISTS else name, value)
+        for name in parameters
+        for i, value in enumerate(exact[name] if name in _LISTS else (exact[name],))
+    ]
+    inexact = tuple((name, value) for name, value in given if value != Fraction(float(value)))
+    reader = next(reader for base, reader in _READERS.items() if issubclass(kind, base))
+    return ExactProblem(equation, reader(exact), exact["damping"], exact.get("period"), inexact)
+
+
+_LISTS = ("cosines", "sines")
+"""Parameters that are sequences of numbers."""
+
+
+def _mathieu(parameters: Parameters) -> tuple[Piece, ...]:
+    waves = (Wave(Fraction(0), parameters["alpha"]),) if parameters["alpha"] else ()
+    return (Piece(Fraction(1), parameters["beta"], waves),)
+
+
+def _meissner(parameters: Parameters) -> tuple[Piece, ...]:
+    alpha, beta = parameters["alpha"], parameters["beta"]
+    if not alpha:
+        return (Piece(Fraction(1), beta),)
+    return Piece(_HALF, beta + alpha), Piece(_HALF, beta - alpha)
+
+
+def _hill(parameters: Parameters) -> tuple[Piece, ...]:
+    pairs = zip_longest(parameters["cosines"], parameters["sines"], fillvalue=Fraction(0))
+    waves = [Wave(cosine, sine) for cosine, sine in pairs]
+    while waves and not any(waves[-1]):
+        waves.pop()
+    return (Piece(Fraction(1), parameters["mean"], tuple(waves)),)
+
+
+_READERS: dict[type, Callable[[Parameters], tuple[Piece, ...]]] = {Mathieu: _mathieu, Meissner: _meissner, Hill: _hill}
+"""The classes of equations a proof knows, with the pieces of their coefficient."""
+
+
+# --- exact numbers ---
+
+
+def _exact(name: str, value: Any, *, several: bool) -> Any:
+    """Return a parameter as an exact number, or a sequence of them as a tuple."""
+    if not several:
+        return exact_number(name, value)
+    listed = validate.sequence(name, value)
+    return tuple(exact_number(f"{name}[{i}]", entry) for i, entry in enumerate(listed))
+
+
+def _nearest(name: str, value: Fraction | tuple[Fraction, ...]) -> float | tuple[float, ...]:
+    """Return the nearest doubles."""
+    if isinstance(value, tuple):
+        return tuple(validate.finite(f"{name}[{i}]", entry) for i, entry in enumerate(value))
+    return validate.finite(name, value)
+
+
+def exact_number(name: str, value: Any) -> Fraction:
+    """Return an int, float, Fraction, Decimal or text such as "1/3" or "-0.1" as the exact fraction it is."""
+    if isinstance(value, str):
+        if len(value) > MOST_DIGITS:
+            raise ValueError(f"{name} must have at most {MOST_DIGITS} digits, got {len(value)}")
+        top, slash, bottom = value.partition("/")
+        try:
+            return Fraction(int(top), int(bottom)) if slash else exact_number(name, Decimal(value))
+        except (ArithmeticError, ValueError) as error:
+            if isinstance(error, ZeroDivisionError) or not str(error).startswith(name):
+                raise ValueError(f"{name} must be a number such as '1/3' or '-0.1', got {value!r}") from None
+            raise
+    if isinstance(value, Fraction):
+        return value
+    if isinstance(value, Decimal):
+        if not value.is_finite() or (value and abs(value.adjusted()) > MOST_DIGITS):
+            raise ValueError(f"{name} must be finite, its exponent at most {MOST_DIGITS}, got {value}")
+        return Fraction(value)
+    if isinstance(value, int) and not isinstance(value, bool):
+        return Fraction(value)
+    number = validate.finite(name, value, "give a number, or text such as '1/3'")
+    if value != number:
+        raise ValueError(f"{name} = {value!r} is not taken exactly; give a Fraction, a Decimal or text such as '1/3'")
+    return Fraction(number)

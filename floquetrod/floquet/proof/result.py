@@ -1,0 +1,61 @@
+"""What a proof says: the verdict, a statement, and enclosures of the quantities that decided."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from floquetrod.equations import Equation
+from floquetrod.floquet.result import Interval, Status, Verdict
+
+
+class Enclosure(NamedTuple):
+    """A quantity that decided, with two numbers of mpmath it lies between."""
+
+    quantity: str
+    low: Any
+    high: Any
+
+    def __str__(self) -> str:
+        """Return, say, "smallest pivot in [0.5, 0.5001]"."""
+        import mpmath
+
+        return f"{self.quantity} in [{mpmath.nstr(self.low, 8)}, {mpmath.nstr(self.high, 8)}]"
+
+
+@dataclass(frozen=True, repr=False)
+class Proof(Verdict):
+    """A proved verdict, or why there is none.
+
+    Attributes
+    ----------
+    equation : Equation
+        The equation judged, its parameters taken as the exact binary numbers they are, but for those in ``exact``.
+    status : {"stable", "unstable", "undecided"}
+        What was proved; "stable": every solution stays bounded (decays, if damped and not at rest).
+    interval : Interval or None
+        Stability interval or tongue of the equation freed of its damping, where the proof was by counting.
+    digits : int
+        Decimal digits of the arithmetic that decided, or of the last attempt; 0 where no arithmetic was needed.
+    statement : str
+        What was proved, in a sentence.
+    enclosures : tuple of Enclosure
+        The quantities whose signs decided.
+    exact : tuple of (str, Fraction)
+        Parameters that are not binary numbers: what was proved holds for these, ``equation`` has the nearest doubles.
+    """
+
+    equation: Equation
+    status: Status
+    interval: Interval | None
+    digits: int
+    statement: str
+    enclosures: tuple[Enclosure, ...] = ()
+    exact: tuple[tuple[str, Fraction], ...] = field(default=(), kw_only=True)
+
+    def __repr__(self) -> str:
+        """Return the proof as a sentence."""
+        where = f", {self.interval}" if self.interval is not None else ""
+        where += "".join(f", {name} = {value} exactly" for name, value in self.exact)
+        return f"<{self.status}{where}: {self.statement} ({self.digits} digits)>"

@@ -1,0 +1,41 @@
+"""The coefficient of the equation freed of its damping, as a Fourier series with enclosed coefficients."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from floquetrod.floquet.proof.intervals import pi, rational
+from floquetrod.floquet.proof.problem import ExactProblem
+
+
+class Wave(NamedTuple):
+    """Enclosed coefficients of cos(k theta) and sin(k theta)."""
+
+    cosine: Any
+    sine: Any
+
+    @property
+    def size(self) -> Any:
+        """A bound on the magnitude of the wave."""
+        return abs(self.cosine) + abs(self.sine)
+
+
+class Series(NamedTuple):
+    """p(theta) = mean + sum over k = 1, 2, ... of waves, theta = 2 pi tau / period."""
+
+    mean: Any
+    waves: list[Wave]
+
+
+def undamped_series(context: Any, problem: ExactProblem) -> Series:
+    """Enclose the coefficient of u'' = p u, A = exp(-c tau) u, for a coefficient of one piece; time is theta."""
+    (piece,) = problem.pieces
+    square = time_unit(context, problem) ** 2
+    mean = square * rational(context, piece.mean + problem.damping**2)
+    waves = [Wave(*(square * rational(context, part) for part in wave)) for wave in piece.waves]
+    return Series(mean, waves)
+
+
+def time_unit(context: Any, problem: ExactProblem) -> Any:
+    """Enclose period / (2 pi), which is 1 where the period is the exact 2 pi."""
+    return context.one if problem.period is None else rational(context, problem.period) / (2 * pi(context))
