@@ -42,9 +42,9 @@ class CriticalKick(NamedTuple):
     none_up_to: Any
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class FrictionalRodStability(Verdict):
-    """Verdict on a rod with friction, every mode of which is kicked alike.
+    """Verdict on a rod with friction, every mode of which is kicked alike, in 1/s and s.
 
     Attributes
     ----------
@@ -58,6 +58,9 @@ class FrictionalRodStability(Verdict):
         Verdict without friction; rod, load and modes are there.
     fates : tuple of Fate
         Of the modes in ``modes``.
+    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
+        As in every `Verdict`.  Stable when no mode escapes; the growth rate is that at which the fastest mode that
+        escapes grows in the end; exponents, error and cost are those of ``linear``.
     """
 
     friction: float
@@ -75,12 +78,6 @@ class FrictionalRodStability(Verdict):
     def unstable_modes(self) -> tuple[int, ...]:
         """Modes that the kick sets off for good."""
         return tuple(m for m, fate in zip(self.modes, self.fates, strict=True) if fate.status == "escapes")
-
-    @property
-    def status(self) -> Status:
-        """Verdict: stable when no mode escapes."""
-        found = {fate.status for fate in self.fates}
-        return "unstable" if "escapes" in found else "undecided" if "undecided" in found else "stable"
 
     @cached_property
     def critical_kick(self) -> CriticalKick:
@@ -114,7 +111,25 @@ def classify_kick(linear: RodStability, friction: float, kick: float) -> Frictio
         fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon)
         for e in _growing(linear).values()
     )
-    return FrictionalRodStability(friction, kick, inside, linear, fates)
+    rates = dict(zip(linear.modes, linear.mode_growth_rates.tolist(), strict=True))
+    escaping = [rates[mode] for mode, fate in zip(_growing(linear), fates, strict=True) if fate.status == "escapes"]
+    unsure = [fate.reason for fate in fates if fate.status == "undecided"]
+    status: Status = "unstable" if escaping else "undecided" if unsure else "stable"
+    return FrictionalRodStability(
+        friction=friction,
+        kick=kick,
+        in_modes=inside,
+        linear=linear,
+        fates=fates,
+        status=status,
+        growth_rate=max(escaping, default=0.0),
+        exponents=linear.exponents,
+        period=linear.period,
+        error=linear.error,
+        cost=linear.cost,
+        note="; ".join(dict.fromkeys(unsure)),
+        assumptions=(*linear.assumptions, "friction acts on one mode at a time"),
+    )
 
 
 def critical_kick(linear: RodStability, friction: float) -> CriticalKick:

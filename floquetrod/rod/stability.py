@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import Mathieu
-from floquetrod.floquet.result import Stability, Status, Verdict
+from floquetrod.floquet.result import Cost, Stability, Status, Verdict
 from floquetrod.floquet.stability import stability
 from floquetrod.rod.data import RodData
 from floquetrod.rod.load import AxialLoad, Quantity
@@ -37,28 +37,33 @@ class Margin(NamedTuple):
         return min(self)
 
 
-@dataclass(frozen=True, repr=False)
+ASSUMPTIONS = ("axial force the same all along the rod", "small angles", "linear elasticity")
+"""What the mode equations take for granted."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
 class RodStability(Verdict):
-    """Verdict on a rod under a load.
+    """Verdict on a rod under a load, in 1/s and s.
 
     Attributes
     ----------
     rod : Rod
     system : ModalSystem
         The equations of its modes under the load; ``load``, ``modes`` and ``mode_equations`` are taken from it.
-    status : {"stable", "unstable", "undecided"}
-        Stable when no mode grows faster than the tolerance.
     mode_verdicts : tuple of Stability
         Verdict on each of them.
     mode_growth_rates : ndarray
         Growth rate of each mode in 1/s.
     growth_tolerance : float
         Growth in 1/s up to which a mode counts as stable.
+    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
+        As in every `Verdict`.  Stable when no mode grows faster than the tolerance; the growth rate is that of the
+        fastest mode, within the tolerance or not; the exponents are those of all modes; ``error`` is the largest of a
+        mode's discriminant.
     """
 
     rod: RodData
     system: ModalSystem
-    status: Status
     mode_verdicts: tuple[Stability, ...]
     mode_growth_rates: NDArray[np.float64] = field(compare=False)
     growth_tolerance: float
@@ -98,11 +103,6 @@ class RodStability(Verdict):
         """Modes that grow faster than the tolerance."""
         found = zip(self.modes, self.mode_verdicts, self.mode_growth_rates, strict=True)
         return tuple(m for m, v, rate in found if v.status == "unstable" and _grows(rate, self.growth_tolerance))
-
-    @property
-    def growth_rate(self) -> float:
-        """Growth rate in 1/s of the fastest mode, 0 when none grows."""
-        return float(self.mode_growth_rates.max())
 
     @property
     def fastest_mode(self) -> int | None:
@@ -223,7 +223,23 @@ def classify_modes(rod: RodData, system: ModalSystem, growth_tolerance: float) -
     grows = [v.status == "unstable" and _grows(r, growth_tolerance) for v, r in zip(verdicts, rates, strict=True)]
     unsure = [v.status == "undecided" and not r < growth_tolerance for v, r in zip(verdicts, rates, strict=True)]
     status: Status = "unstable" if any(grows) else "undecided" if any(unsure) else "stable"
-    return RodStability(rod, system, status, verdicts, rates, growth_tolerance)
+    exponents = [exponent * system.frequency for verdict in verdicts for exponent in verdict.exponents]
+    units = {verdict.cost.unit for verdict in verdicts}
+    return RodStability(
+        rod=rod,
+        system=system,
+        mode_verdicts=verdicts,
+        mode_growth_rates=rates,
+        growth_tolerance=growth_tolerance,
+        status=status,
+        growth_rate=float(rates.max()),
+        exponents=tuple(sorted(exponents, key=lambda exponent: -exponent.real)),
+        period=2.0 * math.pi / system.frequency,
+        error=max(verdict.error for verdict in verdicts),
+        cost=Cost(sum(verdict.cost.amount for verdict in verdicts), units.pop() if len(units) == 1 else "operations"),
+        note="; ".join(dict.fromkeys(v.note for v, unknown in zip(verdicts, unsure, strict=True) if unknown)),
+        assumptions=ASSUMPTIONS,
+    )
 
 
 def _grows(rate: float, tolerance: float) -> bool:

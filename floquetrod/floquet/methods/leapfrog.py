@@ -146,7 +146,7 @@ def _table(equation: Equation, pieces: tuple[Piece, ...], count: int) -> NDArray
     for piece in pieces:
         begin, end = end, end + piece.share * count
         first, last = math.ceil(begin), math.floor(end)
-        t = np.arange(first, last + 1) * (equation.period / count)
+        t = np.arange(first, last + 1, dtype=np.float64) * (equation.period / count)
         weight = np.ones(t.size)
         weight[0] -= 0.5 * (first == begin)
         weight[-1] -= 0.5 * (last == end)

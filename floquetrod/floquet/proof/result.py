@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from floquetrod.equations import Equation
-from floquetrod.floquet.result import Interval, Status, Verdict
+from floquetrod.floquet.result import Answer, Interval, Status
 
 
 class Enclosure(NamedTuple):
@@ -25,7 +25,7 @@ class Enclosure(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class Proof(Verdict):
+class Proof(Answer):
     """A proved verdict, or why there is none.
 
     Attributes
