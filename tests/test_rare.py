@@ -120,7 +120,7 @@ def test_values_introduce_themselves(value: object, words: str) -> None:
     ("call", "error", "message"),
     [
         (lambda: fr.Mathieu(1.0, 1.0, 1e200), ValueError, "damping must be at most"),
-        (lambda: fr.friction.outcome([1.0, 2.0], [0.1, 0.2, 0.3], 1.0, 1.0), ValueError, "must broadcast to one shape"),
+        (lambda: fr.friction.fates([1.0, 2.0], [0.1, 0.2, 0.3], 1.0, 1.0), ValueError, "must broadcast to one shape"),
         (lambda: ROD.is_stable([1.0, 2.0], [0.1, 0.2, 0.3], 150.0), ValueError, "must broadcast to one shape"),
         (lambda: fr.friction.leapfrog_escapes(1.0, 0.3, 0.0, 1.0), ValueError, "gamma must be greater than zero"),
         (lambda: fr.stability_map("rod", mean=1.0, amplitude=1.0, frequency=1.0), TypeError, "rod must be a Rod"),

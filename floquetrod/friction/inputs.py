@@ -16,7 +16,7 @@ from floquetrod.equations import FrictionalMathieu
 from floquetrod.friction.propagators import Propagators, cell_counts, no_kick_escapes_up_to, propagators
 from floquetrod.kernels import friction as kernels
 
-EFFORT = 500_000
+MAX_STEPS = 500_000
 """Cells an orbit may take, 32 or more to a period: a few thousandths of a second (a choice)."""
 
 SHORT = 4000
@@ -40,10 +40,10 @@ def arguments(alpha: Any, beta: Any, gamma: Any, damping: Any, **kicks: NDArray[
     return (shape, *flat)
 
 
-def size_of(epsilon: Any) -> NDArray[np.float64]:
+def size_of(kick: Any) -> NDArray[np.float64]:
     """Return the size of kicks: to either side they are mirror images."""
     largest = np.finfo(np.float64).max
-    size: NDArray[np.float64] = np.abs(validate.array("epsilon", epsilon, least=-largest, largest=largest))
+    size: NDArray[np.float64] = np.abs(validate.array("kick", kick, least=-largest, largest=largest))
     return size
 
 

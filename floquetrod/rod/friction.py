@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from floquetrod import mathieu
 from floquetrod.equations import FrictionalMathieu
 from floquetrod.floquet.result import Status, Verdict
-from floquetrod.friction.critical import critical_bounds, critical_perturbation
-from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, outcome
+from floquetrod.friction import critical
+from floquetrod.friction.kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, fates
 from floquetrod.kernels.mathieu import mode_coefficients
 from floquetrod.rod.coulomb import Coulomb, ModeFriction, critical_velocities
 from floquetrod.rod.data import RodData
@@ -105,11 +105,11 @@ def judge_kick(linear: RodStability, friction: Coulomb) -> FrictionalRodStabilit
     """Return the verdict with friction that follows on one without."""
     inside = friction.in_mode_equation(linear.rod, linear.load)
     equations = dict(zip(linear.modes, linear.mode_equations, strict=True))
-    fates = tuple(
+    found = tuple(
         fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon)
         for e in (equations[mode] for mode in _growing(linear))
     )
-    return FrictionalRodStability(friction, inside, linear, fates)
+    return FrictionalRodStability(friction, inside, linear, found)
 
 
 def critical_kick(linear: RodStability, mu: float) -> CriticalKick:
@@ -141,7 +141,7 @@ def _parameters(linear: RodStability) -> tuple[NDArray[np.float64], NDArray[np.f
 
 def _critical_velocities(linear: RodStability, mu: float) -> dict[int, float]:
     alpha, beta, damping = _parameters(linear)
-    ratio = critical_perturbation(alpha, beta, 1.0, damping)
+    ratio = critical.critical_kick(alpha, beta, damping=damping).smallest_found
     speeds = critical_velocities(linear.rod, linear.load.amplitude, linear.load.frequency, mu, ratio)
     return dict(zip(_growing(linear), map(float, speeds), strict=True))
 
@@ -186,9 +186,9 @@ def kicked_loads(
         some = [values[part] for values in loads]
         load, _, alpha, beta, damping = growing_modes(rod, some, tolerance, workers)
         _, _, gamma, epsilon = friction.in_mode_equations(rod, some[1], some[2])
-        fates = outcome(alpha, beta, gamma[load], epsilon[load], damping, workers=workers)
-        found[part][load[fates == UNDECIDED]] = UNDECIDED
-        found[part][load[fates == ESCAPES]] = ESCAPES
+        ends = fates(alpha, beta, gamma[load], epsilon[load], damping=damping, workers=workers)
+        found[part][load[ends == UNDECIDED]] = UNDECIDED
+        found[part][load[ends == ESCAPES]] = ESCAPES
     return np.where(found == UNDECIDED, -1, found == BOUNDED).astype(np.int8)
 
 
@@ -231,7 +231,9 @@ def _least_kicks(growing: GrowingModes, workers: int | None, least: _Least) -> N
     for turn in range(int(place.max(initial=-1)) + 1):
         now = order[place == turn]
         at = load[now]
-        proved, found = critical_bounds(alpha[now], beta[now], 1.0, damping[now], upto=least.found[at], workers=workers)
+        proved, found = critical.critical_kick(
+            alpha[now], beta[now], damping=damping[now], largest=least.found[at], workers=workers
+        )
         least.proved[at] = np.minimum(least.proved[at], proved)
         unknown[at] |= np.isnan(found)
         better = found < least.found[at]

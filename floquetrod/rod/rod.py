@@ -18,7 +18,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, plain, shaped
 from floquetrod._util.compilation import over_chunks
-from floquetrod.friction.fates import UndecidedWarning
+from floquetrod.friction.kicks import UndecidedWarning
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.coulomb import Coulomb, friction_coefficient
