@@ -97,3 +97,8 @@ def test_friction_has_to_be_a_coulomb() -> None:
         ROD.stability(load(0.4, 85.0), friction=0.1)  # type: ignore[call-overload]
     with pytest.raises(ValueError, match="growth"):
         fr.stability_map(ROD, mean=(0.1, 0.5, 3), amplitude=0.3, frequency=(50.0, 100.0, 3), growth=True, friction=KICK)
+
+
+def test_a_verdict_with_friction_is_a_sentence() -> None:
+    push = fr.AxialLoad(0.825 * ROD.critical_force, 0.7 * ROD.critical_force, 150.0)
+    assert "sets off modes 9, 10" in repr(ROD.stability(push, friction=fr.Coulomb(0.1, 0.05)))

@@ -240,6 +240,7 @@ def test_a_fate_and_a_trajectory_interpreted() -> None:
         ("kick", {"kick": math.nan}),
         ("alpha", {"alpha": "x"}),
         ("kick", {"kick": [1.0, 2.0], "gamma": [1.0, 2.0, 3.0]}),
+        ("must broadcast to one shape", {"alpha": [1.0, 2.0], "beta": [0.1, 0.2, 0.3]}),
     ],
 )
 def test_bad_input_is_named(name: str, change: dict[str, float]) -> None:
@@ -294,8 +295,15 @@ def test_a_motion_ends_before_it_outgrows_a_double() -> None:
         assert motion.state[-1] != 0
 
 
-def test_the_paper_s_test_takes_any_kick() -> None:
+def test_a_trajectory_says_what_was_followed() -> None:
+    motion = fr.friction.trajectory(fr.FrictionalMathieu(0.0, 0.25, 1.0), 1.9, periods=1)
+    assert repr(motion).startswith("<motion from A' = 1.9 over 1 periods")
+
+
+def test_the_paper_s_test_takes_any_kick_and_needs_friction() -> None:
     assert fr.friction.leapfrog_escapes(1.0, 0.3, [1.0, 1e-308], 1e308, step=0.05).tolist() == [True, True]
+    with pytest.raises(ValueError, match="gamma must be greater than zero"):
+        fr.friction.leapfrog_escapes(1.0, 0.3, 0.0, 1.0)
 
 
 def test_undecided_is_said_and_does_not_count() -> None:

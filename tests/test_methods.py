@@ -92,6 +92,19 @@ def test_counts_agree_with_determinants(point: tuple[float, float]) -> None:
         assert one.interval == other.interval
 
 
+def test_numbers_beyond_a_double() -> None:
+    # A growth of 800 per unit tau: the discriminant is beyond the range of a double, its logarithm is not.
+    for method, error in (("spectral", 1e-6), ("leapfrog", 1e-2)):  # leapfrog's steps are short against tau, not 1/800
+        verdict = fr.stability(fr.Mathieu(1.0, 6.4e5), method=method)
+        assert verdict.discriminant == math.inf
+        assert verdict.growth_rate == pytest.approx(800.0, rel=error)
+        assert math.isinf(abs(verdict.multipliers[0]))
+    found = fr.mathieu.discriminant([1.0, 0.0], [6.4e5, 0.25], [0.0, 0.1])
+    assert found[0] == math.inf
+    assert found[1] == pytest.approx(2.0 * math.cosh(2.0 * math.pi * math.sqrt(0.26)) * math.exp(-0.2 * math.pi))
+    assert fr.stability(fr.Mathieu(1.0, 2.5e3), method="leapfrog").growth_rate == pytest.approx(50.0, rel=1e-3)
+
+
 def test_the_papers_truncation() -> None:
     forty = determinant(fr.Mathieu(0.5, -0.25), terms=40)
     assert forty.cost == Cost(161, "rows")

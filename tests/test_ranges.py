@@ -176,6 +176,16 @@ def test_hairlines_are_left_out_and_counted() -> None:
     assert f"{default.hairlines} tongues left out" in repr(default)
 
 
+def test_without_vibration_only_buckling_is_left_along_the_frequency() -> None:
+    safe = ROD.stable_frequencies(0.9 * FCR, 0.0, (50.0, 150.0))
+    assert [(part.low, part.high) for part in safe] == [(50.0, 150.0)]
+    assert len(ROD.stable_frequencies(1.1 * FCR, 0.0, (50.0, 150.0))) == 0
+
+
+def test_no_range_at_all_is_said() -> None:
+    assert "  none\n" in repr(ROD.stable_frequencies(0.9 * FCR, 0.7 * FCR, (100.0, 101.0)))
+
+
 def test_the_cost_follows_the_question(monkeypatch: pytest.MonkeyPatch) -> None:
     # More than a thousand tongues lie below, and are not resolved, since nothing grows in them.
     asked = []

@@ -113,6 +113,11 @@ def test_verdict_on_the_demonstration_load() -> None:
     assert repr(ROD.stability(load(0.05, 0.2, 150.0))).startswith("<stable")
 
 
+def test_a_verdict_is_a_sentence() -> None:
+    assert repr(ROD.stability(load(0.34, 0.2, 150.0))).startswith("<stable; ")
+    assert "within the tolerance" in repr(ROD.stability(load(0.2, 0.2, 150.0), growth_tolerance=4.3))
+
+
 def test_growth_tolerance() -> None:
     weak = load(0.285, 0.2, 85.0)
     assert ROD.stability(weak).unstable_modes == (8,)
