@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -129,7 +129,9 @@ def test_both_solvers_agree_where_growth_is_fast(rng: np.random.Generator) -> No
 @given(numbers(-3.0, 3.0), numbers(-3.0, 1.0), decades(1e-3, 1e3), decades(0.3, 30.0))
 def test_only_the_ratio_of_kick_and_friction_matters(alpha: float, beta: float, gamma: float, kick: float) -> None:
     power = 2.0 ** round(math.log2(gamma))  # exact scaling
-    assert fr.friction.fates(alpha, beta, power, kick * power) == fr.friction.fates(alpha, beta, 1.0, kick)
+    kicks = kick * np.array([1.0, 1.1])  # two, which are compiled: one would be followed interpreted, slowly
+    one, other = (fr.friction.fates(alpha, beta, gamma, gamma * kicks) for gamma in (1.0, power))
+    assert one.tolist() == other.tolist()
 
 
 @few
@@ -139,7 +141,8 @@ def test_kicks_to_either_side_are_mirror_images(alpha: float, beta: float, kick:
     one, other = (fr.friction.trajectory(equation, k, periods=2) for k in (kick, -kick))
     assert np.array_equal(one.A, -other.A)
     assert np.array_equal(one.state, -other.state)
-    assert fr.friction.fates(alpha, beta, 1.0, kick) == fr.friction.fates(alpha, beta, 1.0, -kick)
+    fates = fr.friction.fates(alpha, beta, 1.0, [kick, -kick])
+    assert fates[0] == fates[1]
 
 
 @few
@@ -148,9 +151,9 @@ def test_without_friction_it_is_the_floquet_verdict(alpha: float, beta: float) -
     stable = fr.mathieu.is_stable(alpha, beta)
     assert (fr.friction.fates(alpha, beta, 0.0, 1.0) == BOUNDED) == stable
     low, high = fr.friction.certain_kicks(fr.FrictionalMathieu(alpha, beta, 1e-12))
+    assume(stable or math.isfinite(high))  # else it grows too slowly, or linearly: any friction stops that
     assert fr.friction.fates(alpha, beta, 0.0, 0.0) == BOUNDED
-    if math.isfinite(high):
-        assert fr.friction.fates(alpha, beta, 1e-12, 1.001 * high) == ESCAPES
+    assert fr.friction.fates(alpha, beta, 1e-12, 1e6 if stable else 1.001 * high) == (BOUNDED if stable else ESCAPES)
     assert fr.friction.fates(alpha, beta, 1e-12, 0.999 * min(low, 1.0)) == BOUNDED
 
 
@@ -216,10 +219,12 @@ def test_no_step_of_a_trajectory_goes_back_in_time(alpha: float, beta: float, ki
 @given(numbers(-3.0, 3.0), numbers(-3.0, 1.0), numbers(0.0, 1.0))
 def test_certain_kicks_are_certain(alpha: float, beta: float, share: float) -> None:
     low, high = fr.friction.certain_kicks(fr.FrictionalMathieu(alpha, beta, 1.0))
+    assume(math.isfinite(low))  # else nothing grows
     assert low <= high * (1.0 + 1e-12)
-    if math.isfinite(high):
-        critical = fr.friction.critical_kick(alpha, beta, samples=8, max_steps=20_000).smallest_found
-        assert math.isnan(critical) or low * (1.0 - 1e-8) <= critical <= high * (1.0 + 1e-8)
+    assert (fr.friction.fates(alpha, beta, 1.0, low * np.array([share, 1.0])) == BOUNDED).all()
+    critical = fr.friction.critical_kick(alpha, beta, samples=4, max_steps=2000).smallest_found
+    assume(not math.isnan(critical))
+    assert low * (1.0 - 1e-8) <= critical <= high * (1.0 + 1e-8)
 
 
 @pytest.mark.kernels
@@ -256,16 +261,15 @@ def test_a_bad_limit_is_named(largest: object) -> None:
 
 
 @few
-@given(numbers(-3.0, 3.0), numbers(-3.0, 1.0), numbers(0.3, 3.0))
+@given(numbers(-3.0, 3.0), numbers(-3.0, 1.0), numbers(1.0, 3.0))
 def test_a_limited_search_finds_an_edge_below_its_limit(alpha: float, beta: float, share: float) -> None:
-    whole = fr.friction.critical_kick(alpha, beta).smallest_found
-    if math.isfinite(whole):
-        floor = fr.friction.certain_kicks(fr.FrictionalMathieu(alpha, beta, 1.0)).bounded_up_to
-        found = fr.friction.critical_kick(alpha, beta, largest=share * whole).smallest_found
-        if math.isfinite(found):
-            assert floor * (1.0 - 1e-9) <= found <= share * whole * (1.0 + 2e-9)
-            above = found * (1.0 + np.geomspace(1e-12, 1e-4, 60))
-            assert (fr.friction.fates(alpha, beta, 1.0, above) == ESCAPES).any()
+    floor, whole = fr.friction.critical_kick(alpha, beta, samples=4, max_steps=2000)
+    assume(math.isfinite(whole))
+    found = fr.friction.critical_kick(alpha, beta, largest=share * whole, samples=4, max_steps=2000).smallest_found
+    assume(math.isfinite(found))
+    assert floor * (1.0 - 1e-9) <= found <= share * whole * (1.0 + 2e-9)
+    above = found * (1.0 + np.geomspace(1e-12, 1e-4, 30))
+    assert (fr.friction.fates(alpha, beta, 1.0, above, max_steps=20_000) == ESCAPES).any()
 
 
 def test_without_friction_the_slightest_kick_is_critical_or_none_is() -> None:

@@ -136,6 +136,7 @@ def test_few_steps_and_a_limit_still_find_a_kick() -> None:
 
 def test_the_proved_bound_is_where_the_first_stop_may_be_left_outwards() -> None:
     """Followed event by event: up to the bound the first stop is kept, from there on it lies too far out."""
+    followed = 0
     for alpha, beta, damping in zip(*unstable_points(np.random.default_rng(8), 40), strict=True):
         low, high = fr.friction.certain_kicks(fr.FrictionalMathieu(alpha, beta, 1.0, damping))
         kept = min(2.0 / abs(alpha), 1.0 / max(abs(alpha) + beta, 1e-300))
@@ -147,6 +148,8 @@ def test_the_proved_bound_is_where_the_first_stop_may_be_left_outwards() -> None
             at_rest = motion.A[1:][motion.velocity[1:] == 0.0]
             stops.append(float(at_rest[0]) if at_rest.size else math.inf)
         assert stops[0] <= kept * (1.0 + 1e-9) < stops[1]
+        followed += 1
+    assert followed > 30
 
 
 def test_leapfrog_finds_no_escape_up_to_the_proved_bound() -> None:

@@ -7,7 +7,7 @@ import math
 
 import mpmath
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
@@ -87,9 +87,9 @@ def test_multipliers_follow_from_liouville_and_the_trace(equation: fr.Mathieu | 
 @given(near_boundary_points() | st.tuples(st.floats(0.01, 50.0), st.floats(-50.0, 5.0)))
 def test_counts_agree_with_determinants(point: tuple[float, float]) -> None:
     one, other = spectral(fr.Mathieu(*point)), determinant(fr.Mathieu(*point))
-    if "undecided" not in (one.status, other.status):
-        assert one.status == other.status
-        assert one.interval == other.interval
+    assume("undecided" not in (one.status, other.status))
+    assert one.status == other.status
+    assert one.interval == other.interval
 
 
 def test_numbers_beyond_a_double() -> None:
@@ -133,12 +133,12 @@ def extreme_equations() -> st.SearchStrategy[fr.Mathieu | fr.Meissner | fr.Hill]
     means = EXTREMES | numbers(-60.0, 10.0) | edges
     damping = st.just(0.0) | decades(1e-9, 0.5) | st.just(5e-324)
     series = st.lists(EXTREMES | numbers(-3.0, 3.0), max_size=3).map(tuple)
-    hill = st.builds(fr.Hill, EXTREMES | numbers(-3.0, 1.0), series, series, decades(1e-2, 100.0), damping)
+    hill = st.builds(fr.Hill, EXTREMES | numbers(-3.0, 1.0), series, series, decades(1e-2, 30.0), damping)
     return st.builds(fr.Mathieu, amplitudes, means, damping) | st.builds(fr.Meissner, amplitudes, means, damping) | hill
 
 
 @settings(max_examples=100)
-@given(extreme_equations(), st.none() | st.integers(2, 60) | st.integers(2, 20000))
+@given(extreme_equations(), st.none() | st.integers(2, 60) | st.integers(2, 5000))
 @example(fr.Mathieu(1e-9, -23.0), 10)
 @example(fr.Mathieu(5e-324, -0.25), None)
 @example(fr.Mathieu(0.0, 0.0), 5)
