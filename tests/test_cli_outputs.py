@@ -49,7 +49,7 @@ def test_answers_beside_pictures_and_along_other_quantities(tmp_path: Path, caps
 
 
 @pytest.mark.parametrize("command", ["map", "reproduce"])
-def test_ctrl_c_ends_it_at_once_and_leaves_no_half_file(command: str, tmp_path: Path) -> None:
+def test_ctrl_c_ends_a_long_command_and_leaves_no_half_file(command: str, tmp_path: Path) -> None:
     big = ["--mean", "0:1.1Fcr", "--amplitude", "0.2Fcr", "--frequency", "20:200", "--points", "4900x4900"]
     arguments = {
         "map": ["map", "--rod", "nitinol", *big, "--growth", "--out", "m.npz"],
