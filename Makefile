@@ -15,7 +15,7 @@ PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 KERNEL_TESTS := -m kernels
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint slow fuzz coverage bench agreement docs clean
+.PHONY: demo test lint slow bite fuzz coverage bench agreement docs clean
 
 demo: $(READY)
 	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
@@ -35,6 +35,10 @@ lint: $(READY)
 
 slow: $(DOCS_READY)
 	$(PYTEST) -m slow
+
+# How often each property was checked, and how often its example was discarded: a property that hardly bites fails.
+bite: $(READY)
+	$(PYTEST) -m "not slow" --bite
 
 # The attack on the package, from fresh seeds; `python -m fuzz --help` tells of the options that FUZZ may hold.
 fuzz: $(READY)

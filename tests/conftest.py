@@ -1,16 +1,27 @@
-"""Settings of the whole suite: hypothesis profiles, and random numbers that are fresh in every run yet repeatable."""
+"""Settings of the whole suite: hypothesis profiles, random numbers fresh in every run yet repeatable, `--bite`."""
 
 from __future__ import annotations
 
 import os
+import re
 import secrets
 import zlib
+from collections.abc import Generator
+
+# Before numpy is loaded: the workers of a run share the processors, and threads of small matrices only wait for each
+# other there (measured: eigenvalues of a few hundred rows twenty times slower).
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, settings
+from hypothesis import HealthCheck, is_hypothesis_test, settings
 
 SEED = "FLOQUETROD_TEST_SEED"
+BITES: dict[str, tuple[int, ...]] = {}
+"""Examples checked and discarded, of each property."""
+
+LEAST_SHARE = 0.3
+"""Share of the examples drawn that a property has to be true of, rather than discard (a choice)."""
 
 # Fresh examples in every run (no derandomize): the suite is meant to go on looking.  No deadline: nothing is timed.
 settings.register_profile("default", deadline=None, print_blob=True)
@@ -35,3 +46,58 @@ def pytest_report_header(config: pytest.Config) -> str:
 def rng(request: pytest.FixtureRequest) -> np.random.Generator:
     """Random numbers of this run and this test; set FLOQUETROD_TEST_SEED to the printed value to draw them again."""
     return np.random.default_rng([int(os.environ[SEED]), zlib.crc32(request.node.nodeid.encode())])
+
+
+# --- how often each property bit -------------------------------------------------------------------------------------
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add `--bite`."""
+    parser.addoption("--bite", action="store_true", help="run properties only, and count the examples they discard")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave only properties when asked how often they bite."""
+    if config.getoption("--bite"):
+        others = [item for item in items if not is_hypothesis_test(getattr(item, "obj", None))]
+        config.hook.pytest_deselected(items=others)
+        items[:] = [item for item in items if item not in set(others)]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Read off hypothesis's statistics how many examples were checked and discarded."""
+    report = yield
+    told = getattr(item, "hypothesis_statistics", None)
+    if told and report.when == "call":
+        counts = re.findall(r"(\d+) passing\D+(\d+) failing\D+(\d+) invalid", told)
+        report.examples = [sum(int(count[column]) for count in counts) for column in (0, 2)]
+    return report
+
+
+def pytest_runtest_logreport(report: pytest.TestReport) -> None:
+    """Collect what the worker processes report."""
+    if hasattr(report, "examples"):
+        BITES[report.nodeid] = tuple(report.examples)
+
+
+def toothless(bites: dict[str, tuple[int, ...]]) -> list[str]:
+    """Return the properties that were checked too rarely, or of which nothing is known."""
+    return [name for name, (checked, discarded) in bites.items() if not checked > LEAST_SHARE * (checked + discarded)]
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Fail where a property hardly bit, or none was seen to."""
+    asked = session.config.getoption("--bite") and not hasattr(session.config, "workerinput")
+    if asked and session.exitstatus == pytest.ExitCode.OK and (toothless(BITES) or not BITES):
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Tell how often each property bit, those that discard most first."""
+    if config.getoption("--bite"):
+        terminalreporter.section("examples checked, discarded")
+        few = toothless(BITES)
+        for name, (checked, discarded) in sorted(BITES.items(), key=lambda bite: bite[1][0] / max(1, sum(bite[1]))):
+            remark = "  TOO FEW" if name in few else ""
+            terminalreporter.write_line(f"{checked:6d} {discarded:6d}  {name}{remark}")

@@ -120,6 +120,10 @@ def test_curves_bound_the_verdicts() -> None:
     assert [curves.period(m) / math.pi for m in (0, 1, 2)] == [2.0, 4.0, 2.0]
 
 
+def test_curves_say_what_they_hold() -> None:
+    assert "orders 1, 2 at 2 values" in repr(fr.mathieu.transition_curves([0.0, 1.0], [1, 2]))
+
+
 def test_signs_of_q() -> None:
     # DLMF 28.2.26-28: a and b of odd order change places, those of even order do not change.
     assert fr.mathieu.characteristic_values(3, -5.0, "a") == fr.mathieu.characteristic_values(3, 5.0, "b")

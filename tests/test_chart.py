@@ -182,12 +182,18 @@ def test_plots_are_labelled(growth: bool) -> None:
         ({"frequency": (0.0, 1.0, 5)}, "frequency must be finite and lie between"),
         ({"amplitude": -1.0}, "amplitude must be finite and lie between 0"),
         ({"growth_tolerance": -1.0}, "growth_tolerance must be zero or more"),
+        ({"growth": True, "friction": fr.Coulomb(0.1, 0.05)}, "leave out either growth or friction"),
     ],
 )
 def test_bad_input(change: dict[str, object], message: str) -> None:
     good: dict[str, object] = {"mean": (0.0, 1.0, 5), "amplitude": 0.3, "frequency": (20.0, 200.0, 5)}
     with pytest.raises((ValueError, TypeError), match=message):
         fr.stability_map(ROD, **{**good, **change})  # type: ignore[arg-type]
+
+
+def test_a_map_needs_a_rod() -> None:
+    with pytest.raises(TypeError, match="rod must be a Rod"):
+        fr.stability_map("rod", mean=1.0, amplitude=1.0, frequency=1.0)  # type: ignore[arg-type]
 
 
 def test_a_chart_in_other_units_is_the_same_chart(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import re
+import runpy
 import shlex
 import subprocess
 import sys
@@ -531,3 +532,11 @@ def test_no_word_where_nobody_reads(monkeypatch: pytest.MonkeyPatch) -> None:
     with waiting.waiting("searching"):
         assert threading.active_count() == before
     assert silent.getvalue() == ""
+
+
+def test_python_m_floquetrod(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(sys, "argv", ["floquetrod", *CHECK])
+    with pytest.raises(SystemExit) as ended:
+        runpy.run_module("floquetrod", run_name="__main__")
+    assert ended.value.code == 0
+    assert capsys.readouterr().out.startswith("UNSTABLE: mode 7 grows")

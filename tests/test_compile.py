@@ -395,6 +395,22 @@ def test_worker_processes_compile_and_agree(method: str, tmp_path: Path) -> None
     assert run.stdout == "True True\n", run.stderr
 
 
+def test_a_failing_thread_ends_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(values: np.ndarray, out: np.ndarray) -> None:
+        raise RuntimeError("broken")
+
+    monkeypatch.setattr(compilation, "compiled", lambda kernel: broken)
+    monkeypatch.setattr(compilation, "compiled_for", lambda kernel, *arguments: broken)
+    out = np.empty(40_000)
+    with pytest.raises(RuntimeError, match="broken"):
+        compilation.over_chunks(powers.displacement_fill, [out], out, workers=2, chunk=100, interpret_up_to=0)
+
+
+def test_systems_without_affinities_count_all_processors(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delattr(os, "sched_getaffinity", raising=False)
+    assert compilation.cores() == (os.cpu_count() or 1)
+
+
 # --- what is said, and counted ---------------------------------------------------------------------------------------
 
 

@@ -124,7 +124,7 @@ def test_nan_is_equal_to_nan_and_to_nothing_else() -> None:
     assert np.isnan(curves.odd[0]).all()
     other = dataclasses.replace(curves, odd=np.where(np.isnan(curves.odd), 0.0, curves.odd))
     assert curves != other
-    motion = dataclasses.replace(fr.friction.trajectory(RUBBING, 3.0), epsilon=math.nan)
+    motion = dataclasses.replace(fr.friction.trajectory(RUBBING, 3.0), kick=math.nan)
     assert motion == pickle.loads(pickle.dumps(motion))
     assert hash(motion) == hash(pickle.loads(pickle.dumps(motion)))
 

@@ -126,3 +126,7 @@ def test_a_single_load_comes_back_as_python_numbers() -> None:
 def test_a_map_of_growth_is_one_without_friction() -> None:
     with pytest.raises(ValueError, match="growth"):
         fr.stability_map(ROD, mean=(0.1, 0.5, 3), amplitude=0.3, frequency=(50.0, 100.0, 3), growth=True, **KICK)
+
+
+def test_a_verdict_with_friction_is_a_sentence() -> None:
+    assert "sets off modes 9, 10" in repr(ROD.stability(load(0.825, 150.0), friction=0.1, kick=0.05))

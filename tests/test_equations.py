@@ -67,6 +67,7 @@ def test_conventions_describe_the_same_equation() -> None:
         (lambda: fr.Mathieu(1.0, [1.0, 2.0]), TypeError, "beta must be a single real number"),
         (lambda: fr.Mathieu(1.0, True), TypeError, "beta must be a real number"),
         (lambda: fr.Mathieu(1.0, 0.0, damping=-0.1), ValueError, "damping must be zero or more"),
+        (lambda: fr.Mathieu(1.0, 1.0, 1e200), ValueError, "damping must be at most"),
         (lambda: fr.Mathieu(1e10, 0.0), ValueError, "check the units"),
         (lambda: fr.Meissner(1.0, math.nan), ValueError, "beta must be finite"),
         (lambda: fr.Hill(0.0, cosines=0.5), TypeError, "cosines must be a sequence"),

@@ -15,22 +15,24 @@ pytestmark = pytest.mark.kernels
 
 @pytest.mark.parametrize(("alpha", "beta", "damping"), [(0.0, 0.25, 0.0), (-1.0, 0.3, 0.02), (1.3817, 0.6107, 0.0)])
 def test_the_critical_kick_is_an_edge(alpha: float, beta: float, damping: float) -> None:
-    critical = fr.friction.critical_perturbation(alpha, beta, 2.0, damping, samples=3, effort=3000)
+    critical = fr.friction.critical_kick(alpha, beta, 2.0, damping=damping, samples=3, max_steps=3000).smallest_found
     kicks = critical * np.array([1.0 - 1e-7, 1.0 + 1e-7])
-    assert fr.friction.outcome(alpha, beta, 2.0, kicks, damping, effort=3000).tolist() == [BOUNDED, ESCAPES]
+    assert fr.friction.fates(alpha, beta, 2.0, kicks, damping=damping, max_steps=3000).tolist() == [BOUNDED, ESCAPES]
 
 
 def test_limits_of_the_search() -> None:
-    critical = fr.friction.critical_perturbation(1.0, 0.3, samples=3, effort=3000)
-    below, above = fr.friction.critical_perturbation(1.0, 0.3, upto=[0.9 * critical, 1.1 * critical], samples=3)
+    critical = fr.friction.critical_kick(1.0, 0.3, samples=3, max_steps=3000).smallest_found
+    below, above = fr.friction.critical_kick(
+        1.0, 0.3, largest=[0.9 * critical, 1.1 * critical], samples=3
+    ).smallest_found
     assert below == math.inf
     assert above == pytest.approx(critical, rel=1e-8)
-    assert fr.friction.critical_perturbation(1.0, 0.3, upto=0.1) == math.inf
-    assert fr.friction.critical_perturbation(0.5, -0.7) == math.inf  # nothing grows without friction
-    high = fr.friction.certain_kicks(fr.FrictionalMathieu(1.3817, 0.6107, 1.0)).high  # escapes without being followed
-    assert fr.friction.critical_perturbation(1.3817, 0.6107, samples=3, effort=5) == high
-    with pytest.raises(ValueError, match="upto must be greater than zero"):
-        fr.friction.critical_perturbation(1.0, 0.3, upto=0.0)
+    assert fr.friction.critical_kick(1.0, 0.3, largest=0.1).smallest_found == math.inf
+    assert fr.friction.critical_kick(0.5, -0.7).smallest_found == math.inf  # nothing grows without friction
+    high = fr.friction.certain_kicks(fr.FrictionalMathieu(1.3817, 0.6107, 1.0)).escapes_above  # needs no run
+    assert fr.friction.critical_kick(1.3817, 0.6107, samples=3, max_steps=5).smallest_found == high
+    with pytest.raises(ValueError, match="largest must be greater than zero"):
+        fr.friction.critical_kick(1.0, 0.3, largest=0.0)
 
 
 @pytest.mark.parametrize(
@@ -52,7 +54,7 @@ def test_every_way_to_end(alpha: float, beta: float, kick: float, status: str, r
 
 def test_many_kicks_of_one_equation_share_its_table() -> None:
     alpha, beta, kicks = [1.0, 1.0, 1.0, 0.5], [0.3, 0.3, 0.3, -0.7], [0.5, 2.0, -2.0, 2.0]
-    assert fr.friction.outcome(alpha, beta, 1.0, kicks).tolist() == [BOUNDED, ESCAPES, ESCAPES, BOUNDED]
+    assert fr.friction.fates(alpha, beta, 1.0, kicks).tolist() == [BOUNDED, ESCAPES, ESCAPES, BOUNDED]
 
 
 def test_ranges_of_kicks_that_escape() -> None:

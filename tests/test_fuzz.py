@@ -212,7 +212,7 @@ def test_verdicts_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Gener
 
 def test_kicks_can_fail(rng: np.random.Generator) -> None:
     alpha, beta, gamma = 1.0, 0.3, 1.0
-    right = float(fr.friction.critical_perturbation(alpha, beta, gamma))
+    right = float(fr.friction.critical_kick(alpha, beta, gamma).smallest_found)
     assert kicks.compare(alpha, beta, 0.0, right, rng) == ([], False)
     wrong, missed = kicks.compare(alpha, beta, 0.0, 1.05 * right, rng)
     assert missed

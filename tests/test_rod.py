@@ -10,7 +10,7 @@ import warnings
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
@@ -117,6 +117,11 @@ def test_verdict_on_the_demonstration_load() -> None:
     assert repr(ROD.stability(load(0.05, 0.2, 150.0))).startswith("<stable")
 
 
+def test_a_verdict_is_a_sentence() -> None:
+    assert repr(ROD.stability(load(0.34, 0.2, 150.0))).startswith("<stable; ")
+    assert "within the tolerance" in repr(ROD.stability(load(0.2, 0.2, 150.0), growth_tolerance=4.3))
+
+
 def test_growth_tolerance() -> None:
     weak = load(0.285, 0.2, 85.0)
     assert ROD.stability(weak).unstable_modes == (8,)
@@ -172,8 +177,8 @@ def test_the_growth_bound_bounds(order: int, power: float, place: float) -> None
     q = 10.0**power
     ends = [fr.mathieu.characteristic_values(order, q, kind) for kind in "ab"]
     a = ends[1] + place * (ends[0] - ends[1])
-    if a > 2.0 * q * (1.0 + 1e-9):
-        assert kernels.growth(0.5 * q, -0.25 * a, 0.0) <= kernels.growth_bound(a, q) * (1.0 + 1e-9) + 1e-14
+    assume(a > 2.0 * q * (1.0 + 1e-9))
+    assert kernels.growth(0.5 * q, -0.25 * a, 0.0) <= kernels.growth_bound(a, q) * (1.0 + 1e-9) + 1e-14
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
@@ -186,12 +191,12 @@ def test_arrays_and_single_loads_agree(
     omega = speed * rod.pendulum_frequency
     forces = mean * rod.critical_force, amplitude * rod.critical_force
     result = rod.stability(fr.AxialLoad(*forces, omega))
-    if result.status != "undecided":
-        assert rod.is_stable(*forces, omega) is result.stable
-        assert rod.growth_rate(*forces, omega) == pytest.approx(result.growth_rate, rel=1e-9, abs=1e-12)
-        compiled = rod.is_stable(np.full(100, forces[0]), forces[1], omega)
-        assert compiled.all() == result.stable
-        assert compiled.all() == compiled.any()
+    assume(result.status != "undecided")
+    assert rod.is_stable(*forces, omega) is result.stable
+    assert rod.growth_rate(*forces, omega) == pytest.approx(result.growth_rate, rel=1e-9, abs=1e-12)
+    compiled = rod.is_stable(np.full(100, forces[0]), forces[1], omega)
+    assert compiled.all() == result.stable
+    assert compiled.all() == compiled.any()
 
 
 def test_scaling() -> None:
@@ -222,6 +227,7 @@ def test_the_verdict_changes_at_the_margin(mean: float, omega: float, tolerance:
     rod = ROD.replace(damping_rate=damping)
     push = load(mean, 0.2, omega)
     result = rod.stability(push, growth_tolerance=tolerance)
+    assert math.isfinite(result.mean_force_margin.nearest)
     for sign, margin in zip((-1.0, 1.0), result.mean_force_margin, strict=True):
         if not math.isfinite(margin):
             continue
@@ -239,14 +245,19 @@ def test_the_verdict_changes_at_the_margin(mean: float, omega: float, tolerance:
 def test_damping_to_stabilise(mean: float, amplitude: float, omega: float) -> None:
     result = ROD.stability(load(mean, amplitude, omega))
     rate = result.damping_to_stabilise
-    if math.isinf(rate):
-        assert max(equation.beta for equation in result.mode_equations) > 0.0
-        return
+    assert math.isfinite(rate)
     forces = result.load.mean, result.load.amplitude, omega
     for larger in (rate * (1.0 + 1e-6) + 1e-9, *(rate + np.geomspace(1e-3, 300.0, 12))):
         assert ROD.replace(damping_rate=float(larger)).is_stable(*forces)
     if rate > 1e-6:
         assert not ROD.replace(damping_rate=rate * (1.0 - 1e-6)).is_stable(*forces)
+
+
+@given(st.floats(1.05, 3.0), st.floats(0.0, 0.02))
+def test_no_damping_stabilises_a_rod_buckled_by_its_mean_force(mean: float, amplitude: float) -> None:
+    result = ROD.stability(load(mean, amplitude, 20.0))
+    assert max(equation.beta for equation in result.mode_equations) > 0.0
+    assert math.isinf(result.damping_to_stabilise)
 
 
 @pytest.mark.parametrize("has", [1.0, 5.0, 20.0, 60.0])

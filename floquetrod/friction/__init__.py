@@ -1,41 +1,40 @@
 """A kick against Coulomb friction: does A'' + 2 c A' = (beta + alpha sin tau) A - gamma sign(A') escape, ever?
 
-Every motion starts at A(0) = 0 with A'(0) = epsilon, the kick.  It either stays bounded for ever or grows in the end
-like the growing Floquet solution; which, is decided for all time and not for some number of periods.  The equation is
+Every motion starts at A(0) = 0 with A'(0) = kick (epsilon in the paper).  Its fate is to stay bounded or to grow in the
+end like the growing Floquet solution; it is decided for all time and not for some number of periods.  The equation is
 Eq. (14) of DOI 10.1115/1.4031710; derivations and proofs are in docs/friction.md.
 """
 
 from __future__ import annotations
 
 from floquetrod.friction.critical import (
-    CriticalPerturbation,
-    KickRange,
+    CertainKicks,
+    CriticalKickBounds,
     certain_kicks,
-    critical_bounds,
-    critical_perturbation,
+    critical_kick,
 )
-from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning, escapes, fate, outcome
+from floquetrod.friction.kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning, escapes, fate, fates
 from floquetrod.friction.leapfrog import leapfrog_escapes
-from floquetrod.friction.ranges import EscapeRanges, escape_ranges
+from floquetrod.friction.ranges import EscapeRanges, KickRange, escape_ranges
 from floquetrod.friction.trajectories import Trajectory, trajectory
 
 __all__ = [
     "BOUNDED",
     "ESCAPES",
     "UNDECIDED",
-    "CriticalPerturbation",
+    "CertainKicks",
+    "CriticalKickBounds",
     "EscapeRanges",
     "Fate",
     "KickRange",
     "Trajectory",
     "UndecidedWarning",
     "certain_kicks",
-    "critical_bounds",
-    "critical_perturbation",
+    "critical_kick",
     "escape_ranges",
     "escapes",
     "fate",
+    "fates",
     "leapfrog_escapes",
-    "outcome",
     "trajectory",
 ]

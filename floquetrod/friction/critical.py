@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import (
     Prepared,
@@ -32,101 +33,91 @@ _CLOSER = ((8, 1e-3, 0.0),) * 6 + ((8, 1e-4, 15.0),) * 4 + ((3, 1e-8, 0.0),) * 8
 may be, relative to the kick, and how long one of their ends must live."""
 
 
-class KickRange(NamedTuple):
-    """Kicks between ``low`` and ``high``."""
-
-    low: float
-    high: float
-
-
-class CriticalPerturbation(NamedTuple):
-    """What is proved of the smallest kick that escapes, and what was found.
+class CertainKicks(NamedTuple):
+    """The kicks whose fate is proved.
 
     Attributes
     ----------
-    none_escapes_up_to : float or ndarray
-        Proved: no kick up to it escapes.
-    smallest_found : float or ndarray
-        The smallest kick found to escape.
+    bounded_up_to, escapes_above : float
+        No kick up to the one escapes, every kick above the other does; infinite where there is no such kick.
     """
 
-    none_escapes_up_to: Any
+    bounded_up_to: float
+    escapes_above: float
+
+
+class CriticalKickBounds(NamedTuple):
+    """The critical kick from both sides: what is proved of the smallest kick that escapes, and what was found.
+
+    Attributes
+    ----------
+    bounded_up_to : float or ndarray
+        Proved: no kick up to it escapes.
+    smallest_found : float or ndarray
+        The smallest kick found to escape: infinite where none was, NaN where that could not be decided.
+    """
+
+    bounded_up_to: Any
     smallest_found: Any
 
 
-def critical_perturbation(
+def critical_kick(
     alpha: Any,
     beta: Any,
     gamma: Any = 1.0,
-    damping: Any = 0.0,
     *,
-    upto: Any = math.inf,
+    damping: Any = 0.0,
+    largest: Any = math.inf,
     samples: int = 24,
-    effort: int = 20_000,
+    max_steps: int = 20_000,
     workers: int | None = None,
-) -> Any:
-    """Return the smallest kick epsilon found to escape, an edge accurate to 1e-9; infinite where none does.
-
-    `critical_bounds` returns the kick below which none escapes, which is proved, beside it.
+) -> CriticalKickBounds:
+    """Return the smallest kick found to escape, and the kick up to which none escapes, which is proved.
 
     Parameters
     ----------
     alpha, beta, gamma, damping : array_like
-        Broadcast against each other; the result is proportional to gamma.
-    upto : array_like
-        Kicks beyond it are not looked at: the result is infinite where none up to it was found.  Quicker.
+        Broadcast against each other; the result is proportional to gamma.  gamma and damping are zero or more.
+    largest : array_like
+        Largest kick to look at: ``smallest_found`` is infinite where none up to it was found.  Quicker.
     samples : int
         Kicks tried on the way up from the proved bound; more are tried where neighbouring orbits differ in kind.
-    effort, workers : int
-        As in `outcome`.  A kick that cannot be decided counts as not found to escape.
+    max_steps, workers : int
+        As in `fates`.  A kick that cannot be decided counts as not found to escape.
+
+    Returns
+    -------
+    CriticalKickBounds
+        Two floats, or two arrays in the common shape.  ``smallest_found`` is an edge accurate to 1e-9;
+        ``bounded_up_to`` does not depend on ``largest``, ``samples`` and ``max_steps``.
+
+    Raises
+    ------
+    ValueError, TypeError
+        Where an argument is not a number or out of its range, or shapes do not broadcast; named in the message.
 
     Notes
     -----
     A range of escaping kicks that lies lower and between two kicks tried is missed; how often is in docs/friction.md.
-    The result is NaN where something grows without friction, too slowly for any kick tried to be seen to escape.
+    ``smallest_found`` is NaN where a motion grows without friction, too slowly for a kick tried to be seen to escape.
 
     Examples
     --------
-    >>> round(critical_perturbation(0.0, 0.25), 9)
+    >>> round(critical_kick(0.0, 0.25).smallest_found, 9)
     2.0
-    """
-    return critical_bounds(
-        alpha, beta, gamma, damping, upto=upto, samples=samples, effort=effort, workers=workers
-    ).smallest_found
-
-
-def critical_bounds(
-    alpha: Any,
-    beta: Any,
-    gamma: Any = 1.0,
-    damping: Any = 0.0,
-    *,
-    upto: Any = math.inf,
-    samples: int = 24,
-    effort: int = 20_000,
-    workers: int | None = None,
-) -> CriticalPerturbation:
-    """Return the kick up to which none escapes, proved, and the smallest found to escape; see `critical_perturbation`.
-
-    The first does not depend on ``upto``, ``samples`` and ``effort``.
-
-    Examples
-    --------
-    >>> none_escapes_up_to, smallest_found = critical_bounds(1.0, 0.3)
-    >>> round(none_escapes_up_to, 6), round(smallest_found, 6)
+    >>> bounded_up_to, smallest_found = critical_kick(1.0, 0.3)
+    >>> round(bounded_up_to, 6), round(smallest_found, 6)
     (0.973181, 0.973181)
     """
-    limited = validate.array("upto", upto, least=0.0, largest=math.inf)
+    limited = validate.array("largest", largest, least=0.0, largest=math.inf)
     if not (limited > 0.0).all():
-        raise ValueError(f"upto must be greater than zero, got {upto!r}; leave it out to look at every kick")
-    shape, alpha, beta, gamma, c, limit = arguments(alpha, beta, gamma, damping, upto=limited)
+        raise ValueError(f"largest must be greater than zero, got {largest!r}; leave it out to look at every kick")
+    shape, alpha, beta, gamma, c, limit = arguments(alpha, beta, gamma, damping, largest=limited)
     samples = validate.integer("samples", samples, 1, _MOST_SAMPLES)
-    effort = validate.integer("effort", effort, 1)
+    max_steps = validate.integer("max_steps", max_steps, 1)
     rate = growth_without_friction(alpha, beta, c, workers)
-    result = known_bounds(alpha, beta, gamma, c, rate, limit, samples, effort, workers)
-    if shape:
-        return CriticalPerturbation(*(part.reshape(shape) for part in result))
-    return CriticalPerturbation(*(float(part[0]) for part in result))
+    result = known_bounds(alpha, beta, gamma, c, rate, limit, samples, max_steps, workers)
+    return CriticalKickBounds(*(shaped(part, shape) for part in result))
 
 
 def known_bounds(
@@ -137,42 +128,43 @@ def known_bounds(
     rate: NDArray[np.float64],
     limit: NDArray[np.float64],
     samples: int = 24,
-    effort: int = 20_000,
+    max_steps: int = 20_000,
     workers: int | None = None,
-) -> CriticalPerturbation:
-    """Return `critical_bounds` of flat arrays that are checked, ``rate`` as `growth_without_friction` has it."""
+) -> CriticalKickBounds:
+    """Return `critical_kick` of flat arrays that are checked, ``rate`` as `growth_without_friction` has it."""
     c = damping
     grows = rate >= 0.0
     floor = np.where(grows & (gamma == 0.0), 0.0, math.inf)  # without friction the slightest kick
     found = floor.copy()
     limit = over_friction(limit, gamma)
     for part in parts(np.flatnonzero(grows & (gamma > 0.0) & ((alpha != 0.0) | (beta != 0.0))), alpha, beta, c):
-        search = _Search(prepare(alpha[part], beta[part], c[part], rate[part], workers), limit[part], effort, workers)
+        equations = prepare(alpha[part], beta[part], c[part], rate[part], workers)
+        search = _Search(equations, limit[part], max_steps, workers)
         floor[part] = gamma[part] * search.floor
         smallest = search.smallest(samples)
         unknown = np.isinf(smallest) & np.isinf(limit[part])
         found[part] = np.where(unknown, math.nan, gamma[part] * smallest)
-    return CriticalPerturbation(floor, found)
+    return CriticalKickBounds(floor, found)
 
 
-def certain_kicks(equation: FrictionalMathieu) -> KickRange:
+def certain_kicks(equation: FrictionalMathieu) -> CertainKicks:
     """Return the kick up to which none escapes, and that above which every one does: both proved.
 
     The second is infinite where nothing grows without friction.  docs/friction.md derives them.
 
     Examples
     --------
-    >>> round(certain_kicks(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0)).low, 9)
+    >>> round(certain_kicks(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0)).bounded_up_to, 9)
     2.0
     """
     require(equation, (FrictionalMathieu,), "certain_kicks")
     rate = growth_of(equation)
     if rate < 0.0:
-        return KickRange(math.inf, math.inf)
+        return CertainKicks(math.inf, math.inf)
     if equation.alpha == equation.beta == 0.0:
-        return KickRange(math.inf, math.inf) if equation.gamma > 0.0 else KickRange(0.0, 0.0)
+        return CertainKicks(math.inf, math.inf) if equation.gamma > 0.0 else CertainKicks(0.0, 0.0)
     low, high = prepare_one(equation, rate).certain()
-    return KickRange(equation.gamma * float(low[0]), equation.gamma * float(high[0]))
+    return CertainKicks(equation.gamma * low.item(), equation.gamma * high.item())
 
 
 class _Search:
@@ -190,8 +182,8 @@ class _Search:
         What distinguishes the orbits of two kicks, and how long each went on until its fate was known.
     """
 
-    def __init__(self, equations: Prepared, limit: NDArray[np.float64], effort: int, workers: int | None) -> None:
-        self.equations, self.effort, self.workers = equations, effort, workers
+    def __init__(self, equations: Prepared, limit: NDArray[np.float64], max_steps: int, workers: int | None) -> None:
+        self.equations, self.max_steps, self.workers = equations, max_steps, workers
         self.floor, ceiling = equations.certain()
         self.top = np.minimum(np.minimum(ceiling, _LARGEST * self.floor), limit)
         self.found = np.where(ceiling <= limit, ceiling, math.inf)
@@ -212,7 +204,7 @@ class _Search:
         if not kicks.size:
             return
         known = self.known[which]
-        runs = self.equations.judge(which, kicks, self.effort, self.workers, known, patient=False)
+        runs = self.equations.judge(which, kicks, self.max_steps, self.workers, known, patient=False)
         self.known[which] = known
         fate, life, reversals, sticks = np.moveaxis(runs, 2, 0)
         escaped = (fate == kernels.GROWS) | (fate == kernels.MIXED)  # mixed: some escape as close to it as you like

@@ -16,7 +16,7 @@ from floquetrod.equations import FrictionalMathieu
 from floquetrod.friction.propagators import Propagators, cell_counts, no_kick_escapes_up_to, propagators
 from floquetrod.kernels import friction as kernels
 
-EFFORT = 500_000
+MAX_STEPS = 500_000
 """Cells an orbit may take, 32 or more to a period: a few thousandths of a second (a choice)."""
 
 SHORT = 4000
@@ -40,10 +40,10 @@ def arguments(alpha: Any, beta: Any, gamma: Any, damping: Any, **kicks: NDArray[
     return (shape, *flat)
 
 
-def size_of(epsilon: Any) -> NDArray[np.float64]:
+def size_of(kick: Any) -> NDArray[np.float64]:
     """Return the size of kicks: to either side they are mirror images."""
     largest = np.finfo(np.float64).max
-    size: NDArray[np.float64] = np.abs(validate.array("epsilon", epsilon, least=-largest, largest=largest))
+    size: NDArray[np.float64] = np.abs(validate.array("kick", kick, least=-largest, largest=largest))
     return size
 
 
@@ -93,7 +93,7 @@ class Prepared(NamedTuple):
         self,
         equation: NDArray[np.int64],
         kicks: NDArray[np.float64],
-        effort: int,
+        max_steps: int,
         workers: int | None,
         known: NDArray[np.float64],
         patient: bool,
@@ -105,16 +105,16 @@ class Prepared(NamedTuple):
         """
         alpha, beta, _ = self.values[equation].T
         kept = never_freed(alpha[:, None], beta[:, None], kicks)
-        runs = self._follow(equation, np.where(kept, math.nan, kicks), 0.0, 0.0, effort, workers, known, creep=False)
+        runs = self._follow(equation, np.where(kept, math.nan, kicks), 0.0, 0.0, max_steps, workers, known, creep=False)
         runs[kept] = kernels.STUCK, 0.0, 0.0, 0.0, 0.0
         slow = runs[..., 0] == kernels.SLOW_RELEASE
         rows = np.flatnonzero(slow.any(axis=1))
         if rows.size:
             new = rows[known[rows, 0] < 0.0]
-            known[new, 0] = self._creeping(equation[new], effort, workers, known[new])
+            known[new, 0] = self._creeping(equation[new], max_steps, workers, known[new])
             runs[..., 0] = np.where(slow, known[:, :1], runs[..., 0])
             if patient:
-                self._creep_on(equation, kicks, runs, effort, workers, known)
+                self._creep_on(equation, kicks, runs, max_steps, workers, known)
         return runs[..., :4]
 
     def _follow(
@@ -123,7 +123,7 @@ class Prepared(NamedTuple):
         velocity: NDArray[np.float64],
         a: NDArray[np.float64] | float,
         phase: NDArray[np.float64] | float,
-        effort: int,
+        max_steps: int,
         workers: int | None,
         known: NDArray[np.float64],
         creep: bool,
@@ -133,14 +133,14 @@ class Prepared(NamedTuple):
         starts = np.empty((*velocity.shape, 3))
         starts[..., 0], starts[..., 1], starts[..., 2] = a, velocity, phase
         traps = np.ascontiguousarray(known[:, 1:])
-        constants = equation, self.values, self.cells.first, traps, starts, effort, creep, *self.cells[1:3]
+        constants = equation, self.values, self.cells.first, traps, starts, max_steps, creep, *self.cells[1:3]
         rows = np.arange(equation.size)
         over_chunks(kernels.follow_fill, (rows,), out, *constants, workers=workers, chunk=32, interpret_up_to=0)
         known[:, 1:] = traps
         return out
 
     def _creeping(
-        self, equation: NDArray[np.int64], effort: int, workers: int | None, known: NDArray[np.float64]
+        self, equation: NDArray[np.int64], max_steps: int, workers: int | None, known: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Return the fate of orbits that creep outwards from where the largest force just frees them.
 
@@ -152,7 +152,7 @@ class Prepared(NamedTuple):
         excess = kernels.SLOW * (1.0 + 1e-9) + 1.2 * step[:, None] * np.linspace(0.0, 1.0, _SAMPLES)
         phase = np.where(alpha > 0.0, 1.5 * math.pi, 0.5 * math.pi)[:, None]
         a = (1.0 + excess) / outward[:, None]
-        fates = self._follow(equation, np.zeros(a.shape), a, phase, effort, workers, known.copy(), False)[..., 0]
+        fates = self._follow(equation, np.zeros(a.shape), a, phase, max_steps, workers, known.copy(), False)[..., 0]
         escaped, bounded = fates == kernels.GROWS, fates < kernels.GROWS
         mixed = escaped.any(axis=1) & bounded.any(axis=1)
         result: NDArray[np.float64] = np.select(
@@ -167,21 +167,21 @@ class Prepared(NamedTuple):
         equation: NDArray[np.int64],
         kicks: NDArray[np.float64],
         runs: NDArray[np.float64],
-        effort: int,
+        max_steps: int,
         workers: int | None,
         known: NDArray[np.float64],
     ) -> None:
-        """Follow kicks whose creeping is of mixed fate to its end, where that takes no more periods than ``effort``."""
+        """Follow kicks whose creeping is of mixed fate to the end, if that takes no more periods than ``max_steps``."""
         mixed = runs[..., 0] == kernels.MIXED
         outward = self._outward(equation)[:, None]
         excess = np.where(mixed, outward * np.abs(runs[..., 4]) - 1.0, 1.0)
         periods = (1.0 / excess - 1.0 / kernels.SLOW) / _quadratic(self.values[equation, :1], outward)
         runs[mixed, 0] = kernels.LIMIT
-        soon = mixed & (periods <= effort)
+        soon = mixed & (periods <= max_steps)
         rows = np.flatnonzero(soon.any(axis=1))
         if rows.size:
             again, seen = np.where(soon, kicks, math.nan)[rows], known[rows]
-            ends = self._follow(equation[rows], again, 0.0, 0.0, effort, workers, seen, creep=True)
+            ends = self._follow(equation[rows], again, 0.0, 0.0, max_steps, workers, seen, creep=True)
             runs[rows] = np.where(soon[rows, :, None], ends, runs[rows])
 
     def _outward(self, equation: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -21,25 +21,25 @@ def leapfrog_escapes(
     alpha: Any,
     beta: Any,
     gamma: Any,
-    epsilon: Any,
-    damping: Any = 0.0,
+    kick: Any,
     *,
+    damping: Any = 0.0,
     periods: int = 100,
     step: float = 5e-4,
     limit: float = 1e6,
 ) -> Any:
-    """Return what the paper's test says: whether abs(A) / epsilon reaches ``limit`` after 100 periods of leapfrog.
+    """Return what the paper's test says: whether abs(A) / kick reaches ``limit`` after 100 periods of leapfrog.
 
     Kick, drift, kick; friction is an impulse that stops a motion without turning it, so that it sticks.  Motions that
     grow more slowly than ln(limit) over the time followed pass for stable.  gamma must be positive; other arguments
-    as in `outcome`.
+    as in `fates`.
 
     Examples
     --------
     >>> leapfrog_escapes(1.0, 0.3, 1.0, [0.5, 2.0], step=0.01).tolist()
     [False, True]
     """
-    shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, epsilon=size_of(epsilon))
+    shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, kick=size_of(kick))
     if not (gamma > 0.0).all():
         raise ValueError("gamma must be greater than zero here; without friction use method='leapfrog' of stability")
     periods = validate.integer("periods", periods, 1)

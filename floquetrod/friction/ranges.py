@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,11 +13,18 @@ from floquetrod._util import validate
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.roots import bisected
 from floquetrod.equations import FrictionalMathieu, require
-from floquetrod.friction.critical import KickRange, certain_kicks
-from floquetrod.friction.fates import ESCAPES, UNDECIDED, outcome
-from floquetrod.friction.inputs import EFFORT
+from floquetrod.friction.critical import certain_kicks
+from floquetrod.friction.inputs import MAX_STEPS
+from floquetrod.friction.kicks import ESCAPES, UNDECIDED, fates
 
 _MOST_SAMPLES = 1_000_000  # kicks followed (a choice)
+
+
+class KickRange(NamedTuple):
+    """Kicks between ``low`` and ``high``."""
+
+    low: float
+    high: float
 
 
 @dataclass(frozen=True, repr=False)
@@ -45,9 +53,9 @@ class EscapeRanges(NoTruthValue):
     step: float
     undecided: int
 
-    def __contains__(self, epsilon: float) -> bool:
-        """Return whether a kick of size ``epsilon`` lies in one of the ranges."""
-        return any(r.low < abs(epsilon) < r.high for r in self.intervals)
+    def __contains__(self, kick: float) -> bool:
+        """Return whether a kick of size ``kick`` lies in one of the ranges."""
+        return any(r.low < abs(kick) < r.high for r in self.intervals)
 
     def __repr__(self) -> str:
         """Return the ranges as a sentence."""
@@ -59,12 +67,12 @@ class EscapeRanges(NoTruthValue):
 
 
 def escape_ranges(
-    equation: FrictionalMathieu, *, samples: int = 2000, effort: int = EFFORT, workers: int | None = None
+    equation: FrictionalMathieu, *, samples: int = 2000, max_steps: int = MAX_STEPS, workers: int | None = None
 ) -> EscapeRanges:
-    """Return all ranges of kicks that escape: the outcome need not be monotone in the kick.
+    """Return all ranges of kicks that escape: a larger kick need not escape where a smaller one does.
 
-    ``samples`` kicks in geometric progression between what provably never and what always escapes are followed, and
-    every change of outcome between neighbours is bisected to 1e-10.  The edges may be fractal: more samples then show
+    ``samples`` kicks in geometric progression between those proved bounded and those proved to escape are followed, and
+    every change of fate between neighbours is bisected to 1e-10.  The edges may be fractal: more samples then show
     more and narrower ranges.
 
     Examples
@@ -81,17 +89,17 @@ def escape_ranges(
     if high <= low * (1.0 + 1e-10):
         return EscapeRanges(e, (KickRange(high, math.inf),), low, high, 0.0, 0)
 
-    def fates(kicks: NDArray[np.float64]) -> NDArray[np.int8]:
-        result = outcome(e.alpha, e.beta, e.gamma, kicks, e.damping, effort=effort, workers=workers)
+    def follow(kicks: NDArray[np.float64]) -> NDArray[np.int8]:
+        result = fates(e.alpha, e.beta, e.gamma, kicks, damping=e.damping, max_steps=max_steps, workers=workers)
         return np.asarray(result, dtype=np.int8)
 
     kicks = low * (high / low) ** np.linspace(0.0, 1.0, samples)
     kicks[-1] = high * (1.0 + 1e-10)
-    found = fates(kicks)
+    found = follow(kicks)
     escaped = found == ESCAPES
     change = np.flatnonzero(escaped[1:] != escaped[:-1])
     _, above = bisected(
-        lambda kick: (fates(kick) == ESCAPES) == escaped[change],
+        lambda kick: (follow(kick) == ESCAPES) == escaped[change],
         kicks[change],
         kicks[change + 1],
         1200,  # doubles end before

@@ -21,11 +21,11 @@ _HARD = 1e100  # kick over friction at which friction is lost in rounding: what 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory(ByContent):
-    """A motion from A(0) = 0, A'(0) = epsilon.
+    """A motion from A(0) = 0, A'(0) = kick.
 
     Attributes
     ----------
-    equation, epsilon : FrictionalMathieu, float
+    equation, kick : FrictionalMathieu, float
     tau, A, velocity : ndarray
         Times, A and A', at equal steps and at every stop and release.
     state : ndarray of int8
@@ -33,7 +33,7 @@ class Trajectory(ByContent):
     """
 
     equation: FrictionalMathieu
-    epsilon: float
+    kick: float
     tau: NDArray[np.float64]
     A: NDArray[np.float64]
     velocity: NDArray[np.float64]
@@ -42,11 +42,11 @@ class Trajectory(ByContent):
     def __repr__(self) -> str:
         """Return what was followed."""
         end = f"A = {self.A[-1]:.6g}, A' = {self.velocity[-1]:.6g}"
-        return f"<motion from A' = {self.epsilon:g} over {self.tau[-1] / (2.0 * math.pi):.4g} periods, to {end}>"
+        return f"<motion from A' = {self.kick:g} over {self.tau[-1] / (2.0 * math.pi):.4g} periods, to {end}>"
 
 
-def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20) -> Trajectory:
-    """Return the motion from A(0) = 0, A'(0) = epsilon over whole periods, to rounding.
+def trajectory(equation: FrictionalMathieu, kick: float, *, periods: int = 20) -> Trajectory:
+    """Return the motion from A(0) = 0, A'(0) = kick over whole periods, to rounding.
 
     It ends before where it outgrows the range of a double.
 
@@ -57,7 +57,7 @@ def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20
     (0, True)
     """
     require(equation, (FrictionalMathieu,), "trajectory")
-    epsilon = validate.finite("epsilon", epsilon)
+    kick = validate.finite("kick", kick)
     periods = validate.integer("periods", periods, 1)
     e = equation
     _, table, basis, _ = prepare_one(e, 0.0).cells
@@ -69,8 +69,8 @@ def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20
         )
     start = np.zeros(8)
     with np.errstate(over="ignore"):
-        start[1] = abs(epsilon) / e.gamma if e.gamma > 0.0 else _HARD if epsilon != 0.0 else 0.0
-    scale, more = (e.gamma, 1.0) if e.gamma > 0.0 else (abs(epsilon), 1.0 / _HARD)
+        start[1] = abs(kick) / e.gamma if e.gamma > 0.0 else _HARD if kick != 0.0 else 0.0
+    scale, more = (e.gamma, 1.0) if e.gamma > 0.0 else (abs(kick), 1.0 / _HARD)
     start[7] = periods
     record = np.empty((most + 16, 4))
     run = runner(kernels.run, most, interpret_up_to=SHORT)
@@ -79,12 +79,12 @@ def trajectory(equation: FrictionalMathieu, epsilon: float, *, periods: int = 20
         run(e.alpha, e.beta, e.damping, table, basis, start, most, False, record, none, work)
         rows = record[: int(np.argmax(np.isinf(record[:, 0])))]
         rows[:, 1:3] *= more
-        rows[:, 1:3] *= math.copysign(scale, epsilon)
-    rows[:, 3] *= math.copysign(1.0, epsilon)
+        rows[:, 1:3] *= math.copysign(scale, kick)
+    rows[:, 3] *= math.copysign(1.0, kick)
     rows = rows[: int(np.argmin(np.append(np.isfinite(rows[:, 1:3]).all(axis=1), False)))]
     end = 2.0 * math.pi * periods
     rows = rows[rows[:, 0] <= end * (1.0 + 1e-12)]  # a stick may last beyond
     if rows[-1, 0] < end and rows[-1, 3] == 0.0:
         rows = np.vstack([rows, [end, rows[-1, 1], 0.0, 0.0]])
     tau, a, v, state = (np.ascontiguousarray(column) for column in rows.T)
-    return Trajectory(e, epsilon, tau, a, v, state.astype(np.int8))
+    return Trajectory(e, kick, tau, a, v, state.astype(np.int8))

@@ -29,7 +29,7 @@ def f5(points: int) -> Claim:
     free = mathieu.is_stable(alpha, beta)
     gained, lost = [], 0
     for kick in KICKS:
-        bounded = friction.outcome(alpha, beta, GAMMA, kick) == friction.BOUNDED
+        bounded = friction.fates(alpha, beta, GAMMA, kick) == friction.BOUNDED
         gained.append(float((bounded & ~free).sum() / (~free).sum()))
         lost += int((free & ~bounded).sum())
     words = ", ".join(f"{100.0 * share:.1f} % at eps = {kick:g}" for kick, share in zip(KICKS, gained, strict=True))

@@ -27,7 +27,7 @@ def figure_5(points: int) -> Any:
     alpha, beta = window(points)
     curves = mathieu.transition_curves(np.linspace(*WINDOW[0], 400), range(7))
     for ax, kick in zip(axes, KICKS, strict=True):
-        escapes = friction.outcome(alpha, beta, GAMMA, kick) == friction.ESCAPES
+        escapes = friction.fates(alpha, beta, GAMMA, kick) == friction.ESCAPES
         drawing.draw_plane(ax, alpha, beta.ravel(), escapes, curves)
         ax.set_title(rf"$\epsilon = {kick:g}$", fontsize="medium")
     drawing.caption(
@@ -70,7 +70,7 @@ def mode_kicks(shares: NDArray[np.float64], frequency: float) -> dict[int, NDArr
     kicks = {}
     for mode in range(1, ROD.modes_needed(top)[0] + 1):
         alpha, beta = systems.coefficients(mode)
-        ratio = friction.critical_perturbation(alpha, beta, upto=HARDEST)
+        ratio = friction.critical_kick(alpha, beta, largest=HARDEST).smallest_found
         kicks[mode] = 1e3 * kicks_of(ROD, FRICTION, top.amplitude, frequency, ratio)
     return {mode: values for mode, values in kicks.items() if np.isfinite(values).any()}
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from floquetrod.equations import FrictionalMathieu, Mathieu
 from floquetrod.floquet.result import Status, Verdict
-from floquetrod.friction.critical import CriticalPerturbation, known_bounds
-from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, known_outcome
+from floquetrod.friction.critical import CriticalKickBounds, known_bounds
 from floquetrod.friction.inputs import growth_without_friction
+from floquetrod.friction.kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, known_fates
 from floquetrod.rod.coulomb import ModeFriction, kicks_of, mode_friction
 from floquetrod.rod.data import RodData
 from floquetrod.rod.modes import GrowingModes, ModalSystems
@@ -152,7 +152,7 @@ def kicked_loads(
         load, _, alpha, beta, damping, rate = ModalSystems(systems.constants, loads).growing(tolerance, workers)
         inside = mode_friction(rod, friction, kick, loads.amplitude, loads.frequency)
         gamma, epsilon = inside.gamma[load], inside.epsilon[load]
-        fates = known_outcome(alpha, beta, gamma, epsilon, damping, rate, workers=workers)
+        fates = known_fates(alpha, beta, gamma, epsilon, damping, rate, workers=workers)
         found[part][load[fates == UNDECIDED]] = UNDECIDED
         found[part][load[fates == ESCAPES]] = ESCAPES
     return np.where(found == UNDECIDED, -1, found == BOUNDED).astype(np.int8)
@@ -226,7 +226,7 @@ def _least_kicks(growing: GrowingModes, workers: int | None, least: _Least) -> N
     least.found[unknown & np.isinf(least.found)] = math.nan
 
 
-def _bounds(growing: GrowingModes, limit: NDArray[np.float64], workers: int | None) -> CriticalPerturbation:
+def _bounds(growing: GrowingModes, limit: NDArray[np.float64], workers: int | None) -> CriticalKickBounds:
     """Return the critical kicks over friction, up to a limit."""
     _, _, alpha, beta, damping, rate = growing
     return known_bounds(alpha, beta, np.ones(alpha.size), damping, rate, limit, workers=workers)

@@ -12,7 +12,7 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
-from floquetrod.friction.fates import UndecidedWarning
+from floquetrod.friction.kicks import UndecidedWarning
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.coulomb import friction_and_kick, friction_coefficient
 from floquetrod.rod.data import RodData

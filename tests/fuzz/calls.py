@@ -28,12 +28,14 @@ LEFT_OUT = {
     "FrictionalRodStability": "constructed by Rod.stability",
     "CheckpointWarning": "a warning",
     "SimulationDiverged": "an exception",
+    "SquareWave": "another name of Meissner",
     "Stability": "constructed by every method",
     "UniformForceWarning": "a warning",
     "friction.EscapeRanges": "constructed by escape_ranges",
     "friction.Fate": "constructed by fate",
-    "friction.KickRange": "a pair of numbers, constructed by certain_kicks",
-    "friction.CriticalPerturbation": "a pair of numbers, constructed by critical_bounds",
+    "friction.CertainKicks": "a pair of numbers, constructed by certain_kicks",
+    "friction.CriticalKickBounds": "a pair of numbers, constructed by critical_kick",
+    "friction.KickRange": "a pair of numbers, constructed by escape_ranges",
     "friction.Trajectory": "constructed by trajectory",
     "friction.UndecidedWarning": "a warning",
     "FiniteTimeCriterion.modes_are_stable": "for the maps of a rod, whose arguments are checked there",
@@ -245,24 +247,21 @@ def _of_mathieu() -> dict[str, Call]:
 
 def _of_friction() -> dict[str, Call]:
     point = {"alpha": 1.0, "beta": 0.3, "gamma": 1.0, "damping": 0.01}
-    kick = {**point, "epsilon": 1.5, "effort": 1000, "workers": 1}
+    kick = {**point, "kick": 1.5, "max_steps": 1000, "workers": 1}
     f = fr.friction
     return {
-        "friction.outcome": Call(f.outcome, dict(kick)),
+        "friction.fates": Call(f.fates, dict(kick)),
         "friction.escapes": Call(f.escapes, dict(kick)),
-        "friction.fate": Call(f.fate, {"equation": FRICTION, "epsilon": 1.5, "effort": 1000}),
-        "friction.critical_perturbation": Call(
-            f.critical_perturbation, {**point, "upto": 10.0, "samples": 8, "effort": 1000, "workers": 1}
-        ),
-        "friction.critical_bounds": Call(
-            f.critical_bounds, {**point, "upto": 10.0, "samples": 8, "effort": 1000, "workers": 1}
+        "friction.fate": Call(f.fate, {"equation": FRICTION, "kick": 1.5, "max_steps": 1000}),
+        "friction.critical_kick": Call(
+            f.critical_kick, {**point, "largest": 10.0, "samples": 8, "max_steps": 1000, "workers": 1}
         ),
         "friction.certain_kicks": Call(f.certain_kicks, {"equation": FRICTION}),
         "friction.escape_ranges": Call(
-            f.escape_ranges, {"equation": FRICTION, "samples": 20, "effort": 1000, "workers": 1}
+            f.escape_ranges, {"equation": FRICTION, "samples": 20, "max_steps": 1000, "workers": 1}
         ),
-        "friction.trajectory": Call(f.trajectory, {"equation": FRICTION, "epsilon": 1.5, "periods": 3}),
+        "friction.trajectory": Call(f.trajectory, {"equation": FRICTION, "kick": 1.5, "periods": 3}),
         "friction.leapfrog_escapes": Call(
-            f.leapfrog_escapes, {**point, "epsilon": 1.5, "periods": 3, "step": 0.1, "limit": 1e3}
+            f.leapfrog_escapes, {**point, "kick": 1.5, "periods": 3, "step": 0.1, "limit": 1e3}
         ),
     }

@@ -93,7 +93,7 @@ LONG: dict[str, Callable[[], Any]] = {
     "stability_map": lambda: fr.stability_map(
         ROD, mean=(0.0, 1.7, 4000), amplitude=0.34, frequency=(20.0, 200.0, 4000), growth=True
     ),
-    "friction.outcome": lambda: fr.friction.outcome(1.0, 0.3, 1.0, np.linspace(0.5, 3.0, 2_000_000)),
+    "friction.fates": lambda: fr.friction.fates(1.0, 0.3, 1.0, np.linspace(0.5, 3.0, 2_000_000)),
     "mathieu.chart": lambda: fr.mathieu.chart((0.0, 5.0, 4000), (-4.0, 1.0, 4000), growth=True),
     "critical_kicks": lambda: ROD.critical_kicks(
         np.linspace(0.1, 1.6, 300), np.linspace(0.1, 1.2, 300)[:, None], 150.0, friction=0.1

@@ -29,16 +29,16 @@ def check(rng: np.random.Generator) -> Found:
     """Compare critical kicks with scans, and some fates with an integration by scipy."""
     points = np.array([growing(rng) for _ in range(AT_ONCE)]).T
     with limit():
-        found = fr.friction.critical_perturbation(points[0], points[1], 1.0, points[2])
+        found = fr.friction.critical_kick(points[0], points[1], damping=points[2]).smallest_found
     failures, misses = [], 0
     for *point, value in zip(*points, np.asarray(found, dtype=np.float64), strict=True):
         alpha, beta, c = map(float, point)
-        line = f"fr.friction.critical_perturbation({alpha!r}, {beta!r}, 1.0, {c!r}) = {float(value)!r}"
+        line = f"fr.friction.critical_kick({alpha!r}, {beta!r}, damping={c!r}).smallest_found = {float(value)!r}"
         wrong, missed = compare(alpha, beta, c, float(value), rng)
         misses += missed
         failures += [f"{line}: {what}" for what in wrong]
         failures += [
-            f"fr.friction.outcome({alpha!r}, {beta!r}, 1.0, kick, {c!r}): {w}" for w in fate(alpha, beta, c, rng)
+            f"fr.friction.fates({alpha!r}, {beta!r}, 1.0, kick, damping={c!r}): {w}" for w in fate(alpha, beta, c, rng)
         ]
     if misses > _MISSES:
         failures.append(f"{misses} of {AT_ONCE} critical kicks are not the smallest of a scan: {points.tolist()}")
@@ -58,18 +58,18 @@ def compare(alpha: float, beta: float, c: float, found: float, rng: np.random.Ge
     """Return what is wrong about a critical kick, and whether a smaller kick escapes at all."""
     if not math.isfinite(found):
         return ["no number, where growth is healthy"], False
-    proved = fr.friction.certain_kicks(fr.FrictionalMathieu(alpha, beta, 1.0, c))
+    low, high = fr.friction.certain_kicks(fr.FrictionalMathieu(alpha, beta, 1.0, c))
     wrong = []
-    if not proved.low * (1.0 - 1e-12) <= found <= proved.high * (1.0 + 1e-6):
-        wrong.append(f"lies outside what is proved, {tuple(proved)}")
-    kicks = 0.9 * proved.low * (1.2 * max(found, proved.high) / proved.low) ** np.sort(rng.random(SCAN))
-    if math.isinf(proved.high):
-        kicks = 0.9 * proved.low * (2.0 * found / proved.low) ** np.sort(rng.random(SCAN))
+    if not low * (1.0 - 1e-12) <= found <= high * (1.0 + 1e-6):
+        wrong.append(f"lies outside what is proved, {(low, high)}")
+    kicks = 0.9 * low * (1.2 * max(found, high) / low) ** np.sort(rng.random(SCAN))
+    if math.isinf(high):
+        kicks = 0.9 * low * (2.0 * found / low) ** np.sort(rng.random(SCAN))
     kicks[-1] = found * (1.0 + 1e-6)
-    fates: NDArray[Any] = fr.friction.outcome(alpha, beta, 1.0, kicks, c)
+    fates: NDArray[Any] = fr.friction.fates(alpha, beta, 1.0, kicks, damping=c)
     escapes = kicks[fates == fr.friction.ESCAPES]
-    if (escapes <= proved.low).any() or (kicks[fates == fr.friction.BOUNDED] > proved.high * (1.0 + 1e-9)).any():
-        wrong.append(f"a kick contradicts what is proved, {tuple(proved)}")
+    if (escapes <= low).any() or (kicks[fates == fr.friction.BOUNDED] > high * (1.0 + 1e-9)).any():
+        wrong.append(f"a kick contradicts what is proved, {(low, high)}")
     smallest = float(escapes.min(initial=math.inf))
     if smallest == math.inf:
         wrong.append("no kick of the scan escapes, not even that just above")
@@ -80,12 +80,12 @@ def compare(alpha: float, beta: float, c: float, found: float, rng: np.random.Ge
 
 def fate(alpha: float, beta: float, c: float, rng: np.random.Generator) -> list[str]:
     """Compare one kick with its integration; a kick on an edge of the fractal is no question."""
-    proved = fr.friction.certain_kicks(fr.FrictionalMathieu(alpha, beta, 1.0, c))
-    kick = rods.decades(rng, proved.low, min(proved.high, 100.0 * proved.low))
-    near = fr.friction.outcome(alpha, beta, 1.0, kick * (1.0 + np.linspace(-1e-7, 1e-7, 9)), c)
+    low, high = fr.friction.certain_kicks(fr.FrictionalMathieu(alpha, beta, 1.0, c))
+    kick = rods.decades(rng, low, min(high, 100.0 * low))
+    near = fr.friction.fates(alpha, beta, 1.0, kick * (1.0 + np.linspace(-1e-7, 1e-7, 9)), damping=c)
     if near.min() != near.max() or near[0] == fr.friction.UNDECIDED:
         return []
-    integrated = integrate(alpha, beta, c, kick, proved.high)
+    integrated = integrate(alpha, beta, c, kick, high)
     if integrated is not None and integrated != near[0]:
         return [f"kick {kick!r} gives {int(near[0])}, DOP853 with events gives {integrated}"]
     return []

@@ -88,11 +88,11 @@ def exact_problem(equation: Equation | type[Equation], parameters: Parameters) -
     if isinstance(equation, type) and any(issubclass(equation, kind) for kind in _READERS):
         return _read(equation, parameters)
     require(equation, tuple(_READERS))
-    kind = type(equation)
+    kind: Any = type(equation)
     if parameters:
         names = ", ".join(parameters)
         raise TypeError(f"{names} must follow a class: certify({kind.__name__}, ...), not a value of it")
-    return _read(kind, {field.name: getattr(equation, field.name) for field in fields(equation)})
+    return _read(kind, {field.name: getattr(equation, field.name) for field in fields(kind)})
 
 
 def _read(kind: Any, parameters: Parameters) -> ExactProblem:

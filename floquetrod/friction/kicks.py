@@ -1,4 +1,4 @@
-"""What becomes of a kick, for ever: over arrays, and of one with the reason."""
+"""The fate of a kick, decided for all time: over arrays, and of one kick with the reason."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
 from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import (
-    EFFORT,
+    MAX_STEPS,
     SHORT,
     Prepared,
     arguments,
@@ -30,7 +31,7 @@ from floquetrod.friction.inputs import (
 from floquetrod.kernels import friction as kernels
 
 UNDECIDED, BOUNDED, ESCAPES = -1, 0, 1
-"""Values of `outcome`."""
+"""Values of `fates`."""
 
 _ROW = 64  # kicks of one equation that a thread takes at a time (a choice)
 
@@ -39,25 +40,25 @@ class UndecidedWarning(UserWarning):
     """Some orbits could not be decided; they are not counted among those that escape."""
 
 
-def outcome(
+def fates(
     alpha: Any,
     beta: Any,
     gamma: Any,
-    epsilon: Any,
-    damping: Any = 0.0,
+    kick: Any,
     *,
-    effort: int = EFFORT,
+    damping: Any = 0.0,
+    max_steps: int = MAX_STEPS,
     workers: int | None = None,
 ) -> Any:
     """Return the fate of each kick: `ESCAPES` (1), `BOUNDED` (0) or `UNDECIDED` (-1), as int8; of a single kick as int.
 
     Parameters
     ----------
-    alpha, beta, gamma, epsilon, damping : array_like
+    alpha, beta, gamma, kick, damping : array_like
         Broadcast against each other.  gamma and damping are zero or more; a negative kick is the mirror image of its
-        positive.  Fastest where epsilon varies along the last axis.
-    effort : int
-        Cells an orbit may take before it is given up as undecided.
+        positive.  Fastest where kick varies along the last axis.
+    max_steps : int
+        Steps (32 or more to a period) that an orbit may take before it is given up as undecided.
     workers : int, optional
         Threads; by default all cores.
 
@@ -68,29 +69,28 @@ def outcome(
 
     Examples
     --------
-    >>> outcome(0.0, 0.25, 1.0, [1.999, 2.001]).tolist()
+    >>> fates(0.0, 0.25, 1.0, [1.999, 2.001]).tolist()
     [0, 1]
     """
-    shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, epsilon=size_of(epsilon))
-    effort = validate.integer("effort", effort, 1)
+    shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, kick=size_of(kick))
+    max_steps = validate.integer("max_steps", max_steps, 1)
     rate = growth_without_friction(alpha, beta, c, workers)
-    result = known_outcome(alpha, beta, gamma, kick, c, rate, effort, workers)
-    return result.reshape(shape) if shape else int(result[0])
+    return shaped(known_fates(alpha, beta, gamma, kick, c, rate, max_steps, workers), shape)
 
 
-def known_outcome(
+def known_fates(
     alpha: NDArray[np.float64],
     beta: NDArray[np.float64],
     gamma: NDArray[np.float64],
     kick: NDArray[np.float64],
     damping: NDArray[np.float64],
     rate: NDArray[np.float64],
-    effort: int = EFFORT,
+    max_steps: int = MAX_STEPS,
     workers: int | None = None,
 ) -> NDArray[np.int8]:
-    """Return `outcome` of flat arrays that are checked, ``rate`` as `growth_without_friction` has it."""
-    fates = _fates(alpha, beta, gamma, kick, damping, rate, effort, workers)
-    result = np.where(fates == kernels.GROWS, ESCAPES, np.where(fates < kernels.GROWS, BOUNDED, UNDECIDED))
+    """Return `fates` of flat arrays that are checked, ``rate`` as `growth_without_friction` has it."""
+    ends = _ends(alpha, beta, gamma, kick, damping, rate, max_steps, workers)
+    result = np.where(ends == kernels.GROWS, ESCAPES, np.where(ends < kernels.GROWS, BOUNDED, UNDECIDED))
     return result.astype(np.int8)
 
 
@@ -98,51 +98,51 @@ def escapes(
     alpha: Any,
     beta: Any,
     gamma: Any,
-    epsilon: Any,
-    damping: Any = 0.0,
+    kick: Any,
     *,
-    effort: int = EFFORT,
+    damping: Any = 0.0,
+    max_steps: int = MAX_STEPS,
     workers: int | None = None,
 ) -> Any:
-    """Return whether each kick escapes for good, as bool; arguments as in `outcome`.
+    """Return whether each kick escapes for good, as bool; arguments as in `fates`.
 
     Warns
     -----
     UndecidedWarning
-        When some orbits could not be decided: False there means "not known to escape"; `outcome` tells which.
+        When some orbits could not be decided: False there means "not known to escape"; `fates` tells which.
 
     Examples
     --------
     >>> escapes(1.0, [0.3, -0.7], 1.0, 2.0).tolist()
     [True, False]
     """
-    fate = outcome(alpha, beta, gamma, epsilon, damping, effort=effort, workers=workers)
-    unknown = int(np.count_nonzero(fate == UNDECIDED))
+    found = fates(alpha, beta, gamma, kick, damping=damping, max_steps=max_steps, workers=workers)
+    unknown = int(np.count_nonzero(found == UNDECIDED))
     if unknown:
         warnings.warn(
-            f"{unknown} of {np.size(fate)} kicks could not be decided and count as not escaping; "
-            "friction.outcome tells which, a larger effort may settle them",
+            f"{unknown} of {np.size(found)} kicks could not be decided and count as not escaping; "
+            "friction.fates tells which, a larger max_steps may settle them",
             UndecidedWarning,
             stacklevel=2,
         )
-    return fate == ESCAPES
+    return found == ESCAPES
 
 
-def _fates(
+def _ends(
     alpha: NDArray[np.float64],
     beta: NDArray[np.float64],
     gamma: NDArray[np.float64],
     kick: NDArray[np.float64],
     damping: NDArray[np.float64],
     rate: NDArray[np.float64],
-    effort: int,
+    max_steps: int,
     workers: int | None,
 ) -> NDArray[np.int8]:
     """Return why each run ended, as the kernels number it."""
     out = np.full(kick.size, kernels.NO_GROWTH, dtype=np.int8)
     if kick.size == 1:
         one = FrictionalMathieu(float(alpha[0]), float(beta[0]), float(gamma[0]), float(damping[0]))
-        out[0] = int(_end(one, float(kick[0]), float(rate[0]), effort)[0])
+        out[0] = int(_end(one, float(kick[0]), float(rate[0]), max_steps)[0])
         return out
     free = gamma == 0.0
     out[free & (rate >= 0.0) & (kick > 0.0)] = kernels.GROWS
@@ -157,12 +157,12 @@ def _fates(
         end = begins[np.searchsorted(begins, part[-1]) + 1 :][:1]
         members = np.arange(part[0], end[0] if end.size else chosen.size)
         equations = prepare(alpha[part], beta[part], damping[part], rate[part], workers)
-        out[chosen[members]] = _judged(equations, np.cumsum(new[members]) - 1, ratio[members], effort, workers)
+        out[chosen[members]] = _ends_of_rows(equations, np.cumsum(new[members]) - 1, ratio[members], max_steps, workers)
     return out
 
 
-def _judged(
-    equations: Prepared, of: NDArray[np.int64], kicks: NDArray[np.float64], effort: int, workers: int | None
+def _ends_of_rows(
+    equations: Prepared, of: NDArray[np.int64], kicks: NDArray[np.float64], max_steps: int, workers: int | None
 ) -> NDArray[np.float64]:
     """Return why the run of each kick ended; ``of`` is its equation, ascending."""
     place = np.arange(of.size) - np.searchsorted(of, of)
@@ -171,18 +171,18 @@ def _judged(
     rows = np.full((int(row[-1]) + 1, int(column.max()) + 1), math.nan)
     rows[row, column] = kicks
     equation = of[column == 0]
-    runs = equations.judge(equation, rows, effort, workers, equations.nothing_known()[equation], patient=True)
-    fates: NDArray[np.float64] = runs[row, column, 0]
-    return fates
+    runs = equations.judge(equation, rows, max_steps, workers, equations.nothing_known()[equation], patient=True)
+    ends: NDArray[np.float64] = runs[row, column, 0]
+    return ends
 
 
 @dataclass(frozen=True, repr=False)
 class Fate(NoTruthValue):
-    """What becomes of one kick.
+    """What becomes of one kick, for all time.
 
     Attributes
     ----------
-    equation, epsilon : FrictionalMathieu, float
+    equation, kick : FrictionalMathieu, float
         What was asked.
     status : {"bounded", "escapes", "undecided"}
     reason : str
@@ -196,7 +196,7 @@ class Fate(NoTruthValue):
     ask = ".status"
 
     equation: FrictionalMathieu
-    epsilon: float
+    kick: float
     status: Literal["bounded", "escapes", "undecided"]
     reason: str
     tau: float
@@ -215,12 +215,12 @@ _REASONS: dict[int, tuple[Literal["bounded", "escapes", "undecided"], str]] = {
     kernels.KEPT: ("bounded", "no later stop lies farther out"),
     kernels.TRAPPED: ("bounded", "sticks and slips within bounds, as far as sampling shows"),
     kernels.GROWS: ("escapes", "the growing Floquet solution has outgrown friction"),
-    kernels.LIMIT: ("undecided", "not decided within the effort allowed"),
+    kernels.LIMIT: ("undecided", "not decided within max_steps"),
 }
 
 
-def fate(equation: FrictionalMathieu, epsilon: float, *, effort: int = EFFORT) -> Fate:
-    """Return what becomes of one kick A(0) = 0, A'(0) = epsilon, and how that is known.
+def fate(equation: FrictionalMathieu, kick: float, *, max_steps: int = MAX_STEPS) -> Fate:
+    """Return what becomes of one kick A(0) = 0, A'(0) = kick, and how that is known.
 
     Examples
     --------
@@ -228,15 +228,15 @@ def fate(equation: FrictionalMathieu, epsilon: float, *, effort: int = EFFORT) -
     'escapes'
     """
     require(equation, (FrictionalMathieu,), "fate")
-    epsilon = validate.finite("epsilon", epsilon)
-    effort = validate.integer("effort", effort, 1)
+    kick = validate.finite("kick", kick)
+    max_steps = validate.integer("max_steps", max_steps, 1)
     e = equation
-    code, tau, reversals, sticks = _end(e, abs(epsilon), growth_of(e), effort)
+    code, tau, reversals, sticks = _end(e, abs(kick), growth_of(e), max_steps)
     status, reason = _REASONS[int(code)]
-    return Fate(e, epsilon, status, reason, float(tau), int(reversals), int(sticks))
+    return Fate(e, kick, status, reason, float(tau), int(reversals), int(sticks))
 
 
-def _end(e: FrictionalMathieu, kick: float, rate: float, effort: int) -> NDArray[np.float64]:
+def _end(e: FrictionalMathieu, kick: float, rate: float, max_steps: int) -> NDArray[np.float64]:
     """Return why the run of one kick ended, as the kernels number it, the time, and the numbers of stops and sticks."""
     start = np.zeros(8)
     start[1], start[7] = (kick / e.gamma if e.gamma > 0.0 else kick), math.inf
@@ -246,12 +246,12 @@ def _end(e: FrictionalMathieu, kick: float, rate: float, effort: int) -> NDArray
         return np.array([code, 0.0, 0.0, 0.0])
     # Interpreted where that is soon known, else compiled.
     equations = prepare_one(e, rate)
-    most = min(effort, SHORT)
+    most = min(max_steps, SHORT)
     _, table, basis, _ = equations.cells
     known, none, work = equations.nothing_known(), np.empty((0, 4)), kernels.workspace()
     code = kernels.run(e.alpha, e.beta, e.damping, table, basis, start, most, False, none, known[0, 1:], work)
-    if code < kernels.LIMIT or (code == kernels.LIMIT and most == effort):
+    if code < kernels.LIMIT or (code == kernels.LIMIT and most == max_steps):
         return np.array([code, start[2] + 2.0 * math.pi * start[6], start[4], start[5]])
-    runs = equations.judge(np.zeros(1, dtype=np.int64), np.array([[kick / e.gamma]]), effort, 1, known, patient=True)
+    runs = equations.judge(np.zeros(1, dtype=np.int64), np.array([[kick / e.gamma]]), max_steps, 1, known, patient=True)
     end: NDArray[np.float64] = runs[0, 0]
     return end
