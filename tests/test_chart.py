@@ -182,7 +182,7 @@ def test_plots_are_labelled(growth: bool) -> None:
         ({"frequency": (0.0, 1.0, 5)}, "frequency must be finite and lie between"),
         ({"amplitude": -1.0}, "amplitude must be finite and lie between 0"),
         ({"growth_tolerance": -1.0}, "growth_tolerance must be zero or more"),
-        ({"growth": True, "friction": fr.Coulomb(0.1, 0.05)}, "leave out either growth or friction"),
+        ({"growth": True, "friction": 0.1, "kick": 0.05}, "leave out either growth or friction"),
     ],
 )
 def test_bad_input(change: dict[str, object], message: str) -> None:

@@ -67,6 +67,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         },
     ),
     (fr.mathieu.characteristic_values, {"order": 3, "q": 1.0, "kind": "a", "workers": 1}),
+    (fr.mathieu.tongue_widths, {"order": 2, "q": 0.5, "workers": 1}),
     (fr.mathieu.transition_curves, {"alpha": [0.1, 0.2], "orders": 2}),
     (fr.FiniteTimeCriterion, {"periods": 10, "limit": 1e6, "by": "exact", "step": 0.01}),
     (fr.FiniteTimeCriterion().growth, ALL),

@@ -27,12 +27,15 @@ class Trapezoid(Equation):
     damping: float = 0.0
     ramp: Fraction = Fraction(1, 8)
 
-    period_over_pi = Fraction(2)
-
     @property
     def period(self) -> float:
         """Period in tau."""
         return 2.0 * math.pi
+
+    @property
+    def period_over_pi(self) -> Fraction:
+        """Its exact value over pi."""
+        return Fraction(2)
 
     def pieces(self) -> tuple[Piece, ...]:
         """Return the flat parts and the flanks."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from fractions import Fraction
-from typing import Any, ClassVar, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,13 +53,15 @@ class Equation(ABC):
 
     damping: float
 
-    period_over_pi: ClassVar[Fraction | None] = None
-    """The exact period over pi where it is not the double ``period``."""
-
     @property
     @abstractmethod
     def period(self) -> float:
         """Period of the coefficient, in the unit of tau."""
+
+    @property
+    def period_over_pi(self) -> Fraction | None:
+        """The exact period over pi, where it is not the double ``period``; None where it is."""
+        return None
 
     @abstractmethod
     def pieces(self) -> tuple[Piece, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -40,8 +40,6 @@ class Mathieu(Equation):
     beta: float
     damping: float = 0.0
 
-    period_over_pi: ClassVar[Fraction] = Fraction(2)
-
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
         set_field(self, "alpha", validate.coefficient("alpha", self.alpha))
@@ -52,6 +50,11 @@ class Mathieu(Equation):
     def period(self) -> float:
         """Period of the coefficient, 2 pi."""
         return 2.0 * math.pi
+
+    @property
+    def period_over_pi(self) -> Fraction:
+        """The exact period over pi, 2."""
+        return Fraction(2)
 
     @property
     def title(self) -> str:

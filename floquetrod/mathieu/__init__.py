@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from floquetrod.mathieu.arrays import discriminant, growth_rate, is_stable, multipliers
-from floquetrod.mathieu.characteristic import TransitionCurves, characteristic_values, transition_curves
+from floquetrod.mathieu.characteristic import TransitionCurves, characteristic_values, tongue_widths, transition_curves
 from floquetrod.mathieu.charts import chart
 
 __all__ = [
@@ -14,5 +14,6 @@ __all__ = [
     "growth_rate",
     "is_stable",
     "multipliers",
+    "tongue_widths",
     "transition_curves",
 ]

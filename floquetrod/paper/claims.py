@@ -86,7 +86,12 @@ def f2_c() -> Claim:
     from scipy.optimize import bisect
 
     below = bool(mathieu.is_stable(np.linspace(0.0, 1.5, 15001), -0.8).all())
-    end = float(bisect(lambda alpha: 0.5 - mathieu.is_stable(alpha, -0.8), 1.5, 1.7, xtol=1e-13))
+    inside, outside = mathieu.is_stable([1.5, 1.7], -0.8)
+    end = (
+        float(bisect(lambda a: 0.5 - mathieu.is_stable(a, -0.8), 1.5, 1.7, xtol=1e-13))
+        if inside > outside
+        else math.nan
+    )
     return Claim(
         "F2-c",
         "At beta = -0.80 a mode is stable up to alpha = 1.5",

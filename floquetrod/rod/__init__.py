@@ -1,1 +1,23 @@
-"""A rod in a channel: its data, its loads, the equations of its modes, and every question about its stability."""
+"""A rod in a channel: its parts, its loads, the equations of its modes, and what is answered about its stability."""
+
+from __future__ import annotations
+
+from floquetrod.rod.coulomb import ModeFriction
+from floquetrod.rod.friction import CriticalKick
+from floquetrod.rod.modes import ModalSystem, ModalSystems
+from floquetrod.rod.parts import Channel, Ends, Material, Section
+from floquetrod.rod.ranges import StabilityInterval
+from floquetrod.rod.stability import Margin
+
+__all__ = [
+    "Channel",
+    "CriticalKick",
+    "Ends",
+    "Margin",
+    "Material",
+    "ModalSystem",
+    "ModalSystems",
+    "ModeFriction",
+    "Section",
+    "StabilityInterval",
+]

@@ -1,1 +1,8 @@
 """The whole nonlinear rod, step by step: a confirmation independent of the mode equations."""
+
+from __future__ import annotations
+
+from floquetrod.simulation.growth import GrowthFit
+from floquetrod.simulation.mesh import DiscreteRod, TimeSteps
+
+__all__ = ["DiscreteRod", "GrowthFit", "TimeSteps"]

@@ -40,6 +40,9 @@ LEFT_OUT = {
     "friction.UndecidedWarning": "a warning",
     "FiniteTimeCriterion.modes_are_stable": "for the maps of a rod, whose arguments are checked there",
     "FiniteTimeCriterion.require_alone": "for the maps of a rod, whose arguments are checked there",
+    **{
+        f"{kind}.{name}": "takes no argument" for kind in ("Hill", "Mathieu", "Meissner") for name in ("pieces", "half")
+    },
     "Hill.as_hill": "takes no argument",
     "Mathieu.as_hill": "takes no argument",
     "Rod.nitinol": "takes no argument",
@@ -240,6 +243,7 @@ def _of_mathieu() -> dict[str, Call]:
         "mathieu.characteristic_values": Call(
             fr.mathieu.characteristic_values, {"order": 3, "q": 2.0, "kind": "a", "workers": 1}
         ),
+        "mathieu.tongue_widths": Call(fr.mathieu.tongue_widths, {"order": 2, "q": 0.5, "workers": 1}),
         "mathieu.transition_curves": Call(fr.mathieu.transition_curves, {"alpha": [0.1, 0.2], "orders": 2}),
         "mathieu.chart": Call(fr.mathieu.chart, {**chart, "growth_tolerance": 0.1, "criterion": None, "workers": 1}),
     }
