@@ -87,11 +87,8 @@ def f2_c() -> Claim:
 
     below = bool(mathieu.is_stable(np.linspace(0.0, 1.5, 15001), -0.8).all())
     inside, outside = mathieu.is_stable([1.5, 1.7], -0.8)
-    end = (
-        float(bisect(lambda a: 0.5 - mathieu.is_stable(a, -0.8), 1.5, 1.7, xtol=1e-13))
-        if inside > outside
-        else math.nan
-    )
+    crossing = bool(inside > outside)
+    end = float(bisect(lambda a: 0.5 - mathieu.is_stable(a, -0.8), 1.5, 1.7, xtol=1e-13)) if crossing else np.nan
     return Claim(
         "F2-c",
         "At beta = -0.80 a mode is stable up to alpha = 1.5",
