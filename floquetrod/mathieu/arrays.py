@@ -15,6 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
 from floquetrod._util.compilation import over_chunks
 from floquetrod.kernels import mathieu as kernels
+from floquetrod.kernels import mathieu_counts as counts
 
 _PATIENCE = 100
 """Times as many points as are always interpreted before growth is compiled, which takes seconds (heuristic)."""
@@ -45,7 +46,7 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     """
     if type(alpha) is type(beta) is type(damping) is float and damping == 0.0:  # the quick way for a single verdict
         validate.workers(workers)
-        return kernels.is_stable_scalar(validate.coefficient("alpha", alpha), validate.coefficient("beta", beta))
+        return counts.is_stable_scalar(validate.coefficient("alpha", alpha), validate.coefficient("beta", beta))
     arrays = _arrays(alpha, beta, damping)
     undamped = not arrays["damping"].any()
     if undamped and not arrays["damping"].shape:
@@ -55,7 +56,7 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
         arguments = arguments[:2]
     out = np.empty(arguments[0].size, dtype=np.bool_)
     few = out.size < 64  # blocks pay from a few of them on
-    fill = kernels.damped_stable_fill if not undamped else kernels.stable_one_by_one if few else kernels.stable_fill
+    fill = kernels.damped_stable_fill if not undamped else counts.stable_one_by_one if few else counts.stable_fill
     over_chunks(fill, arguments, out, workers=workers, patience=0 if undamped else _PATIENCE)
     return shaped(out, shape)
 

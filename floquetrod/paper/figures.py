@@ -12,7 +12,7 @@ from floquetrod import mathieu
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.square_wave import square_wave
-from floquetrod.kernels.mathieu import mode_coefficients
+from floquetrod.kernels.rod_modes import mode_coefficients
 from floquetrod.paper.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
 from floquetrod.plotting import paper as drawing
 from floquetrod.plotting.paper import Band, Tongue

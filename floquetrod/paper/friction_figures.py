@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import friction, mathieu
-from floquetrod.kernels.mathieu import mode_coefficients
+from floquetrod.kernels.rod_modes import mode_coefficients
 from floquetrod.paper.claims import ROD, UNIT, WINDOW, window
 from floquetrod.paper.friction_claims import AMPLITUDE, FRICTION, GAMMA, KICKS
 from floquetrod.plotting import paper as drawing

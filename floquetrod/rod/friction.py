@@ -16,7 +16,7 @@ from floquetrod.equations import FrictionalMathieu
 from floquetrod.floquet.result import Status, Verdict
 from floquetrod.friction.critical import critical_bounds, critical_perturbation
 from floquetrod.friction.fates import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, outcome
-from floquetrod.kernels.mathieu import mode_coefficients
+from floquetrod.kernels.rod_modes import mode_coefficients
 from floquetrod.rod.coulomb import Coulomb, ModeFriction, critical_velocities
 from floquetrod.rod.data import RodData
 from floquetrod.rod.load import AxialLoad

@@ -19,7 +19,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, plain, shaped
 from floquetrod._util.compilation import over_chunks
 from floquetrod.friction.fates import UndecidedWarning
-from floquetrod.kernels import mathieu as kernels
+from floquetrod.kernels import rod_modes as kernels
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.coulomb import Coulomb, friction_coefficient
 from floquetrod.rod.data import NEGLIGIBLE_GROWTH, RodData
