@@ -18,7 +18,7 @@ def advance(
     mean: float,
     real: Any,
     imag: Any,
-    turn: float,
+    omega: float,
     start: float,
     length: float,
     steps: int,
@@ -27,7 +27,7 @@ def advance(
 ) -> int:
     """Carry two solutions y = (u1, u1', u2, u2') from ``start`` over ``length`` in equal Taylor steps.
 
-    p(tau) = mean + sum_k real[k-1] cos(k turn tau) - imag[k-1] sin(k turn tau).  Returns the binary exponent that has
+    p(tau) = mean + sum_k real[k-1] cos(k omega tau) - imag[k-1] sin(k omega tau).  Returns the binary exponent that has
     been taken out of y, which holds mantissas.
 
     With p = sum p_j t^j and u = sum u_j t^j about the start of a step, (j + 1)(j + 2) u_(j+2) = sum_i p_i u_(j-i).
@@ -43,7 +43,7 @@ def advance(
             p[j] = 0.0
         p[0] = mean * h * h
         for k in range(len(real)):
-            rate = (k + 1.0) * turn
+            rate = (k + 1.0) * omega
             cosine, sine = math.cos(rate * tau), math.sin(rate * tau)
             angle = rate * h
             a = (real[k] * cosine - imag[k] * sine) * h * h

@@ -25,9 +25,9 @@ def spectral(equation: Mathieu | Hill) -> Stability:
     (oscillation theorem; DLMF 28.2(v) for Mathieu, Magnus and Winkler, *Hill's Equation*, Thm. 2.1 for Hill).
 
     *Mathieu.*  The matrices split into four tridiagonal chains (`floquetrod.kernels.mathieu_counts`); the count is that
-    of negative pivots d_k = D_k - a - q^2 / d_(k-1).  Stopping rule: let d_k > q and D_j - a >= 2 q for all j > k.  Then
-    d_(k+1) = D_(k+1) - a - q^2 / d_k > 2 q - q = q, and so on for ever: no later pivot is negative, and the count of
-    the infinite matrix is that of its first k rows.  Every pivot is enclosed between two doubles rounded outwards; a
+    of negative pivots d_k = D_k - a - q^2 / d_(k-1).  Stopping rule: let d_k > q and D_j - a >= 2 q for all j > k.
+    Then d_(k+1) = D_(k+1) - a - q^2 / d_k > 2 q - q = q, and so on for ever: no later pivot is negative, and the count
+    of the infinite matrix is that of its first k rows.  Every pivot is enclosed between two doubles rounded outwards; a
     pivot whose enclosure contains zero makes the verdict "undecided", so a verdict given is a proof.
 
     *Hill.*  In the basis exp(i k W tau) the matrix H is Hermitian and banded.  Cut it as [[H_K, C], [C*, T]] with
