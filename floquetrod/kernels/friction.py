@@ -1,9 +1,9 @@
 """Kernels for A'' + 2 c A' = (beta + alpha sin tau) A - sign(A'), event by event, for ever.
 
-By homogeneity gamma = 1 throughout.  A period is divided into equal cells short against every wave.  Between reversals of
-A' the equation is linear with the forcing -s, s = sign(A'), so a cell is a 2 x 2 matrix and a vector, made once for all
-orbits.  Only a cell that a bound cannot clear of reversals is looked into: the motion in it is one Taylor series, the
-sign changes of its Bernstein coefficients tell whether A' has a zero, and bracketed Newton finds the first.
+By homogeneity gamma = 1 throughout.  A period is divided into equal cells short against every wave.  Between reversals
+of A' the equation is linear with the forcing -s, s = sign(A'), so a cell is a 2 x 2 matrix and a vector, made once for
+all orbits.  Only a cell that a bound cannot clear of reversals is looked into: the motion in it is one Taylor series,
+the sign changes of its Bernstein coefficients tell whether A' has a zero, and bracketed Newton finds the first.
 
 How an orbit ends for ever (proofs in docs/friction.md; p lies between -P and Q):
 
