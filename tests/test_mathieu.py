@@ -13,7 +13,7 @@ from hypothesis import given, settings
 
 import floquetrod as fr
 from floquetrod.floquet.methods.reference import reference
-from floquetrod.kernels import mathieu as kernels
+from floquetrod.kernels.mathieu_counts import count_below
 from floquetrod.mathieu import arrays
 from strategies import mathieu_points, near_boundary_points
 
@@ -169,9 +169,7 @@ def test_compiled_and_interpreted_kernels_agree(rng: np.random.Generator) -> Non
     for function in (fr.mathieu.growth_rate, fr.mathieu.discriminant):
         pieces = [function(alpha[i : i + 40], beta[i : i + 40]) for i in range(0, 400, 40)]
         assert function(alpha, beta) == pytest.approx(np.concatenate(pieces), rel=1e-10, abs=1e-12)
-    counts = [
-        kernels.count_below(-4.0 * b, 2.0 * a) % 2 == 1 for a, b in zip(alpha.tolist(), beta.tolist(), strict=True)
-    ]
+    counts = [count_below(-4.0 * b, 2.0 * a) % 2 == 1 for a, b in zip(alpha.tolist(), beta.tolist(), strict=True)]
     assert fr.mathieu.is_stable(alpha, beta).tolist() == counts
 
 

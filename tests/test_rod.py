@@ -14,7 +14,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.kernels import mathieu as kernels
+from floquetrod.kernels import rod_modes as kernels
 from floquetrod.mathieu.tongues import along_mean, damping_to_stabilise
 from floquetrod.rod.parts import Channel, Ends, Material, Section
 

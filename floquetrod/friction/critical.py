@@ -14,6 +14,7 @@ from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import (
     Prepared,
     arguments,
+    elapsed,
     growth_of,
     growth_without_friction,
     over_friction,
@@ -190,7 +191,7 @@ class _Search:
         self.tried = self.floor[:, None]
         self.kind = np.full(self.tried.shape, float(kernels.STUCK))
         self.life = np.zeros(self.tried.shape)
-        self.known = equations.nothing_known()
+        self.findings = equations.no_findings()
 
     def smallest(self, samples: int) -> NDArray[np.float64]:
         """Return the smallest kick found to escape, infinite where none up to the limit was."""
@@ -203,14 +204,16 @@ class _Search:
         """Follow kicks, a row for each equation in ``which`` (NaN is none), and note what becomes of them."""
         if not kicks.size:
             return
-        known = self.known[which]
-        runs = self.equations.judge(which, kicks, self.max_steps, self.workers, known, patient=False)
-        self.known[which] = known
-        fate, life, reversals, sticks = np.moveaxis(runs, 2, 0)
+        findings = self.findings[which]
+        orbits = self.equations.follow(which, kicks, self.max_steps, self.workers, findings, patient=False)
+        self.findings[which] = findings
+        fate = orbits["fate"]
         escaped = (fate == kernels.GROWS) | (fate == kernels.MIXED)  # mixed: some escape as close to it as you like
         self.found[which] = np.minimum(self.found[which], np.where(escaped, kicks, math.inf).min(axis=1))
         rests = (fate == kernels.STUCK) | (fate == kernels.KEPT)
-        self._insert(which, kicks, np.where(rests, 10.0 + reversals + 1e6 * sticks, fate), life)
+        self._insert(
+            which, kicks, np.where(rests, 10.0 + orbits["reversals"] + 1e6 * orbits["sticks"], fate), elapsed(orbits)
+        )
 
     def _insert(self, which: NDArray[np.int64], *news: NDArray[np.float64]) -> None:
         """Sort kicks, their kinds and lives into the rows ``which``."""

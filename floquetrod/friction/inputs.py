@@ -13,8 +13,10 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast
 from floquetrod._util.compilation import over_chunks
 from floquetrod.equations import FrictionalMathieu
-from floquetrod.friction.propagators import Propagators, cell_counts, no_kick_escapes_up_to, propagators
+from floquetrod.friction.propagators import Propagators, Records, cell_counts, no_kick_escapes_up_to, propagators
 from floquetrod.kernels import friction as kernels
+from floquetrod.kernels.frictional_fates import follow_fill
+from floquetrod.kernels.frictional_records import COEFFICIENTS, FINDINGS, ORBIT, PERIOD
 
 MAX_STEPS = 500_000
 """Cells an orbit may take, 32 or more to a period: a few thousandths of a second (a choice)."""
@@ -72,50 +74,51 @@ class Prepared(NamedTuple):
 
     Attributes
     ----------
-    values : ndarray
-        alpha, beta and damping of each.
-    cells : Propagators
+    coefficients : ndarray of `COEFFICIENTS`
+    propagators : Propagators
     """
 
-    values: NDArray[np.float64]
-    cells: Propagators
+    coefficients: Records
+    propagators: Propagators
 
     def certain(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the kicks up to which none escapes, and those above which every one does: both proved."""
-        floor = no_kick_escapes_up_to(self.values[:, 0], self.values[:, 1], self.cells)
-        return np.minimum(floor, self.cells.ceiling), self.cells.ceiling
+        alpha, beta, ceiling = self.coefficients["alpha"], self.coefficients["beta"], self.propagators.ceiling
+        return np.minimum(no_kick_escapes_up_to(alpha, beta, self.propagators), ceiling), ceiling
 
-    def nothing_known(self) -> NDArray[np.float64]:
-        """Return what orbits of each equation have shown before the first was followed."""
-        return np.full((len(self.values), 1 + kernels.TRAP), -1.0)
+    def no_findings(self) -> Records:
+        """Return the `FINDINGS` on each equation before the first orbit was followed."""
+        return np.full(len(self.coefficients), -1.0, FINDINGS)
 
-    def judge(
+    def follow(
         self,
         equation: NDArray[np.int64],
         kicks: NDArray[np.float64],
         max_steps: int,
         workers: int | None,
-        known: NDArray[np.float64],
+        findings: Records,
         patient: bool,
-    ) -> NDArray[np.float64]:
-        """Return fate, time, reversals and sticks of rows of kicks, one equation to a row; NaN is no kick.
+    ) -> Records:
+        """Return the orbits of rows of kicks, followed to their fates, one equation to a row; NaN is no kick.
 
-        ``known``, a row for each, is what orbits have shown: the fate of creeping outwards, then an interval that
-        traps.  Slow creeping whose end depends on where it began is followed when ``patient``, else it is `MIXED`.
+        ``findings``, a record for each row, are used and added to.  Slow creeping whose end depends on where it began
+        is followed when ``patient``, else its fate is `MIXED`.
         """
-        alpha, beta, _ = self.values[equation].T
+        alpha, beta = self.coefficients["alpha"][equation], self.coefficients["beta"][equation]
         kept = never_freed(alpha[:, None], beta[:, None], kicks)
-        runs = self._follow(equation, np.where(kept, math.nan, kicks), 0.0, 0.0, max_steps, workers, known, creep=False)
-        runs[kept] = kernels.STUCK, 0.0, 0.0, 0.0, 0.0
-        slow = runs[..., 0] == kernels.SLOW_RELEASE
+        velocity = np.where(kept, math.nan, kicks)
+        orbits = self._follow(equation, velocity, 0.0, 0.0, max_steps, workers, findings, creep=False)
+        fate = orbits["fate"]
+        fate[kept] = kernels.STUCK
+        slow = fate == kernels.SLOW_RELEASE
         rows = np.flatnonzero(slow.any(axis=1))
         if rows.size:
-            new = rows[known[rows, 0] < 0.0]
-            known[new, 0] = self._creeping(equation[new], max_steps, workers, known[new])
-            runs[..., 0] = np.where(slow, known[:, :1], runs[..., 0])
+            new = rows[findings["creeping"][rows] < 0.0]
+            findings["creeping"][new] = self._creeping(equation[new], max_steps, workers, findings[new])
+            fate[...] = np.where(slow, findings["creeping"][:, None], fate)
             if patient:
-                self._creep_on(equation, kicks, runs, max_steps, workers, known)
-        return runs[..., :4]
+                self._creep_on(equation, kicks, orbits, max_steps, workers, findings)
+        return orbits
 
     def _follow(
         self,
@@ -125,34 +128,32 @@ class Prepared(NamedTuple):
         phase: NDArray[np.float64] | float,
         max_steps: int,
         workers: int | None,
-        known: NDArray[np.float64],
+        findings: Records,
         creep: bool,
-    ) -> NDArray[np.float64]:
-        """Return fate, time, reversals, sticks and A at the end of rows of starts; a velocity NaN is none."""
-        out = np.full((*velocity.shape, 5), np.nan)
-        starts = np.empty((*velocity.shape, 3))
-        starts[..., 0], starts[..., 1], starts[..., 2] = a, velocity, phase
-        traps = np.ascontiguousarray(known[:, 1:])
-        constants = equation, self.values, self.cells.first, traps, starts, max_steps, creep, *self.cells[1:3]
+    ) -> Records:
+        """Return the orbits of rows of starts, followed to their fates; a velocity NaN is none."""
+        orbits = np.zeros(velocity.shape, ORBIT)
+        orbits["a"], orbits["velocity"], orbits["phase"], orbits["fate"] = a, velocity, phase, math.nan
+        first, cells, bases, _ = self.propagators
+        constants = equation, self.coefficients, first, cells, bases, findings, max_steps, creep
         rows = np.arange(equation.size)
-        over_chunks(kernels.follow_fill, (rows,), out, *constants, workers=workers, chunk=32, interpret_up_to=0)
-        known[:, 1:] = traps
-        return out
+        over_chunks(follow_fill, (rows,), orbits, *constants, workers=workers, chunk=32, interpret_up_to=0)
+        return orbits
 
     def _creeping(
-        self, equation: NDArray[np.int64], max_steps: int, workers: int | None, known: NDArray[np.float64]
+        self, equation: NDArray[np.int64], max_steps: int, workers: int | None, findings: Records
     ) -> NDArray[np.float64]:
         """Return the fate of orbits that creep outwards from where the largest force just frees them.
 
         They go from the relative excess d to d + (9/2) Q^2 / abs(alpha) d^2 + ..., so all pass through one step's
         length beginning at d = `SLOW`, anywhere in it.  Their fate is known where all fates sampled there agree.
         """
-        alpha, outward = self.values[equation, 0], self._outward(equation)
+        alpha, outward = self.coefficients["alpha"][equation], self._outward(equation)
         step = _quadratic(alpha, outward) * kernels.SLOW**2
         excess = kernels.SLOW * (1.0 + 1e-9) + 1.2 * step[:, None] * np.linspace(0.0, 1.0, _SAMPLES)
         phase = np.where(alpha > 0.0, 1.5 * math.pi, 0.5 * math.pi)[:, None]
         a = (1.0 + excess) / outward[:, None]
-        fates = self._follow(equation, np.zeros(a.shape), a, phase, max_steps, workers, known.copy(), False)[..., 0]
+        fates = self._follow(equation, np.zeros(a.shape), a, phase, max_steps, workers, findings, creep=False)["fate"]
         escaped, bounded = fates == kernels.GROWS, fates < kernels.GROWS
         mixed = escaped.any(axis=1) & bounded.any(axis=1)
         result: NDArray[np.float64] = np.select(
@@ -166,32 +167,39 @@ class Prepared(NamedTuple):
         self,
         equation: NDArray[np.int64],
         kicks: NDArray[np.float64],
-        runs: NDArray[np.float64],
+        orbits: Records,
         max_steps: int,
         workers: int | None,
-        known: NDArray[np.float64],
+        findings: Records,
     ) -> None:
         """Follow kicks whose creeping is of mixed fate to the end, if that takes no more periods than ``max_steps``."""
-        mixed = runs[..., 0] == kernels.MIXED
+        mixed = orbits["fate"] == kernels.MIXED
         outward = self._outward(equation)[:, None]
-        excess = np.where(mixed, outward * np.abs(runs[..., 4]) - 1.0, 1.0)
-        periods = (1.0 / excess - 1.0 / kernels.SLOW) / _quadratic(self.values[equation, :1], outward)
-        runs[mixed, 0] = kernels.LIMIT
+        excess = np.where(mixed, outward * np.abs(orbits["a"]) - 1.0, 1.0)
+        alpha = self.coefficients["alpha"][equation, None]
+        periods = (1.0 / excess - 1.0 / kernels.SLOW) / _quadratic(alpha, outward)
+        orbits["fate"][mixed] = kernels.LIMIT
         soon = mixed & (periods <= max_steps)
         rows = np.flatnonzero(soon.any(axis=1))
         if rows.size:
-            again, seen = np.where(soon, kicks, math.nan)[rows], known[rows]
-            ends = self._follow(equation[rows], again, 0.0, 0.0, max_steps, workers, seen, creep=True)
-            runs[rows] = np.where(soon[rows, :, None], ends, runs[rows])
+            again = np.where(soon, kicks, math.nan)[rows]
+            ends = self._follow(equation[rows], again, 0.0, 0.0, max_steps, workers, findings[rows], creep=True)
+            orbits[rows] = np.where(soon[rows], ends, orbits[rows])
 
     def _outward(self, equation: NDArray[np.int64]) -> NDArray[np.float64]:
-        outward: NDArray[np.float64] = self.values[equation, 1] + np.abs(self.values[equation, 0])
+        of = self.coefficients[equation]
+        outward: NDArray[np.float64] = of["beta"] + np.abs(of["alpha"])
         return outward
 
 
 def _quadratic(alpha: NDArray[np.float64], outward: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return by how much the square of the excess exceeds the next one, when creeping outwards."""
     return 4.5 * outward * outward / np.abs(alpha)
+
+
+def elapsed(orbits: Any) -> Any:
+    """Return the time tau that orbits have been followed."""
+    return orbits["phase"] + PERIOD * orbits["periods"]
 
 
 def never_freed(alpha: Any, beta: Any, kick: Any) -> Any:
@@ -207,7 +215,9 @@ def prepare(
     workers: int | None,
 ) -> Prepared:
     """Return equations ready for kicks to be followed; ``rate`` is their growth without friction."""
-    return Prepared(np.stack([alpha, beta, damping], axis=1), propagators(alpha, beta, damping, rate, workers))
+    coefficients = np.empty(alpha.size, COEFFICIENTS)
+    coefficients["alpha"], coefficients["beta"], coefficients["damping"] = alpha, beta, damping
+    return Prepared(coefficients, propagators(alpha, beta, damping, rate, workers))
 
 
 def prepare_one(equation: FrictionalMathieu, rate: float) -> Prepared:
@@ -222,5 +232,5 @@ def parts(
     """Return the indices ``chosen`` in parts whose cells fit into memory at once."""
     if not chosen.size:
         return []
-    turn = np.cumsum(cell_counts(alpha[chosen], beta[chosen], damping[chosen])) // _AT_ONCE
-    return np.split(chosen, np.flatnonzero(np.diff(turn)) + 1)
+    part = np.cumsum(cell_counts(alpha[chosen], beta[chosen], damping[chosen])) // _AT_ONCE
+    return np.split(chosen, np.flatnonzero(np.diff(part)) + 1)

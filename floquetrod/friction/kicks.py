@@ -19,6 +19,7 @@ from floquetrod.friction.inputs import (
     SHORT,
     Prepared,
     arguments,
+    elapsed,
     growth_of,
     growth_without_friction,
     never_freed,
@@ -29,6 +30,7 @@ from floquetrod.friction.inputs import (
     size_of,
 )
 from floquetrod.kernels import friction as kernels
+from floquetrod.kernels.frictional_records import ORBIT, SAMPLE, workspace
 
 UNDECIDED, BOUNDED, ESCAPES = -1, 0, 1
 """Values of `fates`."""
@@ -171,8 +173,8 @@ def _ends_of_rows(
     rows = np.full((int(row[-1]) + 1, int(column.max()) + 1), math.nan)
     rows[row, column] = kicks
     equation = of[column == 0]
-    runs = equations.judge(equation, rows, max_steps, workers, equations.nothing_known()[equation], patient=True)
-    ends: NDArray[np.float64] = runs[row, column, 0]
+    orbits = equations.follow(equation, rows, max_steps, workers, equations.no_findings()[equation], patient=True)
+    ends: NDArray[np.float64] = orbits["fate"][row, column]
     return ends
 
 
@@ -238,20 +240,19 @@ def fate(equation: FrictionalMathieu, kick: float, *, max_steps: int = MAX_STEPS
 
 def _end(e: FrictionalMathieu, kick: float, rate: float, max_steps: int) -> NDArray[np.float64]:
     """Return why the run of one kick ended, as the kernels number it, the time, and the numbers of stops and sticks."""
-    start = np.zeros(8)
-    start[1], start[7] = (kick / e.gamma if e.gamma > 0.0 else kick), math.inf
-    if rate < 0.0 or e.gamma == 0.0 or never_freed(e.alpha, e.beta, start[1]):
+    orbit = np.zeros(1, ORBIT)[0]
+    orbit["velocity"] = kick / e.gamma if e.gamma > 0.0 else kick
+    if rate < 0.0 or e.gamma == 0.0 or never_freed(e.alpha, e.beta, orbit["velocity"]):
         escapes = rate >= 0.0 and e.gamma == 0.0 and kick > 0.0
         code = kernels.GROWS if escapes else kernels.NO_GROWTH if rate < 0.0 else kernels.STUCK
         return np.array([code, 0.0, 0.0, 0.0])
     # Interpreted where that is soon known, else compiled.
     equations = prepare_one(e, rate)
     most = min(max_steps, SHORT)
-    _, table, basis, _ = equations.cells
-    known, none, work = equations.nothing_known(), np.empty((0, 4)), kernels.workspace()
-    code = kernels.run(e.alpha, e.beta, e.damping, table, basis, start, most, False, none, known[0, 1:], work)
-    if code < kernels.LIMIT or (code == kernels.LIMIT and most == max_steps):
-        return np.array([code, start[2] + 2.0 * math.pi * start[6], start[4], start[5]])
-    runs = equations.judge(np.zeros(1, dtype=np.int64), np.array([[kick / e.gamma]]), max_steps, 1, known, patient=True)
-    end: NDArray[np.float64] = runs[0, 0]
-    return end
+    _, cells, bases, _ = equations.propagators
+    findings, none, one = equations.no_findings(), np.empty(0, SAMPLE), equations.coefficients[0]
+    code = kernels.run(one, cells, bases, orbit, math.inf, most, False, findings[0], none, workspace())
+    if not (code < kernels.LIMIT or (code == kernels.LIMIT and most == max_steps)):
+        kicks = np.array([[kick / e.gamma]])
+        orbit = equations.follow(np.zeros(1, dtype=np.int64), kicks, max_steps, 1, findings, patient=True)[0, 0]
+    return np.array([orbit["fate"], elapsed(orbit), orbit["reversals"], orbit["sticks"]])

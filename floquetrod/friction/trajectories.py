@@ -14,6 +14,7 @@ from floquetrod._util.content import ByContent
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import SHORT, prepare_one
 from floquetrod.kernels import friction as kernels
+from floquetrod.kernels.frictional_records import ORBIT, SAMPLE, workspace
 
 _MOST = 5_000_000  # rows of a record (a choice: 160 MB, a second or two)
 _HARD = 1e100  # kick over friction at which friction is lost in rounding: what follows a motion without any
@@ -60,31 +61,33 @@ def trajectory(equation: FrictionalMathieu, kick: float, *, periods: int = 20) -
     kick = validate.finite("kick", kick)
     periods = validate.integer("periods", periods, 1)
     e = equation
-    _, table, basis, _ = prepare_one(e, 0.0).cells
-    most = periods * (2 * len(table) + 40)
+    prepared = prepare_one(e, 0.0)
+    _, cells, bases, _ = prepared.propagators
+    most = periods * (2 * len(cells) + 40)
     if most > _MOST:
         raise ValueError(
-            f"periods must be at most {_MOST // (2 * len(table) + 40)} for this equation, got {periods}: "
+            f"periods must be at most {_MOST // (2 * len(cells) + 40)} for this equation, got {periods}: "
             f"the record would have up to {most} rows; friction.fate decides about all time"
         )
-    start = np.zeros(8)
+    orbit, findings = np.zeros(1, ORBIT)[0], prepared.no_findings()[0]
     with np.errstate(over="ignore"):
-        start[1] = abs(kick) / e.gamma if e.gamma > 0.0 else _HARD if kick != 0.0 else 0.0
+        orbit["velocity"] = abs(kick) / e.gamma if e.gamma > 0.0 else _HARD if kick != 0.0 else 0.0
     scale, more = (e.gamma, 1.0) if e.gamma > 0.0 else (abs(kick), 1.0 / _HARD)
-    start[7] = periods
-    record = np.empty((most + 16, 4))
+    record = np.empty(most + 16, SAMPLE)
     run = runner(kernels.run, most, interpret_up_to=SHORT)
     with np.errstate(over="ignore", invalid="ignore"):
-        none, work = np.full(kernels.TRAP, -1.0), kernels.workspace()
-        run(e.alpha, e.beta, e.damping, table, basis, start, most, False, record, none, work)
-        rows = record[: int(np.argmax(np.isinf(record[:, 0])))]
-        rows[:, 1:3] *= more
-        rows[:, 1:3] *= math.copysign(scale, kick)
-    rows[:, 3] *= math.copysign(1.0, kick)
-    rows = rows[: int(np.argmin(np.append(np.isfinite(rows[:, 1:3]).all(axis=1), False)))]
+        one = prepared.coefficients[0]
+        run(one, cells, bases, orbit, float(periods), most, False, findings, record, workspace())
+        rows = record[: int(np.argmax(np.isinf(record["tau"])))]
+        for name in ("a", "velocity"):
+            rows[name] *= more
+            rows[name] *= math.copysign(scale, kick)
+    rows["state"] *= math.copysign(1.0, kick)
+    finite = np.isfinite(rows["a"]) & np.isfinite(rows["velocity"])
+    rows = rows[: int(np.argmin(np.append(finite, False)))]
     end = 2.0 * math.pi * periods
-    rows = rows[rows[:, 0] <= end * (1.0 + 1e-12)]  # a stick may last beyond
-    if rows[-1, 0] < end and rows[-1, 3] == 0.0:
-        rows = np.vstack([rows, [end, rows[-1, 1], 0.0, 0.0]])
-    tau, a, v, state = (np.ascontiguousarray(column) for column in rows.T)
+    rows = rows[rows["tau"] <= end * (1.0 + 1e-12)]  # a stick may last beyond
+    if rows[-1]["tau"] < end and rows[-1]["state"] == 0.0:
+        rows = np.append(rows, np.array([(end, rows[-1]["a"], 0.0, 0.0)], SAMPLE))
+    tau, a, v, state = (np.ascontiguousarray(rows[name]) for name in SAMPLE.names or ())
     return Trajectory(e, kick, tau, a, v, state.astype(np.int8))

@@ -1,8 +1,8 @@
 """Kernels for the characteristic values of Mathieu's equation and the widths of its tongues.
 
-Each characteristic value is an eigenvalue of one of the four tridiagonal chains of `floquetrod.kernels.mathieu`, found
-by bisection on the count of negative pivots: the order asked for is the order returned, whatever q.  Here ``q`` keeps
-its sign, so that a_m and b_m keep theirs (a_m(-q) = b_m(q) for odd m, DLMF 28.2.27).
+Each characteristic value is an eigenvalue of one of the four tridiagonal chains of `floquetrod.kernels.mathieu_counts`,
+found by bisection on the count of negative pivots: the order asked for is the order returned, whatever q.  Here ``q``
+keeps its sign, so that a_m and b_m keep theirs (a_m(-q) = b_m(q) for odd m, DLMF 28.2.27).
 """
 
 from __future__ import annotations

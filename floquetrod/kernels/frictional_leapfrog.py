@@ -1,4 +1,4 @@
-"""Kernel for the paper's leapfrog with dry friction, gamma = 1: owed nothing to the event-driven kernel."""
+"""Kernel for the paper's leapfrog with dry friction, gamma = 1: independent of the event-driven kernel."""
 
 from __future__ import annotations
 

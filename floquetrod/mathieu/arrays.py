@@ -6,6 +6,7 @@ those of the spectral method: exact counts for verdicts, Hill's determinants for
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -13,8 +14,9 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
-from floquetrod._util.compilation import over_chunks
+from floquetrod._util.compilation import INTERPRETED_UP_TO, over_chunks
 from floquetrod.kernels import mathieu as kernels
+from floquetrod.kernels import mathieu_counts as counts
 
 _PATIENCE = 100
 """Times as many points as are always interpreted before growth is compiled, which takes seconds (heuristic)."""
@@ -45,7 +47,7 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     """
     if type(alpha) is type(beta) is type(damping) is float and damping == 0.0:  # the quick way for a single verdict
         validate.workers(workers)
-        return kernels.is_stable_scalar(validate.coefficient("alpha", alpha), validate.coefficient("beta", beta))
+        return counts.is_stable_scalar(validate.coefficient("alpha", alpha), validate.coefficient("beta", beta))
     arrays = _arrays(alpha, beta, damping)
     undamped = not arrays["damping"].any()
     if undamped and not arrays["damping"].shape:
@@ -55,7 +57,7 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
         arguments = arguments[:2]
     out = np.empty(arguments[0].size, dtype=np.bool_)
     few = out.size < 64  # blocks pay from a few of them on
-    fill = kernels.damped_stable_fill if not undamped else kernels.stable_one_by_one if few else kernels.stable_fill
+    fill = kernels.damped_stable_fill if not undamped else counts.stable_one_by_one if few else counts.stable_fill
     over_chunks(fill, arguments, out, workers=workers, patience=0 if undamped else _PATIENCE)
     return shaped(out, shape)
 
@@ -72,7 +74,9 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     """
     shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty(a.size)
-    over_chunks(kernels.growth_fill, (a, b, c), out, workers=workers, patience=_PATIENCE)
+    rows = 2.0 * math.sqrt(max(float(np.abs(part).max(initial=0.0)) for part in (a, b)))  # of Hill's matrix
+    few = int(INTERPRETED_UP_TO / (1.0 + 0.01 * rows))
+    over_chunks(kernels.growth_fill, (a, b, c), out, workers=workers, interpret_up_to=few, patience=_PATIENCE)
     return shaped(out, shape)
 
 

@@ -13,8 +13,8 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
 from floquetrod._util.compilation import over_chunks
 from floquetrod.kernels.leapfrog import leapfrog_map_fill
-from floquetrod.kernels.mathieu import mode_coefficients, modes_needed_fill
 from floquetrod.kernels.powers import displacement_fill
+from floquetrod.kernels.rod_modes import mode_coefficients, modes_needed_fill
 from floquetrod.kernels.taylor import mathieu_map_fill
 
 _CHUNK = 256  # points a thread takes at a time: each costs microseconds, by leapfrog a tenth of a millisecond

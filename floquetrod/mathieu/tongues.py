@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.roots import bisected
-from floquetrod.kernels import characteristic, mathieu
+from floquetrod.kernels import characteristic, mathieu, mathieu_counts
 from floquetrod.mathieu.bands import Floats, Ints, Parts, level, parts_above
 
 _FEWEST = 32  # points in a tongue crossed along the amplitude where growth need not be concave (a choice)
@@ -321,7 +321,7 @@ def _growth_at(b: Floats, alpha: Floats, which: Ints) -> Floats:
 
 def _counts(a: Floats, q: Floats) -> Ints:
     out = np.empty(a.size, dtype=np.int64)
-    over_chunks(mathieu.count_fill, (a, q), out, chunk=4096, interpret_up_to=_few(a, q, 1.0), patience=_PATIENCE)
+    over_chunks(mathieu_counts.count_fill, (a, q), out, chunk=4096, interpret_up_to=_few(a, q, 1.0), patience=_PATIENCE)
     return out
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.kernels import mathieu as kernels
+from floquetrod.kernels import rod_modes as kernels
 from floquetrod.rod.load import AxialLoad, Loads
 
 NEGLIGIBLE_GROWTH = 1e-12  # growth in 1/s that modes left out may have: a doubling in 20,000 years

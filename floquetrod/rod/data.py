@@ -238,7 +238,7 @@ class RodData:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
 
         High modes sit in resonance tongues that grow, but exponentially slowly: the bound is that of
-        `floquetrod.kernels.mathieu.modes_left_out`, and M is the least for which it is below 1e-12 per second (or
+        `floquetrod.kernels.rod_modes.modes_left_out`, and M is the least for which it is below 1e-12 per second (or
         ``growth_tolerance``, if larger).  M grows like the length of the rod.
 
         M never falls as mean force, amplitude or frequency rise, so it serves every load below in each of them: at

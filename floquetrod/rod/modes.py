@@ -19,7 +19,7 @@ from floquetrod import mathieu
 from floquetrod._util import validate
 from floquetrod._util.compilation import over_chunks
 from floquetrod.equations import Mathieu
-from floquetrod.kernels import mathieu as kernels
+from floquetrod.kernels import rod_modes as kernels
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.mathieu.tongues import damping_to_stabilise
 from floquetrod.rod.constants import NEGLIGIBLE_GROWTH, ModeConstants

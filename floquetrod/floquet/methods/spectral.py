@@ -24,10 +24,10 @@ def spectral(equation: Equation) -> Stability:
     Solutions are bounded when the number of periodic and antiperiodic eigenvalues of -u'' + p u below zero is odd
     (oscillation theorem; DLMF 28.2(v) for Mathieu, Magnus and Winkler, *Hill's Equation*, Thm. 2.1 for Hill).
 
-    *Mathieu.*  The matrices split into four tridiagonal chains (`floquetrod.kernels.mathieu`); the count is that of
-    negative pivots d_k = D_k - a - q^2 / d_(k-1).  Stopping rule: let d_k > q and D_j - a >= 2 q for all j > k.  Then
-    d_(k+1) = D_(k+1) - a - q^2 / d_k > 2 q - q = q, and so on for ever: no later pivot is negative, and the count of
-    the infinite matrix is that of its first k rows.  Every pivot is enclosed between two doubles rounded outwards; a
+    *Mathieu.*  The matrices split into four tridiagonal chains (`floquetrod.kernels.mathieu_counts`); the count is that
+    of negative pivots d_k = D_k - a - q^2 / d_(k-1).  Stopping rule: let d_k > q and D_j - a >= 2 q for all j > k.
+    Then d_(k+1) = D_(k+1) - a - q^2 / d_k > 2 q - q = q, and so on for ever: no later pivot is negative, and the count
+    of the infinite matrix is that of its first k rows.  Every pivot is enclosed between two doubles rounded outwards; a
     pivot whose enclosure contains zero makes the verdict "undecided", so a verdict given is a proof.
 
     *Hill.*  In the basis exp(i k W tau) the matrix H is Hermitian and banded.  Cut it as [[H_K, C], [C*, T]] with
@@ -60,11 +60,11 @@ def spectral(equation: Equation) -> Stability:
 
 
 def _mathieu(equation: Mathieu) -> Stability:
-    sign, value, exponent, error, rows = kernels.excess(equation.alpha, equation.beta, equation.damping)
+    sign, value, exponent, error, rows = kernels.discriminant_excess(equation.alpha, equation.beta, equation.damping)
     size = min(1.0, abs(math.ldexp(value, min(exponent, 60))))
     excess_error = error * size if value != 0.0 else error
     if not excess_error < math.inf:  # alpha^2 is beyond the range of a double, and X that of alpha = 0 to rounding
-        _, unforced, shift, unforced_error, _ = kernels.excess(0.0, equation.beta, equation.damping)
+        _, unforced, shift, unforced_error, _ = kernels.discriminant_excess(0.0, equation.beta, equation.damping)
         excess_error = unforced_error + abs(size - min(1.0, abs(math.ldexp(unforced, min(shift, 60)))))
     below, pivots = _certain_count(equation)
     status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
