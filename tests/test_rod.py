@@ -181,6 +181,10 @@ def test_the_growth_bound_bounds(order: int, power: float, place: float) -> None
     assert kernels.growth(0.5 * q, -0.25 * a, 0.0) <= kernels.growth_bound(a, q) * (1.0 + 1e-9) + 1e-14
 
 
+def test_without_coupling_nothing_grows_even_at_a_resonance() -> None:
+    assert kernels.growth_bound(4.0, 0.0) == 0.0
+
+
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
 @settings(max_examples=40)
 @given(rods, st.floats(0.0, 1.1), st.floats(0.0, 0.6), st.floats(1.0, 10.0), st.just(0.0) | st.floats(0.001, 0.1))
