@@ -10,11 +10,10 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from floquetrod._util.version import __version__
-
 if TYPE_CHECKING:
     from floquetrod import friction as friction
     from floquetrod import mathieu as mathieu
+    from floquetrod._util.version import __version__ as __version__
     from floquetrod.chart import Chart as Chart
     from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
     from floquetrod.equations import Hill as Hill
@@ -46,6 +45,7 @@ if TYPE_CHECKING:
     from floquetrod.simulation.start import Perturbation as Perturbation
 
 _WHERE = {
+    "__version__": "_util.version",
     "AxialLoad": "rod.load",
     "Chart": "chart",
     "CheckpointWarning": "simulation.checkpoints",
@@ -80,7 +80,7 @@ _WHERE = {
 }
 _MODULES = {"conventions", "friction", "mathieu", "methods"}
 
-__all__ = ["__version__", *sorted(_WHERE)]
+__all__ = sorted(_WHERE)
 
 
 def __getattr__(name: str) -> Any:
