@@ -14,7 +14,7 @@ import floquetrod as fr
 from floquetrod.floquet.methods.determinant import _log_product, determinant
 from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.methods.spectral import spectral
-from floquetrod.floquet.result import Cost, Interval, classify
+from floquetrod.floquet.result import Cost, Interval, Verdict, classify
 from floquetrod.floquet.stability import METHODS
 from strategies import decades, hills, mathieus, near_boundary_points, numbers, square_waves
 
@@ -276,3 +276,21 @@ def test_the_verdict_decides_only_beyond_the_error() -> None:
         "undecided",
         "stable",
     ]
+
+
+def test_every_verdict_has_the_core() -> None:
+    rod = fr.Rod.nitinol()
+    load = fr.AxialLoad(0.825 * rod.critical_force, 0.7 * rod.critical_force, 150.0)
+    verdicts = (fr.stability(fr.Mathieu(0.5, -0.25)), rod.stability(load), rod.stability(load, friction=0.1, kick=0.05))
+    for verdict in verdicts:
+        assert isinstance(verdict, Verdict)
+        assert verdict.status == "unstable"
+        assert verdict.stable is False
+        assert verdict.growth_rate == pytest.approx(max(e.real for e in verdict.exponents), rel=1e-9)
+        assert len(verdict.multipliers) == len(verdict.exponents)
+        sizes = [abs(multiplier) for multiplier in verdict.multipliers]
+        assert sizes == sorted(sizes, reverse=True)
+        assert sizes[0] == pytest.approx(math.exp(verdict.growth_rate * verdict.period), rel=1e-9)
+        assert 0.0 <= verdict.error < 1e-6
+        assert verdict.cost.amount > 0
+    assert [bool(verdict.assumptions) for verdict in verdicts] == [False, True, True]
