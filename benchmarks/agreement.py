@@ -20,7 +20,7 @@ from typing import Any
 
 import floquetrod as fr
 from benchmarks.measure import Row
-from floquetrod.floquet.stability import METHODS
+from floquetrod.floquet.dispatch import METHODS
 
 BLIND = 1.25 * math.log(1e6) / 100.0  # growth over a period that leapfrog's 100 may miss, up to the factor it names
 

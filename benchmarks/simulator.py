@@ -17,6 +17,7 @@ from benchmarks.measure import Row, best_of
 from floquetrod._util.compilation import compiled
 from floquetrod.kernels import cosserat
 from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.time_steps import critical_time_step
 
 SEGMENTS, STEPS = 250, 1000
 PEER, PEER_STEP = "PyElastica", 0.4e-6  # s: the largest step that it takes for this rod
@@ -48,7 +49,7 @@ def prepared(friction: float) -> tuple[Any, Any]:
     rod = mesh.straight(LOAD.mean)
     rod["vy"][: SEGMENTS + 1] = fr.Perturbation.random(1e-3, seed=1).velocities(SEGMENTS)
     mesh.initialise(rod)
-    return rod, mesh.physics(LOAD, mesh.critical_time_step()[0], friction)
+    return rod, mesh.physics(LOAD, critical_time_step(mesh)[0], friction)
 
 
 def element_step(friction: float) -> float:

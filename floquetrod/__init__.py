@@ -25,10 +25,10 @@ if TYPE_CHECKING:
     from floquetrod.floquet import methods as methods
     from floquetrod.floquet.comparison import Comparison as Comparison
     from floquetrod.floquet.comparison import compare as compare
+    from floquetrod.floquet.dispatch import stability as stability
     from floquetrod.floquet.proof import Proof as Proof
     from floquetrod.floquet.proof import certify as certify
-    from floquetrod.floquet.result import Stability as Stability
-    from floquetrod.floquet.stability import stability as stability
+    from floquetrod.floquet.verdict import Stability as Stability
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
     from floquetrod.rod.friction import FrictionalRodStability as FrictionalRodStability
     from floquetrod.rod.load import AxialLoad as AxialLoad
@@ -65,7 +65,7 @@ _WHERE = {
     "SimulationProblem": "simulation.problem",
     "Meissner": "equations",
     "SquareWave": "equations",
-    "Stability": "floquet.result",
+    "Stability": "floquet.verdict",
     "StabilityIntervals": "rod.ranges",
     "UniformForceWarning": "rod.rod",
     "certify": "floquet.proof",
@@ -74,11 +74,12 @@ _WHERE = {
     "friction": "friction",
     "mathieu": "mathieu",
     "methods": "floquet.methods",
+    "simulation": "simulation",
     "simulate": "simulation.simulate",
-    "stability": "floquet.stability",
+    "stability": "floquet.dispatch",
     "stability_map": "rod.map",
 }
-_MODULES = {"conventions", "friction", "mathieu", "methods"}
+_MODULES = {"conventions", "friction", "mathieu", "methods", "simulation"}
 
 __all__ = sorted(_WHERE)
 

@@ -12,6 +12,7 @@ import floquetrod as fr
 from floquetrod._util.compilation import compiled
 from floquetrod.kernels import cosserat
 from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.time_steps import critical_time_step
 
 SHORT = fr.Rod(youngs_modulus=68e9, density=6500.0, radius=0.8e-3, length=0.4, channel_radius=4.7e-3)
 """A piece of the reference rod, shorter than half a wave of its critical mode."""
@@ -34,7 +35,7 @@ def drive(
     **changes: float,
 ) -> tuple[np.ndarray, list[Any]]:
     """Return times and records of a rod that ``start`` has put into its first state."""
-    step = mesh.critical_time_step()[0] * part_of_step
+    step = critical_time_step(mesh)[0] * part_of_step
     count = math.ceil(seconds / samples / step)
     step = seconds / samples / count
     rod = mesh.straight(load.mean)

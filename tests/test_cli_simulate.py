@@ -15,7 +15,7 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli
 from floquetrod.cli import common, simulate
-from floquetrod.simulation import checkpoints, mesh
+from floquetrod.simulation import checkpoints, time_steps
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
 SHORT = ["simulate", "--rod", "nitinol", *LOAD, "--segments", "60", "--duration", "0.2s"]
@@ -147,7 +147,7 @@ def test_control_c_keeps_what_there_is(
 def test_divergence_keeps_the_frames_before(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(mesh, "SAFETY", 1.3)
+    monkeypatch.setattr(time_steps, "SAFETY", 1.3)
     path = tmp_path / "run.npz"
     assert cli.main([*SHORT, "--out", str(path)]) == 2
     error = capsys.readouterr().err

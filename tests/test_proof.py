@@ -23,7 +23,7 @@ from floquetrod.floquet.proof.intervals import arithmetic, cosh_sinhc, pi
 from floquetrod.floquet.proof.problem import exact_problem
 from floquetrod.floquet.proof.series import Series, Wave
 from floquetrod.floquet.proof.trace import enclose_trace
-from floquetrod.floquet.result import Interval
+from floquetrod.floquet.verdict import Interval
 from strategies import hills, mathieu_points, mathieus, near_boundary_points, numbers, square_waves, transition_betas
 
 DIGITS = 20  # of the reference that proofs are held against; it uses up to 20 times as many

@@ -17,7 +17,7 @@ import pytest
 import floquetrod as fr
 from floquetrod._util import files
 from floquetrod.simulation import checkpoints
-from floquetrod.simulation.mesh import TimeSteps
+from floquetrod.simulation.time_steps import TimeSteps
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)

@@ -26,7 +26,7 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.waiting import waiting
-from floquetrod.floquet.result import Status
+from floquetrod.floquet.verdict import Status
 from floquetrod.rod.stability import Margin
 from floquetrod.units import Unit
 

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from floquetrod.floquet.result import Cost, Interval, Stability, Verdict
+from floquetrod.floquet.verdict import Cost, Interval, Stability, Verdict
 
 __all__ = ["Cost", "Interval", "Stability", "Verdict"]

@@ -9,8 +9,8 @@ from itertools import combinations
 from floquetrod import equations
 from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import Equation
-from floquetrod.floquet.result import Stability
-from floquetrod.floquet.stability import METHODS, run
+from floquetrod.floquet.dispatch import METHODS, run
+from floquetrod.floquet.verdict import Stability
 
 
 @dataclass(frozen=True, repr=False)

@@ -7,14 +7,13 @@ Eq. (14) of DOI 10.1115/1.4031710; derivations and proofs are in docs/friction.m
 
 from __future__ import annotations
 
-from floquetrod.friction.critical import (
-    CertainKicks,
+from floquetrod.friction.critical_kicks import (
     CriticalKickBounds,
-    certain_kicks,
     critical_kick,
 )
-from floquetrod.friction.kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning, escapes, fate, fates
+from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning, escapes, fate, fates
 from floquetrod.friction.leapfrog import leapfrog_escapes
+from floquetrod.friction.proved_kicks import CertainKicks, certain_kicks
 from floquetrod.friction.ranges import EscapeRanges, KickRange, escape_ranges
 from floquetrod.friction.trajectories import Trajectory, trajectory
 

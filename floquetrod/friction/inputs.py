@@ -13,8 +13,8 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast
 from floquetrod._util.compilation import over_chunks
 from floquetrod.equations import FrictionalMathieu
-from floquetrod.friction.propagators import Propagators, Records, cell_counts, no_kick_escapes_up_to, propagators
-from floquetrod.kernels import friction as kernels
+from floquetrod.friction.propagators import Propagators, Records, cell_counts, propagators
+from floquetrod.kernels import frictional_orbit as kernels
 from floquetrod.kernels.frictional_fates import follow_fill
 from floquetrod.kernels.frictional_records import COEFFICIENTS, FINDINGS, ORBIT, PERIOD
 
@@ -80,11 +80,6 @@ class Prepared(NamedTuple):
 
     coefficients: Records
     propagators: Propagators
-
-    def certain(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the kicks up to which none escapes, and those above which every one does: both proved."""
-        alpha, beta, ceiling = self.coefficients["alpha"], self.coefficients["beta"], self.propagators.ceiling
-        return np.minimum(no_kick_escapes_up_to(alpha, beta, self.propagators), ceiling), ceiling
 
     def no_findings(self) -> Records:
         """Return the `FINDINGS` on each equation before the first orbit was followed."""

@@ -13,9 +13,9 @@ from floquetrod._util import validate
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.roots import bisected
 from floquetrod.equations import FrictionalMathieu, require
-from floquetrod.friction.critical import certain_kicks
+from floquetrod.friction.fate_of_kicks import ESCAPES, UNDECIDED, fates
 from floquetrod.friction.inputs import MAX_STEPS
-from floquetrod.friction.kicks import ESCAPES, UNDECIDED, fates
+from floquetrod.friction.proved_kicks import certain_kicks
 
 _MOST_SAMPLES = 1_000_000  # kicks followed (a choice)
 

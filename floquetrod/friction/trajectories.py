@@ -13,7 +13,7 @@ from floquetrod._util.compilation import runner
 from floquetrod._util.content import ByContent
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import SHORT, prepare_one
-from floquetrod.kernels import friction as kernels
+from floquetrod.kernels import frictional_orbit as kernels
 from floquetrod.kernels.frictional_records import ORBIT, SAMPLE, workspace
 
 _MOST = 5_000_000  # rows of a record (a choice: 160 MB, a second or two)

@@ -1,6 +1,6 @@
 """The decaying solution of the adjoint equation, cell by cell, and the integral of its size over all later time.
 
-Motions against friction are tested for escape with it, see `floquetrod.kernels.friction`.
+Motions against friction are tested for escape with it, see `floquetrod.kernels.frictional_orbit`.
 """
 
 from __future__ import annotations

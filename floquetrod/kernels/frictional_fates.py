@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util.compilation import kernel
-from floquetrod.kernels.friction import LIMIT, SLOW, TRAPPED, run
+from floquetrod.kernels.frictional_orbit import LIMIT, SLOW, TRAPPED, run
 from floquetrod.kernels.frictional_records import ORBIT, PERIOD, SAMPLE, Workspace, workspace
 
 _WATCHED = 50  # periods in which sticking and slipping is watched for its range (heuristic)

@@ -15,7 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.version import __version__
 from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
 from floquetrod.equations import Equation, Mathieu
-from floquetrod.floquet.stability import stability
+from floquetrod.floquet.dispatch import stability
 from floquetrod.mathieu.arrays import growth_rate, is_stable
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 

@@ -18,7 +18,7 @@ from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.monodromy import monodromy_matrix
 from floquetrod.floquet.methods.square_wave import square_wave
 from floquetrod.floquet.proof import certify
-from floquetrod.floquet.result import Stability
+from floquetrod.floquet.verdict import Stability
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.load import AxialLoad
 from floquetrod.rod.rod import Rod

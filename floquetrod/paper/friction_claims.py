@@ -8,8 +8,8 @@ import numpy as np
 
 from floquetrod import friction, mathieu
 from floquetrod.paper.claims import ROD, UNIT, Claim, window
-from floquetrod.rod.coulomb import mode_friction
 from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.mode_friction import mode_friction
 
 GAMMA = 0.01
 KICKS = 0.005, 0.01, 0.05, 0.5

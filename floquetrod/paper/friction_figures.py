@@ -11,8 +11,8 @@ from floquetrod import friction, mathieu
 from floquetrod.paper.claims import ROD, UNIT, WINDOW, window
 from floquetrod.paper.friction_claims import AMPLITUDE, FRICTION, GAMMA, KICK, KICKS
 from floquetrod.plotting import paper as drawing
-from floquetrod.rod.coulomb import kicks_of
 from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.mode_friction import kicks_of
 
 SLOWEST = 0.01
 """Growth in 1/s up to which a mode is left out of the maps: hair-thin tongues that no kick in reach sets off."""

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from floquetrod.rod.coulomb import ModeFriction
 from floquetrod.rod.friction import CriticalKick
+from floquetrod.rod.mode_friction import ModeFriction
 from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.parts import Channel, Ends, Material, Section
 from floquetrod.rod.ranges import StabilityInterval

@@ -11,12 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.equations import FrictionalMathieu, Mathieu
-from floquetrod.floquet.result import Status, Verdict
-from floquetrod.friction.critical import CriticalKickBounds, known_bounds
+from floquetrod.floquet.verdict import Status, Verdict
+from floquetrod.friction.critical_kicks import CriticalKickBounds, known_bounds
+from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, known_fates
 from floquetrod.friction.inputs import growth_without_friction
-from floquetrod.friction.kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, known_fates
-from floquetrod.rod.coulomb import ModeFriction, kicks_of, mode_friction
 from floquetrod.rod.data import RodData
+from floquetrod.rod.mode_friction import ModeFriction, kicks_of, mode_friction
 from floquetrod.rod.modes import GrowingModes, ModalSystems
 from floquetrod.rod.stability import RodStability
 

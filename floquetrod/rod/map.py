@@ -12,8 +12,8 @@ from floquetrod._util import validate
 from floquetrod._util.version import __version__
 from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.rod.coulomb import friction_and_kick
 from floquetrod.rod.load import LIMITS, Quantity
+from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.rod import Rod
 
 _AXES: dict[Quantity, tuple[str, str, str]] = {

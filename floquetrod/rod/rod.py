@@ -12,9 +12,8 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
-from floquetrod.friction.kicks import UndecidedWarning
+from floquetrod.friction.fate_of_kicks import UndecidedWarning
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.rod.coulomb import friction_and_kick, friction_coefficient
 from floquetrod.rod.data import RodData
 from floquetrod.rod.friction import (
     CriticalKick,
@@ -25,6 +24,7 @@ from floquetrod.rod.friction import (
     kicked_loads,
 )
 from floquetrod.rod.load import AxialLoad, Loads, load_bounds
+from floquetrod.rod.mode_friction import friction_and_kick, friction_coefficient
 from floquetrod.rod.ranges import StabilityIntervals, first_unstable, stability_intervals
 from floquetrod.rod.stability import RodStability, classify_modes
 from floquetrod.rod.tongues import HAIRLINE_GROWTH, Progress

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import Mathieu
-from floquetrod.floquet.result import Cost, Stability, Status, Verdict
-from floquetrod.floquet.stability import stability
+from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.verdict import Cost, Stability, Status, Verdict
 from floquetrod.rod.data import RodData
 from floquetrod.rod.load import AxialLoad, Quantity
 from floquetrod.rod.modes import ModalSystem

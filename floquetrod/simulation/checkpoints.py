@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 from floquetrod._util import files
 from floquetrod._util.version import __version__
 from floquetrod.kernels import cosserat
-from floquetrod.simulation.mesh import ENERGIES, TimeSteps
+from floquetrod.simulation.mesh import ENERGIES
 from floquetrod.simulation.result import RecordedMotion
+from floquetrod.simulation.time_steps import TimeSteps
 
 _FORMAT = "floquetrod checkpoint 3"
 _SECONDS_BETWEEN = 5.0  # of wall time, between saves (a choice)

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from floquetrod._util.compilation import compiled, compiled_for
 from floquetrod.kernels import cosserat
 from floquetrod.simulation.checkpoints import Checkpoint, Resumable, RunState, frame_shapes
-from floquetrod.simulation.mesh import ENERGIES, DiscreteRod, TimeSteps
+from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.result import RecordedMotion
+from floquetrod.simulation.time_steps import TimeSteps
 
 Progress = Callable[[int, int], None]
 """Called with the number of steps done and their total."""

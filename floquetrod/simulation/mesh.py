@@ -14,10 +14,6 @@ from floquetrod.rod.data import RodData
 from floquetrod.rod.load import AxialLoad
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS
 
-SAFETY = 0.9  # of the largest time step of the linearised rod (heuristic: large motion never came near the rest)
-_MOST_WORK = 1e14  # steps times segments, of which a core does some 1e8 in a second: two weeks (a choice)
-_SMALLEST_PART = 1e-9  # of the critical step: a smaller one adds nothing but rounding (a choice)
-
 ENERGIES = (
     "kinetic",
     "stretch",
@@ -32,30 +28,6 @@ ENERGIES = (
     "work",
 )
 """What `DiscreteRod.energies` returns."""
-
-STEP_LIMITS = ("stretch", "shear", "contact", "choice")
-"""What limits a time step: three motions of the rod, or the caller's choice of a smaller one."""
-
-
-@dataclass(frozen=True)
-class TimeSteps:
-    """The time steps of a run: their number, how many lie between frames, their size in s, and what limits it."""
-
-    count: int
-    per_frame: int
-    size: float
-    limit: str
-
-    @property
-    def frames(self) -> int:
-        """Frames kept, the start and the end among them."""
-        return self.count // self.per_frame + 1
-
-    @classmethod
-    def between_frames(cls, duration: float, frames: int, per_frame: int, limit: str) -> TimeSteps:
-        """Return the steps of a run of ``duration`` s, ``per_frame`` of them between each two frames."""
-        count = (frames - 1) * per_frame
-        return cls(count, per_frame, duration / count, limit)
 
 
 @dataclass(frozen=True)
@@ -82,9 +54,8 @@ class DiscreteRod:
     Examples
     --------
     >>> mesh = DiscreteRod(RodData.nitinol(), 250)
-    >>> step, limit = mesh.critical_time_step()
-    >>> f"{1e6 * step:.2f} us, set by {limit}"
-    '2.91 us, set by shear'
+    >>> f"{mesh.segment_length:.4f} m, {1e3 * mesh.segment_mass:.4f} g"
+    '0.0124 m, 0.1621 g'
     """
 
     rod: RodData
@@ -188,30 +159,6 @@ class DiscreteRod:
         """C of the contact's acceleration in s, from the damping of small motion about rest."""
         return 2.0 * self.contact_damping * math.sqrt(1.5 * self.depth_at_rest / self.rod.gravity)
 
-    def critical_time_step(self, impact_speed: float = 0.0) -> tuple[float, str]:
-        """Return the largest stable time step in s, with a margin, and what limits it: "stretch", "shear" or "contact".
-
-        The fastest motion of the linearised rod in which neighbours move against each other has the frequency w; a step
-        below 2 / w is stable.  Stretch: w^2 = 4 E / (rho l^2).  Nodes against turning segments: the larger eigenvalue
-        of two coupled oscillators (see docs/simulator.md).  Contact adds its stiffness and damping at the depth that
-        ``impact_speed`` (m/s), on top of a fall across the channel, can reach.
-        """
-        length, mass, inertia = self.segment_length, self.segment_mass, self.cross_inertia
-        stretch = 4.0 * self.rod.youngs_modulus / (self.rod.density * length**2)
-        a = 4.0 * self.shear_rigidity / length / mass
-        c = (self.shear_rigidity * length + 4.0 * self.rod.flexural_rigidity / length) / inertia
-        b2 = 4.0 * self.shear_rigidity**2 / (mass * inertia)
-        shear = 0.5 * (a + c) + math.sqrt(0.25 * (a - c) ** 2 + b2)
-        speed2 = 4.0 * self.rod.gravity * self.rod.radial_clearance + impact_speed**2
-        depth = self.depth_at_rest + (1.25 * speed2 / self.contact_stiffness) ** 0.4
-        contact = 1.5 * self.contact_stiffness * math.sqrt(depth)
-        fastest = max(stretch, shear)
-        frequency = math.sqrt(fastest + contact)
-        ratio = 0.5 * self.contact_stiffness * math.sqrt(depth) * self.contact_time / frequency
-        bound = 2.0 / frequency * (math.sqrt(1.0 + ratio**2) - ratio)
-        limit = "contact" if contact > fastest else "shear" if shear > stretch else "stretch"
-        return SAFETY * bound, limit
-
     def physics(
         self, load: AxialLoad, step: float, friction: float = 0.0, ends: int = cosserat.HINGED
     ) -> cosserat.Physics:
@@ -239,62 +186,6 @@ class DiscreteRod:
             amplitude=load.amplitude,
             frequency=load.frequency,
         )
-
-    def time_steps(self, duration: float, frames: int, largest: float | None, speed: float) -> TimeSteps:
-        """Return the steps of a run: as few as the critical time step allows, equally many between all frames.
-
-        Parameters
-        ----------
-        duration : float
-            s.
-        frames : int
-            Frames kept, the start and the end among them.
-        largest : float or None
-            The largest step in s that the caller wants, None to leave it to the critical time step.
-        speed : float
-            The largest speed across the channel at the start, in m/s.
-
-        Raises
-        ------
-        ValueError
-            For a step that is unstable or far too small, for more than 1e14 steps times segments, and for frames that
-            lie too close together.
-        ArithmeticError
-            For data so extreme that the critical time step is not a positive number.
-        """
-        step, limit = self._largest_step(largest, speed)
-        steps, most = max(duration / step, frames - 1.0), _MOST_WORK / self.segments
-        if steps > most:
-            name, value = ("duration", duration) if largest is None else ("time_step", step)
-            raise ValueError(
-                f"{name} of {value:.4g} s makes {steps:.4g} steps of {step:.4g} s, at most {most:.4g} are taken with "
-                f"{self.segments} segments (about two weeks on one core); simulate a shorter time, or take a longer "
-                "step or fewer segments"
-            )
-        between = duration / (frames - 1)
-        if between < _SMALLEST_PART * step:
-            raise ValueError(
-                f"duration must be at least {(frames - 1) * _SMALLEST_PART * step:.4g} s with {frames} frames, got "
-                f"{duration:.4g} s"
-            )
-        return TimeSteps.between_frames(duration, frames, math.ceil(between / step), limit)
-
-    def _largest_step(self, asked: float | None, speed: float) -> tuple[float, str]:
-        """Return the largest step to take in s, and what limits it."""
-        critical, limit = self.critical_time_step(speed)
-        if not 0.0 < critical < math.inf:
-            raise ArithmeticError(f"its critical time step is {critical} s")
-        if asked is None:
-            return critical, limit
-        if asked > critical:
-            raise ValueError(
-                f"time_step must be at most {critical:.4g} s, got {asked:.4g} s: a longer one is unstable, by "
-                f"{self.critical_time_step()[1]}; leave it out, or take fewer segments"
-            )
-        if asked < _SMALLEST_PART * critical:
-            least = _SMALLEST_PART * critical
-            raise ValueError(f"time_step must be at least {least:.4g} s, got {asked:.4g} s; leave it out")
-        return asked, "choice"
 
     def straight(self, force: float = 0.0) -> Any:
         """Return the record of the rod at rest, straight on the floor, squeezed by ``force`` (N)."""

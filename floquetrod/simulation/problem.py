@@ -15,15 +15,16 @@ from numpy.typing import NDArray
 
 from floquetrod._util import files, validate
 from floquetrod._util.version import __version__
-from floquetrod.rod.coulomb import friction_coefficient
 from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.mode_friction import friction_coefficient
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.checkpoints import Checkpoint
 from floquetrod.simulation.growth import GrowthFit, fit_linear_growth
 from floquetrod.simulation.integration import Integration, Progress
-from floquetrod.simulation.mesh import ENERGIES, STEP_LIMITS, DiscreteRod, TimeSteps
+from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.result import RecordedMotion
 from floquetrod.simulation.start import Perturbation
+from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
 
 _LARGEST_STRAIN = 0.02  # that a load may cause: beyond it linear elasticity has no meaning (a choice)
 _MOST_MEMORY = 1 << 32  # bytes of all frames (a choice)
@@ -133,7 +134,7 @@ class SimulationProblem:
     def time_steps(self) -> TimeSteps:
         """The steps that will be taken: their number, how many between frames, their size in s, what limits it."""
         speed = float(np.abs(self.perturbation.velocities(self.segments)).max())
-        return self.mesh.time_steps(self.duration, self.frames, self.time_step, speed)
+        return time_steps(self.mesh, self.duration, self.frames, self.time_step, speed)
 
     def replace(self, **changes: Any) -> SimulationProblem:
         """Return a copy with some parameters changed, checked anew."""

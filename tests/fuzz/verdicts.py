@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.floquet.stability import METHODS
+from floquetrod.floquet.dispatch import METHODS
 from fuzz import oracle, precise, rods
 from fuzz.core import Found, limit
 

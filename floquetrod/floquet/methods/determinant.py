@@ -9,7 +9,7 @@ import numpy as np
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod.equations import Mathieu
-from floquetrod.floquet.result import Cost, Interval, Stability, Status, classify
+from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
 
 _EPS = 2.220446049250313e-16
 _MOST_TERMS = 20000  # a choice: about 30 ms

@@ -13,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.compilation import compiled
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import value_on
-from floquetrod.floquet.result import Cost, Stability, Status, classify, discriminant_excess_of
+from floquetrod.floquet.verdict import Cost, Stability, Status, classify, discriminant_excess_of
 from floquetrod.kernels.leapfrog import leapfrog_run
 
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second

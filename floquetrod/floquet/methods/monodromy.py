@@ -15,7 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.compilation import INTERPRETED_UP_TO, runner
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import from_instant
-from floquetrod.floquet.result import Cost, Stability, classify
+from floquetrod.floquet.verdict import Cost, Stability, classify
 from floquetrod.kernels.taylor import ORDER, REACH, advance
 
 _MOST_STEPS = 1_000_000

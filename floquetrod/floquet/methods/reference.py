@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 
 from floquetrod._util import validate
 from floquetrod.equations import Equation, require
-from floquetrod.floquet.result import Cost, Stability, Status, classify
+from floquetrod.floquet.verdict import Cost, Stability, Status, classify
 
 _LARGEST_RAISE = 20  # working digits go up to this many times the digits asked for (heuristic)
 _GUARD_BITS = 24  # beyond what the digits need (heuristic); also what the first of the two maps has more

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod.equations import Equation, Mathieu
-from floquetrod.floquet.result import Cost, Interval, Stability, Status, classify
+from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
 from floquetrod.kernels import mathieu as kernels
 
 _EPS = 2.220446049250313e-16

@@ -22,7 +22,7 @@ from floquetrod.floquet.proof.problem import MOST_DIGITS, ExactProblem, exact_pr
 from floquetrod.floquet.proof.result import Enclosure, Proof
 from floquetrod.floquet.proof.series import time_unit, undamped_series
 from floquetrod.floquet.proof.trace import enclose_trace
-from floquetrod.floquet.result import Interval, Status
+from floquetrod.floquet.verdict import Interval, Status
 
 _FIRST_DIGITS = 15
 

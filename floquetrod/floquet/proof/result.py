@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from floquetrod.equations import Equation
-from floquetrod.floquet.result import Answer, Interval, Status
+from floquetrod.floquet.verdict import Answer, Interval, Status
 
 
 class Enclosure(NamedTuple):

@@ -29,7 +29,7 @@ from floquetrod.friction.inputs import (
     prepare_one,
     size_of,
 )
-from floquetrod.kernels import friction as kernels
+from floquetrod.kernels import frictional_orbit as kernels
 from floquetrod.kernels.frictional_records import ORBIT, SAMPLE, workspace
 
 UNDECIDED, BOUNDED, ESCAPES = -1, 0, 1

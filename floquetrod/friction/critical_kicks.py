@@ -1,4 +1,4 @@
-"""The smallest kick that escapes, and the kicks whose fate is proved."""
+"""The smallest kick that escapes."""
 
 from __future__ import annotations
 
@@ -10,19 +10,17 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
-from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import (
     Prepared,
     arguments,
     elapsed,
-    growth_of,
     growth_without_friction,
     over_friction,
     parts,
     prepare,
-    prepare_one,
 )
-from floquetrod.kernels import friction as kernels
+from floquetrod.friction.proved_kicks import proved
+from floquetrod.kernels import frictional_orbit as kernels
 
 _LARGEST = 1e12  # kick over the floor: up to here kicks are tried where none is proved to escape
 _MOST_SAMPLES = 10_000  # kicks tried on the way up (a choice)
@@ -32,19 +30,6 @@ _BLOCK = 4  # kicks tried at once on the way up (a choice: with more, more are t
 _CLOSER = ((8, 1e-3, 0.0),) * 6 + ((8, 1e-4, 15.0),) * 4 + ((3, 1e-8, 0.0),) * 8
 """Rounds of a closer look (heuristic, measured): how many intervals of an equation are halved at most, how narrow they
 may be, relative to the kick, and how long one of their ends must live."""
-
-
-class CertainKicks(NamedTuple):
-    """The kicks whose fate is proved.
-
-    Attributes
-    ----------
-    bounded_up_to, escapes_above : float
-        No kick up to the one escapes, every kick above the other does; infinite where there is no such kick.
-    """
-
-    bounded_up_to: float
-    escapes_above: float
 
 
 class CriticalKickBounds(NamedTuple):
@@ -148,26 +133,6 @@ def known_bounds(
     return CriticalKickBounds(floor, found)
 
 
-def certain_kicks(equation: FrictionalMathieu) -> CertainKicks:
-    """Return the kick up to which none escapes, and that above which every one does: both proved.
-
-    The second is infinite where nothing grows without friction.  docs/friction.md derives them.
-
-    Examples
-    --------
-    >>> round(certain_kicks(FrictionalMathieu(alpha=0.0, beta=0.25, gamma=1.0)).bounded_up_to, 9)
-    2.0
-    """
-    require(equation, (FrictionalMathieu,), "certain_kicks")
-    rate = growth_of(equation)
-    if rate < 0.0:
-        return CertainKicks(math.inf, math.inf)
-    if equation.alpha == equation.beta == 0.0:
-        return CertainKicks(math.inf, math.inf) if equation.gamma > 0.0 else CertainKicks(0.0, 0.0)
-    low, high = prepare_one(equation, rate).certain()
-    return CertainKicks(equation.gamma * low.item(), equation.gamma * high.item())
-
-
 class _Search:
     """The search for the smallest kick that escapes, of many equations side by side; gamma = 1.
 
@@ -185,7 +150,7 @@ class _Search:
 
     def __init__(self, equations: Prepared, limit: NDArray[np.float64], max_steps: int, workers: int | None) -> None:
         self.equations, self.max_steps, self.workers = equations, max_steps, workers
-        self.floor, ceiling = equations.certain()
+        self.floor, ceiling = proved(equations)
         self.top = np.minimum(np.minimum(ceiling, _LARGEST * self.floor), limit)
         self.found = np.where(ceiling <= limit, ceiling, math.inf)
         self.tried = self.floor[:, None]

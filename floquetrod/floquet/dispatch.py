@@ -9,7 +9,7 @@ from typing import Any
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod.equations import Equation, Mathieu, Meissner
-from floquetrod.floquet.result import Stability
+from floquetrod.floquet.verdict import Stability
 
 METHODS: dict[str, Callable[[Equation], bool]] = {
     "spectral": lambda equation: equation.is_smooth,

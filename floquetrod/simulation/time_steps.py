@@ -1,0 +1,126 @@
+"""The time steps of a simulation: how large the largest stable one is, and how many are taken."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from floquetrod.simulation.mesh import DiscreteRod
+
+SAFETY = 0.9  # of the largest time step of the linearised rod (heuristic: large motion never came near the rest)
+_MOST_WORK = 1e14  # steps times segments, of which a core does some 1e8 in a second: two weeks (a choice)
+_SMALLEST_PART = 1e-9  # of the critical step: a smaller one adds nothing but rounding (a choice)
+
+STEP_LIMITS = ("stretch", "shear", "contact", "choice")
+"""What limits a time step: three motions of the rod, or the caller's choice of a smaller one."""
+
+
+@dataclass(frozen=True)
+class TimeSteps:
+    """The time steps of a run: their number, how many lie between frames, their size in s, and what limits it."""
+
+    count: int
+    per_frame: int
+    size: float
+    limit: str
+
+    @property
+    def frames(self) -> int:
+        """Frames kept, the start and the end among them."""
+        return self.count // self.per_frame + 1
+
+    @classmethod
+    def between_frames(cls, duration: float, frames: int, per_frame: int, limit: str) -> TimeSteps:
+        """Return the steps of a run of ``duration`` s, ``per_frame`` of them between each two frames."""
+        count = (frames - 1) * per_frame
+        return cls(count, per_frame, duration / count, limit)
+
+
+def critical_time_step(mesh: DiscreteRod, impact_speed: float = 0.0) -> tuple[float, str]:
+    """Return the largest stable time step in s, with a margin, and what limits it: "stretch", "shear" or "contact".
+
+    The fastest motion of the linearised rod in which neighbours move against each other has the frequency w; a step
+    below 2 / w is stable.  Stretch: w^2 = 4 E / (rho l^2).  Nodes against turning segments: the larger eigenvalue
+    of two coupled oscillators (see docs/simulator.md).  Contact adds its stiffness and damping at the depth that
+    ``impact_speed`` (m/s), on top of a fall across the channel, can reach.
+
+    Examples
+    --------
+    >>> from floquetrod.rod.rod import Rod
+    >>> step, limit = critical_time_step(DiscreteRod(Rod.nitinol(), 250))
+    >>> f"{1e6 * step:.2f} us, set by {limit}"
+    '2.91 us, set by shear'
+    """
+    length, mass, inertia = mesh.segment_length, mesh.segment_mass, mesh.cross_inertia
+    stretch = 4.0 * mesh.rod.youngs_modulus / (mesh.rod.density * length**2)
+    a = 4.0 * mesh.shear_rigidity / length / mass
+    c = (mesh.shear_rigidity * length + 4.0 * mesh.rod.flexural_rigidity / length) / inertia
+    b2 = 4.0 * mesh.shear_rigidity**2 / (mass * inertia)
+    shear = 0.5 * (a + c) + math.sqrt(0.25 * (a - c) ** 2 + b2)
+    speed2 = 4.0 * mesh.rod.gravity * mesh.rod.radial_clearance + impact_speed**2
+    depth = mesh.depth_at_rest + (1.25 * speed2 / mesh.contact_stiffness) ** 0.4
+    contact = 1.5 * mesh.contact_stiffness * math.sqrt(depth)
+    fastest = max(stretch, shear)
+    frequency = math.sqrt(fastest + contact)
+    ratio = 0.5 * mesh.contact_stiffness * math.sqrt(depth) * mesh.contact_time / frequency
+    bound = 2.0 / frequency * (math.sqrt(1.0 + ratio**2) - ratio)
+    limit = "contact" if contact > fastest else "shear" if shear > stretch else "stretch"
+    return SAFETY * bound, limit
+
+
+def time_steps(mesh: DiscreteRod, duration: float, frames: int, largest: float | None, speed: float) -> TimeSteps:
+    """Return the steps of a run: as few as the critical time step allows, equally many between all frames.
+
+    Parameters
+    ----------
+    duration : float
+        s.
+    frames : int
+        Frames kept, the start and the end among them.
+    largest : float or None
+        The largest step in s that the caller wants, None to leave it to the critical time step.
+    speed : float
+        The largest speed across the channel at the start, in m/s.
+
+    Raises
+    ------
+    ValueError
+        For a step that is unstable or far too small, for more than 1e14 steps times segments, and for frames that
+        lie too close together.
+    ArithmeticError
+        For data so extreme that the critical time step is not a positive number.
+    """
+    step, limit = _largest_step(mesh, largest, speed)
+    steps, most = max(duration / step, frames - 1.0), _MOST_WORK / mesh.segments
+    if steps > most:
+        name, value = ("duration", duration) if largest is None else ("time_step", step)
+        raise ValueError(
+            f"{name} of {value:.4g} s makes {steps:.4g} steps of {step:.4g} s, at most {most:.4g} are taken with "
+            f"{mesh.segments} segments (about two weeks on one core); simulate a shorter time, or take a longer "
+            "step or fewer segments"
+        )
+    between = duration / (frames - 1)
+    if between < _SMALLEST_PART * step:
+        raise ValueError(
+            f"duration must be at least {(frames - 1) * _SMALLEST_PART * step:.4g} s with {frames} frames, got "
+            f"{duration:.4g} s"
+        )
+    return TimeSteps.between_frames(duration, frames, math.ceil(between / step), limit)
+
+
+def _largest_step(mesh: DiscreteRod, asked: float | None, speed: float) -> tuple[float, str]:
+    """Return the largest step to take in s, and what limits it."""
+    critical, limit = critical_time_step(mesh, speed)
+    if not 0.0 < critical < math.inf:
+        raise ArithmeticError(f"its critical time step is {critical} s")
+    if asked is None:
+        return critical, limit
+    if asked > critical:
+        raise ValueError(
+            f"time_step must be at most {critical:.4g} s, got {asked:.4g} s: a longer one is unstable, by "
+            f"{critical_time_step(mesh)[1]}; leave it out, or take fewer segments"
+        )
+    if asked < _SMALLEST_PART * critical:
+        least = _SMALLEST_PART * critical
+        raise ValueError(f"time_step must be at least {least:.4g} s, got {asked:.4g} s; leave it out")
+    return asked, "choice"
