@@ -27,7 +27,6 @@ from floquetrod.simulation.start import Perturbation
 from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
 
 _LARGEST_STRAIN = 0.02  # that a load may cause: beyond it linear elasticity has no meaning (a choice)
-_MOST_MEMORY = 1 << 32  # bytes of all frames (a choice)
 _FORMAT = "floquetrod simulation 3"
 
 
@@ -113,7 +112,6 @@ class SimulationProblem:
             mesh = self.mesh
             self._hold({name: getattr(mesh, name) for name in _OF_THE_MESH})
             kick.velocities(self.segments)
-            self._require_memory()
             _ = self.time_steps
         except ArithmeticError as error:  # of a rod whose data lie further apart than a double reaches
             raise ValueError(
@@ -206,16 +204,6 @@ class SimulationProblem:
             raise ValueError(
                 f"load strains the rod by {strain:.2g}, must be at most {_LARGEST_STRAIN:g}; its critical force is "
                 f"{self.rod.critical_force:.4g} N: check the units"
-            )
-
-    def _require_memory(self) -> None:
-        """Raise ValueError for more frames than memory should hold."""
-        frame = 6 * 8 * (self.segments + 1)
-        most = _MOST_MEMORY // frame
-        if self.frames > most:
-            raise ValueError(
-                f"frames must be at most {most:,} with {self.segments} segments, got {self.frames:,} of {frame:,} "
-                "bytes each; take fewer"
             )
 
 

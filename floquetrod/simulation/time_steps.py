@@ -9,6 +9,7 @@ from floquetrod.simulation.mesh import DiscreteRod
 
 SAFETY = 0.9  # of the largest time step of the linearised rod (heuristic: large motion never came near the rest)
 _MOST_WORK = 1e14  # steps times segments, of which a core does some 1e8 in a second: two weeks (a choice)
+_MOST_MEMORY = 1 << 32  # bytes of all frames (a choice)
 _SMALLEST_PART = 1e-9  # of the critical step: a smaller one adds nothing but rounding (a choice)
 
 STEP_LIMITS = ("stretch", "shear", "contact", "choice")
@@ -86,10 +87,16 @@ def time_steps(mesh: DiscreteRod, duration: float, frames: int, largest: float |
     ------
     ValueError
         For a step that is unstable or far too small, for more than 1e14 steps times segments, and for frames that
-        lie too close together.
+        lie too close together or take more than 4 GiB.
     ArithmeticError
         For data so extreme that the critical time step is not a positive number.
     """
+    frame = 6 * 8 * (mesh.segments + 1)  # bytes
+    if frames > _MOST_MEMORY // frame:
+        raise ValueError(
+            f"frames must be at most {_MOST_MEMORY // frame:,} with {mesh.segments} segments, got {frames:,} of "
+            f"{frame:,} bytes each; take fewer"
+        )
     step, limit = _largest_step(mesh, largest, speed)
     steps, most = max(duration / step, frames - 1.0), _MOST_WORK / mesh.segments
     if steps > most:

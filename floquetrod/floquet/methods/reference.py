@@ -21,23 +21,20 @@ estimated from their difference and from Liouville's formula det M = exp(-2 c pe
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
 from floquetrod.equations import Equation, require
+from floquetrod.floquet.fixed_point import GUARD_BITS, Stretch, multiply, period_map
 from floquetrod.floquet.verdict import Cost, Stability, Status, classify
 
 _LARGEST_RAISE = 20  # working digits go up to this many times the digits asked for (heuristic)
-_GUARD_BITS = 24  # beyond what the digits need (heuristic); also what the first of the two maps has more
 _LARGEST_WORK = 3e6  # terms of series times their cost, a few seconds' worth (heuristic)
 _LARGEST_SIZE = 1e18  # of period^2 (abs(p) + c^2): beyond it no series is short enough, nor a double able to tell
 _SETTLED = 2.0**60  # times its error: an excess that large is known as well as a double can hold it
 _PIECES_PER_WAVE = 0.35  # pieces of the period per unit of sqrt(largest abs(p) + c^2), measured to be fastest
 _LEAST_PIECES = 7  # the fewest for which tan(theta / 2) stays below 1/4
-
-Matrix = tuple[int, int, int, int]
 
 
 class DiscriminantExcess(NamedTuple):
@@ -50,21 +47,6 @@ class DiscriminantExcess(NamedTuple):
     excess: Any
     error: Any
     terms: int
-
-
-class _Stretch(NamedTuple):
-    """A piece of the coefficient with time in units of period / 2 pi, as numbers of a context."""
-
-    begin: Any
-    length: Any
-    mean: Any
-    slope: Any
-    harmonics: tuple[tuple[Any, Any], ...]
-
-    @property
-    def size(self) -> Any:
-        """Bound on abs(p)."""
-        return abs(self.mean) + abs(self.slope) * self.length + sum(abs(re) + abs(im) for re, im in self.harmonics)
 
 
 class TooMuchWork(ValueError):
@@ -156,7 +138,7 @@ def _attempt(equation: Equation, digits: int) -> tuple[int, Any, Any, int]:
     from mpmath.ctx_mp import MPContext
 
     context = MPContext()
-    context.prec = math.ceil(digits * math.log2(10.0)) + 2 * _GUARD_BITS + 32
+    context.prec = math.ceil(digits * math.log2(10.0)) + 2 * GUARD_BITS + 32
     if all(piece.is_constant for piece in equation.pieces()):
         trace, error, terms = _closed_form(equation, context)
     else:
@@ -173,7 +155,7 @@ def _closed_form(equation: Equation, context: Any) -> tuple[Any, Any, int]:
     stretches, damping = _stretches(equation, context)
     size = 4 * context.pi**2 * (max(stretch.size for stretch in stretches) + damping**2)
     _check_size(size)
-    bits = context.prec - _GUARD_BITS
+    bits = context.prec - GUARD_BITS
     context.prec += max(0, context.mag(size))  # what the arguments of the sines lose
     stretches, damping = _stretches(equation, context)
     one, zero = context.one, context.zero
@@ -188,7 +170,7 @@ def _closed_form(equation: Equation, context: Any) -> tuple[Any, Any, int]:
         else:
             even, odd = one, stretch.length
         entries = (even + damping * odd, odd, stretch.mean * odd, even - damping * odd)
-        total, sizes = _multiply(entries, total), _multiply(tuple(map(abs, entries)), sizes)
+        total, sizes = multiply(entries, total), multiply(tuple(map(abs, entries)), sizes)
     return total[0] + total[3], context.ldexp(len(stretches) * (sizes[0] + sizes[3]), -bits), 4 * len(stretches)
 
 
@@ -199,25 +181,26 @@ def _twice(equation: Equation, context: Any, digits: int) -> tuple[Any, Any, int
     _check_size(4 * context.pi**2 * size)
     harmonics = max(len(stretch.harmonics) for stretch in stretches)
     pieces = max(_LEAST_PIECES, math.ceil(_PIECES_PER_WAVE * math.pi * math.sqrt(size))) + len(stretches) - 1
-    bits = math.ceil(digits * math.log2(10.0)) + _GUARD_BITS + math.ceil(math.log2(pieces * (1.0 + size)))
+    bits = math.ceil(digits * math.log2(10.0)) + GUARD_BITS + math.ceil(math.log2(pieces * (1.0 + size)))
     _check_work(pieces, bits, harmonics)
-    context.prec = bits + 2 * _GUARD_BITS
+    context.prec = bits + 2 * GUARD_BITS
     stretches, damping = _stretches(equation, context)
     undamp = context.exp(2 * context.pi * damping)
     traces, terms = [], 0
     error = context.zero
-    for more, other, offset in ((_GUARD_BITS, 0, 0.0), (0, 1, 0.6180339887)):
-        matrix, exponent, used = _period_map(stretches, damping, context, pieces, other, bits + more, offset)
+    # The first of the two maps has more digits.
+    for more, other, offset in ((GUARD_BITS, 0, 0.0), (0, 1, 0.6180339887)):
+        matrix, exponent, used = period_map(stretches, damping, context, pieces, other, bits + more, offset)
         a, b, c, d = (undamp * context.ldexp(entry, exponent) for entry in matrix)
         norm = max(map(abs, (a, b, c, d, context.one)))
         liouville = abs(a * d - b * c - 1) / norm
-        error = max(error, liouville, context.ldexp(norm, _GUARD_BITS // 2 - bits))
+        error = max(error, liouville, context.ldexp(norm, GUARD_BITS // 2 - bits))
         traces.append(a + d)
         terms += used
     return traces[0], max(error, abs(traces[0] - traces[1])), terms
 
 
-def _stretches(equation: Equation, context: Any) -> tuple[list[_Stretch], Any]:
+def _stretches(equation: Equation, context: Any) -> tuple[list[Stretch], Any]:
     """Return the pieces and the damping of an equation with time in units of period / 2 pi."""
     unit = _period(equation, context) / (2 * context.pi)
     found, share = [], Fraction(0)
@@ -225,7 +208,7 @@ def _stretches(equation: Equation, context: Any) -> tuple[list[_Stretch], Any]:
         begin, length = (2 * context.pi * _exactly(part, context) for part in (share, piece.share))
         harmonics = tuple((unit**2 * context.mpf(z.real), unit**2 * context.mpf(z.imag)) for z in piece.harmonics)
         mean, slope = unit**2 * _exactly(piece.mean, context), unit**3 * _exactly(piece.slope, context)
-        found.append(_Stretch(begin, length, mean, slope, harmonics))
+        found.append(Stretch(begin, length, mean, slope, harmonics))
         share += piece.share
     return found, unit * context.mpf(equation.damping)
 
@@ -234,158 +217,6 @@ def _exactly(number: Fraction | float, context: Any) -> Any:
     """Return a number in a context's precision."""
     exact = Fraction(number)
     return context.mpf(exact.numerator) / exact.denominator
-
-
-def _period_map(
-    stretches: list[_Stretch], damping: Any, context: Any, pieces: int, more: int, bits: int, offset: float
-) -> tuple[Matrix, int, int]:
-    """Return the map over a period as integers times 2**exponent, and the terms summed.
-
-    Each stretch takes its share of about ``pieces`` steps, and ``more``.  A period that is one stretch begins
-    ``offset`` steps after tau = 0.
-    """
-    total, exponent, terms = (1 << bits, 0, 0, 1 << bits), -bits, 0
-    drag = _fixed(2 * damping, bits)
-    for stretch in stretches:
-        count = math.ceil(pieces * stretch.length / (2 * context.pi)) + more
-        half = stretch.length / (2 * count)
-        shifted = context.mpf(offset) if len(stretches) == 1 and not stretch.slope else context.zero
-        for piece in range(count):
-            middle = (2 * piece + 1 + shifted) * half
-            ends = _ends(stretch, middle, half, drag, damping, context, bits)
-            terms += sum(end[4] for end in ends)
-            total, exponent = _advance(total, exponent, ends, bits)
-    return total, exponent, terms
-
-
-def _ends(
-    stretch: _Stretch, middle: Any, half: Any, drag: int, damping: Any, context: Any, bits: int
-) -> list[tuple[int, int, int, int, int]]:
-    """Return what `_series` does for both unit solutions of a step whose middle is ``middle`` after the beginning."""
-    starts = ((1 << bits, 0), (0, 1 << bits))
-    mean = stretch.mean + stretch.slope * middle
-    waves = []
-    for k, (re, im) in enumerate(stretch.harmonics, start=1):
-        cosine, sine = context.cos_sin(k * (stretch.begin + middle))
-        waves.append((re * cosine - im * sine, re * sine + im * cosine))
-    if stretch.slope:
-        p = _power_series(mean, stretch.slope, waves, half, bits)
-        rub = _fixed(2 * damping * half, bits)
-        return [_direct_series(start, p, rub, half, bits) for start in starts]
-    tangent = context.tan(half / 2)
-    shift = -context.mag(tangent)  # the series runs in t 2**shift, at most 1
-    reach = _fixed(context.ldexp(tangent, shift), bits)
-    fixed = [(_fixed(re, bits), _fixed(im, bits)) for re, im in waves]
-    return [_series(start, _fixed(mean, bits), drag, fixed, reach, shift, bits) for start in starts]
-
-
-def _power_series(mean: Any, slope: Any, waves: list[tuple[Any, Any]], half: Any, bits: int) -> list[int]:
-    """Return p_j half^(j + 2) in fixed point, p = sum_j p_j x^j about a step's middle."""
-    terms = [mean * half**2, slope * half**3]
-    for k, (re, im) in enumerate(waves, start=1):
-        a, b, j = re * half**2, im * half**2, 0
-        while j < 2 or max(abs(a), abs(b)) * 2**bits > 1:
-            if j == len(terms):
-                terms.append(0 * a)
-            terms[j] += a
-            a, b, j = -k * half * b / (j + 1), k * half * a / (j + 1), j + 1
-    return [_fixed(term, bits) if term else 0 for term in terms]
-
-
-def _direct_series(
-    start: tuple[int, int], p: list[int], drag: int, half: Any, bits: int
-) -> tuple[int, int, int, int, int]:
-    """Sum A and B at both ends of a step by the power series in x / half; returns as `_series` does.
-
-    ``p`` is from `_power_series` and ``drag`` is 2 c half.
-    """
-    step = _fixed(half, bits)
-    a = [start[0], start[1] * step >> bits]
-    n, small = 0, 0
-    while small < 4:
-        push = sum(p[j] * a[n - j] for j in range(min(len(p), n + 1))) - drag * (n + 1) * a[n + 1]
-        a.append((push >> bits) // ((n + 1) * (n + 2)))
-        small = small + 1 if abs(a[-1]) < 4 else 0
-        n += 1
-    slopes = [(j * value << bits) // step for j, value in enumerate(a)]
-    return sum(a[0::2]), sum(a[1::2]), sum(slopes[1::2]), sum(slopes[2::2]), n
-
-
-def _series(
-    start: tuple[int, int],
-    mean: int,
-    damping: int,
-    waves: list[tuple[int, int]],
-    reach: int,
-    shift: int,
-    bits: int,
-) -> tuple[int, int, int, int, int]:
-    """Sum A and B = A' at both ends of a piece from ``start`` = (A, B) in its middle.
-
-    Returns the even and odd parts of A, those of B, and the number of terms; all in fixed point with ``bits`` bits.
-    """
-    a_now, b_now = start
-    a_old = b_old = 0
-    a_all, b_all = [a_now], [b_now]
-    chain = [(0, 0)] * len(waves)  # coefficients of W_k one order below
-    descent = bits - reach.bit_length() + 1 - math.log2(reach / (1 << (reach.bit_length() - 1)))
-    small = 0
-    n = 0
-    while small < 4:
-        push = mean * a_now - damping * b_now
-        lower_re, lower_im, here_re, here_im = a_old, 0, a_now, 0
-        largest = abs(a_now) | abs(b_now)
-        for k, (wave_re, wave_im) in enumerate(waves):
-            old_re, old_im = chain[k]
-            # W_k = W_(k-1) + i t (W_(k-1) + W_k), the bracket one order below
-            here_re, here_im = here_re - ((lower_im + old_im) >> shift), here_im + ((lower_re + old_re) >> shift)
-            chain[k] = here_re, here_im
-            lower_re, lower_im = old_re, old_im
-            push += wave_re * here_re - wave_im * here_im
-            largest |= abs(here_re) | abs(here_im)
-        a_next = ((b_now << 1 >> shift) - ((n - 1) * a_old >> 2 * shift)) // (n + 1)
-        b_next = ((push >> (bits + shift - 1)) - ((n - 1) * b_old >> 2 * shift)) // (n + 1)
-        small = small + 1 if largest.bit_length() < 4 + n * descent else 0
-        a_old, b_old, a_now, b_now = a_now, b_now, a_next, b_next
-        a_all.append(a_now)
-        b_all.append(b_now)
-        n += 1
-    square = reach * reach >> bits
-    parts = []
-    for series in (a_all, b_all):
-        even, odd = _horner(series[0::2], square, bits), _horner(series[1::2], square, bits)
-        parts += [even, odd * reach >> bits]
-    return parts[0], parts[1], parts[2], parts[3], n
-
-
-def _horner(coefficients: list[int], argument: int, bits: int) -> int:
-    total = 0
-    for coefficient in reversed(coefficients):
-        total = coefficient + (total * argument >> bits)
-    return total
-
-
-def _advance(total: Matrix, exponent: int, ends: list[tuple[int, int, int, int, int]], bits: int) -> tuple[Matrix, int]:
-    """Multiply ``total`` by the map over a piece: its later end times the inverse of its earlier end."""
-    (ae, ao, be, bo, _), (ce, co, de, do, _) = ends
-    late = (ae + ao, ce + co, be + bo, de + do)
-    w, x, y, z = ae - ao, ce - co, be - bo, de - do
-    determinant = w * z - x * y
-    inverse = [(entry << 2 * bits) // determinant for entry in (z, -x, -y, w)]
-    product = _multiply(_multiply(late, inverse), total)
-    excess = max(entry.bit_length() for entry in product) - bits - _GUARD_BITS
-    a, b, c, d = (entry >> excess if excess > 0 else entry for entry in product)
-    return (a, b, c, d), exponent - 2 * bits + max(excess, 0)
-
-
-def _multiply(left: Sequence[Any], right: Sequence[Any]) -> tuple[Any, Any, Any, Any]:
-    a, b, c, d = left
-    e, f, g, h = right
-    return a * e + b * g, a * f + b * h, c * e + d * g, c * f + d * h
-
-
-def _fixed(number: Any, bits: int) -> int:
-    return int(number.context.ldexp(number, bits))
 
 
 def _check_size(size: Any) -> None:
