@@ -232,10 +232,14 @@ def fate(equation: FrictionalMathieu, kick: float, *, max_steps: int = MAX_STEPS
     require(equation, (FrictionalMathieu,), "fate")
     kick = validate.finite("kick", kick)
     max_steps = validate.integer("max_steps", max_steps, 1)
-    e = equation
-    code, tau, reversals, sticks = _end(e, abs(kick), growth_of(e), max_steps)
+    return known_fate(equation, kick, growth_of(equation), max_steps)
+
+
+def known_fate(equation: FrictionalMathieu, kick: float, rate: float, max_steps: int = MAX_STEPS) -> Fate:
+    """Return `fate` of a kick that is checked, ``rate`` as `growth_of` has it."""
+    code, tau, reversals, sticks = _end(equation, abs(kick), rate, max_steps)
     status, reason = _REASONS[int(code)]
-    return Fate(e, kick, status, reason, float(tau), int(reversals), int(sticks))
+    return Fate(equation, kick, status, reason, float(tau), int(reversals), int(sticks))
 
 
 def _end(e: FrictionalMathieu, kick: float, rate: float, max_steps: int) -> NDArray[np.float64]:

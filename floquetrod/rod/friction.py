@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from floquetrod.equations import FrictionalMathieu, Mathieu
 from floquetrod.floquet.verdict import Status, Verdict
 from floquetrod.friction.critical_kicks import CriticalKickBounds, known_bounds
-from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, fate, known_fates
+from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, known_fate, known_fates
 from floquetrod.friction.inputs import growth_without_friction
 from floquetrod.rod.data import RodData
 from floquetrod.rod.mode_friction import ModeFriction, kicks_of, mode_friction
@@ -107,9 +107,10 @@ def classify_kick(linear: RodStability, friction: float, kick: float) -> Frictio
     """Return the verdict with friction that follows on one without."""
     inside = mode_friction(linear.rod, friction, kick, linear.load.amplitude, linear.load.frequency)
     inside = ModeFriction(friction, *map(float, (inside.mu_theta, inside.v_a, inside.gamma, inside.epsilon)))
+    growing = zip(_growing(linear).values(), _growing_modes(linear).rate.tolist(), strict=True)
     fates = tuple(
-        fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon)
-        for e in _growing(linear).values()
+        known_fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon, rate)
+        for e, rate in growing
     )
     rates = dict(zip(linear.modes, linear.mode_growth_rates.tolist(), strict=True))
     escaping = [rates[mode] for mode, fate in zip(_growing(linear), fates, strict=True) if fate.status == "escapes"]
