@@ -66,7 +66,6 @@ nb_number_source_lines = False
 default_role = "py:obj"  # `Rod` in a docstring is a link where there is something to link to
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # the docstrings name the types, in words
-autodoc_preserve_defaults = True
 napoleon_google_docstring = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True

@@ -14,11 +14,11 @@ from floquetrod.plotting import palette
 
 rod = fr.Rod.nitinol()
 mean, amplitude = 0.35 * rod.critical_force, 0.2 * rod.critical_force
-between, tolerance = (60.0, 260.0), 0.02
+bounds, tolerance = (60.0, 260.0), 0.02
 
 # %%
-# Growth of up to 0.02 per second is let pass here: tenfold in two minutes, less than the slightest damping takes away.
-windows = rod.stable_frequencies(mean, amplitude, between, growth_tolerance=tolerance)
+# Growth of up to 0.02 per second is accepted here: tenfold in two minutes, less than the slightest damping takes away.
+windows = rod.stable_frequencies(mean, amplitude, bounds=bounds, growth_tolerance=tolerance)
 print(windows)
 
 # %%
@@ -32,7 +32,7 @@ print(f"choose {choice:.1f} rad/s: it may drift by {room:.1f} rad/s, {100.0 * ro
 
 # %%
 # The growth rate over the frequency agrees with the windows; each peak is one mode in one of its tongues.
-frequency = np.linspace(*between, 4000)
+frequency = np.linspace(*bounds, 4000)
 growth, mode = rod.fastest(mean, amplitude, frequency)
 _, axes = plt.subplots(figsize=(8.0, 4.0), layout="constrained")
 axes.plot(frequency, growth, color="black", linewidth=0.8)
@@ -44,6 +44,6 @@ axes.annotate(f"{choice:.0f} rad/s", (choice, 0.93 * growth.max()), xytext=(4, 0
 for number in np.unique(mode[growth > 1.0]):
     peak = np.argmax(np.where(mode == number, growth, 0.0))
     axes.annotate(f"{number}", (frequency[peak], growth[peak]), ha="center", va="bottom", fontsize="small")
-axes.set(xlim=between, ylim=(0.0, 1.1 * growth.max()), xlabel=r"frequency $\omega$ / rad/s", ylabel="growth rate / 1/s")
+axes.set(xlim=bounds, ylim=(0.0, 1.1 * growth.max()), xlabel=r"frequency $\omega$ / rad/s", ylabel="growth rate / 1/s")
 axes.set_title("growth of the fastest mode, its number at the peaks; safe windows white", fontsize="small")
 plt.show()

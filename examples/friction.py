@@ -1,9 +1,9 @@
 """
-Which kick buckles a rod that rubs?
-===================================
+Which kick buckles a rod held by friction?
+==========================================
 
-Dry friction holds a rod that would buckle without it, until it is kicked hard enough.  How hard is hard enough depends
-on the load; between the tongues of two modes it takes most.
+Dry friction holds a rod that would buckle without it, up to a critical kick.  That kick depends on the load,
+and is largest between the tongues of two modes.
 """
 
 import matplotlib.pyplot as plt
@@ -16,19 +16,19 @@ rod, mu, omega = fr.Rod.nitinol(), 0.1, 150.0
 amplitude = 0.7 * rod.critical_force
 
 # %%
-# One load.  Without friction four modes grow; a kick of 50 mm/s sets off two of them.
+# One load.  Without friction four modes grow; a kick of 50 mm/s destabilises two of them.
 load = fr.AxialLoad(0.825 * rod.critical_force, amplitude, omega)
 verdict = rod.stability(load, friction=mu, kick=0.05)
 print(verdict)
 for mode, kick in verdict.critical_kicks.items():
-    print(f"mode {mode:2d} is set off by {1e3 * kick:.1f} mm/s")
+    print(f"mode {mode:2d} is destabilised by {1e3 * kick:.1f} mm/s")
 smallest, first, none_up_to = verdict.critical_kick
 print(f"the smallest kick found to buckle the rod is {1e3 * smallest:.2f} mm/s, into mode {first}")
 print(f"proved: none up to {1e3 * none_up_to:.2f} mm/s does")
 
 # %%
 # The same over the mean force, at this amplitude and at a smaller one.  Modes that grow by less than 0.01 per second
-# are left out: no kick in reach sets them off.
+# are left out: no kick of interest destabilises them.
 share = np.linspace(0.0, 1.0, 101)
 _, panels = plt.subplots(2, 1, figsize=(8.0, 5.6), sharex=True, layout="constrained")
 for axes, part in zip(panels, (0.7, 0.3), strict=True):

@@ -17,7 +17,7 @@ amplitude = 0.2 * rod.critical_force
 test = fr.FiniteTimeCriterion()
 
 # %%
-# Sweep the mean force: what the test says, and what is so.
+# Sweep the mean force: the verdict of the test, and the exact one.
 share = np.linspace(0.25, 0.47, 4401)
 mean = share * rod.critical_force
 passes = rod.is_stable(mean, amplitude, omega, criterion=test)

@@ -2,7 +2,7 @@
 Sweeping uncertainty
 ====================
 
-Nobody knows a rod's stiffness or a drive's speed exactly.  A million samples of both, judged in about a second, turn a
+Nobody knows a rod's stiffness or a drive's speed exactly.  A million samples of both, classified in about a second, turn a
 verdict into a probability.
 """
 
@@ -23,21 +23,21 @@ spread = {"mean": 0.10, "amplitude": 0.10, "frequency": 0.03}
 print("nominal:", rod.stability(fr.AxialLoad(**nominal)))
 
 # %%
-# The rod: its modulus to 3 %, its gap in the channel to 5 %.  Each of 400 rods meets 2500 loads of its own.
+# The rod: its modulus to 3 %, its radial clearance to 5 %.  Each of 400 rods meets 2500 loads of its own.
 rods = 400
 size = (rods, samples // rods)
 drawn = {name: value * (1.0 + spread[name] * rng.standard_normal(size)) for name, value in nominal.items()}
 stable = np.empty(size, dtype=bool)
 start = time.perf_counter()
-for i, (modulus, gap) in enumerate(1.0 + np.array([0.03, 0.05]) * rng.standard_normal((rods, 2))):
+for i, (modulus, clearance) in enumerate(1.0 + np.array([0.03, 0.05]) * rng.standard_normal((rods, 2))):
     one = rod.replace(
-        youngs_modulus=rod.youngs_modulus * modulus, channel_radius=rod.radius + rod.radial_clearance * gap
+        youngs_modulus=rod.youngs_modulus * modulus, channel_radius=rod.radius + rod.radial_clearance * clearance
     )
     stable[i] = one.is_stable(*(values[i] for values in drawn.values()), growth_tolerance=0.01)
 seconds = time.perf_counter() - start
 
 # %%
-# Loads that meet the same rod share its luck, so the error is that of a mean over rods.
+# Loads on the same rod are correlated through it, so the error is that of a mean over rods.
 unstable = 1.0 - stable.mean(axis=1)
 print(f"unstable: {100.0 * unstable.mean():.2f} +- {100.0 * unstable.std() / np.sqrt(rods):.2f} %")
 print(f"{stable.size:,} samples took {seconds:.1f} s")

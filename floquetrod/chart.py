@@ -233,7 +233,7 @@ def fill_rows(
     dtypes: Sequence[Any],
     progress: Progress | None,
 ) -> list[NDArray[Any]]:
-    """Compute arrays of ``len(y)`` rows a few rows at a time, so that memory follows the result and Ctrl-C is heard."""
+    """Compute arrays of ``len(y)`` rows a few rows at a time, so that scratch memory stays small and Ctrl-C works."""
     _require_bearable(y.size * columns, "the number of points")
     results = [np.empty((y.size, columns), dtype=dtype) for dtype in dtypes]
     rows = max(1, _AT_ONCE // columns)

@@ -51,7 +51,7 @@ class Explorer:
         unit, pendulum = rod.critical_force, rod.pendulum_frequency
         self.rod = rod
         self.load = load or AxialLoad(0.2 * unit, 0.2 * unit, 3.0 * pendulum)
-        # Beyond, the map takes longer than a window can be kept waiting.
+        # Beyond these limits the map takes too long for interactive use.
         for name in ("mean", "amplitude"):
             force = getattr(self.load, name)
             validate.within(name, force, -_STRONGEST * unit, _STRONGEST * unit, "these are in N")

@@ -139,7 +139,7 @@ KICK = [
 def test_check_with_friction(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*KICK, "--kick", "50mm/s"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("UNSTABLE: the kick sets off modes 9, 10\n")
+    assert out.startswith("UNSTABLE: the kick destabilises modes 9, 10\n")
     assert "needed    32.1184 mm/s is the smallest found to buckle the rod, into mode 9" in out
     assert "proved    no kick up to 27.8299 mm/s buckles it" in out
     assert "without friction:\nUNSTABLE: modes 8, 9, 10, 12 grow" in out

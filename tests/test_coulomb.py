@@ -129,4 +129,4 @@ def test_a_map_of_growth_is_one_without_friction() -> None:
 
 
 def test_a_verdict_with_friction_is_a_sentence() -> None:
-    assert "sets off modes 9, 10" in repr(ROD.stability(load(0.825, 150.0), friction=0.1, kick=0.05))
+    assert "destabilises modes 9, 10" in repr(ROD.stability(load(0.825, 150.0), friction=0.1, kick=0.05))

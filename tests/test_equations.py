@@ -84,3 +84,11 @@ def test_package_names() -> None:
     assert set(fr.__all__) <= set(dir(fr))
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
         fr.nothing  # noqa: B018
+
+
+def test_methods_are_functions_before_and_after_one_has_been_used() -> None:
+    for method in ("spectral", "determinant", "monodromy", "square_wave", "leapfrog", "reference"):
+        first = getattr(fr.methods, method)(fr.Mathieu(alpha=0.5, beta=-0.6)).status
+        assert first == fr.stability(fr.Mathieu(alpha=0.5, beta=-0.6), method=method).status
+        assert callable(getattr(fr.methods, method))
+    assert all(callable(getattr(fr.methods, name)) for name in fr.methods.__all__)

@@ -231,7 +231,7 @@ def test_certain_kicks_are_certain(alpha: float, beta: float, share: float) -> N
 def test_a_fate_and_a_trajectory_interpreted() -> None:
     fate = fr.friction.fate(FRACTAL, 1.08)
     assert (fate.status, fate.reversals, fate.sticks) == ("bounded", 2, 1)
-    assert repr(fate).startswith("<bounded: sticks for ever; known after 1.29 periods and 2 stops>")
+    assert repr(fate).startswith("<bounded: sticks for all time; known after 1.29 periods and 2 stops>")
     motion = fr.friction.trajectory(FRACTAL, 1.08, periods=2)
     assert motion.A[-1] == pytest.approx(0.445993, abs=1e-6)
     assert not fr.friction.leapfrog_escapes(1.0, 0.3, 1.0, 0.5, periods=1, step=0.1)

@@ -43,7 +43,7 @@ def test_limits_of_the_search() -> None:
         # Freed by a force hardly larger than friction: outwards little by little, and in the end ...
         (1.56, 0.14, 0.8823, "bounded", "sticks and slips"),
         (1.83, 0.33, 0.7964, "escapes", "outgrown"),
-        (0.95, 0.18, 1.1482, "bounded", "sticks for ever"),
+        (0.95, 0.18, 1.1482, "bounded", "sticks for all time"),
     ],
 )
 def test_every_way_to_end(alpha: float, beta: float, kick: float, status: str, reason: str) -> None:

@@ -1,1 +1,1 @@
-"""What the rest of the package stands on and knows nothing of its subject."""
+"""Shared helpers that know nothing of stability: validation, compilation, files, roots, arrays."""

@@ -1,4 +1,4 @@
-"""Arrays in, arrays out; scalars in, Python scalars out: what every public function over arrays does alike.
+"""Arrays in, arrays out; scalars in, Python scalars out: the convention of every public function over arrays.
 
 shape, (x, y) = broadcast(x=validate.array("x", x), y=validate.array("y", y))
 return shaped(computed(x, y), shape)

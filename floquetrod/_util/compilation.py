@@ -1,7 +1,7 @@
 """Compile flags and the choice between interpreted and compiled kernels, in one place.
 
-A kernel is a plain Python function of floats and arrays.  Called as it stands it is interpreted: right for a handful
-of scalars, and numba stays unloaded.  ``compiled(kernel)`` is the same function as machine code, cached on disk.
+A kernel is a plain Python function of floats and arrays.  Called directly it is interpreted, which suits a handful of
+scalars and leaves numba unloaded.  ``compiled(kernel)`` is the same function as machine code, cached on disk.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ _LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the 
 INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
 _OPTIONS = {"nogil": True, "error_model": "numpy"}
 _CHUNK = 8192  # elements a thread takes at a time (heuristic: well above the cost of a call, well below a map)
-_HEARD_WITHIN = 0.1  # seconds until Ctrl-C is looked at while threads work (a choice)
+_HEARD_WITHIN = 0.1  # seconds between checks for Ctrl-C while threads work (a choice)
 
 _ASKED: dict[Callable[..., Any], float] = {}
-"""Elements that kernels were asked for while interpreted, in multiples of what is always interpreted."""
+"""Work each kernel was given while interpreted, in multiples of what is always interpreted."""
 
 
 def kernel(function: F) -> F:
@@ -43,9 +43,9 @@ def kernel(function: F) -> F:
 
 @contextmanager
 def _compiling() -> Iterator[Callable[[], None]]:
-    """Do a thing at a time that numba does for one thread only, and hold Ctrl-C meanwhile; see `interrupt.held`.
+    """Serialise what numba does for one thread only, and defer Ctrl-C meanwhile; see `interrupt.held`.
 
-    The lock is held across a fork, so that no child starts with numba in the middle of something.
+    The lock is held across a fork, so that no child process starts while numba is at work.
     """
     with _LOCK, interrupt.held() as deliver:
         yield deliver
@@ -84,7 +84,7 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
 
         from floquetrod._util.kernel_cache import KernelCache, fingerprint
 
-        # numba asks numpy for a part that numpy imports then: done here, no fork can fall into that import.
+        # numba uses a part of numpy that is imported on first use: imported here, it cannot be half imported at a fork.
         typeof: Any = numba.typeof
         typeof(np.empty(0))
         njit: Any = numba.njit
@@ -94,7 +94,7 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     compile_types = result.compile
 
     def compile_undisturbed(signature: Any) -> Any:
-        # numba runs Python code from within LLVM, where an exception is printed and forgotten: Ctrl-C there would be
+        # numba runs Python code from within LLVM, where an exception is printed and discarded: Ctrl-C there would be
         # lost.  It is delivered between the passes of the compiler.
         with _compiling() as deliver, numba.core.event.install_listener("numba:run_pass", _after_passes(deliver)):
             return compile_types(signature)
@@ -107,10 +107,10 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
 
 @functools.cache
 def _callee(function: Callable[..., Any]) -> Any:
-    """Return the machine-code version of a kernel for the use of others, who are compiled and kept together with it.
+    """Return the machine-code version of a kernel for other kernels, which are compiled and cached together with it.
 
     numba would compile it once more for every constant it is called with.  Only parameters annotated `Literal` keep
-    that: where the constant pays.
+    that behaviour, where specialising on the constant pays.
     """
     import numba
     from numba.core import types as numba_types
@@ -172,10 +172,10 @@ def runner(
     size : int
         Elements of work to be done now.
     interpret_up_to : int
-        Elements left to the interpreter at any time: loading numba costs more than they do.
+        Elements that are always interpreted: loading numba costs more than they do.
     patience : int
-        Larger work is left to it, too, until the process has asked this kernel for ``patience`` times as many:
-        compiling takes seconds, which a single question should not have to wait.
+        Larger work is interpreted, too, until the process has called this kernel for ``patience`` times as many:
+        compiling takes seconds, too long for a single question.
     """
     if size <= interpret_up_to:
         return function
@@ -206,7 +206,7 @@ def over_chunks(
 ) -> None:
     """Call ``function(*inputs, out, *constants)`` on matching pieces of equally long arrays, in threads if it pays.
 
-    Kernels release the GIL, so the threads run side by side, and Ctrl-C is answered between pieces.
+    Kernels release the GIL, so the threads run side by side, and Ctrl-C is handled between pieces.
     ``interpret_up_to`` and ``patience`` as in `runner`.
     """
     workers = validate.workers(workers) or cores()
@@ -234,7 +234,7 @@ def over_chunks(
 def _in_threads(
     run: Callable[..., Any], pieces: Sequence[tuple[Any, ...]], threads: int, deliver: Callable[[], None]
 ) -> None:
-    """Call ``run`` on every piece; Ctrl-C, which the end of a thread could swallow, is held and heard between them."""
+    """Call ``run`` on every piece; Ctrl-C, which an ending thread could swallow, is handled between pieces."""
     with ThreadPoolExecutor(threads) as pool:
         running = [pool.submit(run, *piece) for piece in pieces]
         try:

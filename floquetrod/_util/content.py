@@ -56,7 +56,7 @@ def _key(value: Any) -> Any:
 
 
 class NoTruthValue:
-    """An answer that `if` cannot be asked of: as an object it would count as true whatever it says.
+    """A result that has no truth value: as a plain object it would count as true whatever its verdict.
 
     Raises TypeError that names ``ask``, what to look at instead.
     """

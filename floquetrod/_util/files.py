@@ -1,8 +1,8 @@
-"""Files that are whole or not there, and sealed files of arrays with a description.
+"""Files written atomically, and checksummed npz files of arrays with a description.
 
-A save writes a part beside its target, flushes it to the disk and lets it take the target's place.  Whoever writes a
-part holds a lock on it, which ends with the process however that ends: a part without one has been abandoned, and the
-next save into the folder removes it.
+A save writes a temporary file (a part) beside its target, flushes it to the disk and renames it to the target.  The
+writer of a part holds a lock on it, which ends with the process however that ends: a part without a lock has been
+abandoned, and the next save into the folder removes it.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ _PART = re.compile(r"\.floquetrod-[0-9a-f]{16}\.part")
 _SEAL = b"sha256:"
 _SEALED = len(_SEAL) + 2 * hashlib.sha256().digest_size
 _CLOSED_FIRST = sys.platform == "win32"  # which does not rename a file that is open
-_BINARY = getattr(os, "O_BINARY", 0)  # known to Windows alone
+_BINARY = getattr(os, "O_BINARY", 0)  # exists on Windows only
 
 
 def writable(path: str | Path) -> Path:
-    """Return ``path``, after making sure that a file can be written there, before the work that is to fill it.
+    """Return ``path`` after checking that a file can be written there, before the work whose result it will hold.
 
     Raises ValueError when its folder is missing or closed, or when it is a folder, a device or write-protected.
     """
@@ -60,7 +60,7 @@ def whole_file(path: Path) -> Iterator[IO[bytes]]:
     Until then the old one stays.  Symbolic links are followed; an older file's permissions are kept.
     """
     target = _target(path)
-    # Nobody may read in the part what they may not read in the target; the system knows the rights of a new file.
+    # The part must not be readable by anyone who may not read the target; the system sets the rights of a new file.
     handle, part = _new_part(target.parent, 0o600 if target.exists() else 0o666)
     try:
         with os.fdopen(handle, "w+b") as file:
@@ -145,7 +145,7 @@ def _locked(handle: int) -> bool | None:
 
 
 def _take_rights(part: Path, target: Path) -> None:
-    """Give a part the owner and the permissions of the file whose place it will take, if there is one."""
+    """Give a part the owner and the permissions of the file that it will replace, if there is one."""
     try:
         old = target.stat()
     except FileNotFoundError:
@@ -159,7 +159,7 @@ def _take_rights(part: Path, target: Path) -> None:
 
 def _flush_folder(folder: Path) -> None:
     """Write a folder's entries to the disk, where the system can."""
-    with suppress(OSError):  # the file is in its place and on the disk: nothing is left to be done about it
+    with suppress(OSError):  # the file is in its place and on the disk: there is nothing more to do
         handle = os.open(folder, os.O_RDONLY)
         try:
             os.fsync(handle)
@@ -220,7 +220,7 @@ def read_npz(
         if meta["format"] != file_format:
             raise ValueError(f"its format is {meta['format']!r}, not {file_format!r}: it is of another kind or version")
         return build(meta, arrays)
-    except Exception as error:  # whatever a reader stumbles over in nonsense: the file is not one of ours
+    except Exception as error:  # any error while reading means that the file is not one of ours
         cause = f"it has no {error}" if isinstance(error, KeyError) else error
         raise ValueError(f"{path} is not {what} that can be read: {cause}") from error
 
@@ -253,7 +253,7 @@ def _unpack(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
-    """Return a member, for which memory is taken only as far as there is content."""
+    """Return a member of an archive; memory is allocated only as far as there is content."""
     with archive.open(member) as stream:
         if np.lib.format.read_magic(stream) != (1, 0):
             raise ValueError(f"{member.filename} is of another version")

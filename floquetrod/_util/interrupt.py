@@ -1,4 +1,4 @@
-"""Ctrl-C held back from code that would lose it or break, and delivered at the next point where it is safe."""
+"""Ctrl-C deferred during code that would lose it or be broken by it, and delivered at the next safe point."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from types import FrameType
 
 @contextmanager
 def held() -> Iterator[Callable[[], None]]:
-    """Hold Ctrl-C until the end of the block, or until the function it yields is called.
+    """Defer Ctrl-C until the end of the block, or until the function it yields is called.
 
     Both then do what Ctrl-C would have done without the block: as a rule, raise KeyboardInterrupt.  Only the main
-    thread hears signals, and only a handler written in Python can be called later: elsewhere nothing changes.
+    thread receives signals, and only a handler written in Python can be called later: elsewhere nothing changes.
     """
     handler = signal.getsignal(signal.SIGINT)
     if not callable(handler) or threading.current_thread() is not threading.main_thread():

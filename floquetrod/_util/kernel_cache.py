@@ -1,9 +1,9 @@
 """Compiled kernels kept on disk, in a file of its own for each kernel and types of arguments.
 
 numba's own cache of a function does not see that a function it calls, or a constant, has changed in another file; it
-raises where no folder can be written, and for files that are damaged.  This one is asked by numba in its place.  It
-keeps what was compiled beside a fingerprint of everything it was compiled from, and a file that does not fit, for
-whatever reason, is one that is not there.
+raises where no folder can be written, and for files that are damaged.  This cache replaces it.  It stores what was
+compiled with a fingerprint of everything it was compiled from, and treats a file that does not match, for any reason,
+as missing.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ _DIGEST = hashlib.sha256().digest_size
 
 
 class KernelCache:
-    """What numba asks of the cache of one function: to load, and to save, what it compiled for given types.
+    """The cache of one function with the interface numba expects: to load, and to save, code for given types.
 
     ``sources`` is the `fingerprint` of the function; ``announce`` is called before numba compiles.
     """
 
     def __init__(self, function: Callable[..., Any], sources: bytes, announce: Callable[[], None]) -> None:
-        """Find the folder numba would use; where it finds none, keep nothing and say so once."""
+        """Find the folder numba would use; where there is none, store nothing and warn once."""
         self._function, self._sources, self._announce = function, sources, announce
         from numba.core import caching
 
@@ -47,7 +47,7 @@ class KernelCache:
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Return what was compiled, or None."""
-        target.refresh()  # numba asks this of a cache: a function that is loaded uses what the target knows
+        target.refresh()  # numba requires this of a cache: a loaded function uses what the target has registered
         kept = self._load(signature, target)
         if kept is None:
             self._announce()
@@ -63,11 +63,11 @@ class KernelCache:
             if content[: 2 * _DIGEST] != key + hashlib.sha256(payload).digest():
                 return None
             return self._numba.rebuild(target, pickle.loads(payload))
-        except Exception:  # whatever is wrong with the file or its folder, compiling mends it
+        except Exception:  # whatever is wrong with the file or its folder, compiling is the remedy
             return None
 
     def save_overload(self, signature: Any, result: Any) -> None:
-        """Keep what was compiled; where the folder cannot be written, or is full, say so once and go on."""
+        """Store what was compiled; where the folder cannot be written, or is full, warn once and continue."""
         if self.cache_path is None or not self._numba.check_cachable(result):
             return
         from numba.core import serialize
@@ -95,7 +95,7 @@ class KernelCache:
 
 @functools.cache
 def _warn_uncached(why: str = "neither the package's folder nor a cache in the home folder can be written") -> None:
-    """Say once in a process that compiled kernels are lost when it ends."""
+    """Warn once in a process that compiled kernels are lost when it ends."""
     if _warn_uncached.cache_info().misses > 1:
         return  # for another reason: the remedy is the same
     warnings.warn(
@@ -107,7 +107,7 @@ def _warn_uncached(why: str = "neither the package's folder nor a cache in the h
 
 
 def _replace(path: Path, content: bytes) -> None:
-    """Write a file that is whole or not there, and that others who share the installation may read."""
+    """Write a file atomically, readable by others who share the installation."""
     temporary = path.with_name(f"{path.name}.{uuid.uuid4().hex}.tmp")
     try:
         with temporary.open("xb") as file:

@@ -1,7 +1,7 @@
 """Checks at the public border: each returns the cleaned value or raises, naming argument, value and remedy.
 
 One rule for all: what is of the wrong kind (text, a truth value, None, complex numbers, dates, masked arrays) raises
-TypeError, a number out of place ValueError; both begin with the argument's name.
+TypeError, a number out of range ValueError; both begin with the argument's name.
 """
 
 from __future__ import annotations
@@ -90,9 +90,9 @@ def coefficient(name: str, value: Any) -> float:
 
 
 def unrounded(name: str, value: Any, number: float) -> float:
-    """Return ``number`` when it is ``value`` exactly.
+    """Return ``number`` if it equals ``value`` exactly.
 
-    An equation is what its parameters are: a verdict on the nearest double is not one on 1/3.
+    An equation is defined by its parameters: a verdict on the nearest double is not one on 1/3.
     """
     if value != number:
         raise ValueError(
@@ -211,7 +211,7 @@ def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
 
 
 def flag(name: str, value: Any) -> bool:
-    """Return ``value`` as a bool: True or False and nothing like it."""
+    """Return ``value`` as a bool: only True and False are accepted."""
     if not isinstance(value, bool | np.bool_):
         raise TypeError(f"{name} must be True or False, got {short(value)}")
     return bool(value)
@@ -250,12 +250,12 @@ def progress(value: Any) -> None:
 
 
 def workers(value: Any) -> int | None:
-    """Return the number of threads asked for, None to leave it to the machine."""
+    """Return the number of threads asked for, None for the default."""
     return None if value is None else integer("workers", value, 1, MOST_THREADS, "leave it out for one per core")
 
 
 def _raw(name: str, values: Any) -> NDArray[Any]:
-    """Return ``values`` as an array of whatever type; ragged and masked ones are refused."""
+    """Return ``values`` as an array of any type; ragged and masked ones are refused."""
     if _masked(values):
         raise TypeError(
             f"{name} must not be a masked array: its mask would be lost; give {name}.compressed(), or "

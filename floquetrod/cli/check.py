@@ -65,7 +65,7 @@ def add(commands: Any) -> None:
 _STATUS: dict[Status, int] = {"stable": 0, "unstable": 1, "undecided": 3}
 """Exit statuses of --exit-code; 2 is for input that cannot be used."""
 
-_LAST_MODE = 20_000  # far beyond any mode that matters: a slip of the keyboard must not fill the memory (a choice)
+_LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not fill the memory (a choice)
 
 
 def _check(options: argparse.Namespace) -> Answer:

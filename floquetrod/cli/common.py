@@ -19,7 +19,7 @@ from floquetrod.rod.data import RodData
 from floquetrod.rod.load import LIMITS, Quantity
 from floquetrod.units import Unit
 
-_TINY, _HUGE = 1e-9, 1e12  # what the library takes, in SI units: a slip of the keyboard lies beyond
+_TINY, _HUGE = 1e-9, 1e12  # what the library takes, in SI units: a typing error lies beyond
 
 KINDS: dict[Quantity, str] = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
 """Quantities of a load and their kind."""
@@ -84,7 +84,7 @@ def read_friction(options: argparse.Namespace) -> tuple[float, float] | None:
     """Return the coefficient of friction and the kick in m/s, None without either; one alone is refused."""
     if options.friction is None:
         if options.kick is not None:
-            raise ValueError("--kick needs --friction: without friction every kick sets off what is unstable")
+            raise ValueError("--kick needs --friction: without friction an unstable mode grows whatever the kick")
         return None
     if options.kick is None:
         raise ValueError(
@@ -145,7 +145,7 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
 
 
 def describe_load(load: fr.AxialLoad, shown: dict[str, Unit], rod: RodData) -> str:
-    """Return the load in the units asked for, each with another one beside it that says what it comes to."""
+    """Return the load in the units asked for, each quantity followed by its value in a second unit."""
     return ", ".join(
         [
             f"mean {_both(load.mean, shown['mean'], rod)}",
@@ -200,7 +200,7 @@ def number(value: float) -> float | None:
 
 @contextmanager
 def compiling_told() -> Iterator[None]:
-    """Say on stderr, the first time that something is compiled, what the silence is about."""
+    """Report on stderr, the first time that something is compiled, what is being waited for."""
     log, teller = logging.getLogger("floquetrod.compile"), _CompilingTold()
     level = log.level
     log.setLevel(logging.INFO)
@@ -222,7 +222,7 @@ class _CompilingTold(logging.Handler):
 
 
 class Progress:
-    """A line on stderr once work has taken a second, when there is a terminal to read it.
+    """A progress line on stderr once work has taken a second, if stderr is a terminal.
 
     Both are counted from the first report: what was done before it may have been done in an earlier run, or taken the
     time to compile.

@@ -1,4 +1,4 @@
-"""What `floquetrod check` says of a kick against friction."""
+"""The answer of `floquetrod check` about a kick against friction."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def report(result: fr.FrictionalRodStability, shown: Unit) -> list[str]:
     headline = result.status.upper()
     if result.unstable_modes:
         names = ", ".join(map(str, result.unstable_modes))
-        headline += f": the kick sets off mode{'s' if len(result.unstable_modes) > 1 else ''} {names}"
+        headline += f": the kick destabilises mode{'s' if len(result.unstable_modes) > 1 else ''} {names}"
     inside = result.in_modes
     lines = [
         headline,

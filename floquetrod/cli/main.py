@@ -17,8 +17,8 @@ from floquetrod.cli.common import Parser, compiling_told
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command and return the exit status.
 
-    0: it answered; 1: `reproduce` lost a finding, `check --exit-code` found it unstable; 2: input it cannot use;
-    3: `check --exit-code` could not decide; 130: Ctrl-C.
+    0: it answered; 1: a claim no longer holds (`reproduce`) or the rod is unstable (`check --exit-code`); 2: input it
+    cannot use; 3: `check --exit-code` could not decide; 130: Ctrl-C.
     """
     options = argparse.Namespace()
     try:
@@ -32,7 +32,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader, head say, has seen enough; keep the interpreter from writing more at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 0
-    except ArithmeticError as error:  # extreme numbers over- or underflow on their way
+    except ArithmeticError as error:  # extreme input over- or underflows on the way
         given = ", ".join(f"--{name} {value}" for name, value in vars(options).items() if _is_quantity(value))
         what = f"numbers too large or too small to work with ({error}); check the units of {given}"
         print(f"floquetrod: error: {what}", file=sys.stderr)
@@ -70,7 +70,7 @@ def _is_quantity(value: object) -> bool:
 def _attached(arguments: Sequence[str]) -> list[str]:
     """Return the arguments with each negative quantity attached to its option.
 
-    argparse takes -0.2Fcr or -1e-3 for an option of its own; --mean=-0.2Fcr leaves no doubt.
+    argparse takes -0.2Fcr or -1e-3 for an option of its own; --mean=-0.2Fcr is unambiguous.
     """
     result: list[str] = []
     for argument in arguments:

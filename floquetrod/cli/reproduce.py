@@ -1,4 +1,4 @@
-"""`floquetrod reproduce`: the published study, made again from nothing."""
+"""`floquetrod reproduce`: the published study, recomputed."""
 
 from __future__ import annotations
 

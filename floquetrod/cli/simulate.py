@@ -150,7 +150,7 @@ class _Forewarning:
 
 
 def _roughly(seconds: float) -> str:
-    """Return a time in the largest unit that it has two of."""
+    """Return a time in the largest unit of which it has at least two."""
     for unit, length in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
         if seconds >= 2.0 * length:
             return f"{seconds / length:.0f} {unit}"

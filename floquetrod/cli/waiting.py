@@ -1,4 +1,4 @@
-"""A word on stderr while a question takes its time."""
+"""Progress on stderr while a question takes its time."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 EVERY = 1.0
-"""Seconds until the first word, and between one and the next."""
+"""Seconds until the first message, and between messages."""
 
 
 @contextmanager
 def waiting(what: str) -> Iterator[None]:
-    """Say on stderr what is being done and since when, where there is a terminal to read it.
+    """Report on stderr what is being done and since when, if stderr is a terminal.
 
-    Nothing is said of what is done within a second.  The cursor stays at the beginning of the line, so that whatever
-    is written next takes its place.
+    Nothing is reported within the first second.  The cursor stays at the beginning of the line, so that the next output
+    replaces the message.
     """
     if not sys.stderr.isatty():
         yield

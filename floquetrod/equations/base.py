@@ -48,7 +48,7 @@ class Equation(ABC):
     """Base of the scalar equations A'' + 2 c A' = p(tau) A.
 
     A new equation is a frozen dataclass with ``period`` (in the unit of tau), ``damping`` (c, zero or more) and
-    `pieces`: every method, comparison and chart then takes it.
+    `pieces`; the general methods, comparison and charts then take it as they take `Hill`.
     """
 
     damping: float
@@ -82,7 +82,7 @@ class Equation(ABC):
 
     @property
     def title(self) -> str:
-        """What charts call the equation."""
+        """Name of the equation in charts."""
         return type(self).__name__
 
     @property
@@ -120,7 +120,7 @@ def value_on(piece: Piece, tau: NDArray[np.float64], begin: float, period: float
 def from_instant(pieces: tuple[Piece, ...], start: float, period: float) -> tuple[tuple[Piece, ...], float]:
     """Return one period's pieces from tau = ``start``, and where in the period that is, from 0 up to ``period``.
 
-    The piece in which it begins is cut in two; harmonics keep their phase, which counts from tau = 0.
+    The piece in which it begins is split in two; harmonics keep their phase, which counts from tau = 0.
     """
     phase = start % period
     share = min(Fraction(phase) / Fraction(period), Fraction(1))

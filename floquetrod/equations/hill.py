@@ -77,7 +77,7 @@ class Hill(Equation):
 
     @property
     def title(self) -> str:
-        """What charts call the equation."""
+        """Name of the equation in charts."""
         return "Hill's equation"
 
     def pieces(self) -> tuple[Piece, ...]:

@@ -58,7 +58,7 @@ class Mathieu(Equation):
 
     @property
     def title(self) -> str:
-        """What charts call the equation."""
+        """Name of the equation in charts."""
         return "Mathieu's equation"
 
     def pieces(self) -> tuple[Piece, ...]:
@@ -84,7 +84,7 @@ class FrictionalMathieu:
     """Mathieu's equation with dry friction, A'' + 2 c A' = (beta + alpha sin tau) A - gamma sign(A').
 
     sign(0) is any number between -1 and 1, as Coulomb's law has it (Filippov): a motion that comes to rest sticks while
-    abs((beta + alpha sin tau) A) <= gamma.  Judged by `floquetrod.friction`.
+    abs((beta + alpha sin tau) A) <= gamma.  Its verdicts are those of `floquetrod.friction`.
 
     Parameters
     ----------

@@ -52,7 +52,7 @@ class Meissner(Equation):
 
     @property
     def title(self) -> str:
-        """What charts call the equation."""
+        """Name of the equation in charts."""
         return "Meissner's equation (square wave)"
 
     @property

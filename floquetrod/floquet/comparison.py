@@ -20,9 +20,9 @@ class Comparison(NoTruthValue):
     Attributes
     ----------
     equation : Equation
-        The equation judged.
+        The equation.
     results : tuple of Stability
-        One for each method that applies, in the order of `floquetrod.verdict.METHODS`.
+        One for each method that applies, in a fixed order.
     seconds : tuple of float
         Wall time of each (the first call of a compiled method includes loading its machine code).
     """
@@ -81,7 +81,7 @@ class Comparison(NoTruthValue):
 
 
 def compare(equation: Equation) -> Comparison:
-    """Judge ``equation`` by every method that applies to it, and report where they agree and where they do not.
+    """Classify ``equation`` by every method that applies to it, and report where they agree and where they do not.
 
     Examples
     --------

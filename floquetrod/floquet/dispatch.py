@@ -32,15 +32,16 @@ def _in_turn(equation: Equation) -> tuple[str, ...]:
 
 
 def stability(equation: Equation, method: str = "auto", **options: Any) -> Stability:
-    """Judge an equation: is it stable, how fast does it grow, and how sure is that?
+    """Classify an equation: is it stable, how fast does it grow, and how sure is that?
 
     Parameters
     ----------
     equation : Equation
-        What to judge: `Mathieu`, `Meissner`, `Hill`, or any other that offers its coefficient in pieces.
+        What to classify: `Mathieu`, `Meissner`, `Hill`, or any other `floquetrod.equations.Equation`.
     method : str
         "auto", or one of "spectral", "determinant", "monodromy", "square_wave", "leapfrog", "reference".  "auto" takes
-        the fastest trustworthy one for the equation and goes on to slower, finer ones while the verdict is undecided.
+        the fastest trustworthy one for the equation and continues with slower, more accurate ones while the verdict is
+        undecided.
     **options
         Passed to the method: ``terms`` (determinant), ``rtol`` (monodromy), ``step``, ``periods``, ``limit``
         (leapfrog), ``digits`` (reference).

@@ -69,7 +69,7 @@ class Answer(NoTruthValue):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Verdict(Answer):
-    """What every verdict says, whatever was judged: an equation, a rod, a system.
+    """The core of every verdict, on an equation, a rod or a system of equations.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class Verdict(Answer):
     note : str
         What a reader must know before relying on it: an approximation, a limit of the method, why it is undecided.
     assumptions : tuple of str
-        What was taken for granted of the subject.
+        Modelling assumptions that the verdict rests on.
     """
 
     status: Status
@@ -113,7 +113,7 @@ class Stability(Verdict):
     Attributes
     ----------
     equation : Equation
-        The equation judged.
+        The equation classified.
     method : str
         Name of the method.
     discriminant : float

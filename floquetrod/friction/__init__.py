@@ -1,4 +1,4 @@
-"""A kick against Coulomb friction: does A'' + 2 c A' = (beta + alpha sin tau) A - gamma sign(A') escape, ever?
+"""Kicks against Coulomb friction: does A'' + 2 c A' = (beta + alpha sin tau) A - gamma sign(A') stay bounded?
 
 Every motion starts at A(0) = 0 with A'(0) = kick (epsilon in the paper).  Its fate is to stay bounded or to grow in the
 end like the growing Floquet solution; it is decided for all time and not for some number of periods.  The equation is

@@ -26,9 +26,9 @@ _LARGEST = 1e12  # kick over the floor: up to here kicks are tried where none is
 _MOST_SAMPLES = 10_000  # kicks tried on the way up (a choice)
 _CLOSE = 1e-9  # relative accuracy of an edge
 _STEEPEST = 0.1  # largest step on the way up, logarithmic (a choice)
-_BLOCK = 4  # kicks tried at once on the way up (a choice: with more, more are tried in vain)
+_BLOCK = 4  # kicks tried at once on the way up (a choice: with more, more are wasted)
 _CLOSER = ((8, 1e-3, 0.0),) * 6 + ((8, 1e-4, 15.0),) * 4 + ((3, 1e-8, 0.0),) * 8
-"""Rounds of a closer look (heuristic, measured): how many intervals of an equation are halved at most, how narrow they
+"""Rounds of refinement (heuristic, measured): how many intervals of an equation are halved at most, how narrow they
 may be, relative to the kick, and how long one of their ends must live."""
 
 
@@ -65,7 +65,7 @@ def critical_kick(
     alpha, beta, gamma, damping : array_like
         Broadcast against each other; the result is proportional to gamma.  gamma and damping are zero or more.
     largest : array_like
-        Largest kick to look at: ``smallest_found`` is infinite where none up to it was found.  Quicker.
+        Largest kick to search, which shortens it: ``smallest_found`` is infinite where none up to it was found.
     samples : int
         Kicks tried on the way up from the proved bound; more are tried where neighbouring orbits differ in kind.
     max_steps, workers : int
@@ -173,7 +173,7 @@ class _Search:
         orbits = self.equations.follow(which, kicks, self.max_steps, self.workers, findings, patient=False)
         self.findings[which] = findings
         fate = orbits["fate"]
-        escaped = (fate == kernels.GROWS) | (fate == kernels.MIXED)  # mixed: some escape as close to it as you like
+        escaped = (fate == kernels.GROWS) | (fate == kernels.MIXED)  # mixed: kicks that escape lie arbitrarily close
         self.found[which] = np.minimum(self.found[which], np.where(escaped, kicks, math.inf).min(axis=1))
         rests = (fate == kernels.STUCK) | (fate == kernels.KEPT)
         self._insert(
@@ -213,7 +213,7 @@ class _Search:
     def look_closer(self) -> None:
         """Halve intervals between kicks whose orbits differ in kind: the wide ones, then where they live longest.
 
-        A long life passes close to a motion that is caught by nothing and escapes by nothing: edges are near.
+        An orbit that lives long passes close to one that neither comes to rest nor escapes: an edge is near.
         """
         for most, narrowest, lasting in _CLOSER:
             low, high = self.tried[:, :-1], self.tried[:, 1:]

@@ -1,4 +1,4 @@
-"""What every question about kicks begins with: arguments that broadcast, growth without friction, kicks followed."""
+"""Inputs shared by all questions about kicks: broadcast arguments, growth without friction, orbits of kicks."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def arguments(alpha: Any, beta: Any, gamma: Any, damping: Any, **kicks: NDArray[
 
 
 def size_of(kick: Any) -> NDArray[np.float64]:
-    """Return the size of kicks: to either side they are mirror images."""
+    """Return the magnitude of kicks: their sign only mirrors the motion."""
     largest = np.finfo(np.float64).max
     size: NDArray[np.float64] = np.abs(validate.array("kick", kick, least=-largest, largest=largest))
     return size
@@ -198,7 +198,7 @@ def elapsed(orbits: Any) -> Any:
 
 
 def never_freed(alpha: Any, beta: Any, kick: Any) -> Any:
-    """Return whether kicks stop no farther out than where the largest force may act for ever; gamma = 1."""
+    """Return whether kicks stop no farther out than where the largest force may act for all time; gamma = 1."""
     return kick * np.sqrt(np.abs(alpha) + np.abs(beta)) <= 1.0
 
 

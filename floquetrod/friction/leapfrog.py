@@ -31,7 +31,7 @@ def leapfrog_escapes(
     """Return what the paper's test says: whether abs(A) / kick reaches ``limit`` after 100 periods of leapfrog.
 
     Kick, drift, kick; friction is an impulse that stops a motion without turning it, so that it sticks.  Motions that
-    grow more slowly than ln(limit) over the time followed pass for stable.  gamma must be positive; other arguments
+    grow more slowly than ln(limit) over the time followed count as stable.  gamma must be positive; other arguments
     as in `fates`.
 
     Examples

@@ -1,4 +1,4 @@
-"""The motion itself."""
+"""The motion after a kick, as arrays."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from floquetrod.kernels import frictional_orbit as kernels
 from floquetrod.kernels.frictional_records import ORBIT, SAMPLE, workspace
 
 _MOST = 5_000_000  # rows of a record (a choice: 160 MB, a second or two)
-_HARD = 1e100  # kick over friction at which friction is lost in rounding: what follows a motion without any
+_HARD = 1e100  # kick over friction at which friction is lost in rounding: the motion recorded is that without friction
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -41,7 +41,7 @@ class Trajectory(ByContent):
     state: NDArray[np.int8]
 
     def __repr__(self) -> str:
-        """Return what was followed."""
+        """Return the equation, the kick and the time followed."""
         end = f"A = {self.A[-1]:.6g}, A' = {self.velocity[-1]:.6g}"
         return f"<motion from A' = {self.kick:g} over {self.tau[-1] / (2.0 * math.pi):.4g} periods, to {end}>"
 
@@ -49,7 +49,7 @@ class Trajectory(ByContent):
 def trajectory(equation: FrictionalMathieu, kick: float, *, periods: int = 20) -> Trajectory:
     """Return the motion from A(0) = 0, A'(0) = kick over whole periods, to rounding.
 
-    It ends before where it outgrows the range of a double.
+    It ends early where it would exceed the range of a double.
 
     Examples
     --------

@@ -1,1 +1,1 @@
-"""Kernels: floats and arrays in, floats and arrays out; compiled or interpreted as the work deserves."""
+"""Kernels: floats and arrays in, floats and arrays out; interpreted for small work, compiled for large."""

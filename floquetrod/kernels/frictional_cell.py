@@ -121,7 +121,7 @@ def first_root(q: Any, n: int, stack: Any) -> float:
     """Return the first zero in (0, 1] of the polynomial q of degree n, positive at 0; -1 where there is none.
 
     Most are monotone by a bound on the slope.  Else Bernstein coefficients without a change of sign exclude a zero, one
-    change means one zero, more are halved.  Zeros that `HALVINGS` do not part are a touch of zero: no reversal.
+    change means one zero, more are halved.  Zeros that `HALVINGS` do not separate count as tangency: no reversal.
     """
     bound = 0.0
     end = 0.0
@@ -152,7 +152,7 @@ def first_root(q: Any, n: int, stack: Any) -> float:
         if changes == 1 and not positive:
             return _bracketed_root(q, n, low, low + width)
         if changes == 0 or width < _NARROWEST:
-            # Nothing here: on to the right half that was put by last.
+            # No zero here: continue with the right half stored last.
             low += width
             if depth == 0 or low >= 1.0:
                 return -1.0

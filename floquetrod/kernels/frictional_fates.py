@@ -56,7 +56,7 @@ def _range_of_sticking(record: Any) -> tuple[float, float, float]:
 
 @kernel
 def _trapped(equation: Any, cells: Any, bases: Any, orbit: Any, findings: Any, work: Workspace) -> bool:
-    """Return whether the motion goes on for ever by sticking and slipping, having reached the state ``orbit``.
+    """Return whether the motion continues for all time by sticking and slipping, having reached the state ``orbit``.
 
     It is followed for `_WATCHED` periods.  If it is stuck at some phase of each of them, the amplitudes there span an
     interval, and the period's map of that interval is one of a single variable.  The motion is trapped when the map
@@ -113,7 +113,7 @@ def follow_fill(
     """Follow ``orbits``, one row of them for each in ``row``, to their fates, over at most ``most`` cells each.
 
     An orbit with A' NaN is none, and left alone.  A row has an equation, whose cells begin at ``first`` in ``cells``
-    and ``bases``, and its ``findings``.  From time to time it is seen whether an orbit is trapped.
+    and ``bases``, and its ``findings``.  From time to time it is checked whether an orbit is trapped.
     """
     work = workspace()
     none = np.empty(0, SAMPLE)

@@ -7,12 +7,12 @@ from typing import Any
 
 from floquetrod._util.compilation import kernel
 
-_FAR = 1e250  # where friction and the outcome are long settled
+_FAR = 1e250  # where friction no longer matters and the result is known
 
 
 @kernel
 def _held(v: float, impulse: float) -> float:
-    """Return a velocity after a friction impulse, which stops the motion but never turns it: so it sticks."""
+    """Return a velocity after a friction impulse, which stops the motion but never reverses it: so it sticks."""
     return math.copysign(max(0.0, abs(v) - impulse), v)
 
 

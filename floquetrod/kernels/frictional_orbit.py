@@ -1,17 +1,17 @@
-"""Kernels for A'' + 2 c A' = (beta + alpha sin tau) A - sign(A'), event by event, for ever.
+"""Kernels for A'' + 2 c A' = (beta + alpha sin tau) A - sign(A'), event by event, with the fate for all time.
 
 By homogeneity gamma = 1 throughout.  A period is divided into equal cells short against every wave.  Between reversals
 of A' the equation is linear with the forcing -s, s = sign(A'), so a cell is a 2 x 2 matrix and a vector, made once for
 all orbits.  Only a cell that a bound cannot clear of reversals is looked into: the motion in it is one Taylor series,
 the sign changes of its Bernstein coefficients tell whether A' has a zero, and bracketed Newton finds the first.
 
-How an orbit ends for ever (proofs in docs/friction.md; p lies between -P and Q):
+How the fate of an orbit is decided for all time (proofs in docs/friction.md; p lies between -P and Q):
 
 *Escape.*  E = A' psi - A (psi' - 2 c psi) obeys E' = -s psi, psi the decaying solution of psi'' - 2 c psi' = p psi.
 Where abs(E) exceeds the integral of abs(psi) over all later time, E keeps its sign for good and the motion grows like
 the growing Floquet solution.  Every motion that does not stay bounded passes this test at some time.
 
-*Caught.*  At rest where (abs(alpha) + abs(beta)) abs(A) <= 1: for ever.  At rest where Q abs(A) <= 1 and
+*Stuck.*  At rest where (abs(alpha) + abs(beta)) abs(A) <= 1: for all time.  *Kept.*  At rest where Q abs(A) <= 1 and
 abs(alpha) abs(A) <= 2: no later stop lies farther out.
 """
 
@@ -26,9 +26,9 @@ from floquetrod.kernels.frictional_records import PERIOD, Workspace
 
 # Why a run ended; what is below LIMIT is final.
 NO_GROWTH = 0  # without friction no solution grows
-STUCK = 1  # at rest for ever
+STUCK = 1  # at rest for all time
 KEPT = 2  # at rest where energy allows no later stop farther out
-TRAPPED = 3  # sticks and slips for ever
+TRAPPED = 3  # sticks and slips for all time
 GROWS = 4  # the escape test
 LIMIT = 5  # the bound on the number of cells, or of periods, was reached
 SLOW_RELEASE = 6  # stuck, with a force that frees it by less than `SLOW`: creeps outwards, too slowly to follow
@@ -62,7 +62,7 @@ def _stick(
 ) -> tuple[int, float]:
     """Return the fate of an orbit that sticks at abs(A) = size from phase tau, `LIMIT` if open, and how long it sticks.
 
-    It is told only where it sticks for ever unless ``decide``.
+    It is told only where it sticks for all time unless ``decide``.
     """
     outward = beta + abs(alpha)
     inward = abs(alpha) - beta
@@ -111,7 +111,7 @@ def run(
     """Follow one orbit until its fate is known, to the period ``end``, over at most ``most`` cells; return its fate.
 
     ``orbit`` is advanced, so that a run can be resumed.  ``record`` is filled as far as it reaches; its last row is the
-    one whose tau is infinite.  A run with rows to record goes on when its fate is known, but for rest for ever.
+    one whose tau is infinite.  A run with rows to record continues when its fate is known, except at rest for all time.
     ``creep`` follows slow creeping; ``findings`` are those on its equation.
     """
     alpha, beta, c = float(equation["alpha"]), float(equation["beta"]), float(equation["damping"])
@@ -160,7 +160,7 @@ def run(
                     offset = max(0.0, root * h)
                     reversals += 1.0
         else:
-            # At a stop: rest for ever, a stick, or motion that reverses at once.
+            # At a stop: rest for all time, a stick, or motion that reverses at once.
             released = False
             if v == 0.0:
                 tau = k * h + offset

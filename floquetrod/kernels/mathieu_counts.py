@@ -12,7 +12,7 @@ and their eigenvalues are the characteristic values a_0 < b_1 <= a_1 < b_2 <= ..
 
 The number N of them below a is the number of negative pivots d_k = D_k - a - q^2 / d_(k-1).  Once d_k > q and
 D_j - a >= 2 q for all later j, d_(k+1) >= 2 q - q^2 / q = q, strictly: every later pivot stays above q, so the count of
-the *infinite* matrices is known when all four chains have got that far.  Solutions are bounded when a lies between a_m
+the *infinite* matrices is known when all four chains get there.  Solutions are bounded when a lies between a_m
 and b_(m+1), that is when N is odd.
 """
 
@@ -91,7 +91,7 @@ def is_stable_scalar(alpha: float, beta: float) -> bool:
 
 @kernel
 def stable_one_by_one(alpha: Any, beta: Any, out: Any) -> None:
-    """Fill ``out`` with the verdicts on undamped equations, point after point: for the few."""
+    """Fill ``out`` with the verdicts on undamped equations, point by point: for small arrays."""
     for i in range(len(alpha)):
         out[i] = is_stable_scalar(alpha[i], beta[i])
 

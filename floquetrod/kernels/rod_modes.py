@@ -104,7 +104,7 @@ def _modes_of_load(
     slowest: float,
     guess: int,
 ) -> tuple[float, float, float, float, float, int]:
-    """Return A, B, C, D and c of a rod under a load, and how many modes to ask when ``slowest`` (1/s) is to be seen."""
+    """Return A, B, C, D and c of a rod under a load, and how many modes to test if ``slowest`` (1/s) is to be seen."""
     c = damping_rate / omega
     forcing, compression, bending, gravity = mode_family(w2, mass, rigidity, pendulum, mean, amplitude, omega)
     last = modes_needed(forcing, compression, bending, gravity - c * c, c + slowest / omega, guess)
@@ -141,7 +141,7 @@ def modes_stable_fill(
     """Fill ``out`` with whether no mode of a rod grows faster than ``tolerance`` under each load (rates per second).
 
     Rates below ``smallest`` may be left out.  Neighbouring loads need about as many modes and mostly fail in the same
-    one, which is asked first.
+    one, which is tested first.
     """
     slowest = max(tolerance, smallest)
     last = 1

@@ -149,7 +149,7 @@ def _settle(
     widths: Floats,
     finest: float | None,
 ) -> _Pieces:
-    """Put by what is above the level, or crosses it once; return what is still open."""
+    """Store pieces above the level and those that cross it once; return those still open."""
     which, x1, x2 = pieces.which, pieces.x[:, 1], pieces.x[:, 2]
     f1, f2 = pieces.g[:, 1] - above(x1, which), pieces.g[:, 2] - above(x2, which)
     left, chord, right = _slopes(pieces)
@@ -189,7 +189,7 @@ def _lowest(pieces: _Pieces, chord: Floats, above: Level) -> Floats:
 
 
 def _divide(pieces: _Pieces, growth: Growth) -> _Pieces:
-    """Return both parts of every piece, parted where the bound is largest but not close to an end."""
+    """Return both parts of every piece, split where the bound is largest but not close to an end."""
     if not pieces.which.size:
         return pieces
     left, _, right = _slopes(pieces)

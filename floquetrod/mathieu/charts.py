@@ -43,13 +43,13 @@ def chart(
     equation : callable (alpha, beta, damping) -> Equation
         The family charted: `Mathieu`, `Meissner`, or any function that returns an equation, such as
         ``lambda a, b, c: Hill(b, sines=(a, 0.3 * a), damping=c)``.  Mathieu's is a thousand times faster than others,
-        which `floquetrod.stability` judges one by one.
+        which `floquetrod.stability` classifies one by one.
     growth : bool
         Whether to compute growth rates too, which costs about fifty times a verdict of Mathieu's equation.
     growth_tolerance : float
         Growth per unit tau up to which a point counts as stable.
     criterion : FiniteTimeCriterion, optional
-        The paper's test in place of stability for ever; Mathieu's equation only.
+        The paper's test in place of stability for all time; Mathieu's equation only.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional

@@ -42,7 +42,7 @@ class FiniteTimeCriterion:
     map over one period, raised to a power, ends where stepping through all periods would.
 
     The test is not a verdict on stability: growth below about ``threshold`` per unit tau passes it.  "About", because
-    the motion ends at K exp(growth time), where K depends on the phase; `floquetrod.stability` decides for ever.
+    the motion ends at K exp(growth time), where K depends on the phase; `floquetrod.stability` decides for all time.
 
     Examples
     --------

@@ -219,7 +219,7 @@ def f3_d(points: int) -> Claim:
 
 
 def f3_map(points: int) -> Claim:
-    """Judge ``points`` squared loads by leapfrog and exactly."""
+    """Classify ``points`` squared loads by leapfrog and exactly."""
     mean, omega = np.linspace(0.0, 1.1, points)[:, None] * UNIT, np.linspace(20.0, 200.0, points)
     growth = ROD.growth_rate(mean, 0.2 * UNIT, omega) / omega
     leapfrog, exact = (ROD.is_stable(mean, 0.2 * UNIT, omega, criterion=by) for by in (LEAPFROG, EXACT))
@@ -282,7 +282,7 @@ def f8_b(points: int) -> Claim:
     return Claim(
         "F8-b",
         "A square wave in place of the sine gives a reasonable chart",
-        f"{100.0 * shares[0]:.1f} % of the chart is judged otherwise, {100.0 * mild:.1f} % for alpha up to 1; "
+        f"{100.0 * shares[0]:.1f} % of the chart is classified otherwise, {100.0 * mild:.1f} % for alpha up to 1; "
         f"{100.0 * shares[1]:.1f} % once its amplitude is multiplied by pi/4",
         True,
         "A square wave of amplitude alpha has a first harmonic of 4/pi alpha, so that its tongues are wider. Matching "

@@ -1,4 +1,4 @@
-"""The study's figures without friction, computed from nothing: Figures 2, 3 and 8 of DOI 10.1115/1.4031710."""
+"""The study's figures without friction, recomputed: Figures 2, 3 and 8 of DOI 10.1115/1.4031710."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ The first is unstable in a tongue the 100-period test cannot see, the others are
 """
 
 SHOWN = 1e-4
-"""Growth per unit tau from which Figure 3(a)-(d) shows a tongue: weaker ones, fine as hairs, would cover the page."""
+"""Growth per unit tau from which Figure 3(a)-(d) shows a tongue: the many weaker ones would cover the page."""
 
 
 def figure_2(chart: int) -> Any:

@@ -36,7 +36,7 @@ def f5(points: int) -> Claim:
     return Claim(
         "F5",
         "gamma = 0.01: small kicks enlarge the stable set, from eps = 0.05 on the rod is nearly as without friction",
-        f"of the points unstable without friction a kick leaves bounded for ever {words}; none that are stable without "
+        f"of the points unstable without friction a kick leaves bounded {words}; none that are stable without "
         f"friction escape ({lost})",
         gained[0] > 0.2 > 0.1 > gained[2],
         "",
@@ -45,7 +45,7 @@ def f5(points: int) -> Claim:
 
 
 def f6_7() -> Claim:
-    """Find the modes that a kick of 50 mm/s sets off under six loads."""
+    """Find the modes that a kick of 50 mm/s destabilises under six loads."""
     found: dict[tuple[float, float], dict[int, float]] = {}
     for omega in (85.0, 150.0):
         for force in FORCES:
@@ -65,7 +65,7 @@ def f6_7() -> Claim:
         "F6/7",
         "dF = 0.7 F_cr, mu = 0.1, 50 mm/s: stable at 0.118 F_cr; at 0.424 stable at 85 rad/s and unstable at 150; at "
         "0.825 unstable at both, in modes 8 and 9 at 150",
-        f"modes set off by less than 50 mm/s, with the kick each needs: {words}",
+        f"modes destabilised by less than 50 mm/s, with the kick each needs: {words}",
         agrees,
         f"Under the last load mode 10 escapes as well, and mode 8 just does not: it needs {mode_8:.2f} mm/s. From 49.8 "
         "mm/s on it comes to rest ever farther out and creeps back for more than 100 periods before it rests for good.",

@@ -15,7 +15,7 @@ from floquetrod.rod.load import AxialLoad
 from floquetrod.rod.mode_friction import kicks_of
 
 SLOWEST = 0.01
-"""Growth in 1/s up to which a mode is left out of the maps: hair-thin tongues that no kick in reach sets off."""
+"""Growth in 1/s up to which a mode is left out of the maps: no kick of interest destabilises it there."""
 
 HARDEST = 200.0
 """Kick over friction beyond which Figure 6(e)-(f) does not look: more than a metre a second."""

@@ -41,7 +41,7 @@ def write_report(folder: Path, claims: Sequence[Claim], pictures: dict[str, Path
 
 
 def verdict(claim: Claim) -> str:
-    """Return how a claim fared in a few words."""
+    """Return the result of a claim in a few words."""
     found = "agrees" if claim.agrees else "differs"
     return found if claim.holds else f"NO LONGER FOUND ({found} now)"
 

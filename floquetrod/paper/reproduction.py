@@ -1,4 +1,4 @@
-"""Make the study again: every figure, every claim, and the report."""
+"""Recompute the study: every figure, every claim, and the report."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _DPI = 200
 
 
 class Detail(NamedTuple):
-    """How finely the study is made again: numbers of points along each side.
+    """Resolution of a reproduction: numbers of points along each side.
 
     Attributes
     ----------

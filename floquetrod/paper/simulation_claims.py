@@ -1,7 +1,7 @@
 """What the study claims of its simulations of the whole rod, each claim computed from ours.
 
 Figure 4 and claim F4 (no friction), Figure 7 and claim F7 (friction), claim E (torsion and shear).  Where the outcome
-hangs on speeds that the paper drew at random, further draws are simulated, and the reason is isolated by taking parts
+depends on speeds that the paper drew at random, further draws are simulated, and the reason is isolated by taking parts
 of what was drawn away.
 """
 
@@ -27,7 +27,7 @@ from floquetrod.paper.simulations import (
 from floquetrod.simulation.start import Perturbation
 
 DRAWN = (150.0, 0.118), (150.0, 0.424)
-"""Loads (rad/s, F_cr) of Figure 7 under which case C led by mode 10 hangs on the draw; the reason is isolated there."""
+"""Loads (rad/s, F_cr) of Figure 7 where case C led by mode 10 depends on the draw; the reason is isolated there."""
 
 REDRAWN = (85.0, 0.825, "C 10"), (150.0, 0.118, "C 8"), (150.0, 0.424, "C 8"), (150.0, 0.825, "C 8")
 """Other entries of Figure 7 that come out otherwise; they are drawn anew, the first for fewer modes, too."""

@@ -97,7 +97,7 @@ class Outcome:
 def figure_4(seed: int = 1, speed: float = 1e-3, duration: float = 2.0, segments: int = 250) -> list[Trial]:
     """Return the ten frictionless simulations, dF = 0.2 F_cr, with the verdict on the mode equations as expectation.
 
-    Random speeds up to ``speed`` (m/s) set the rod moving.  Expected is buckling where a mode grows by a factor of 100
+    Random speeds up to ``speed`` (m/s) start the motion.  Expected is buckling where a mode grows by a factor of 100
     within ``duration``; what grows more slowly does not leave the linear regime in that time.
     """
     kick, trials = Perturbation.random(speed, seed), []

@@ -1,4 +1,4 @@
-"""Everything that knows matplotlib."""
+"""Drawings of charts and transition curves, and files of figures."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
 
 
 def draw_curves(curves: Any, ax: Any = None) -> Any:
-    """Draw `floquetrod.characteristic.TransitionCurves`: solid where a solution has period 4 pi, dashed where 2 pi."""
+    """Draw `floquetrod.mathieu.TransitionCurves`: solid where a solution has period 4 pi, dashed where 2 pi."""
     ax = new_axes() if ax is None else ax
     step = max(1, curves.alpha.size // 3)
     for row, order in enumerate(curves.orders):

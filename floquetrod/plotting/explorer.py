@@ -105,7 +105,7 @@ class Window:
         self.show(view)
 
     def show(self, view: View) -> None:
-        """Exchange what is shown."""
+        """Replace what is shown."""
         self._map_image.set_data(view.unstable)
         here = [[self._units[name].of(view.load[name])] for name in ("frequency", "mean")]
         self._here.set_data(*here)
@@ -119,7 +119,7 @@ class Window:
         extent = (*view.chart_alpha, *view.chart_beta)
         highest = _step_above(float(view.growth.max()))
         if self._frame is not None and highest <= self._frame[1] <= 10.0 * highest:
-            highest = self._frame[1]  # room to spare is no reason to draw everything anew
+            highest = self._frame[1]  # axes larger than needed do not warrant a full redraw
         canvas = self.figure.canvas
         if self._rest is None or (extent, highest) != self._frame or not canvas.supports_blit:
             self._frame = extent, highest
@@ -132,7 +132,7 @@ class Window:
             canvas.blit(self.figure.bbox)
 
     def _drawn(self, _: Any) -> None:
-        """Keep a copy of what does not move, and put on it what does."""
+        """Keep a copy of the static parts and draw the moving ones over it."""
         if self.figure.canvas.is_saving():  # then everything is drawn already
             return
         if self.figure.canvas.supports_blit:

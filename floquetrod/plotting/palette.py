@@ -21,7 +21,7 @@ FASTEST = "#4a1500"
 """The end of the shades of growth; the slowest growth has the colour of `UNSEEN`."""
 
 NO_KICK: dict[str, Any] = {"facecolor": STABLE, "hatch": "////", "edgecolor": NEUTRAL, "linewidth": 0.0}
-"""Style of an area where no kick sets off a rod that is held by friction."""
+"""Style of an area where no kick buckles a rod that is held by friction."""
 
 BOX: dict[str, Any] = {"boxstyle": "round", "facecolor": STABLE, "edgecolor": "black", "linewidth": 0.6}
 """Style of the box about a remark."""

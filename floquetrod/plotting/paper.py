@@ -1,4 +1,4 @@
-"""The study's figures, in its layout: data come ready, this file draws them."""
+"""The study's figures, in its layout; the data come computed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A rod in a channel: its parts, its loads, the equations of its modes, and what is answered about its stability."""
+"""A rod in a channel: its parts, its loads, the equations of its modes, and the answers about its stability."""
 
 from __future__ import annotations
 

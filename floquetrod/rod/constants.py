@@ -93,7 +93,7 @@ class ModeConstants(NamedTuple):
             )
 
     def loads_at_once(self, loads: Loads) -> int:
-        """Return how many loads a thread takes at a time: the slower they are the fewer, so that Ctrl-C is heard."""
+        """Return how many loads a thread takes at a time: the slower they are the fewer, so that Ctrl-C is handled."""
         modes, fastest = self._extent(loads)
         rows = fastest / float(np.min(loads.frequency, initial=math.inf))  # of Hill's matrix
         return max(1, int(4096.0 / (1.0 + 1e-4 * modes * rows)))

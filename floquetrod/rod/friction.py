@@ -1,4 +1,4 @@
-"""A rod that has to overcome friction: which modes a kick sets off for good, and the smallest kick that does."""
+"""A rod held by friction: which modes a kick destabilises, and the smallest kick that destabilises one."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ class CriticalKick(NamedTuple):
         The smallest found, a transverse velocity in m/s; infinite where no kick buckles the rod, NaN where that could
         not be decided.
     mode : int or None, or ndarray
-        The mode that it sets off; none is 0 over arrays of loads.
+        The mode that it destabilises; none is 0 over arrays of loads.
     none_up_to : float or ndarray
-        Proved: no kick up to it, m/s, sets off a mode (that grows faster than the tolerance asked for).
+        Proved: no kick up to it, m/s, destabilises a mode (that grows faster than the tolerance asked for).
     """
 
     kick: Any
@@ -53,7 +53,7 @@ class FrictionalRodStability(Verdict):
     kick : float
         Transverse velocity of each mode in m/s.
     in_modes : ModeFriction
-        What they come to in the mode equations.
+        Friction and kick in the mode equations.
     linear : RodStability
         Verdict without friction; rod, load and modes are there.
     fates : tuple of Fate
@@ -71,12 +71,12 @@ class FrictionalRodStability(Verdict):
 
     @property
     def modes(self) -> tuple[int, ...]:
-        """Modes that grow, or may grow, without friction: no kick sets off any other."""
+        """Modes that grow, or may grow, without friction: no kick destabilises any other."""
         return tuple(_growing(self.linear))
 
     @property
     def unstable_modes(self) -> tuple[int, ...]:
-        """Modes that the kick sets off for good."""
+        """Modes that the kick destabilises: they escape."""
         return tuple(m for m, fate in zip(self.modes, self.fates, strict=True) if fate.status == "escapes")
 
     @cached_property
@@ -86,7 +86,7 @@ class FrictionalRodStability(Verdict):
 
     @cached_property
     def critical_kicks(self) -> dict[int, float]:
-        """Smallest kick in m/s found to set off each of ``modes``."""
+        """Smallest kick in m/s found to destabilise each of ``modes``."""
         growing, rod, load = _growing_modes(self.linear), self.linear.rod, self.linear.load
         ratio = _bounds(growing, np.full(growing.load.size, math.inf), None).smallest_found
         kicks = kicks_of(rod, self.friction, load.amplitude, load.frequency, ratio)
@@ -96,9 +96,9 @@ class FrictionalRodStability(Verdict):
         """Return the verdict as a sentence."""
         kick = f"a kick of {1e3 * self.kick:g} mm/s against mu = {self.friction:g}"
         if self.status == "unstable":
-            what = f"sets off mode{'s' * (len(self.unstable_modes) > 1)} {', '.join(map(str, self.unstable_modes))}"
+            what = f"destabilises mode{'s' * (len(self.unstable_modes) > 1)} {', '.join(map(str, self.unstable_modes))}"
         else:
-            what = "sets off no mode" if self.status == "stable" else "could not be decided"
+            what = "destabilises no mode" if self.status == "stable" else "could not be decided"
         growing = f"without friction {', '.join(map(str, self.modes)) or 'none'} would grow"
         return f"<{self.status}: {kick} {what}; {growing}>"
 
@@ -134,7 +134,7 @@ def classify_kick(linear: RodStability, friction: float, kick: float) -> Frictio
 
 
 def critical_kick(linear: RodStability, friction: float) -> CriticalKick:
-    """Return the smallest kick found to set off a mode, and that up to which none does."""
+    """Return the smallest kick found to destabilise a mode, and that up to which none does."""
     least = _Least.of(1)
     _least_kicks(_growing_modes(linear), None, least)
     load = linear.load
@@ -146,7 +146,7 @@ def critical_kick(linear: RodStability, friction: float) -> CriticalKick:
 def kicked_loads(
     rod: RodData, systems: ModalSystems, friction: float, kick: float, tolerance: float, workers: int | None
 ) -> NDArray[np.int8]:
-    """Return whether the kick sets off no mode (1), one (0), or cannot be told (-1), for each load."""
+    """Return whether the kick destabilises no mode (1), one (0), or cannot be told (-1), for each load."""
     found = np.full(systems.loads.size, BOUNDED, dtype=np.int8)
     for part in _parts(systems.loads.size):
         loads = systems.loads.part(part)
@@ -192,7 +192,7 @@ def _growing_modes(linear: RodStability) -> GrowingModes:
 
 
 class _Least(NamedTuple):
-    """Of each load: the smallest kick over friction found to set off a mode, that mode, and the proved bound below."""
+    """Of each load: the smallest kick over friction found to destabilise one, that mode, and the proved bound below."""
 
     found: NDArray[np.float64]
     mode: NDArray[np.int64]
@@ -200,7 +200,7 @@ class _Least(NamedTuple):
 
     @classmethod
     def of(cls, size: int) -> _Least:
-        """Return what is known of loads before any mode is asked."""
+        """Return what is known of loads before any mode is examined."""
         return cls(np.full(size, math.inf), np.zeros(size, dtype=np.int64), np.full(size, math.inf))
 
     def part(self, part: slice) -> _Least:
@@ -234,5 +234,5 @@ def _bounds(growing: GrowingModes, limit: NDArray[np.float64], workers: int | No
 
 
 def _parts(size: int) -> list[slice]:
-    """Return slices of up to `_AT_ONCE`, so that memory follows the loads and not their modes."""
+    """Return slices of up to `_AT_ONCE`, so that memory does not grow with the number of modes."""
     return [slice(start, start + _AT_ONCE) for start in range(0, size, _AT_ONCE)]

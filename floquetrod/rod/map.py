@@ -53,7 +53,7 @@ def stability_map(
     damping : float, optional
         Decay rate of free motion in 1/s, in place of the rod's.
     criterion : FiniteTimeCriterion, optional
-        The paper's test in place of stability for ever.
+        The paper's test in place of stability for all time.
     friction, kick : float, optional
         Coefficient of friction, and the transverse velocity in m/s that every mode is given; not together with
         ``growth``, which is that without friction.

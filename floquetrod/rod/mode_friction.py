@@ -1,4 +1,4 @@
-"""Coulomb friction between rod and channel floor, and what it and a kick come to in the mode equations."""
+"""Coulomb friction between rod and channel floor, and what friction and a kick become in the mode equations."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _LARGEST = 1e6  # coefficient of friction, and kick in m/s (a choice: beyond any
 
 @dataclass(frozen=True, repr=False)
 class ModeFriction:
-    """What Coulomb friction and a kick come to in the mode equations of a rod under a load, the same in every mode.
+    """Coulomb friction and a kick in the mode equations of a rod under a load, the same in every mode.
 
     Attributes
     ----------
@@ -84,8 +84,8 @@ def friction_and_kick(friction: Any, kick: Any) -> tuple[float, float] | None:
         return None
     if friction is None:
         raise ValueError(
-            f"friction must be given with a kick, got kick = {validate.short(kick)} alone: without friction every kick "
-            "sets off what is unstable; give friction=0.1, say, or leave out both"
+            f"friction must be given with a kick, got kick = {validate.short(kick)} alone: without friction an "
+            "unstable mode grows whatever the kick; give friction=0.1, say, or leave out both"
         )
     hint = "give the transverse velocity in m/s, 0.05 say; critical_kick tells what it takes"
     return friction, validate.within("kick", validate.positive("kick", kick, hint), 0.0, _LARGEST, "give it in m/s")

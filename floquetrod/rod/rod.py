@@ -107,7 +107,7 @@ class Rod(RodData):
             Growth rate in 1/s up to which a mode counts as stable.
         friction, kick : float, optional
             Coefficient of friction with the floor, static and kinetic, and the kick that every mode is given, a
-            transverse velocity in m/s: stable when it sets off none of them.  Friction holds every rod that nothing
+            transverse velocity in m/s: stable when it destabilises none of them.  Friction holds every rod that nothing
             disturbs, so neither goes without the other.
 
         Returns
@@ -138,7 +138,7 @@ class Rod(RodData):
         """Return the smallest kick, a transverse velocity in m/s, found to buckle the rod against friction.
 
         Every mode is taken to be kicked alike; infinite where nothing grows even without friction.  Beside it stand the
-        mode that it sets off, and the kick up to which none buckles the rod, which is proved.
+        mode that it destabilises, and the kick up to which none buckles the rod, which is proved.
 
         Examples
         --------
@@ -279,8 +279,8 @@ class Rod(RodData):
         """Return whether the rod is stable, over arrays of loads (N, N, rad/s) that broadcast, all relevant modes.
 
         A mode counts as stable up to ``growth_tolerance`` (1/s), or when it passes the ``criterion``.  With
-        ``friction`` and a ``kick`` (m/s): whether the kick sets off no mode; loads that cannot be decided are warned of
-        and False, and `verdicts` tells which.
+        ``friction`` and a ``kick`` (m/s): whether the kick destabilises no mode; loads that cannot be decided are
+        False, with a warning, and `verdicts` tells which.
 
         >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
         array([False, False])

@@ -1,4 +1,4 @@
-"""What a rod's verdict carries: modes, rates, the damping that would stabilise it, and its margins."""
+"""The verdict on a rod: modes, rates, the damping that would stabilise it, and its margins."""
 
 from __future__ import annotations
 

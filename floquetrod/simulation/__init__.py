@@ -1,4 +1,4 @@
-"""The whole nonlinear rod, step by step: a confirmation independent of the mode equations."""
+"""Simulation of the whole nonlinear rod, step by step: a confirmation independent of the mode equations."""
 
 from __future__ import annotations
 

@@ -21,12 +21,12 @@ Progress = Callable[[int, int], None]
 
 Result = TypeVar("Result", bound=RecordedMotion)
 
-_ELEMENT_STEPS = 4_000_000  # in one call of the kernel: some 40 ms, so that Ctrl-C is heard (heuristic)
+_ELEMENT_STEPS = 4_000_000  # in one call of the kernel: some 40 ms, so that Ctrl-C is handled (heuristic)
 _LEAST_STEPS = 1000  # in one call, below which calling costs more than a hundredth (heuristic)
 
 
 class SimulationDiverged(RuntimeError):
-    """A simulated rod left every physical state; ``simulation``, a `Simulation`, holds the frames before."""
+    """A simulated rod left the range of the model; ``simulation``, a `Simulation`, holds the frames before."""
 
     def __init__(self, message: str, simulation: Any) -> None:
         """Keep the frames before."""

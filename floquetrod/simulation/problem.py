@@ -158,7 +158,7 @@ class SimulationProblem:
         Raises
         ------
         SimulationDiverged
-            When the rod leaves every physical state; its ``simulation`` holds the frames before.
+            When the rod leaves the range of the model; its ``simulation`` holds the frames before.
         ValueError
             Before anything is computed, for a checkpoint that cannot be written, is damaged, belongs to another run, or
             cannot be continued to the bit here (docs/simulator.md says when).

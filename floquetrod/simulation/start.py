@@ -170,7 +170,7 @@ def _mode(name: str, value: int) -> int:
 
 
 def _speed(name: str, value: float) -> float:
-    """Return a speed that is not absurd."""
+    """Return a speed of plausible size."""
     speed = validate.finite(name, value, "in m/s")
     if abs(speed) > _FASTEST:
         raise ValueError(f"{name} must be at most {_FASTEST:g} m/s, got {speed:g}; check the units")

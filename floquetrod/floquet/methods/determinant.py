@@ -18,7 +18,7 @@ _PRODUCT_TERMS = 32  # powers of h^2 / k^2, at most 1/4: 4^-32 is far below roun
 
 
 def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
-    """Judge by the signs of Hill's four determinants, Eqs. (A1)-(A3) of DOI 10.1115/1.4031710.
+    """Classify by the signs of Hill's four determinants, Eqs. (A1)-(A3) of DOI 10.1115/1.4031710.
 
     A boundary solution is a series in cos(k tau / 2), sin(k tau / 2), even or odd in k, symmetric or antisymmetric
     about the instant of symmetry: four homogeneous systems, four determinants.  Scaled by the determinants they have

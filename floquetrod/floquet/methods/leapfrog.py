@@ -20,11 +20,11 @@ _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to
 _FINEST_GRID = 4096  # steps of a period that pieces may ask for so that they meet at steps (a choice)
 _STEPS_A_WAVE = 16  # fewest steps to a wave of the highest harmonic, a multiple of four (heuristic)
 _EPS = 2.220446049250313e-16
-_LARGEST_REACH = 1e50  # step^2 times coefficient: what one step multiplies by, far past sense but within range
+_LARGEST_REACH = 1e50  # step^2 times coefficient: what one step multiplies by, beyond any useful step, yet in range
 
 
 def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limit: float = 1e6) -> Stability:
-    """Judge as the paper does, its test (6): stable when abs(A(end)) / A'(0) stays below a limit.
+    """Classify by the paper's test (6): stable when abs(A(end)) / A'(0) stays below a limit.
 
     A(0) = 0, A'(0) = 1; kick-drift-kick leapfrog (second order, symplectic); DOI 10.1115/1.4031710, section 3.2.
 

@@ -41,7 +41,7 @@ class _Map(NamedTuple):
 
 
 def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
-    """Judge by the map over a period, integrated with Taylor series of order 24.
+    """Classify by the map over a period, integrated with Taylor series of order 24.
 
     Where the coefficient is even about an instant, half a period from there is enough: with y1, y2 the cosine- and
     sine-like solutions and h half the period, trace - 2 = 4 y1'(h) y2(h) and trace + 2 = 4 y1(h) y2'(h), products
@@ -165,7 +165,7 @@ def _needed(pieces: list[_Stretch], frequency: float) -> float:
 def _converged(pieces: list[_Stretch], period: float, frequency: float, rtol: float) -> tuple[_Map, float, int]:
     """Return the map once halving the steps changes it by no more than ``rtol``, that change, and all steps taken.
 
-    It also stops where rounding or the limit on steps allows no more; the change then tells.
+    It also stops where rounding or the limit on steps allows no more; the change then shows it.
     """
     wanted = max(1, math.ceil(_needed(pieces, frequency) / 3.0))
     coarse = _carry(pieces, period, wanted)

@@ -50,11 +50,11 @@ class DiscriminantExcess(NamedTuple):
 
 
 class TooMuchWork(ValueError):
-    """The digits asked for would take longer than a caller wants to wait."""
+    """The digits asked for would take too long to compute."""
 
 
 def reference(equation: Equation, *, digits: int = 50) -> Stability:
-    """Judge an equation with ``digits`` correct digits of its discriminant.
+    """Classify an equation with ``digits`` correct digits of its discriminant.
 
     Parameters
     ----------

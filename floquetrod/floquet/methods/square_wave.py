@@ -13,7 +13,7 @@ _EPS = 2.220446049250313e-16
 
 
 def square_wave(equation: Meissner | Mathieu) -> Stability:
-    """Judge by the closed form for a coefficient that takes two values.
+    """Classify by the closed form for a coefficient that takes two values.
 
     With r_1^2 = beta + alpha, r_2^2 = beta - alpha, C = cosh(h r), S = sinh(h r) / r and h = pi / 2, the solutions
     half a period after an instant of symmetry are

@@ -1,4 +1,4 @@
-"""The front door: what is computed for a problem, with how many digits, and what follows from it.
+"""The entry point: what is computed for a problem, with how many digits, and what follows from it.
 
 Damping: A = exp(-c tau) u turns c into an addition of c^2 to the mean, and bounded u prove that A decays.  Where u
 grows, its trace is compared with 2 cosh(c period).
@@ -86,7 +86,7 @@ def certify(equation: Equation | type[Equation], *, max_digits: int = 200, **par
 def _attempt(problem: ExactProblem, digits: int) -> Proof:
     """Prove a verdict with ``digits`` digits, by what applies to the problem; raises `Unresolved` if they are too few.
 
-    The one place that knows which coefficients there are.
+    The one place that distinguishes kinds of coefficients.
     """
     context = arithmetic(digits)
     if problem.halves is not None:

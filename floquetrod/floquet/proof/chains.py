@@ -10,7 +10,7 @@ pivot after it is D - a - q^2 d / (d x - e^2).
 and let d_K > q and D_k - a >= 2 q for all k > K.  Then d_(K+1) > 2 q - q^2 / q = q, and so on: all later pivots exceed
 q.  So (u, (H - a) u) = sum_k d_k (u_k + sqrt(e_k) u_(k+1) / d_k)^2 has n negative terms, n the count, and is positive
 on the subspace of codimension n where these vanish: were it zero there, u_k = -(sqrt(e_k) / d_k) u_(k+1) would make
-abs(u_k) grow with k for ever, and u be no element of the space.  At most n eigenvalues of the infinite matrix are
+abs(u_k) grow with k without bound, and u would not be in the space.  At most n eigenvalues of the infinite matrix are
 therefore <= a; at least n are < a because the finite part has n of them.
 """
 

@@ -20,7 +20,7 @@ class Unresolved(Exception):
 
 
 class TooMuchWork(Exception):
-    """The arithmetic would take longer than a caller wants to wait."""
+    """The arithmetic would take too long."""
 
 
 def arithmetic(digits: int) -> Any:

@@ -1,4 +1,4 @@
-"""Equations as exact numbers: the border behind which a proof knows no classes of equations and no doubles."""
+"""Equations in exact numbers: a proof needs neither classes of equations nor doubles."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def exact_problem(equation: Equation | type[Equation], parameters: Parameters) -
 
 
 def _read(kind: Any, parameters: Parameters) -> ExactProblem:
-    """Return the problem with these parameters, of whatever type, of a class of equations."""
+    """Return the problem with these parameters, of any numeric type, of a class of equations."""
     names = [field.name for field in fields(kind)]
     unknown = [name for name in parameters if name not in names]
     if unknown:

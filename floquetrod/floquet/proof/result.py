@@ -31,7 +31,7 @@ class Proof(Answer):
     Attributes
     ----------
     equation : Equation
-        The equation judged, its parameters taken as the exact binary numbers they are, but for those in ``exact``.
+        The equation, its parameters taken as the exact binary numbers they are, but for those in ``exact``.
     status : {"stable", "unstable", "undecided"}
         What was proved; "stable": every solution stays bounded (decays, if damped and not at rest).
     interval : Interval or None

@@ -25,7 +25,7 @@ class _Map(NamedTuple):
     second: _State
 
     def after(self, earlier: _Map) -> _Map:
-        """Return the map that is ``earlier`` and then this one."""
+        """Return the composition of ``earlier`` followed by this map."""
         return _Map(self._of(earlier.first), self._of(earlier.second))
 
     def _of(self, state: _State) -> _State:
