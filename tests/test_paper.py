@@ -114,6 +114,11 @@ def test_a_lost_claim_makes_the_command_fail(
         assert ("NO LONGER FOUND" in capsys.readouterr().out) == bool(status)
 
 
+def test_claims_hold_python_values() -> None:
+    claim = friction_claims.f6_b()
+    assert (type(claim.agrees), type(claim.holds)) == (bool, bool)  # JSON takes no others
+
+
 def test_claims_notice_a_change(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         claims.mathieu, "is_stable", lambda alpha, beta, **_: np.full(np.broadcast(alpha, beta).shape, True)

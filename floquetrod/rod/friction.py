@@ -106,7 +106,6 @@ class FrictionalRodStability(Verdict):
 def classify_kick(linear: RodStability, friction: float, kick: float) -> FrictionalRodStability:
     """Return the verdict with friction that follows on one without."""
     inside = mode_friction(linear.rod, friction, kick, linear.load.amplitude, linear.load.frequency)
-    inside = ModeFriction(friction, *map(float, (inside.mu_theta, inside.v_a, inside.gamma, inside.epsilon)))
     growing = zip(_growing(linear).values(), _growing_modes(linear).rate.tolist(), strict=True)
     fates = tuple(
         known_fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon, rate)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
 from floquetrod.rod.data import RodData
 
 _LARGEST = 1e6  # coefficient of friction, and kick in m/s (a choice: beyond any)
@@ -59,7 +60,9 @@ def mode_friction(rod: RodData, friction: float, kick: float, amplitude: Any, fr
     share = kick / np.hypot(axial, kick)
     gamma = 4.0 * friction * share * rod.gravity / (math.pi * (frequency * frequency) * rod.radial_clearance)
     epsilon = kick / (frequency * rod.radial_clearance)
-    return ModeFriction(friction, friction * share, axial, gamma, epsilon)
+    shape = np.shape(share)
+    parts = (shaped(np.asarray(part), shape) for part in np.broadcast_arrays(friction * share, axial, gamma, epsilon))
+    return ModeFriction(friction, *parts)
 
 
 def friction_coefficient(friction: Any) -> float:
