@@ -40,7 +40,8 @@ axes.set_facecolor(palette.UNSTABLE)
 for window in windows:
     axes.axvspan(window.low, window.high, color=palette.STABLE, linewidth=0.0)
 axes.axvline(choice, color="black", linestyle="--", linewidth=0.9)
-axes.annotate(f"{choice:.0f} rad/s", (choice, 0.93 * growth.max()), xytext=(4, 0), textcoords="offset points")
+style = {"xytext": (4, 0), "textcoords": "offset points", "bbox": palette.BOX | {"edgecolor": "none"}}
+axes.annotate(f"{choice:.0f} rad/s", (choice, 0.93 * growth.max()), **style)
 for number in np.unique(mode[growth > 1.0]):
     peak = np.argmax(np.where(mode == number, growth, 0.0))
     axes.annotate(f"{number}", (frequency[peak], growth[peak]), ha="center", va="bottom", fontsize="small")

@@ -41,7 +41,7 @@ axes.fill_between(share, 1e-2, np.where(missed, growth, np.nan), color=palette.U
 seen = ~passes & (growth > 0.0)
 axes.fill_between(share, 1e-2, np.where(seen, growth, np.nan), color=palette.UNSTABLE, label="fails the test")
 axes.semilogy(share, np.where(growth > 0.0, growth, np.nan), color="black", linewidth=0.9, label="growth rate")
-axes.axhline(test.threshold * omega, color="black", linestyle="--", linewidth=0.9, label="seen by the test above")
+axes.axhline(test.threshold * omega, color="black", linestyle="--", linewidth=0.9, label="limit of the test")
 for number in np.unique(mode[growth > 0.1]):
     peak = np.argmax(np.where(mode == number, growth, 0.0))
     where = {"xytext": (-4, 3), "textcoords": "offset points", "ha": "right"}

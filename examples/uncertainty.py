@@ -2,8 +2,8 @@
 Sweeping uncertainty
 ====================
 
-Nobody knows a rod's stiffness or a drive's speed exactly.  A million samples of both, classified in about a second, turn a
-verdict into a probability.
+A rod's stiffness and a drive's speed are never known exactly.  A million samples of both, classified in about a second,
+turn a verdict into a probability.
 """
 
 import time

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import runpy
 import shutil
@@ -134,3 +135,18 @@ def test_broken_and_remote_references_are_found(tmp_path: Path) -> None:
         ("index.html", "#nowhere", "no such anchor"),
         ("sub/index.html", "../index.html#no", "no such anchor"),
     ]
+
+
+def docstrings() -> Iterator[tuple[str, bool, str]]:
+    """Yield the place of every docstring, whether it is that of a property, and its text."""
+    for path in sorted((ROOT / "floquetrod").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef | ast.ClassDef) and (text := ast.get_docstring(node)):
+                decorators = {ast.unparse(decorator).split(".")[-1] for decorator in node.decorator_list}
+                yield f"{path.name}, {node.name}", not decorators.isdisjoint({"property", "cached_property"}), text
+
+
+def test_docstrings_are_shown_as_they_are_written() -> None:
+    for place, is_property, text in docstrings():
+        assert not (is_property and ":" in text.splitlines()[0]), f"{place}: what precedes a colon would be its type"
+        assert not re.search(r"^ *[A-Za-z]\.$", text, re.MULTILINE), f"{place}: a letter and a dot would begin a list"

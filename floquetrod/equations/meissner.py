@@ -57,7 +57,7 @@ class Meissner(Equation):
 
     @property
     def levels(self) -> tuple[Fraction, Fraction]:
-        """The two values of the coefficient, exactly: beta + alpha and beta - alpha."""
+        """The two values of the coefficient, beta + alpha and beta - alpha, exactly."""
         return Fraction(self.beta) + Fraction(self.alpha), Fraction(self.beta) - Fraction(self.alpha)
 
     def pieces(self) -> tuple[Piece, ...]:

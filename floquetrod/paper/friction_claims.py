@@ -82,8 +82,8 @@ def f6_b() -> Claim:
     speeds, shares = [], []
     for omega in (85.0, 150.0):
         inside = mode_friction(ROD, FRICTION, KICK, AMPLITUDE * UNIT, omega)
-        speeds.append(1e3 * inside.v_a)
-        shares.append(1.0 - inside.mu_theta / FRICTION)
+        speeds.append(1e3 * float(inside.v_a))
+        shares.append(1.0 - float(inside.mu_theta) / FRICTION)
     return Claim(
         "F6-b",
         "With friction the frequency acts through the axial sliding speed v_a",

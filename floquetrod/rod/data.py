@@ -148,7 +148,7 @@ class RodData:
 
     @property
     def radial_clearance(self) -> float:
-        """R = channel radius - rod radius in m: the radius of the motion of the rod's axis."""
+        """R = channel radius - rod radius in m, the radius of the motion of the rod's axis."""
         return self.channel.clearance(self.section)
 
     @property
@@ -158,7 +158,7 @@ class RodData:
 
     @property
     def critical_force(self) -> float:
-        """F_cr = 2 sqrt(E I rho A g / R) in N: a constant push beyond it buckles a long rod."""
+        """F_cr = 2 sqrt(E I rho A g / R) in N; a constant push beyond it buckles a long rod."""
         return self.mode_constants.critical_force
 
     @property

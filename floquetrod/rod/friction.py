@@ -71,12 +71,12 @@ class FrictionalRodStability(Verdict):
 
     @property
     def modes(self) -> tuple[int, ...]:
-        """Modes that grow, or may grow, without friction: no kick destabilises any other."""
+        """Modes that grow, or may grow, without friction; no kick destabilises any other."""
         return tuple(_growing(self.linear))
 
     @property
     def unstable_modes(self) -> tuple[int, ...]:
-        """Modes that the kick destabilises: they escape."""
+        """Modes that the kick destabilises; they escape."""
         return tuple(m for m, fate in zip(self.modes, self.fates, strict=True) if fate.status == "escapes")
 
     @cached_property

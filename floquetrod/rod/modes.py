@@ -76,7 +76,7 @@ class ModalSystem:
 
     @property
     def per_newton(self) -> Floats:
-        """What a newton adds: of amplitude to each alpha, of mean force to each beta."""
+        """What a newton of amplitude adds to each alpha, and a newton of mean force to each beta."""
         unit, *_ = kernels.mode_family(*self.constants[:4], 0.0, 1.0, self.load.frequency)
         return np.asarray(unit * self._numbers**2)
 

@@ -149,7 +149,7 @@ class DiscreteRod:
 
     @property
     def contact_stiffness(self) -> float:
-        """Factor k of the contact's acceleration k sqrt(d) (d + C v): at rest it carries the weight."""
+        """Factor k of the contact's acceleration k sqrt(d) (d + C v), which at rest carries the weight."""
         gap, depth = self.rod.radial_clearance, self.depth_at_rest
         d = depth * (1.0 + 0.5 * depth / gap)  # the measure of indentation of the kernels
         return self.rod.gravity / (math.sqrt(d) * d * (1.0 + depth / gap))

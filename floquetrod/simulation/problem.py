@@ -43,7 +43,7 @@ class SimulationProblem:
     load : AxialLoad
         Must strain the rod by at most 0.02.
     duration : float
-        s.
+        In s.
     friction : float
         mu, static = kinetic, along the channel and around it.
     perturbation : Perturbation, optional
@@ -130,7 +130,7 @@ class SimulationProblem:
 
     @cached_property
     def time_steps(self) -> TimeSteps:
-        """The steps that will be taken: their number, how many between frames, their size in s, what limits it."""
+        """The steps to be taken, with their number, how many between frames, their size in s, and what limits it."""
         speed = float(np.abs(self.perturbation.velocities(self.segments)).max())
         return time_steps(self.mesh, self.duration, self.frames, self.time_step, speed)
 
@@ -221,7 +221,7 @@ class Simulation(RecordedMotion):
     time_steps : TimeSteps
         The steps taken: their number, how many between frames, their size in s, and what limited it.
     time : ndarray (frames,)
-        s.
+        In s.
     positions, velocities : ndarray (frames, nodes, 3)
         m and m/s; x along the channel, z up, the axis of the channel at y = z = 0.
     energy : dict of ndarray (frames,)

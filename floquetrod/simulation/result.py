@@ -73,7 +73,7 @@ class RecordedMotion(NoTruthValue, ByContent):
 
     @property
     def energy_error(self) -> NDArray[np.float64]:
-        """Change in J of kinetic + potential + dissipated - work since the start: the error of the balance."""
+        """Change in J of kinetic + potential + dissipated - work since the start, the error of the balance."""
         names = ("kinetic", "stretch", "shear", "bend", "twist", "gravity", "contact", "dissipated")
         balance = np.sum([self.energy[name] for name in names], axis=0) - self.energy["work"]
         return np.asarray(balance - balance[0])
