@@ -51,8 +51,8 @@ def near_boundary_points(draw: st.DrawFn, largest_alpha: float = 20.0, orders: i
 def transition_betas(alpha: float, orders: int) -> list[float]:
     """Return the ``orders`` uppermost beta of each symmetry at which the solutions of Mathieu's equation have a period.
 
-    Dense eigenvalues of Hill's matrices (DLMF 28.4), good to a few units of rounding of the largest entry: owed to
-    nothing in the package.
+    Dense eigenvalues of Hill's matrices (DLMF 28.4), good to a few units of rounding of the largest entry;
+    independent of the package.
     """
     q = 2.0 * abs(alpha)
     size = orders + 20 + int(2.0 * math.sqrt(q))

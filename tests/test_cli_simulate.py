@@ -169,7 +169,7 @@ def test_divergence_keeps_the_frames_before(
         (["--case", "A", "--seed", "2"], "--seed draws nothing here"),
         (["--seed", "-2"], "seed must be 0 or more"),
         (["--duration", "2 weeks"], "--duration must be a number with a time unit"),
-        (["--mu", "-1"], "--mu must be zero or more"),
+        (["--friction", "-1"], "--friction must be zero or more"),
         (["--segments", "20"], "segments must be at least 37"),
         (["--time-step", "1ms"], "--time-step must be at most"),
         (["--out", "run.doc"], r"--out must end in \.png"),

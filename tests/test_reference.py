@@ -291,5 +291,5 @@ def test_wrong_digits(digits: Any, error: type[Exception]) -> None:
 
 
 def test_wrong_equation() -> None:
-    with pytest.raises(TypeError, match="equation must be Mathieu"):
+    with pytest.raises(TypeError, match="equation must be an Equation"):
         reference((1.0, -1.0))  # type: ignore[arg-type]

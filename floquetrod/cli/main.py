@@ -46,7 +46,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     return int(answer.status)
 
 
-_ARGUMENTS = {"friction": "mu", "load": "mean"}
+_ARGUMENTS = {"load": "mean"}
 """Arguments of the library that an option of another name sets."""
 
 

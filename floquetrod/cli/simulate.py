@@ -40,7 +40,7 @@ Simulate the whole nonlinear rod in its channel, with or without friction, and c
 
 examples:
   floquetrod simulate --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150 --out run.png --out run.npz
-  floquetrod simulate --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150 --mu 0.1 --kick 9:50mm/s
+  floquetrod simulate --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150 --friction 0.1 --kick 9:50mm/s
   floquetrod simulate --rod nitinol --mean 0.424Fcr --amplitude 0.7Fcr --frequency 150 --mu 0.1 --case C:10 --seed 2
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 4s --out run.gif
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 60s --checkpoint run.ckpt
@@ -72,7 +72,7 @@ def add(commands: Any) -> None:
     command.add_argument("--amplitude", required=True, help="amplitude of the force")
     command.add_argument("--frequency", required=True, help="frequency, such as 150 (rad/s) or 24Hz")
     command.add_argument("--duration", default="2s", help="how long to simulate (default 2s)")
-    command.add_argument("--mu", type=float, default=0.0, help="coefficient of friction (default 0)")
+    command.add_argument("--friction", "--mu", type=float, default=0.0, help="coefficient of friction (default 0)")
     command.add_argument("--kick", action="append", default=[], help="speed in a mode, such as 8:50mm/s; repeatable")
     command.add_argument("--random", help="every node its own speed, up to this, such as 1mm/s")
     command.add_argument("--case", help="perturbation of the paper: A, B, C or D, with a mode as in A:6")
@@ -97,11 +97,11 @@ def _simulate(options: argparse.Namespace) -> Answer:
         rod,
         load,
         duration=duration,
-        friction=options.mu,
+        friction=options.friction,
         perturbation=perturbation,
         segments=options.segments,
         time_step=step,
-        frames=_frames(load, duration, options.mu) if options.frames is None else options.frames,
+        frames=_frames(load, duration, options.friction) if options.frames is None else options.frames,
     )
     try:
         with _warnings_at_once(progress):
@@ -175,8 +175,8 @@ def _warnings_at_once(progress: Progress) -> Iterator[None]:
         yield
 
 
-def _frames(load: fr.AxialLoad, duration: float, mu: float) -> int:
-    if mu > 0.0 or load.amplitude == 0.0:
+def _frames(load: fr.AxialLoad, duration: float, friction: float) -> int:
+    if friction > 0.0 or load.amplitude == 0.0:
         return _FRAMES
     wanted = min(_FRAMES_A_PERIOD * duration * load.frequency / (2.0 * math.pi), _MOST_FRAMES)
     return max(_FRAMES, math.ceil(wanted) + 1)

@@ -144,7 +144,8 @@ def from_instant(pieces: tuple[Piece, ...], start: float, period: float) -> tupl
 def require(value: Any, kinds: tuple[type, ...] = (Equation,), by: str = "") -> None:
     """Raise TypeError unless ``value`` is one of the equation ``kinds``."""
     if not isinstance(value, kinds):
-        names = "Mathieu, Meissner, Hill" if kinds == (Equation,) else ", ".join(kind.__name__ for kind in kinds)
+        every = "an Equation, such as Mathieu, Meissner or Hill"
+        names = every if kinds == (Equation,) else ", ".join(kind.__name__ for kind in kinds)
         raise TypeError(f"equation must be {names}{' for ' + by if by else ''}, got {validate.short(value)}")
 
 

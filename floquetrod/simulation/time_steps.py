@@ -75,7 +75,7 @@ def time_steps(mesh: DiscreteRod, duration: float, frames: int, largest: float |
     Parameters
     ----------
     duration : float
-        s.
+        Time simulated, in s.
     frames : int
         Frames kept, the start and the end among them.
     largest : float or None
