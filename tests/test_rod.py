@@ -181,6 +181,14 @@ def test_the_growth_bound_bounds(order: int, power: float, place: float) -> None
     assert kernels.growth(0.5 * q, -0.25 * a, 0.0) <= kernels.growth_bound(a, q) * (1.0 + 1e-9) + 1e-14
 
 
+def test_a_mode_at_the_edge_of_the_bound_is_looked_at() -> None:
+    # a = 2 q in doubles where the room that is left is not zero in them.
+    rod = fr.Rod(1e9, 900.0, 0.0023274128510754337, 8.296067484796886, 0.004654825702150867, 2.766561392000476)
+    load = fr.AxialLoad(0.0, 1.2954625223428762, 34.47731541234874)
+    damped = rod.replace(damping_rate=load.frequency).stability(load, growth_tolerance=0.7313716233765307)
+    assert damped.amplitude_margin == (math.inf, math.inf)
+
+
 def test_without_coupling_nothing_grows_even_at_a_resonance() -> None:
     assert kernels.growth_bound(4.0, 0.0) == 0.0
 

@@ -51,6 +51,8 @@ def modes_left_out(forcing: float, compression: float, bending: float, gravity: 
         return 0.0
     q = 2.0 * forcing * m2
     a = 4.0 * ((bending * m2 - compression) * m2 + gravity)
+    if not a > 2.0 * q:
+        return math.inf  # equal to rounding: ``room`` is all but used up
     here = growth_bound(a, q)
     return here / (0.25 * q / math.sqrt(a - 2.0 * q)) * 0.25 * forcing / math.sqrt(room)
 
