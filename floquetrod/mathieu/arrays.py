@@ -75,7 +75,7 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty(a.size)
     rows = 2.0 * math.sqrt(max(float(np.abs(part).max(initial=0.0)) for part in (a, b)))  # of Hill's matrix
-    few = int(INTERPRETED_UP_TO / (1.0 + 0.01 * rows))
+    few = int(INTERPRETED_UP_TO / (1.0 + 0.02 * max(0.0, rows - 600.0)))  # from there on each takes longer (measured)
     over_chunks(kernels.growth_fill, (a, b, c), out, workers=workers, interpret_up_to=few, patience=_PATIENCE)
     return shaped(out, shape)
 
