@@ -146,8 +146,10 @@ def test_an_error_that_leaves_digits_covers_the_truth(
         (fr.Mathieu(0.5, -1e5), 5e-4),  # two radians behind after a period: the maps meet again by chance
         (fr.Meissner(-8.792147085056326, 1.1464426096028026), 2.0 * math.pi / 474),  # half of 474 steps is odd
         (fr.Hill(-0.3, (0.5, *[0.0] * 14, 0.4)), 2.0 * math.pi / 16),  # steps as long as the 16th harmonic's waves
+        # The maps of 100 and of 50 steps meet by chance, that of 25 steps is far away.
+        (fr.Hill(-10.375, (-7.0, -2.75, 14.5, -10.0), (12.0, 7.0)), 2.0 * math.pi / 100),
     ],
-    ids=["phase", "jump", "resolution"],
+    ids=["phase", "jump", "resolution", "meeting"],
 )
 def test_chance_and_coarse_steps_do_not_pass_for_accuracy(equation: fr.Mathieu | fr.Hill, step: float) -> None:
     result, exact = leapfrog(equation, step=step, periods=1), fr.stability(equation, method="monodromy").discriminant

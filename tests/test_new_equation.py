@@ -162,3 +162,14 @@ def test_what_a_method_cannot_serve_it_refuses() -> None:
     for method in ("spectral", "determinant", "square_wave"):
         with pytest.raises(TypeError, match="equation must be"):
             fr.stability(Trapezoid(1.0, 0.0), method=method)
+
+
+@pytest.mark.parametrize("share", [Fraction(1, 3), Fraction(0), 0.5])
+def test_pieces_that_leave_gaps_are_refused(share: Fraction | float) -> None:
+    class Gap(Trapezoid):
+        def pieces(self) -> tuple[Piece, ...]:
+            """Return two pieces."""
+            return Piece(Fraction(1, 2), self.beta), Piece(share, self.alpha)  # type: ignore[arg-type]
+
+    with pytest.raises(ValueError, match="equation must have pieces whose shares are positive Fractions"):
+        fr.stability(Gap(1.0, 0.0))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -108,6 +109,31 @@ class Equation(ABC):
         return shaped(total / weight, phase.shape)
 
 
+@dataclass(frozen=True)
+class Alternating(Equation):
+    """Base of the equations whose coefficient has the mean beta, the amplitude alpha and the period 2 pi."""
+
+    alpha: float
+    beta: float
+    damping: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        set_field(self, "alpha", validate.coefficient("alpha", self.alpha))
+        set_field(self, "beta", validate.coefficient("beta", self.beta))
+        set_field(self, "damping", damping_rate(self.damping))
+
+    @property
+    def period(self) -> float:
+        """Period of the coefficient, 2 pi."""
+        return 2.0 * math.pi
+
+    @property
+    def period_over_pi(self) -> Fraction:
+        """The exact period over pi, 2."""
+        return Fraction(2)
+
+
 def value_on(piece: Piece, tau: NDArray[np.float64], begin: float, period: float) -> NDArray[np.float64]:
     """Return p at times within a piece that begins at ``begin``."""
     value = float(piece.mean) + float(piece.slope) * (tau - begin)
@@ -142,11 +168,18 @@ def from_instant(pieces: tuple[Piece, ...], start: float, period: float) -> tupl
 
 
 def require(value: Any, kinds: tuple[type, ...] = (Equation,), by: str = "") -> None:
-    """Raise TypeError unless ``value`` is one of the equation ``kinds``."""
+    """Raise TypeError unless ``value`` is one of the equation ``kinds``, ValueError where its pieces leave gaps."""
     if not isinstance(value, kinds):
         every = "an Equation, such as Mathieu, Meissner or Hill"
         names = every if kinds == (Equation,) else ", ".join(kind.__name__ for kind in kinds)
         raise TypeError(f"equation must be {names}{' for ' + by if by else ''}, got {validate.short(value)}")
+    if isinstance(value, Equation):
+        shares = [piece.share for piece in value.pieces()]
+        if not (all(isinstance(share, Fraction) and share > 0 for share in shares) and sum(shares) == 1):
+            raise ValueError(
+                f"equation must have pieces whose shares are positive Fractions that add up to 1, got {shares}; "
+                "Fraction(1, 10) is exact, 0.1 is not"
+            )
 
 
 def damping_rate(value: Any) -> float:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -11,12 +10,12 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
-from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, times
+from floquetrod.equations.base import Alternating, Piece, damping_rate, set_field, times
 from floquetrod.equations.hill import Hill
 
 
 @dataclass(frozen=True)
-class Mathieu(Equation):
+class Mathieu(Alternating):
     """Mathieu's equation A'' + 2 c A' = (beta + alpha sin tau) A, of period 2 pi.
 
     Parameters
@@ -35,26 +34,6 @@ class Mathieu(Equation):
     >>> Mathieu(alpha=0.5, beta=-0.25).coefficient(0.0)
     -0.25
     """
-
-    alpha: float
-    beta: float
-    damping: float = 0.0
-
-    def __post_init__(self) -> None:
-        """Check and clean the parameters."""
-        set_field(self, "alpha", validate.coefficient("alpha", self.alpha))
-        set_field(self, "beta", validate.coefficient("beta", self.beta))
-        set_field(self, "damping", damping_rate(self.damping))
-
-    @property
-    def period(self) -> float:
-        """Period of the coefficient, 2 pi."""
-        return 2.0 * math.pi
-
-    @property
-    def period_over_pi(self) -> Fraction:
-        """The exact period over pi, 2."""
-        return Fraction(2)
 
     @property
     def title(self) -> str:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from typing import Any
 
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod.equations import Equation, Mathieu, Meissner
+from floquetrod.floquet import methods
 from floquetrod.floquet.verdict import Stability
 
 METHODS: dict[str, Callable[[Equation], bool]] = {
@@ -73,6 +73,5 @@ def stability(equation: Equation, method: str = "auto", **options: Any) -> Stabi
 
 def run(method: str, equation: Equation, **options: Any) -> Stability:
     """Call the method of this name."""
-    function = getattr(importlib.import_module(f"floquetrod.floquet.methods.{method}"), method)
-    result: Stability = function(equation, **options)
+    result: Stability = getattr(methods, method)(equation, **options)
     return result

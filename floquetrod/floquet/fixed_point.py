@@ -38,21 +38,20 @@ def period_map(
     ``offset`` steps after tau = 0.
     """
     total, exponent, terms = (1 << bits, 0, 0, 1 << bits), -bits, 0
-    drag = _fixed(2 * damping, bits)
     for stretch in stretches:
         count = math.ceil(pieces * stretch.length / (2 * context.pi)) + more
         half = stretch.length / (2 * count)
         shifted = context.mpf(offset) if len(stretches) == 1 and not stretch.slope else context.zero
         for piece in range(count):
             middle = (2 * piece + 1 + shifted) * half
-            ends = _ends(stretch, middle, half, drag, damping, context, bits)
+            ends = _ends(stretch, middle, half, damping, context, bits)
             terms += sum(end[4] for end in ends)
             total, exponent = _advance(total, exponent, ends, bits)
     return total, exponent, terms
 
 
 def _ends(
-    stretch: Stretch, middle: Any, half: Any, drag: int, damping: Any, context: Any, bits: int
+    stretch: Stretch, middle: Any, half: Any, damping: Any, context: Any, bits: int
 ) -> list[tuple[int, int, int, int, int]]:
     """Return what `_series` does for both unit solutions of a step whose middle is ``middle`` after the beginning."""
     starts = ((1 << bits, 0), (0, 1 << bits))
@@ -63,8 +62,9 @@ def _ends(
         waves.append((re * cosine - im * sine, re * sine + im * cosine))
     if stretch.slope:
         p = _power_series(mean, stretch.slope, waves, half, bits)
-        rub = _fixed(2 * damping * half, bits)
-        return [_direct_series(start, p, rub, half, bits) for start in starts]
+        drag = _fixed(2 * damping * half, bits)
+        return [_direct_series(start, p, drag, half, bits) for start in starts]
+    drag = _fixed(2 * damping, bits)
     tangent = context.tan(half / 2)
     shift = -context.mag(tangent)  # the series runs in t 2**shift, at most 1
     reach = _fixed(context.ldexp(tangent, shift), bits)

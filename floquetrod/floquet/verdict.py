@@ -223,6 +223,11 @@ def classify(
     )
 
 
+def declined(equation: Equation, method: str, cost: Cost, note: str) -> Stability:
+    """Return the undecided `Stability` of a method that gave up, for the reason in ``note``."""
+    return classify(equation, method, sign=1, excess=0.0, excess_error=math.inf, cost=cost, note=note)
+
+
 def _without_variation(equation: Equation) -> Status | None:
     """Return the verdict on a constant coefficient: its sign decides.  None where the coefficient varies."""
     level = equation.level

@@ -118,13 +118,12 @@ def known_bounds(
     workers: int | None = None,
 ) -> CriticalKickBounds:
     """Return `critical_kick` of flat arrays that are checked, ``rate`` as `growth_without_friction` has it."""
-    c = damping
     grows = rate >= 0.0
     floor = np.where(grows & (gamma == 0.0), 0.0, math.inf)  # without friction the slightest kick
     found = floor.copy()
     limit = over_friction(limit, gamma)
-    for part in parts(np.flatnonzero(grows & (gamma > 0.0) & ((alpha != 0.0) | (beta != 0.0))), alpha, beta, c):
-        equations = prepare(alpha[part], beta[part], c[part], rate[part], workers)
+    for part in parts(np.flatnonzero(grows & (gamma > 0.0) & ((alpha != 0.0) | (beta != 0.0))), alpha, beta, damping):
+        equations = prepare(alpha[part], beta[part], damping[part], rate[part], workers)
         search = _Search(equations, limit[part], max_steps, workers)
         floor[part] = gamma[part] * search.floor
         smallest = search.smallest(samples)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from floquetrod._util.roots import bisected
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import Prepared, growth_of, prepare_one
-from floquetrod.friction.propagators import Floats, Propagators, Records
+from floquetrod.friction.propagators import Floats, Records
 from floquetrod.kernels.frictional_cell import slope, value
 from floquetrod.kernels.frictional_records import PERIOD
 
@@ -56,18 +56,19 @@ def certain_kicks(equation: FrictionalMathieu) -> CertainKicks:
 
 def proved(prepared: Prepared) -> tuple[Floats, Floats]:
     """Return the kicks over gamma up to which none escapes, and those above which every one does."""
-    alpha, beta, ceiling = prepared.coefficients["alpha"], prepared.coefficients["beta"], prepared.propagators.ceiling
-    return np.minimum(no_kick_escapes_up_to(alpha, beta, prepared.propagators), ceiling), ceiling
+    ceiling = prepared.propagators.ceiling
+    return np.minimum(_no_kick_escapes_up_to(prepared), ceiling), ceiling
 
 
-def no_kick_escapes_up_to(alpha: Floats, beta: Floats, prepared: Propagators) -> Floats:
+def _no_kick_escapes_up_to(prepared: Prepared) -> Floats:
     """Return a kick up to which none escapes: none of these stops first beyond ``safe``, where a stop is kept.
 
     Up to the first stop A = kick S + F, S and F the motions from A' = 1 without friction and from rest with it; the
     kick g = -F' / S' stops at tau, at A = g S + F.  Both grow with tau until A is ``safe`` (docs/friction.md), and the
     kick that stops there is returned, or that of the time where S' is so steep that g has its limit to rounding.
     """
-    first, cells, bases, _ = prepared
+    alpha, beta = prepared.coefficients["alpha"], prepared.coefficients["beta"]
+    first, cells, bases, _ = prepared.propagators
     outward = beta + np.abs(alpha)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         safe = 2.0 / np.abs(alpha)

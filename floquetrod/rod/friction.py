@@ -87,7 +87,7 @@ class FrictionalRodStability(Verdict):
     @cached_property
     def critical_kicks(self) -> dict[int, float]:
         """Smallest kick in m/s found to destabilise each of ``modes``."""
-        growing, rod, load = _growing_modes(self.linear), self.linear.rod, self.linear.load
+        growing, rod, load = _as_arrays(_growing(self.linear)), self.linear.rod, self.linear.load
         ratio = _bounds(growing, np.full(growing.load.size, math.inf), None).smallest_found
         kicks = kicks_of(rod, self.friction, load.amplitude, load.frequency, ratio)
         return dict(zip(growing.mode.tolist(), kicks.tolist(), strict=True))
@@ -106,13 +106,13 @@ class FrictionalRodStability(Verdict):
 def classify_kick(linear: RodStability, friction: float, kick: float) -> FrictionalRodStability:
     """Return the verdict with friction that follows on one without."""
     inside = mode_friction(linear.rod, friction, kick, linear.load.amplitude, linear.load.frequency)
-    growing = zip(_growing(linear).values(), _growing_modes(linear).rate.tolist(), strict=True)
+    growing = _growing(linear)
     fates = tuple(
         known_fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon, rate)
-        for e, rate in growing
+        for e, rate in zip(growing.values(), _as_arrays(growing).rate.tolist(), strict=True)
     )
     rates = dict(zip(linear.modes, linear.mode_growth_rates.tolist(), strict=True))
-    escaping = [rates[mode] for mode, fate in zip(_growing(linear), fates, strict=True) if fate.status == "escapes"]
+    escaping = [rates[mode] for mode, fate in zip(growing, fates, strict=True) if fate.status == "escapes"]
     unsure = [fate.reason for fate in fates if fate.status == "undecided"]
     status: Status = "unstable" if escaping else "undecided" if unsure else "stable"
     return FrictionalRodStability(
@@ -135,7 +135,7 @@ def classify_kick(linear: RodStability, friction: float, kick: float) -> Frictio
 def critical_kick(linear: RodStability, friction: float) -> CriticalKick:
     """Return the smallest kick found to destabilise a mode, and that up to which none does."""
     least = _Least.of(1)
-    _least_kicks(_growing_modes(linear), None, least)
+    _least_kicks(_as_arrays(_growing(linear)), None, least)
     load = linear.load
     ratios = np.concatenate([least.found, least.proved])
     kick, none_up_to = kicks_of(linear.rod, friction, load.amplitude, load.frequency, ratios)
@@ -180,9 +180,8 @@ def _growing(linear: RodStability) -> dict[int, Mathieu]:
     return {mode: e for mode, e, verdict in rows if verdict.status == "undecided" or mode in unstable}
 
 
-def _growing_modes(linear: RodStability) -> GrowingModes:
-    """Return the same as arrays, with their growth."""
-    growing = _growing(linear)
+def _as_arrays(growing: dict[int, Mathieu]) -> GrowingModes:
+    """Return what `_growing` does as arrays, with the growth of each."""
     values = np.array([(e.alpha, e.beta, e.damping) for e in growing.values()]).reshape(-1, 3)
     alpha, beta, damping = (np.ascontiguousarray(column) for column in values.T)
     mode = np.array(list(growing), dtype=np.int64)

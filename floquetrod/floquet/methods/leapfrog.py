@@ -13,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.compilation import compiled
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import value_on
-from floquetrod.floquet.verdict import Cost, Stability, Status, classify, discriminant_excess_of
+from floquetrod.floquet.verdict import Cost, Stability, Status, classify, declined, discriminant_excess_of
 from floquetrod.kernels.leapfrog import leapfrog_run
 
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
@@ -44,8 +44,8 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     -------
     Stability
         ``status`` is that of the test itself; ``growth_rate`` the mean rate over the run; ``discriminant`` that of the
-        scheme's own map over a period, ``error`` its estimate from doubling the step.  "undecided" when the run
-        would take too many steps.
+        scheme's own map over a period, ``error`` its estimate from steps twice and four times as long.
+        "undecided" when the run would take too many steps.
 
     Notes
     -----
@@ -64,19 +64,13 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     least = _STEPS_A_WAVE * harmonics
     needed = max(least, equation.period / step) * periods
     if needed > _MOST_STEPS:
-        return classify(
-            equation,
-            "leapfrog",
-            sign=1,
-            excess=0.0,
-            excess_error=math.inf,
-            cost=Cost(0, "steps"),
-            note=f"would take {needed:.3g} steps, above the limit of {_MOST_STEPS:.0e}; "
-            "take a longer step or fewer periods",
+        note = (
+            f"would take {needed:.3g} steps, above the limit of {_MOST_STEPS:.0e}; take a longer step or fewer periods"
         )
-    # With every other step too, the coefficient jumps at steps, if its pieces allow.
-    grid = math.lcm(4, *(2 * piece.share.denominator for piece in pieces))
-    grid, on_steps = (grid, True) if grid <= _FINEST_GRID else (4, False)
+        return declined(equation, "leapfrog", Cost(0, "steps"), note)
+    # With every other and every fourth step too, the coefficient jumps at steps, if its pieces allow.
+    grid = math.lcm(4, *(4 * piece.share.denominator for piece in pieces))
+    grid = grid if grid <= _FINEST_GRID else 4
     count = grid * math.ceil(max(least, equation.period / step) / grid)
     table = _table(equation, pieces, count)
     step = equation.period / count
@@ -89,15 +83,15 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
     a, _, taken = run(table, 1, step, equation.damping, periods, 0.0, 1.0)
     log_growth = taken + (math.log(abs(a)) if a != 0.0 else -math.inf)
     time = periods * equation.period
-    fine, coarse = (_trace(table, stride, step, equation.damping) for stride in (1, 2))
-    trace, shift = fine
-    # Second order: the fine map is off by a third of its difference from the coarse one (by all of it where the
-    # coefficient jumps between steps, which is an error of first order), by what that difference hides
-    # where the motion lags so far behind that the maps may meet again by chance, and by a rounding at every step.
-    other = coarse[0] * math.exp(max(-700.0, min(700.0, coarse[1] - shift)))
-    size = math.exp(-min(700.0, shift))
-    order = 3.0 if on_steps else 1.0
-    error = abs(other - trace) / order / max(size, abs(trace)) + _lag(table, step, equation) ** 2 + count * _EPS
+    maps = [_trace(table, stride, step, equation.damping) for stride in (1, 2, 4)]
+    trace, shift = maps[0]
+    fine, double, fourfold = (value * math.exp(max(-700.0, min(700.0, lift - shift))) for value, lift in maps)
+    # Second order: the fine map is off by a third of its difference from that of double steps, a quarter of what comes
+    # next; more where steps are long or the coefficient jumps between them, or where two maps meet by chance.  To that
+    # comes what all maps hide where the motion lags far behind, and a rounding at every step.
+    change = max(abs(double - fine), 0.25 * abs(fourfold - double))
+    size = max(math.exp(-min(700.0, shift)), abs(trace))
+    error = change / size + _lag(table, step, equation) ** 2 + count * _EPS
     sign, excess, exponent = _excess(trace, shift + equation.damping * equation.period)
     status: Status = "stable" if log_growth < math.log(limit) else "unstable"
     note = f"cannot see growth below about {math.log(limit) / time:.2g} per unit tau"

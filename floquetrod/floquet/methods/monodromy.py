@@ -15,7 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.compilation import INTERPRETED_UP_TO, runner
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import from_instant
-from floquetrod.floquet.verdict import Cost, Stability, classify
+from floquetrod.floquet.verdict import Cost, Stability, classify, declined
 from floquetrod.kernels.taylor import ORDER, REACH, advance
 
 _MOST_STEPS = 1_000_000
@@ -67,15 +67,8 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
     frequency = max(_frequency(piece, equation.period) for piece in pieces)
     needed = _needed(pieces, frequency)
     if needed > _MOST_STEPS:
-        return classify(
-            equation,
-            "monodromy",
-            sign=1,
-            excess=0.0,
-            excess_error=math.inf,
-            cost=Cost(0, "steps"),
-            note=f"would take {needed:.3g} steps or more, above the limit of {_MOST_STEPS}; use another method",
-        )
+        note = f"would take {needed:.3g} steps or more, above the limit of {_MOST_STEPS}; use another method"
+        return declined(equation, "monodromy", Cost(0, "steps"), note)
     fine, change, total = _converged(pieces, equation.period, frequency, rtol)
     relative = change + 4.0 * _EPS * (fine.steps + 4)
     sign, excess, exponent, error = _excess(fine, relative, frequency, half is not None)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod.equations import Equation, Mathieu
-from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
+from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify, declined
 from floquetrod.kernels import mathieu as kernels
 
 _EPS = 2.220446049250313e-16
@@ -147,15 +147,8 @@ def _hill(equation: Equation) -> Stability:
             break
         cut *= 2
     else:
-        return classify(
-            equation,
-            "spectral",
-            sign=1,
-            excess=0.0,
-            excess_error=math.inf,
-            cost=Cost(rows, "rows"),
-            note=f"needs Hill matrices of more than {_MOST_ROWS} rows; use method='monodromy'",
-        )
+        note = f"needs Hill matrices of more than {_MOST_ROWS} rows; use method='monodromy'"
+        return declined(equation, "spectral", Cost(rows, "rows"), note)
     status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
     coarse = _central_exponent(mean, harmonics, turn, cut)
     fine = _central_exponent(mean, harmonics, turn, cut + 4)
