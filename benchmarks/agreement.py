@@ -20,7 +20,7 @@ from typing import Any
 
 import floquetrod as fr
 from benchmarks.measure import Row
-from floquetrod.floquet.dispatch import METHODS
+from floquetrod.floquet.dispatch import EQUATIONS
 
 BLIND = 1.25 * math.log(1e6) / 100.0  # growth over a period that leapfrog's 100 may miss, up to the factor it names
 
@@ -119,10 +119,10 @@ def matrix(equations: Sequence[Any]) -> Matrix:
     kinds = fr.Mathieu(0.5, -0.2), fr.Meissner(0.5, -0.2), fr.Hill(-0.2, cosines=(0.5,))
     pairs = {
         (one, other): Pair()
-        for one, other in combinations(METHODS, 2)
-        if any(METHODS[one](kind) and METHODS[other](kind) for kind in kinds)
+        for one, other in combinations(EQUATIONS.methods, 2)
+        if any(EQUATIONS.methods[one](kind) and EQUATIONS.methods[other](kind) for kind in kinds)
     }
-    seconds: dict[str, list[float]] = {name: [] for name in METHODS}
+    seconds: dict[str, list[float]] = {name: [] for name in EQUATIONS.methods}
     for kind in (fr.Mathieu(0.5, -0.3), fr.Meissner(0.5, -0.3), fr.Hill(-0.3, (0.5,), (0.1,))):
         fr.compare(kind)  # machine code is loaded before anything is timed
     for equation in equations:

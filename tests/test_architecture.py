@@ -119,10 +119,11 @@ def test_imports_within_a_room_form_no_circle(room: str) -> None:
             del inner[module]
 
 
-def test_no_method_imports_another() -> None:
+@pytest.mark.parametrize("methods", ["floquet.methods", "floquet.system_methods"])
+def test_no_method_imports_another(methods: str) -> None:
     for module in FILES:
-        if module.startswith("floquet.methods."):
-            assert not {t for t in targets(module) if t.startswith("floquet.methods")}, module
+        if module.startswith(f"{methods}."):
+            assert not {t for t in targets(module) if t.startswith(methods)}, module
 
 
 @pytest.mark.parametrize("module", FILES)

@@ -11,7 +11,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.floquet.dispatch import METHODS
+from floquetrod.floquet.dispatch import EQUATIONS
 from floquetrod.floquet.methods.determinant import _log_product, determinant
 from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.methods.spectral import spectral
@@ -159,7 +159,7 @@ def test_stated_errors_cover_the_truth(equation: fr.Mathieu | fr.Meissner | fr.H
     with mpmath.workdps(40):
         period = mpmath.mpf(equation.period) if isinstance(equation, fr.Hill) else 2 * mpmath.pi
         truth = exact.sign * (4 * exact.excess + 2) * mpmath.exp(-period * equation.damping)
-    for name, applies in METHODS.items():
+    for name, applies in EQUATIONS.methods.items():
         if not applies(equation) or name == "reference":
             continue
         if name == "square_wave" and isinstance(equation, fr.Mathieu):  # an approximation, and says so

@@ -48,6 +48,7 @@ def _compare(options: argparse.Namespace) -> Answer:
             "note": r.note,
         }
         for r, seconds in zip(comparison.results, comparison.seconds, strict=True)
+        if isinstance(r, fr.Stability)
     ]
     record = {
         "agree": comparison.agree,

@@ -181,11 +181,12 @@ def from_instant(pieces: tuple[Piece, ...], start: float, period: float) -> tupl
     return (*after, *before), phase
 
 
-def require(value: Any, kinds: tuple[type, ...] = (Equation,), by: str = "") -> None:
+def require(value: Any, kinds: tuple[type, ...] = (Equation,), by: str = "", hint: str = "") -> None:
     """Raise TypeError unless ``value`` is one of the equation ``kinds``, ValueError where its pieces leave gaps."""
     if not isinstance(value, kinds):
         every = "an Equation, such as Mathieu, Meissner or Hill"
         names = every if kinds == (Equation,) else ", ".join(kind.__name__ for kind in kinds)
+        names += f", {hint}" if hint else ""
         raise TypeError(f"equation must be {names}{' for ' + by if by else ''}, got {validate.short(value)}")
     if isinstance(value, Equation):
         shares = [piece.share for piece in value.pieces()]

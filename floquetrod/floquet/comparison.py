@@ -6,22 +6,22 @@ import time
 from dataclasses import dataclass, field
 from itertools import combinations
 
-from floquetrod import equations
 from floquetrod._util.content import NoTruthValue
-from floquetrod.equations import Equation
-from floquetrod.floquet.dispatch import METHODS, run
+from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.floquet.dispatch import family_of, run
+from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability
 
 
 @dataclass(frozen=True, repr=False)
 class Comparison(NoTruthValue):
-    """Results of several methods for one equation.
+    """Results of several methods for one equation or system.
 
     Attributes
     ----------
-    equation : Equation
-        The equation.
-    results : tuple of Stability
+    equation : Equation, HillSystem or PeriodicSystem
+        What was classified.
+    results : tuple of Stability or SystemStability
         One for each method that applies, in a fixed order.
     seconds : tuple of float
         Wall time of each (the first call of a compiled method includes loading its machine code).
@@ -29,8 +29,8 @@ class Comparison(NoTruthValue):
 
     ask = ".agree, or .stable of each of its .results"
 
-    equation: Equation
-    results: tuple[Stability, ...]
+    equation: Equation | HillSystem | PeriodicSystem
+    results: tuple[Stability | SystemStability, ...]
     seconds: tuple[float, ...] = field(compare=False)
 
     @property
@@ -53,13 +53,14 @@ class Comparison(NoTruthValue):
 
     def __repr__(self) -> str:
         """Return the table."""
-        head = ("method", "verdict", "growth per tau", "discriminant", "error", "cost", "ms")
+        what, unit = ("discriminant", "tau") if isinstance(self.equation, Equation) else ("structure", "unit time")
+        head = ("method", "verdict", f"growth per {unit}", what, "error", "cost", "ms")
         rows = [
             (
                 r.method,
                 r.status,
                 f"{r.growth_rate:.6g}",
-                f"{r.discriminant:.12g}",
+                f"{r.discriminant:.12g}" if isinstance(r, Stability) else r.structure,
                 f"{r.error:.1e}",
                 str(r.cost),
                 f"{1e3 * seconds:.3g}",
@@ -80,8 +81,8 @@ class Comparison(NoTruthValue):
         return "\n".join(line.rstrip() for line in lines)
 
 
-def compare(equation: Equation) -> Comparison:
-    """Classify ``equation`` by every method that applies to it, and report where they agree and where they do not.
+def compare(equation: Equation | HillSystem | PeriodicSystem) -> Comparison:
+    """Classify an equation or a system by every method that applies, and report where they agree and where not.
 
     Examples
     --------
@@ -89,9 +90,8 @@ def compare(equation: Equation) -> Comparison:
     >>> compare(Mathieu(alpha=0.5, beta=-0.25)).agree
     True
     """
-    equations.require(equation)
     results, seconds = [], []
-    for name, applies in METHODS.items():
+    for name, applies in family_of(equation).methods.items():
         if applies(equation):
             start = time.perf_counter()
             results.append(run(name, equation))

@@ -3,27 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from types import ModuleType
+from typing import Any, NamedTuple, overload
 
-from floquetrod import equations
 from floquetrod._util import validate
-from floquetrod.equations import Equation, Mathieu, Meissner
-from floquetrod.floquet import methods
-from floquetrod.floquet.verdict import Stability
-
-METHODS: dict[str, Callable[[Equation], bool]] = {
-    "spectral": lambda equation: equation.is_smooth,
-    "determinant": lambda equation: isinstance(equation, Mathieu),
-    "monodromy": lambda equation: True,
-    "square_wave": lambda equation: isinstance(equation, (Meissner, Mathieu)),
-    "leapfrog": lambda equation: True,
-    "reference": lambda equation: True,
-}
-"""Every method, and the equations it applies to."""
+from floquetrod.equations import Equation, HillSystem, Mathieu, Meissner, PeriodicSystem, matrices, require
+from floquetrod.floquet import methods, system_methods
+from floquetrod.floquet.systems.classification import undamped_pairs
+from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.verdict import Stability, Verdict
 
 
-def _in_turn(equation: Equation) -> tuple[str, ...]:
-    """Return the methods that "auto" tries one after another: the fast path first, where there is one."""
+class Family(NamedTuple):
+    """Methods that judge one kind of problem.
+
+    Attributes
+    ----------
+    code : module
+        Where each is a function of its name.
+    methods : dict of callable
+        Every method, and whether it applies to a problem.
+    in_turn : callable
+        The methods that "auto" tries one after another: the fast path first, where there is one.
+    """
+
+    code: ModuleType
+    methods: dict[str, Callable[[Any], bool]]
+    in_turn: Callable[[Any], tuple[str, ...]]
+
+
+def _equation_in_turn(equation: Equation) -> tuple[str, ...]:
     if isinstance(equation, Mathieu):
         return "spectral", "reference"
     if isinstance(equation, Meissner):
@@ -31,47 +40,111 @@ def _in_turn(equation: Equation) -> tuple[str, ...]:
     return ("monodromy", "spectral", "reference") if equation.is_smooth else ("monodromy", "reference")
 
 
-def stability(equation: Equation, method: str = "auto", **options: Any) -> Stability:
-    """Classify an equation: is it stable, how fast does it grow, and how sure is that?
+def _has_even_form(system: HillSystem | PeriodicSystem) -> bool:
+    """Return whether half a period of the system freed of uniform damping tells its multipliers."""
+    pairs = undamped_pairs(system)
+    return pairs is not None and isinstance(pairs[0], HillSystem) and pairs[0].even_form is not None
+
+
+def _system_in_turn(system: HillSystem | PeriodicSystem) -> tuple[str, ...]:
+    first = "half_period" if _has_even_form(system) else "monodromy"
+    return first, "segmented", "reference"
+
+
+EQUATIONS = Family(
+    methods,
+    {
+        "spectral": lambda equation: equation.is_smooth,
+        "determinant": lambda equation: isinstance(equation, Mathieu),
+        "monodromy": lambda equation: True,
+        "square_wave": lambda equation: isinstance(equation, (Meissner, Mathieu)),
+        "leapfrog": lambda equation: True,
+        "reference": lambda equation: True,
+    },
+    _equation_in_turn,
+)
+"""Scalar equations."""
+
+SYSTEMS = Family(
+    system_methods,
+    {
+        "half_period": _has_even_form,
+        "monodromy": lambda system: True,
+        "segmented": lambda system: True,
+        "spectral": lambda system: True,
+        "reference": lambda system: True,
+    },
+    _system_in_turn,
+)
+"""Systems of equations."""
+
+
+def family_of(problem: Any) -> Family:
+    """Return the family of a problem, checked; TypeError for what is none, ValueError for a batch."""
+    if isinstance(problem, HillSystem | PeriodicSystem):
+        matrices.require_one(problem)
+        return SYSTEMS
+    require(problem, hint="or a HillSystem or PeriodicSystem")
+    return EQUATIONS
+
+
+@overload
+def stability(equation: Equation, method: str = "auto", **options: Any) -> Stability: ...
+@overload
+def stability(equation: HillSystem | PeriodicSystem, method: str = "auto", **options: Any) -> SystemStability: ...
+def stability(
+    equation: Equation | HillSystem | PeriodicSystem, method: str = "auto", **options: Any
+) -> Stability | SystemStability:
+    """Classify an equation or a system: is it stable, how fast does it grow, and how sure is that?
 
     Parameters
     ----------
-    equation : Equation
-        What to classify: `Mathieu`, `Meissner`, `Hill`, or any other `floquetrod.equations.Equation`.
+    equation : Equation, HillSystem or PeriodicSystem
+        What to classify: `Mathieu`, `Meissner`, `Hill`, or any other `floquetrod.equations.Equation`; or a system of
+        equations.
     method : str
-        "auto", or one of "spectral", "determinant", "monodromy", "square_wave", "leapfrog", "reference".  "auto" takes
-        the fastest trustworthy one for the equation and continues with slower, more accurate ones while the verdict is
-        undecided.
+        "auto", or the name of one: of equations "spectral", "determinant", "monodromy", "square_wave", "leapfrog",
+        "reference"; of systems "half_period", "monodromy", "segmented", "spectral", "reference".  "auto" takes the
+        fastest trustworthy one and continues with slower, more accurate ones while the verdict is undecided.
     **options
-        Passed to the method: ``terms`` (determinant), ``rtol`` (monodromy), ``step``, ``periods``, ``limit``
-        (leapfrog), ``digits`` (reference).
+        Passed to the method: ``terms`` (determinant), ``rtol`` (monodromy, half_period, segmented), ``step``,
+        ``periods``, ``limit`` (leapfrog), ``digits`` (reference).
 
     Returns
     -------
-    Stability
-        Verdict, growth rate, discriminant, multipliers, error and cost.
+    Stability or SystemStability
+        Verdict, growth rate, multipliers, error and cost.
 
     Examples
     --------
     >>> stability(Mathieu(alpha=0.5, beta=-0.2)).status
     'unstable'
+    >>> stability(HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]])).strongly_stable
+    True
     """
-    equations.require(equation)
-    validate.choice("method", method, ("auto", *METHODS))
+    family = family_of(equation)
+    validate.choice("method", method, ("auto", *family.methods))
+    result: Stability | SystemStability
     if method != "auto":
-        return run(method, equation, **options)
+        result = run(method, equation, **options)
+        return result
     if options:
         raise TypeError(f"method='auto' takes no options, got {', '.join(options)}; name a method to pass them to")
-    first, *finer = _in_turn(equation)
+    first, *finer = family.in_turn(equation)
     result = run(first, equation)
     for name in finer:
         if result.status != "undecided":
             break
-        result = run(name, equation)
+        result = _better(result, run(name, equation))
     return result
 
 
-def run(method: str, equation: Equation, **options: Any) -> Stability:
-    """Call the method of this name."""
-    result: Stability = getattr(methods, method)(equation, **options)
+def _better(result: Any, later: Any) -> Any:
+    """Return the later of two results, unless its method has given up."""
+    return later if later.exponents or not result.exponents else result
+
+
+def run(method: str, equation: Equation | HillSystem | PeriodicSystem, **options: Any) -> Any:
+    """Call the method of this name of the problem's family."""
+    result: Verdict = getattr(family_of(equation).code, method)(equation, **options)
     return result

@@ -1,0 +1,9 @@
+"""Methods for systems, each in a file of its own, none of which calls another: a system in, a `SystemStability` out."""
+
+from __future__ import annotations
+
+from floquetrod.floquet.system_methods.half_period import half_period
+from floquetrod.floquet.system_methods.monodromy import monodromy
+
+# Imported at once, not on first use: a module of the same name, imported later, would take the function's place.
+__all__ = ["half_period", "monodromy"]

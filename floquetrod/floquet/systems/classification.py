@@ -1,0 +1,328 @@
+"""The one place where a spectrum with errors becomes a verdict on a system.
+
+Multipliers of a Hamiltonian or reversible system come in mu, 1 / mu.  Each pair is one number y = (mu + 1/mu - 2) / 4 =
+sinh(s / 2)^2, s = log mu, and the motion is bounded where y lies between -1 and 0; near these ends y keeps digits that
+mu has lost.  A real matrix has y real or in complex pairs, so that a y apart from all others is real, and of several
+close ones the Krein form (where definite) or the discriminant (of two) says whether they are.  Of any other system the
+logarithms of the multipliers decide.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.floquet.systems import resonances, spectra
+from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.systems.spectra import Discs
+from floquetrod.floquet.systems.symplectic import symplectic_unit
+from floquetrod.floquet.verdict import Cost, Status
+
+System = HillSystem | PeriodicSystem
+Krein = Callable[[NDArray[np.intp]], int]
+
+_EPS = 2.220446049250313e-16
+_OPEN = "the cluster of {} multipliers near {} has mixed Krein signs, or signs that this accuracy cannot tell"
+_EDGE = "a multiplier is within {:.1g} of {}"
+
+
+class _Part(NamedTuple):
+    """What is known of a cluster: growth over a period without uniform damping, and its Krein sign."""
+
+    low: float
+    high: float
+    bounded: bool
+    reason: str = ""
+    krein: int = 0
+
+
+def undamped_pairs(system: System) -> tuple[System, float] | None:
+    """Return the system freed of uniform damping c, and c, where its multipliers come in mu, 1 / mu; else None."""
+    freed = system.undamped if isinstance(system, HillSystem) else (system, 0.0)
+    return freed if freed is not None and freed[0].structure in ("hamiltonian", "reversible") else None
+
+
+def classify_pairs(
+    system: System, method: str, discs: Discs | None, *, krein: Krein | None = None, cost: Cost, note: str = ""
+) -> SystemStability:
+    """Return the verdict that follows from the numbers y of the pairs, of the system freed of uniform damping.
+
+    Parameters
+    ----------
+    discs : Discs or None
+        The numbers y with errors; None where they could not be computed.
+    krein : callable (cluster) -> int, optional
+        Krein sign of those multipliers of a cluster of y that lie on the upper half of the circle, 0 where mixed.
+    """
+    freed = undamped_pairs(system)
+    if freed is None:
+        raise ValueError("system has no pairs of multipliers")
+    if discs is None:
+        return declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
+    y = discs.values.copy()
+    errors = np.empty(len(y))
+    signs = np.zeros(len(y), dtype=int)
+    parts = []
+    for cluster in discs.clusters:
+        part, settled = _pair_part(discs, cluster, krein)
+        y[cluster] = settled
+        errors[cluster] = [_log_error(complex(v), r) for v, r in zip(settled, discs.radii[cluster], strict=True)]
+        signs[cluster] = part.krein
+        parts.append(part)
+    logs = 2.0 * np.arcsinh(np.sqrt(y))  # the angle from 0 to pi, or its negative below the real axis
+    upper = logs.imag >= 0.0
+    return _verdict(
+        system,
+        method,
+        parts,
+        logs=np.concatenate([logs, -logs]),
+        errors=np.concatenate([errors, errors]),
+        signs=np.concatenate([np.where(upper, signs, -signs), np.where(upper, -signs, signs)]),
+        damping=freed[1],
+        cost=cost,
+        note=note,
+    )
+
+
+def _pair_part(discs: Discs, cluster: NDArray[np.intp], krein: Krein | None) -> tuple[_Part, NDArray[np.complex128]]:
+    """Return what is known of a cluster of y, and its members, on the real axis where they must be."""
+    y, radii = discs.values[cluster], discs.radii[cluster]
+    growth = [abs(2.0 * np.arcsinh(np.sqrt(v)).real) for v in y]
+    doubts = [_log_error(complex(v), r) for v, r in zip(y, radii, strict=True)]
+    high = max(g + e for g, e in zip(growth, doubts, strict=True))
+    low = max(0.0, max(g - e for g, e in zip(growth, doubts, strict=True)))
+    if not (np.abs(y - np.clip(y.real, -1.0, 0.0)) <= radii).any():
+        return _Part(low, high, False), y
+    inside = bool((y.real + radii < 0.0).all() and (y.real - radii > -1.0).all())
+    if len(cluster) == 1:
+        real = y.real.astype(np.complex128)
+        if inside:
+            return _Part(0.0, 0.0, True, krein=krein(cluster) if krein else 0), real
+        edge = "+1" if y[0].real > -0.5 else "-1"
+        return _Part(0.0, high, False, _EDGE.format(math.sqrt(2.0 * radii[0]), edge)), real
+    sign = krein(cluster) if krein and inside else 0
+    if sign:
+        return _Part(0.0, 0.0, True, krein=sign), y.real.astype(np.complex128)
+    if len(cluster) == 2:
+        value, error = spectra.discriminant(discs, cluster)
+        if value < -error:
+            return _Part(low, high, False), y
+        if value > error and inside:
+            return _Part(0.0, 0.0, True), y.real.astype(np.complex128)
+    return _Part(0.0, high, False, _OPEN.format(2 * len(cluster), _named(y.mean()))), y
+
+
+def _named(y: complex) -> str:
+    """Return where a cluster's multipliers are, in words."""
+    angle = abs(2.0 * np.arcsinh(np.sqrt(complex(y))).imag)
+    return f"exp(+-{angle:.4g} i)"
+
+
+def _log_error(y: complex, radius: float) -> float:
+    """Return by how much s = 2 asinh(sqrt y) may change within a disc: ds = dy / sqrt(y (1 + y)), a root near its ends.
+
+    Half way to an end and closer s has changed by no more than a root's whole way.
+    """
+    slope = math.sqrt(abs(y) * abs(1.0 + y))
+    nearest = min(abs(y), abs(1.0 + y))
+    whole = 2.0 * abs(complex(np.arcsinh(math.sqrt(nearest + radius)))) + 2.0 * math.sqrt(radius)
+    if radius > 0.5 * nearest:
+        return whole
+    return min(2.0 * radius / slope, whole)
+
+
+class LogDiscs(NamedTuple):
+    """Logarithms of multipliers with errors.
+
+    Attributes
+    ----------
+    values : ndarray (N,) of complex
+        Logarithms.
+    low, high : ndarray (N,)
+        Bounds of their real parts.
+    radii : ndarray (N,)
+        Radii of discs about the values; infinite where a multiplier cannot be told from 0.
+    clusters : tuple of ndarray of int
+        Indices of discs that touch.
+    """
+
+    values: NDArray[np.complex128]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    radii: NDArray[np.float64]
+    clusters: tuple[NDArray[np.intp], ...]
+
+
+def logarithms(discs: Discs) -> LogDiscs:
+    """Return the logarithms of multipliers given in discs."""
+    sizes = np.abs(discs.values)
+    with np.errstate(divide="ignore"):
+        low = np.log(np.maximum(sizes - discs.radii, 0.0))
+        high = np.log(sizes + discs.radii)
+        values = np.log(np.where(sizes > 0.0, discs.values, 5e-324))
+        radii = np.where(discs.radii < sizes, values.real - low, math.inf)
+    return LogDiscs(values, low, high, radii, discs.clusters)
+
+
+def classify_multipliers(
+    system: System, method: str, logs: LogDiscs | None, *, krein: Krein | None = None, cost: Cost, note: str = ""
+) -> SystemStability:
+    """Return the verdict that follows from the multipliers themselves.
+
+    Where they come in mu, 1 / mu, a disc on the circle apart from all others holds one on it exactly; ``krein`` gives
+    the Krein sign of a cluster on the circle, 0 where mixed.
+    """
+    if logs is None:
+        return declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
+    freed = undamped_pairs(system)
+    damping = freed[1] if freed else 0.0
+    shift = damping * float(system.period)
+    values = logs.values + shift
+    signs = np.zeros(len(values), dtype=int)
+    parts = []
+    for cluster in logs.clusters:
+        low, high = float(logs.low[cluster].min()) + shift, float(logs.high[cluster].max()) + shift
+        if low > 0.0 or (high < 0.0 and (freed is None or len(cluster) == 1 or high < -_EPS)):
+            parts.append(_Part(low, high, False))
+            continue
+        if freed and _on_circle(values, logs.radii, cluster):
+            sign = krein(cluster) if krein else 0
+            parts.append(_Part(0.0, 0.0, True, krein=sign))
+        elif freed and krein and len(cluster) > 1 and (sign := krein(cluster)):
+            parts.append(_Part(0.0, 0.0, True, krein=sign))
+        else:
+            doubt = float(np.expm1(min(high, 1.0)))
+            text = _EDGE.format(doubt, "the unit circle") if len(cluster) == 1 else _OPEN.format(len(cluster), "it")
+            parts.append(_Part(low, high, False, text))
+            continue
+        values[cluster] = 1j * values[cluster].imag
+        signs[cluster] = parts[-1].krein
+    return _verdict(
+        system, method, parts, logs=values, errors=logs.radii, signs=signs, damping=damping, cost=cost, note=note
+    )
+
+
+def _on_circle(values: NDArray[np.complex128], radii: NDArray[np.float64], cluster: NDArray[np.intp]) -> bool:
+    """Return whether a single disc meets its own mirror image in the circle and no other disc."""
+    if len(cluster) != 1:
+        return False
+    i = int(cluster[0])
+    others = np.arange(len(values)) != i
+    turned = values[others] - values[i]
+    distance = np.abs(turned.real + 1j * (np.remainder(turned.imag + math.pi, 2.0 * math.pi) - math.pi))
+    return bool((distance > radii[others] + radii[i] + 2.0 * abs(values[i].real)).all())
+
+
+def _verdict(
+    system: System,
+    method: str,
+    parts: Sequence[_Part],
+    *,
+    logs: NDArray[np.complex128],
+    errors: NDArray[np.float64],
+    signs: NDArray[Any],
+    damping: float,
+    cost: Cost,
+    note: str,
+) -> SystemStability:
+    """Return the result that follows from its clusters; logarithms are those of the system freed of uniform damping."""
+    period = float(system.period)
+    limit = damping * period
+    paired = undamped_pairs(system) is not None
+    status: Status
+    strongly: bool | None
+    if any(part.low > limit or (paired and limit == 0.0 and not part.bounded and not part.reason) for part in parts):
+        status, strongly = "unstable", False
+    elif all(part.high < limit or (part.bounded and limit == 0.0) for part in parts):
+        status, strongly = "stable", True
+    else:
+        status, strongly = "undecided", None
+        if system.is_constant:
+            status = _without_variation(system) or "undecided"
+    reason = next((part.reason for part in parts if part.reason), "growth and damping cannot be told apart")
+    exponents = (logs - limit) / period
+    order = np.lexsort((exponents.imag, -exponents.real))
+    fastest = max(0.0, float(exponents.real.max(initial=0.0)))
+    texts = [text for text in (note, reason if status == "undecided" else "") if text]
+    result_exponents = tuple(complex(exponents[i]) for i in order)
+    return SystemStability(
+        system=system,
+        method=method,
+        structure=system.structure,
+        status=status,
+        growth_rate=0.0 if status == "stable" else fastest,
+        exponents=result_exponents,
+        exponent_errors=tuple(float(errors[i]) / period for i in order),
+        krein_signs=tuple(int(signs[i]) for i in order),
+        resonances=resonances.name(system, result_exponents) if status == "unstable" else (),
+        strongly_stable=strongly,
+        period=period,
+        error=float(errors.max(initial=0.0)),
+        cost=cost,
+        note="; ".join(texts),
+    )
+
+
+def declined(system: System, method: str, cost: Cost, note: str) -> SystemStability:
+    """Return the undecided result of a method that gave up, for the reason in ``note``."""
+    return SystemStability(
+        system=system,
+        method=method,
+        structure=system.structure,
+        status="undecided",
+        growth_rate=math.nan,
+        exponents=(),
+        exponent_errors=(),
+        krein_signs=(),
+        resonances=(),
+        strongly_stable=None,
+        period=float(system.period),
+        error=math.inf,
+        cost=cost,
+        note=note,
+    )
+
+
+def _without_variation(system: System) -> Status | None:
+    """Return the verdict on constant coefficients, whose multipliers may meet by the mere choice of a period."""
+    if isinstance(system, HillSystem) and system.gyroscopic is None and system.is_symmetric and system.undamped:
+        return _static_status(system, *system.undamped)
+    mean = system.as_periodic_system() if isinstance(system, HillSystem) else system
+    discs = spectra.eigenvalue_discs(mean.mean, mean.coefficient_error * mean.order)
+    if discs is None:
+        return None
+    reach = discs.values.real
+    if any((reach[cluster] - discs.radii[cluster] > 0.0).all() for cluster in discs.clusters):
+        return "unstable"
+    if (reach + discs.radii < 0.0).all():
+        return "stable"
+    if mean.structure == "hamiltonian":
+        half = mean.order // 2
+        form = 1j * symplectic_unit(half)
+        for cluster in discs.clusters:
+            alone = len(cluster) == 1 and abs(discs.values[cluster[0]].imag) > discs.radii[cluster[0]]
+            if not alone and not spectra.definiteness(discs, cluster, form, 0.0):
+                return None
+        return "stable"
+    return None
+
+
+def _static_status(system: HillSystem, freed: HillSystem, damping: float) -> Status | None:
+    """Return the verdict on M q'' + 2 c M q' + K q = 0: the least eigenvalue of K decides, and no stiffness drifts."""
+    if not system.stiffness.any(axis=0).all() and damping == 0.0:
+        return "unstable"
+    if not system.stiffness.any():
+        return "stable"
+    form = freed.even_form
+    if form is None:
+        return None
+    values = np.linalg.eigvalsh(form.stiffness)
+    limit = damping * damping
+    slack = float(form.error) + 8.0 * _EPS * system.order * float(np.abs(values).max()) + 4.0 * _EPS * limit
+    least = float(values[0]) + limit
+    return "stable" if least > slack else "unstable" if least < -slack else None

@@ -1,0 +1,128 @@
+"""Eigenvalues with errors: discs that hold those of every matrix within a distance of the one computed.
+
+For A = V diag(z) V^-1 with unit columns in V, V^-1 (A + E) V has Gershgorin discs of radius n k_i |E| about z_i, where
+k_i is the norm of row i of V^-1, the condition number of z_i.  A disc apart from all others shrinks to about k_i |E|.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+_EPS = 2.220446049250313e-16
+
+
+class Discs(NamedTuple):
+    """Eigenvalues of a matrix known up to an error.
+
+    Attributes
+    ----------
+    values : ndarray (n,) of complex
+        Eigenvalues of the matrix computed.
+    radii : ndarray (n,)
+        Each cluster's discs together hold as many eigenvalues of the true matrix as the cluster has members.
+    clusters : tuple of ndarray of int
+        Indices of the eigenvalues whose discs touch, directly or by others between them.
+    right : ndarray (n, n) of complex
+        Eigenvectors, unit columns.
+    left : ndarray (n, n) of complex
+        Rows of the inverse of ``right``.
+    error : float
+        Distance of the true matrix, in the 2-norm, the rounding of the eigenvalues included.
+    matrix : ndarray (n, n)
+        The matrix computed.
+    """
+
+    values: NDArray[np.complex128]
+    radii: NDArray[np.float64]
+    clusters: tuple[NDArray[np.intp], ...]
+    right: NDArray[np.complex128]
+    left: NDArray[np.complex128]
+    error: float
+    matrix: NDArray[Any]
+
+
+def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
+    """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``; None where eigenvectors fail."""
+    n = len(matrix)
+    if not np.isfinite(matrix).all() or not np.isfinite(error):
+        return None
+    try:
+        values, right = np.linalg.eig(matrix.astype(np.complex128) if n == 0 else matrix)
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return None
+    total = error + 4.0 * n * _EPS * float(np.linalg.norm(matrix, 2))
+    conditions = np.linalg.norm(left, axis=1)
+    # The residual of the inverse, too: 1 - left right.
+    doubt = n * _EPS * float(np.linalg.norm(left, 2))
+    if not doubt < 0.1:
+        return None
+    radii = n * conditions * total * (1.0 + 2.0 * doubt)
+    values = values.astype(np.complex128)
+    clusters = _touching(values, radii)
+    gaps = np.abs(values[:, None] - values[None, :])
+    for cluster in clusters:
+        if len(cluster) == 1:
+            i = cluster[0]
+            others = np.arange(n) != i
+            if n > 1:
+                room = gaps[i, others] - radii[others] - radii[i]
+                share = float((conditions[others] * total / np.maximum(room, 5e-324)).max())
+            else:
+                share = 0.0
+            if share < 1.0:
+                radii[i] = conditions[i] * total * (1.0 + (n - 1) * share) * (1.0 + 2.0 * doubt)
+    return Discs(values, radii, clusters, right.astype(np.complex128), left.astype(np.complex128), total, matrix)
+
+
+def _touching(values: NDArray[np.complex128], radii: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
+    """Return the connected sets of discs."""
+    n = len(values)
+    near = np.abs(values[:, None] - values[None, :]) <= radii[:, None] + radii[None, :]
+    left, found = set(range(n)), []
+    while left:
+        members, fresh = set(), {min(left)}
+        while fresh:
+            members |= fresh
+            fresh = {int(j) for i in fresh for j in np.flatnonzero(near[i])} - members
+        left -= members
+        found.append(np.array(sorted(members), dtype=np.intp))
+    return tuple(found)
+
+
+def basis_of(discs: Discs, cluster: NDArray[np.intp]) -> NDArray[np.complex128]:
+    """Return an orthonormal basis of a cluster's invariant subspace."""
+    return np.asarray(np.linalg.qr(discs.right[:, cluster])[0])
+
+
+def subspace_error(discs: Discs, cluster: NDArray[np.intp]) -> float:
+    """Return about how far, as an angle, the true invariant subspace of a cluster may be from the computed one."""
+    others = np.setdiff1d(np.arange(len(discs.values)), cluster)
+    if not len(others):
+        return 0.0
+    gap = float(np.abs(discs.values[cluster][:, None] - discs.values[others][None, :]).min())
+    size = float(np.linalg.norm(discs.left[cluster], 2) * np.linalg.norm(discs.right[:, cluster], 2))
+    return 2.0 * size * float(np.linalg.norm(discs.left[others], 2)) * discs.error / max(gap, 5e-324)
+
+
+def definiteness(discs: Discs, cluster: NDArray[np.intp], form: NDArray[Any], form_error: float) -> int:
+    """Return +1 or -1 where a Hermitian form is definite on a cluster's invariant subspace beyond errors, else 0."""
+    basis = basis_of(discs, cluster)
+    values = np.linalg.eigvalsh(basis.conj().T @ form @ basis)
+    slack = form_error + 2.0 * float(np.linalg.norm(form, 2)) * subspace_error(discs, cluster)
+    return 1 if values[0] > slack else -1 if values[-1] < -slack else 0
+
+
+def discriminant(discs: Discs, cluster: NDArray[np.intp]) -> tuple[float, float]:
+    """Return ((z1 - z2) / 2)^2 of a real matrix's cluster of two, and its error, far smaller than that of z1 and z2."""
+    basis = basis_of(discs, cluster)
+    block = basis.conj().T @ discs.matrix @ basis
+    projector = float(np.linalg.norm(discs.right[:, cluster] @ discs.left[cluster], 2))
+    error = 4.0 * projector * discs.error
+    half = 0.5 * (block[0, 0] - block[1, 1])
+    value = half * half + block[0, 1] * block[1, 0]
+    spread = 2.0 * abs(half) + abs(block[0, 1]) + abs(block[1, 0])
+    return float(value.real), float(error * spread + 2.0 * error * error)

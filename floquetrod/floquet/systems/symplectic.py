@@ -1,0 +1,76 @@
+"""Symplectic maps: the numbers of their pairs of multipliers, and Krein signs.
+
+With J = [[0, I], [-I, 0]] a symplectic S has S^-1 = -J S^T J, and S + S^-1 is skew-Hamiltonian: an orthogonal
+symplectic change of coordinates makes it block triangular, [[H, *], [0, H^T]], so that each mu + 1/mu is one
+eigenvalue of H.
+Van Loan, Linear Algebra Appl. 61 (1984) 233, doi:10.1016/0024-3795(84)90034-X.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.floquet.systems import spectra
+from floquetrod.floquet.systems.spectra import Discs
+
+
+def symplectic_unit(n: int) -> NDArray[np.float64]:
+    """Return J of order 2 n."""
+    return np.block([[np.zeros((n, n)), np.eye(n)], [-np.eye(n), np.zeros((n, n))]])
+
+
+def pair_matrix(full: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return an n x n matrix whose eigenvalues are y = (mu + 1/mu - 2) / 4 of a symplectic map of order 2 n."""
+    n = len(full) // 2
+    unit = symplectic_unit(n)
+    w = 0.25 * (full - unit @ full.T @ unit) - 0.5 * np.eye(2 * n)
+    for j in range(n - 1):
+        _reflect(w, w[n + j + 1 :, j].copy(), j + 1)
+        _rotate(w, j, j + 1)
+        _reflect(w, w[j + 1 : n, j].copy(), j + 1)
+    return w[:n, :n].copy()
+
+
+def _reflect(w: NDArray[np.float64], column: NDArray[np.float64], start: int) -> None:
+    """Apply the reflection that leaves only the first entry of ``column``, to both halves of the coordinates."""
+    size = float(np.linalg.norm(column))
+    if size == 0.0 or len(column) == 1:
+        return
+    column[0] += np.copysign(size, column[0])
+    column /= np.linalg.norm(column)
+    n = len(w) // 2
+    for half in (0, n):
+        part = slice(half + start, half + n)
+        w[part] -= 2.0 * np.outer(column, column @ w[part])
+        w[:, part] -= 2.0 * np.outer(w[:, part] @ column, column)
+
+
+def _rotate(w: NDArray[np.float64], j: int, i: int) -> None:
+    """Rotate coordinates i and n + i so that entry (n + i, j) vanishes."""
+    n = len(w) // 2
+    size = np.hypot(w[i, j], w[n + i, j])
+    if size == 0.0:
+        return
+    c, s = w[i, j] / size, w[n + i, j] / size
+    turn = np.array([[c, s], [-s, c]])
+    both = [i, n + i]
+    w[both] = turn @ w[both]
+    w[:, both] = w[:, both] @ turn.T
+
+
+def krein_sign(full: Discs, pairs: Discs, cluster: NDArray[np.intp]) -> int:
+    """Return the Krein sign of those multipliers on the upper half of the circle that a cluster of y stands for.
+
+    +1 for a natural oscillator that turns by less than half a turn in a period; 0 where signs are mixed or unknown.
+    """
+    n = len(pairs.values)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        y = 0.25 * (full.values + 1.0 / full.values - 2.0)
+    distance = np.abs(y[:, None] - pairs.values[None, :])
+    distance[full.values.imag <= 0.0] = np.inf
+    owner = distance.argmin(axis=1)
+    members = np.flatnonzero(np.isin(owner, cluster) & (full.values.imag > 0.0))
+    if len(members) != len(cluster):
+        return 0
+    return spectra.definiteness(full, members, -1j * symplectic_unit(n), 0.0)
