@@ -62,6 +62,13 @@ def test_an_even_series_is_recognised_wherever_it_starts() -> None:
     assert monodromy(lopsided).cost.amount > monodromy(plain).cost.amount
 
 
+def test_a_sine_too_small_for_an_angle_is_taken() -> None:
+    # cmath.phase raises OverflowError where the angle is below the least double.
+    one, other = fr.Hill(0.0, (2.0,), (5e-324,), 1.0), fr.Hill(0.0, (2.0,), (), 1.0)
+    assert fr.stability(one, method="monodromy").discriminant == fr.stability(other, method="monodromy").discriminant
+
+
+
 @pytest.mark.parametrize("order", [4, 6, 8])
 def test_the_order_of_the_series_is_the_order_of_the_error(order: int) -> None:
     ends = []

@@ -100,7 +100,7 @@ def _even_amplitudes(harmonics: tuple[complex, ...]) -> tuple[complex, ...] | No
     if first is None:
         return ()
     for turn in range(2 * first):
-        phase = (math.pi * turn - cmath.phase(harmonics[first - 1])) / first
+        phase = (math.pi * turn - math.atan2(harmonics[first - 1].imag, harmonics[first - 1].real)) / first
         turned = [z * cmath.exp(1j * k * phase) for k, z in enumerate(harmonics, start=1)]
         if all(abs(z.imag) <= 8.0 * _EPS * k * abs(z) for k, z in enumerate(turned, start=1)):
             return tuple(complex(z.real, 0.0) for z in turned)
