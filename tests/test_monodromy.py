@@ -68,7 +68,6 @@ def test_a_sine_too_small_for_an_angle_is_taken() -> None:
     assert fr.stability(one, method="monodromy").discriminant == fr.stability(other, method="monodromy").discriminant
 
 
-
 @pytest.mark.parametrize("order", [4, 6, 8])
 def test_the_order_of_the_series_is_the_order_of_the_error(order: int) -> None:
     ends = []

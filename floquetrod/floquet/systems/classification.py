@@ -27,7 +27,8 @@ System = HillSystem | PeriodicSystem
 Krein = Callable[[NDArray[np.intp]], int]
 
 _EPS = 2.220446049250313e-16
-_OPEN = "the cluster of {} multipliers near {} has mixed Krein signs, or signs that this accuracy cannot tell"
+_MIXED = "{} multipliers near {} cannot be told apart, nor are their Krein signs known to be equal"
+_CLUSTER = "{} multipliers that cannot be told apart are within {:.1g} of the unit circle"
 _EDGE = "a multiplier is within {:.1g} of {}"
 
 
@@ -114,7 +115,7 @@ def _pair_part(discs: Discs, cluster: NDArray[np.intp], krein: Krein | None) -> 
             return _Part(low, high, False), y
         if value > error and inside:
             return _Part(0.0, 0.0, True), y.real.astype(np.complex128)
-    return _Part(0.0, high, False, _OPEN.format(2 * len(cluster), _named(y.mean()))), y
+    return _Part(0.0, high, False, _MIXED.format(2 * len(cluster), _named(y.mean()))), y
 
 
 def _named(y: complex) -> str:
@@ -187,7 +188,7 @@ def classify_multipliers(
     parts = []
     for cluster in logs.clusters:
         low, high = float(logs.low[cluster].min()) + shift, float(logs.high[cluster].max()) + shift
-        if low > 0.0 or (high < 0.0 and (freed is None or len(cluster) == 1 or high < -_EPS)):
+        if low > 0.0 or high < 0.0:
             parts.append(_Part(low, high, False))
             continue
         if freed and _on_circle(values, logs.radii, cluster):
@@ -197,7 +198,8 @@ def classify_multipliers(
             parts.append(_Part(0.0, 0.0, True, krein=sign))
         else:
             doubt = float(np.expm1(min(high, 1.0)))
-            text = _EDGE.format(doubt, "the unit circle") if len(cluster) == 1 else _OPEN.format(len(cluster), "it")
+            alone = len(cluster) == 1
+            text = _EDGE.format(doubt, "the unit circle") if alone else _CLUSTER.format(len(cluster), doubt)
             parts.append(_Part(low, high, False, text))
             continue
         values[cluster] = 1j * values[cluster].imag

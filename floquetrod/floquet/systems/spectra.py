@@ -50,31 +50,26 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
     if not np.isfinite(matrix).all() or not np.isfinite(error):
         return None
     try:
-        values, right = np.linalg.eig(matrix.astype(np.complex128) if n == 0 else matrix)
+        values, right = np.linalg.eig(matrix)
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
         return None
     total = error + 4.0 * n * _EPS * float(np.linalg.norm(matrix, 2))
     conditions = np.linalg.norm(left, axis=1)
-    # The residual of the inverse, too: 1 - left right.
     doubt = n * _EPS * float(np.linalg.norm(left, 2))
-    if not doubt < 0.1:
+    if not doubt < 0.1:  # the inverse is not one
         return None
-    radii = n * conditions * total * (1.0 + 2.0 * doubt)
+    whole = n * conditions * total * (1.0 + 2.0 * doubt)
     values = values.astype(np.complex128)
-    clusters = _touching(values, radii)
+    clusters = _touching(values, whole)
+    radii = whole.copy()
     gaps = np.abs(values[:, None] - values[None, :])
-    for cluster in clusters:
-        if len(cluster) == 1:
-            i = cluster[0]
-            others = np.arange(n) != i
-            if n > 1:
-                room = gaps[i, others] - radii[others] - radii[i]
-                share = float((conditions[others] * total / np.maximum(room, 5e-324)).max())
-            else:
-                share = 0.0
-            if share < 1.0:
-                radii[i] = conditions[i] * total * (1.0 + (n - 1) * share) * (1.0 + 2.0 * doubt)
+    for i in (cluster[0] for cluster in clusters if len(cluster) == 1):
+        others = np.arange(n) != i
+        room = gaps[i, others] - whole[others] - whole[i]
+        share = float((conditions[others] * total / room).max(initial=0.0))
+        if share < 1.0:  # row i may be divided by it: the other discs still do not reach this one
+            radii[i] = conditions[i] * total * (1.0 + (n - 1) * share) * (1.0 + 2.0 * doubt)
     return Discs(values, radii, clusters, right.astype(np.complex128), left.astype(np.complex128), total, matrix)
 
 

@@ -1,0 +1,109 @@
+"""Verdicts on many systems at once, by the rules of `classification` where every multiplier is apart from all others.
+
+What these rules leave open is marked undecided, for `floquetrod.stability` to judge one by one.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+_EPS = 2.220446049250313e-16
+
+STABLE, UNSTABLE, UNDECIDED = 1, 0, -1
+
+
+class ManyDiscs(NamedTuple):
+    """Eigenvalues of many matrices: values and radii (b, n), and whether each disc is apart from the others (b, n)."""
+
+    values: NDArray[np.complex128]
+    radii: NDArray[np.float64]
+    apart: NDArray[np.bool_]
+
+
+class ManyVerdicts(NamedTuple):
+    """Status (b,) of int8 and growth rates (b,), per unit of time, of many systems."""
+
+    status: NDArray[np.int8]
+    growth: NDArray[np.float64]
+
+
+def many_discs(matrices: NDArray[Any], errors: NDArray[np.float64]) -> ManyDiscs:
+    """Return discs as `spectra.eigenvalue_discs` does, all of them before they shrink."""
+    n = matrices.shape[-1]
+    finite = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(errors)
+    values, right = np.linalg.eig(np.where(finite[:, None, None], matrices, np.eye(n)))
+    try:
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:  # one of them is singular: it spoils no other
+        left = np.array([_inverse(one) for one in right])
+    conditions = np.linalg.norm(left, axis=-1)
+    doubt = n * _EPS * np.sqrt(np.square(conditions).sum(axis=-1))
+    total = errors + 4.0 * n * _EPS * np.sqrt(np.square(np.abs(matrices)).sum(axis=(1, 2)))
+    usable = finite & (doubt < 0.1)
+    radii = np.where(usable[:, None], n * conditions * (total * (1.0 + 2.0 * doubt))[:, None], np.inf)
+    return ManyDiscs(values.astype(np.complex128), radii, _apart(values, radii))
+
+
+def _inverse(matrix: NDArray[Any]) -> NDArray[Any]:
+    try:
+        return np.asarray(np.linalg.inv(matrix))
+    except np.linalg.LinAlgError:
+        return np.full(matrix.shape, np.inf)
+
+
+def _apart(values: NDArray[Any], radii: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return whether each disc touches no other."""
+    apart = np.ones(values.shape, dtype=np.bool_)
+    for shift in range(1, values.shape[1]):
+        other, reach = np.roll(values, shift, axis=1), np.roll(radii, shift, axis=1)
+        apart &= np.abs(values - other) > radii + reach
+    return apart
+
+
+def pair_verdicts(discs: ManyDiscs, period: NDArray[np.float64], damping: float) -> ManyVerdicts:
+    """Return verdicts from y = (mu + 1/mu - 2) / 4 of the pairs of systems freed of uniform damping."""
+    y, radii, apart = discs
+    growth = np.abs(2.0 * np.arcsinh(np.sqrt(y)).real)
+    off = np.abs(y - np.clip(y.real, -1.0, 0.0)) > radii
+    inside = (np.abs(y.imag) <= radii) & (y.real + radii < 0.0) & (y.real - radii > -1.0)
+    bounded = apart & inside & ~off
+    grows = off & (apart | off.all(axis=1, keepdims=True))
+    growth = np.where(bounded, 0.0, growth)
+    if damping == 0.0:
+        unstable, stable = grows.any(axis=1), bounded.all(axis=1)
+    else:
+        limit = (damping * period)[:, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            doubt = 2.0 * radii / np.sqrt(np.abs(y) * np.abs(1.0 + y))
+        known = apart & (radii <= 0.5 * np.minimum(np.abs(y), np.abs(1.0 + y)))
+        unstable = (known & (growth - doubt > limit)).any(axis=1)
+        stable = (bounded | (known & (growth + doubt < limit))).all(axis=1)
+    return _verdicts(stable, unstable, growth.max(axis=1) / period - damping)
+
+
+def multiplier_verdicts(discs: ManyDiscs, period: NDArray[np.float64], *, paired: bool, damping: float) -> ManyVerdicts:
+    """Return verdicts from the multipliers themselves, of systems freed of uniform damping where they are paired."""
+    values, radii, apart = discs
+    sizes = np.abs(values)
+    with np.errstate(divide="ignore"):
+        growth = np.log(sizes)
+        low, high = np.log(np.maximum(sizes - radii, 0.0)), np.log(sizes + radii)
+    limit = (damping * period)[:, None] if paired else 0.0
+    unstable = ((low > limit) & (apart | (low > limit).all(axis=1, keepdims=True))).any(axis=1)
+    decays = high < limit
+    if paired and damping == 0.0:
+        # A disc on the circle that meets no other, nor another's mirror image, holds one multiplier on it exactly.
+        mirrored = np.abs(sizes - 1.0) * (1.0 + 1.0 / np.maximum(sizes, 0.5))
+        bounded = _apart(values, radii + mirrored) & (low <= 0.0) & (high >= 0.0) & (radii < 0.5)
+        growth = np.where(bounded, 0.0, growth)
+        decays = bounded
+    return _verdicts(decays.all(axis=1), unstable, growth.max(axis=1) / period - (damping if paired else 0.0))
+
+
+def _verdicts(stable: NDArray[np.bool_], unstable: NDArray[np.bool_], growth: NDArray[np.float64]) -> ManyVerdicts:
+    status = np.full(stable.shape, UNDECIDED, dtype=np.int8)
+    status[stable], status[unstable] = STABLE, UNSTABLE
+    return ManyVerdicts(status, np.where(stable, 0.0, np.maximum(growth, 0.0)))
