@@ -33,11 +33,11 @@ def half_period_large(
     scale = g[:, None] / g[None, :]
     rate = h * g[:, None] * g[None, :]
 
-    index = np.arange(terms)
+    index = np.arange(float(terms))
     angles = harmonics[:, None] * (omega * h)
     even = np.cumprod(
         np.hstack([np.ones((len(f), 1)), -(angles**2) / ((2.0 * index[1:] - 1.0) * (2.0 * index[1:]))]), axis=1
-    )
+    ).astype(float)
     maps, errors = [], []
     for end, matrices in enumerate((f, other)):
         x = np.empty((terms, n, 2 * n))

@@ -305,7 +305,7 @@ def half_period(
     if segments == 1:
         multiply(ends[1], ends[0], total)
         one, two = spectral_bound(ends[0]), spectral_bound(ends[1])
-        return error * (one + two + error) + ROUNDING * (2.0 * n + 2.0) * one * two
+        return float(error * (one + two + error) + ROUNDING * (2.0 * n + 2.0) * one * two)
     maps = np.empty((segments + 1, 2 * n, 2 * n))
     errors = np.empty(segments + 1)
     maps[0] = ends[0]
