@@ -14,11 +14,12 @@ if TYPE_CHECKING:
     from floquetrod import friction as friction
     from floquetrod import mathieu as mathieu
     from floquetrod._util.version import __version__ as __version__
-    from floquetrod.chart import Chart as Chart
     from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
     from floquetrod.equations import Hill as Hill
+    from floquetrod.equations import HillSystem as HillSystem
     from floquetrod.equations import Mathieu as Mathieu
     from floquetrod.equations import Meissner as Meissner
+    from floquetrod.equations import PeriodicSystem as PeriodicSystem
     from floquetrod.equations import SquareWave as SquareWave
     from floquetrod.equations import conventions as conventions
     from floquetrod.explorer import Explorer as Explorer
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof import certify as certify
     from floquetrod.floquet.verdict import Stability as Stability
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
+    from floquetrod.plane import Chart as Chart
     from floquetrod.rod.friction import FrictionalRodStability as FrictionalRodStability
     from floquetrod.rod.load import AxialLoad as AxialLoad
     from floquetrod.rod.map import stability_map as stability_map
@@ -47,14 +49,16 @@ if TYPE_CHECKING:
 _WHERE = {
     "__version__": "_util.version",
     "AxialLoad": "rod.load",
-    "Chart": "chart",
+    "Chart": "plane",
     "CheckpointWarning": "simulation.checkpoints",
     "Comparison": "floquet.comparison",
     "Explorer": "explorer",
     "FrictionalMathieu": "equations",
     "Hill": "equations",
+    "HillSystem": "equations",
     "Mathieu": "equations",
     "FiniteTimeCriterion": "mathieu.criterion",
+    "PeriodicSystem": "equations",
     "Perturbation": "simulation.start",
     "Proof": "floquet.proof",
     "Rod": "rod.rod",

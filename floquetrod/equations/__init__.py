@@ -4,7 +4,20 @@ from __future__ import annotations
 
 from floquetrod.equations.base import Equation, Piece, require
 from floquetrod.equations.hill import Hill
+from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.mathieu import FrictionalMathieu, Mathieu
 from floquetrod.equations.meissner import Meissner, SquareWave
+from floquetrod.equations.periodic_system import PeriodicSystem
 
-__all__ = ["Equation", "FrictionalMathieu", "Hill", "Mathieu", "Meissner", "Piece", "SquareWave", "require"]
+__all__ = [
+    "Equation",
+    "FrictionalMathieu",
+    "Hill",
+    "HillSystem",
+    "Mathieu",
+    "Meissner",
+    "PeriodicSystem",
+    "Piece",
+    "SquareWave",
+    "require",
+]

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod.equations.hill_system import HillSystem
 
 _LATEST = 1e14  # periods, after which neighbouring doubles lie a large part of one apart
 
@@ -92,6 +93,19 @@ class Equation(ABC):
         pieces = self.pieces()
         first = Fraction(pieces[0].mean)
         return first if all(p.is_constant and Fraction(p.mean) == first for p in pieces) else None
+
+    def as_system(self) -> HillSystem:
+        """Return the same equation as a system of one: K = -p, since positive stiffness restores, and C = 2 c.
+
+        Raises TypeError for a coefficient with jumps or slopes, which is no finite Fourier series.
+        """
+        if not self.is_smooth:
+            raise TypeError(f"equation must have a finite Fourier series to be a system, got {validate.short(self)}")
+        piece = self.pieces()[0]
+        cosines = [[[-z.real]] for z in piece.harmonics]
+        sines = [[[z.imag]] for z in piece.harmonics]
+        damping = [[2.0 * self.damping]] if self.damping else None
+        return HillSystem([[-float(piece.mean)]], cosines, sines, damping=damping, period=self.period)
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau), its mean value at a jump; broadcasts over ``tau``."""

@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod._util.version import __version__
-from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
 from floquetrod.equations import Equation, Mathieu
 from floquetrod.floquet.dispatch import stability
 from floquetrod.mathieu.arrays import growth_rate, is_stable
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
 
 
 def chart(

@@ -17,7 +17,7 @@ FIGURES = (".png", ".pdf", ".svg")
 
 
 def draw_chart(chart: Any, ax: Any = None) -> Any:
-    """Draw a `floquetrod.chart.Chart`: white where stable, orange where not, darker with growth where it is known."""
+    """Draw a `floquetrod.plane.Chart`: white where stable, orange where not, darker with growth where it is known."""
     ax = new_axes() if ax is None else ax
     x, y = chart.x.values, chart.y.values
     if chart.growth_rate is None:

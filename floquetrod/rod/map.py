@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.version import __version__
-from floquetrod.chart import Axis, Chart, Progress, axis_values, fill_rows
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
 from floquetrod.rod.load import LIMITS, Quantity
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.rod import Rod

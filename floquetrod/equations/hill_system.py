@@ -1,0 +1,351 @@
+"""Second-order systems M q'' + (C + G) q' + K(t) q = 0 with periodic stiffness."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util.content import ByContent
+from floquetrod.equations import matrices
+from floquetrod.equations.matrices import Matrix, Structure
+from floquetrod.equations.periodic_system import PeriodicSystem
+
+_EPS = 2.220446049250313e-16
+
+
+class EvenForm(NamedTuple):
+    """The system u'' + (S + sum_k A_k cos k w s) u = 0, where q = L u, M^-1 = L L^T, and s = t - start.
+
+    Attributes
+    ----------
+    stiffness : ndarray (..., n, n)
+        S.
+    amplitudes : ndarray (..., H, n, n)
+        A_k, k = 1, 2, ...
+    start : ndarray (...)
+        Instant about which the stiffness is even.
+    error : ndarray (...)
+        Bound on the rounding errors of the stiffness, in the 2-norm.
+    doubt : ndarray (...)
+        Part by which the stiffness may be uneven: zero where its coefficients show its evenness exactly.
+    """
+
+    stiffness: Matrix
+    amplitudes: Matrix
+    start: NDArray[np.float64]
+    error: NDArray[np.float64]
+    doubt: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HillSystem(ByContent):
+    """The system M q'' + (C + G) q' + K(t) q = 0 of n equations, K(t) a finite Fourier series of period 2 pi / w.
+
+    K(t) = stiffness + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t.  Positive stiffness restores: the sign is
+    the opposite of that of the scalar `Hill`, whose positive coefficient pushes away, and ``damping`` is the matrix C,
+    where the scalar's c stands for C = 2 c.  ``Hill(...).as_system()`` converts.
+
+    Any matrix may be an array of matrices with a leading shape, and ``period`` an array: together they are then a batch
+    of systems, for `floquetrod.systems`.
+
+    Parameters
+    ----------
+    stiffness : array_like (..., n, n)
+        Mean of K; it need not be symmetric (a follower load makes it so).
+    cosines, sines : sequence of array_like (..., n, n)
+        Fourier coefficients of K from the first harmonic on; their numbers may differ.
+    mass : array_like (..., n, n), optional
+        M, symmetric and positive definite; the identity by default.
+    damping : array_like (..., n, n), optional
+        C, any matrix; none by default.
+    gyroscopic : array_like (..., n, n), optional
+        G, which equals minus its transpose; none by default.
+    period : float or array_like (...)
+        Period of K.  Units are the caller's: with kg, N s/m and N/m it is in seconds.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what is not a square real matrix, of another order than the stiffness, a mass that is not symmetric positive
+        definite, a gyroscopic matrix that is not skew-symmetric, NaN, and periods that are not positive.
+
+    Examples
+    --------
+    >>> HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]], period=2.0).structure
+    'hamiltonian'
+    """
+
+    stiffness: Matrix
+    cosines: tuple[Matrix, ...] = ()
+    sines: tuple[Matrix, ...] = ()
+    mass: Matrix | None = None
+    damping: Matrix | None = None
+    gyroscopic: Matrix | None = None
+    period: Any = 2.0 * math.pi
+
+    def __init__(
+        self,
+        stiffness: Any,
+        cosines: Any = (),
+        sines: Any = (),
+        *,
+        mass: Any = None,
+        damping: Any = None,
+        gyroscopic: Any = None,
+        period: Any = 2.0 * math.pi,
+    ) -> None:
+        """Check and copy the parameters."""
+        mean = matrices.square("stiffness", stiffness)
+        order = mean.shape[-1]
+
+        def optional(name: str, value: Any) -> Matrix | None:
+            return None if value is None else matrices.square(name, value, order, "stiffness")
+
+        values = {
+            "stiffness": mean,
+            "cosines": matrices.by_harmonic("cosines", cosines, order, "stiffness"),
+            "sines": matrices.by_harmonic("sines", sines, order, "stiffness"),
+            "mass": _positive_definite(optional("mass", mass)),
+            "damping": _unless_zero(optional("damping", damping)),
+            "gyroscopic": _unless_zero(_skew(optional("gyroscopic", gyroscopic))),
+            "period": matrices.periods(period),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+        matrices.freeze(self)
+        self.shape  # noqa: B018  (raises where leading shapes do not fit)
+
+    @property
+    def order(self) -> int:
+        """Number n of equations of second order."""
+        return int(self.stiffness.shape[-1])
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """Leading shape of a batch of systems, () of one."""
+        return matrices.leading_shape(self.period, stiffness=self.stiffness, **matrices.named(self))
+
+    @cached_property
+    def harmonics(self) -> NDArray[np.complex128]:
+        """Amplitudes Z, complex (..., H, n, n): K(t) = stiffness + sum_k Re(Z_k exp(i k w t)); no trailing zeros."""
+        return matrices.harmonic_amplitudes(self.cosines, self.sines, self.shape, self.order)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether K does not depend on time."""
+        return bool(self.harmonics.shape[-3] == 0)
+
+    @cached_property
+    def is_symmetric(self) -> bool:
+        """Whether K(t) is symmetric, entry by entry."""
+        return all(matrices.symmetric(matrix) for matrix in (self.stiffness, *self.cosines, *self.sines))
+
+    @cached_property
+    def uniform_damping(self) -> float | None:
+        """The c of C = 2 c M, exactly, with which all motion decays; 0 without damping, None where C is otherwise.
+
+        Of a batch: where it is one number for all.
+        """
+        if self.damping is None:
+            return 0.0
+        first = float(self.damping.flat[0])
+        if self.mass is None:
+            return 0.5 * first if first > 0.0 and np.array_equal(*_with_identity(self.damping, first)) else None
+        if self.damping.ndim > 2 or self.mass.ndim > 2 or not first > 0.0:
+            return None
+        ratio = Fraction(first) / Fraction(float(self.mass.flat[0]))
+        pairs = zip(self.damping.ravel().tolist(), self.mass.ravel().tolist(), strict=True)
+        proportional = all(Fraction(c) == ratio * Fraction(m) for c, m in pairs)
+        return float(ratio / 2) if proportional and Fraction(float(ratio / 2)) == ratio / 2 else None
+
+    @cached_property
+    def structure(self) -> Structure:
+        """What is exactly so of the matrices, entry by entry: it decides how multipliers come in pairs.
+
+        "hamiltonian": C = 0, K symmetric; multipliers in mu, 1 / mu.  "reversible": C = G = 0, K not symmetric, but
+        even about an instant; in mu, 1 / mu too.  "damped": K symmetric, C symmetric and not negative (to rounding).
+        "general": anything else.  Of a batch: of all its systems.
+        """
+        if self.damping is None and self.is_symmetric:
+            return "hamiltonian"
+        if self.damping is None:
+            return "reversible" if self.even_form is not None and not self.even_form.doubt.any() else "general"
+        return "damped" if self.is_symmetric and _dissipative(self.damping) else "general"
+
+    @cached_property
+    def undamped(self) -> tuple[HillSystem, float] | None:
+        """The system without damping of u = exp(c t) q, and c; None where C is not 2 c M, and with both C and G."""
+        c = self.uniform_damping
+        if c is None or (c > 0.0 and self.gyroscopic is not None):
+            return None
+        if c == 0.0:
+            return self, 0.0
+        mass = np.eye(self.order) if self.mass is None else self.mass
+        stiffness = self.stiffness - c * c * mass
+        return HillSystem(stiffness, self.cosines, self.sines, mass=self.mass, period=self.period), c
+
+    @cached_property
+    def even_form(self) -> EvenForm | None:
+        """The system of mass 1 about an instant of even stiffness; None where there is none, and with C or G."""
+        if self.damping is not None or self.gyroscopic is not None:
+            return None
+        turned = _even_amplitudes(self.harmonics)
+        if turned is None:
+            return None
+        amplitudes, phase, doubt = turned
+        stiffness = np.broadcast_to(self.stiffness, (*self.shape, self.order, self.order))
+        error = doubt
+        if self.mass is not None:
+            inverse = np.linalg.inv(np.linalg.cholesky(self.mass))
+            stiffness = _congruence(inverse, stiffness)
+            amplitudes = _congruence(inverse[..., None, :, :], amplitudes)
+            if self.is_symmetric:
+                stiffness, amplitudes = _mirrored(stiffness), _mirrored(amplitudes)
+            error = (error + 8.0 * self.order * _EPS) * _norm(self.mass) * _norm(inverse) ** 2
+        error = error * (_norm(stiffness) + _norm(amplitudes).sum(axis=-1))
+        start = np.broadcast_to(phase * np.asarray(self.period) / (2.0 * math.pi), self.shape)
+        return EvenForm(stiffness, amplitudes, start, error, doubt)
+
+    def as_periodic_system(self) -> PeriodicSystem:
+        """Return the same system in first order, of mass 1: x = (u, u') with q = L u, M^-1 = L L^T.
+
+        Where the system is Hamiltonian, x = (u, p) with p = u' + G u / 2, in which it is Hamiltonian too.
+        ``coefficient_error`` is what rounding adds.
+        """
+        n, canonical = self.order, self.structure == "hamiltonian"
+        inverse = None if self.mass is None else np.linalg.inv(np.linalg.cholesky(self.mass))
+
+        def reduced(matrix: Matrix | None) -> Matrix:
+            matrix = np.zeros((n, n)) if matrix is None else matrix
+            return matrix if inverse is None else _congruence(inverse, matrix)
+
+        def lower(left: Matrix, right: Matrix | None = None) -> Matrix:
+            """Return [[0, 0], [left, right]]."""
+            block = np.zeros((*left.shape[:-2], 2 * n, 2 * n))
+            block[..., n:, :n] = left
+            if right is not None:
+                block[..., n:, n:] = right
+            return block
+
+        stiffness, gyroscopic = reduced(self.stiffness), reduced(self.gyroscopic)
+        if canonical:
+            stiffness, half = _mirrored(stiffness), 0.5 * gyroscopic
+            half = 0.5 * (half - np.swapaxes(half, -1, -2))
+            bent = half @ half
+            stiffness, half = np.broadcast_arrays(stiffness - 0.5 * (bent + np.swapaxes(bent, -1, -2)), half)
+            mean = lower(-stiffness, -half)
+            mean[..., :n, :n] = -half
+        else:
+            stiffness, friction = np.broadcast_arrays(stiffness, reduced(self.damping) + gyroscopic)
+            mean = lower(-stiffness, -friction)
+        mean[..., :n, n:] = np.eye(n)
+        tidy = _mirrored if canonical else np.asarray
+        cosines, sines = ([lower(-tidy(reduced(m))) for m in series] for series in (self.cosines, self.sines))
+        error = 0.0
+        if inverse is not None or (canonical and self.gyroscopic is not None):
+            size = float(np.abs(mean).max() + sum(np.abs(m).max() for m in (*cosines, *sines)))
+            condition = 1.0 if inverse is None else float(np.max(_norm(np.asarray(self.mass)) * _norm(inverse) ** 2))
+            error = 8.0 * n * _EPS * condition * size
+        result = PeriodicSystem(mean, cosines, sines, period=self.period)
+        if error:
+            object.__setattr__(result, "coefficient_error", error)
+        return result
+
+    def coefficient(self, t: Any) -> NDArray[np.float64]:
+        """Return K(t), of shape (*t.shape, n, n); of one system."""
+        matrices.require_one(self)
+        return matrices.coefficients_at(t, self.stiffness, self.harmonics, self.period)
+
+    def __repr__(self) -> str:
+        """Return the constructor's call, large matrices by their shape."""
+        return matrices.written(self, [field.name for field in fields(self)])
+
+
+def _positive_definite(mass: Matrix | None) -> Matrix | None:
+    """Return M, checked."""
+    if mass is None:
+        return None
+    if not matrices.symmetric(mass):
+        gap = float(np.abs(mass - np.swapaxes(mass, -1, -2)).max())
+        raise ValueError(f"mass must be symmetric, got entries that differ by {gap:.3g} from their mirror images")
+    try:
+        np.linalg.cholesky(mass)
+    except np.linalg.LinAlgError:
+        least = float(np.linalg.eigvalsh(mass).min())
+        raise ValueError(f"mass must be positive definite, got one with the eigenvalue {least:.3g}") from None
+    return mass
+
+
+def _skew(gyroscopic: Matrix | None) -> Matrix | None:
+    """Return G, checked."""
+    if gyroscopic is None or np.array_equal(gyroscopic, -np.swapaxes(gyroscopic, -1, -2)):
+        return gyroscopic
+    raise ValueError(
+        "gyroscopic must equal minus its transpose, entry by entry, got one that does not; put its symmetric part "
+        "into damping"
+    )
+
+
+def _unless_zero(matrix: Matrix | None) -> Matrix | None:
+    return None if matrix is None or not matrix.any() else matrix
+
+
+def _with_identity(matrix: Matrix, factor: float) -> tuple[Matrix, Matrix]:
+    return matrix, np.broadcast_to(factor * np.eye(matrix.shape[-1]), matrix.shape)
+
+
+def _dissipative(damping: Matrix | None) -> bool:
+    """Return whether C is symmetric and has no negative eigenvalue, to rounding."""
+    if damping is None or not matrices.symmetric(damping):
+        return False
+    values = np.linalg.eigvalsh(damping)
+    return bool((values[..., 0] >= -8.0 * _EPS * values[..., -1]).all())
+
+
+def _even_amplitudes(
+    harmonics: NDArray[np.complex128],
+) -> tuple[Matrix, NDArray[np.float64], NDArray[np.float64]] | None:
+    """Return the amplitudes about an instant of evenness, its phase w t, and their relative doubt; None without one.
+
+    The doubt is zero where the evenness is seen in the coefficients as they stand: no sines, or one sine alone.
+    """
+    shape, count = harmonics.shape[:-3], harmonics.shape[-3]
+    nothing = np.zeros(shape)
+    if not harmonics.imag.any():
+        return harmonics.real.copy(), nothing, nothing
+    if count == 1 and not harmonics.real.any():
+        return -harmonics.imag, nothing + 0.5 * math.pi, nothing
+    orders = np.arange(1, count + 1)
+    first = next(k for k in range(count) if harmonics[..., k, :, :].any())
+    flat = harmonics[..., first, :, :].reshape(*shape, -1)
+    largest = np.take_along_axis(flat, np.abs(flat).argmax(axis=-1)[..., None], axis=-1)[..., 0]
+    sizes = np.abs(harmonics).max(axis=(-2, -1), keepdims=True)
+    result, phase, found = np.zeros(harmonics.shape), nothing.copy(), np.zeros(shape, dtype=bool)
+    for turn in range(2 * (first + 1)):
+        angle = (math.pi * turn - np.angle(largest)) / (first + 1)
+        turned = harmonics * np.exp(1j * angle[..., None] * orders)[..., None, None]
+        slack = 8.0 * _EPS * orders[:, None, None] * sizes
+        even = (np.abs(turned.imag) <= slack).all(axis=(-3, -2, -1)) & ~found
+        result[even], phase[even] = turned.real[even], angle[even]
+        found |= even
+    return (result, phase, nothing + 16.0 * _EPS * count) if found.all() else None
+
+
+def _congruence(left: Matrix, matrix: Matrix) -> Matrix:
+    """Return L K L^T."""
+    return np.asarray(left @ matrix @ np.swapaxes(left, -1, -2))
+
+
+def _mirrored(matrix: Matrix) -> Matrix:
+    return np.asarray(0.5 * (matrix + np.swapaxes(matrix, -1, -2)))
+
+
+def _norm(matrix: Matrix) -> NDArray[np.float64]:
+    """Return a bound on 2-norms: Frobenius norms."""
+    return np.asarray(np.sqrt(np.square(matrix).sum(axis=(-2, -1))))

@@ -1,0 +1,139 @@
+"""Matrices of a system's Fourier series: checked, in one shape, and turned into the forms that methods take."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+
+Matrix = NDArray[np.float64]
+Structure = Literal["hamiltonian", "reversible", "damped", "general"]
+
+LARGEST_ENTRY = 1e30
+"""Largest magnitude of a matrix entry, in whatever units."""
+
+MOST_EQUATIONS = 2000
+"""Most equations of a system (a choice): the map of more takes minutes."""
+
+_MOST_HARMONICS = 512
+
+
+def square(name: str, value: Any, order: int | None = None, like: str = "") -> Matrix:
+    """Return matrices of shape (..., n, n); ``order`` is the n that they must have, which ``like`` has."""
+    array = validate.array(name, value, least=-LARGEST_ENTRY, largest=LARGEST_ENTRY)
+    if array.ndim < 2 or array.shape[-1] != array.shape[-2] or array.shape[-1] == 0:
+        hint = f"; for one equation give [[{float(array):g}]]" if array.ndim == 0 else ""
+        raise ValueError(f"{name} must be a square matrix, or an array of them, got shape {array.shape}{hint}")
+    if array.shape[-1] > MOST_EQUATIONS:
+        raise ValueError(f"{name} must be at most {MOST_EQUATIONS} x {MOST_EQUATIONS}, got shape {array.shape}")
+    if order is not None and array.shape[-1] != order:
+        raise ValueError(f"{name} must be {order} x {order} as {like} is, got shape {array.shape}")
+    return np.array(array)  # a copy of our own
+
+
+def by_harmonic(name: str, values: Any, order: int, like: str) -> tuple[Matrix, ...]:
+    """Return the matrices of a sequence, one for each harmonic."""
+    listed = list(values) if isinstance(values, np.ndarray) else validate.sequence(name, values, "[matrix]")
+    if len(listed) > _MOST_HARMONICS:
+        raise ValueError(f"{name} must hold at most {_MOST_HARMONICS} harmonics, got {len(listed)}")
+    if listed and all(np.ndim(value) < 2 for value in listed):
+        raise ValueError(f"{name} must be a sequence of matrices, one for each harmonic; for one give {name}=[matrix]")
+    return tuple(square(f"{name}[{k}]", value, order, like) for k, value in enumerate(listed))
+
+
+def periods(value: Any) -> float | NDArray[np.float64]:
+    """Return a period, or an array of them for a batch."""
+    if np.ndim(value) == 0:
+        return validate.within("period", value, _LEAST_PERIOD, 1.0 / _LEAST_PERIOD)
+    array = validate.array("period", value)
+    if not (array >= _LEAST_PERIOD).all():
+        raise ValueError(f"period must be greater than zero, got {float(array.min())!r} among {array.size} values")
+    return np.array(array)
+
+
+_LEAST_PERIOD = 1e-100
+
+
+def leading_shape(period: Any, **matrices: Matrix) -> tuple[int, ...]:
+    """Return the common leading shape of matrices and periods; ValueError names them where they have none."""
+    shapes = {name: matrix.shape[:-2] for name, matrix in matrices.items()} | {"period": np.shape(period)}
+    try:
+        return np.broadcast_shapes(*shapes.values())
+    except ValueError:
+        listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
+        raise ValueError(f"the leading shapes must broadcast to one, got {listed}") from None
+
+
+def symmetric(matrix: Matrix) -> bool:
+    """Return whether every matrix equals its transpose, entry by entry."""
+    return bool(np.array_equal(matrix, np.swapaxes(matrix, -1, -2)))
+
+
+def harmonic_amplitudes(
+    cosines: tuple[Matrix, ...], sines: tuple[Matrix, ...], shape: tuple[int, ...], order: int
+) -> NDArray[np.complex128]:
+    """Return Z, complex (*shape, H, n, n), of sum_k Re(Z_k exp(i k w t)); trailing zeros are dropped."""
+    count = max(len(cosines), len(sines))
+    result = np.zeros((*shape, count, order, order), dtype=np.complex128)
+    for k, matrix in enumerate(cosines):
+        result.real[..., k, :, :] = matrix
+    for k, matrix in enumerate(sines):
+        result.imag[..., k, :, :] -= matrix
+    while count and not result[..., count - 1, :, :].any():
+        count -= 1
+    return result[..., :count, :, :]
+
+
+def coefficients_at(times: Any, mean: Matrix, harmonics: NDArray[np.complex128], period: float) -> NDArray[np.float64]:
+    """Return mean + sum_k Re(Z_k exp(i k w t)), of shape (*times.shape, n, n), of one system."""
+    phase = (2.0 * math.pi / period) * validate.array("t", times, least=-1e14 * period, largest=1e14 * period)
+    waves = np.exp(1j * phase[..., None] * np.arange(1, len(harmonics) + 1))
+    return np.asarray(mean + np.einsum("...k,kij->...ij", waves, harmonics).real)
+
+
+def described(value: Any) -> str:
+    """Return a matrix as it is written in a repr: in full while it is small."""
+    matrix = np.asarray(value)
+    return repr(matrix.tolist()) if matrix.size <= 9 else f"<{' x '.join(map(str, matrix.shape))} array>"
+
+
+def named(system: Any) -> dict[str, Matrix]:
+    """Return the matrices of a system beside its mean, by name."""
+    series = {f"{name}[{k}]": m for name in ("cosines", "sines") for k, m in enumerate(getattr(system, name))}
+    others = {name: getattr(system, name, None) for name in ("mass", "damping", "gyroscopic")}
+    return series | {name: matrix for name, matrix in others.items() if isinstance(matrix, np.ndarray)}
+
+
+def freeze(system: Any) -> None:
+    """Make the arrays of a system read-only."""
+    for value in vars(system).values():
+        for array in value if isinstance(value, tuple) else (value,):
+            if isinstance(array, np.ndarray):
+                array.flags.writeable = False
+
+
+def require_one(system: Any) -> None:
+    """Raise ValueError for a batch of systems."""
+    if system.shape:
+        raise ValueError(
+            f"system must be a single one, got a batch of shape {system.shape}; floquetrod.systems takes batches"
+        )
+
+
+def written(system: Any, names: list[str]) -> str:
+    """Return the call that makes a system, without what is left at its default."""
+    parts = []
+    for name in names:
+        value = getattr(system, name)
+        if isinstance(value, tuple):
+            text = f"[{', '.join(map(described, value))}]" if value else ""
+        elif isinstance(value, np.ndarray):
+            text = described(value)
+        else:
+            text = "" if value in (None, 0.0) else f"{value:.17g}"
+        parts += [f"{name}={text}"] if text else []
+    return f"{type(system).__name__}({', '.join(parts)})"

@@ -1,0 +1,205 @@
+"""First-order systems x' = A(t) x with periodic A."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.content import ByContent
+from floquetrod.equations import matrices
+from floquetrod.equations.matrices import Matrix, Structure
+
+_EPS = 2.220446049250313e-16
+_FIRST_SAMPLES, _MOST_SAMPLES = 32, 2048  # of a function, over its period
+_NEGLIGIBLE = 4.0 * _EPS  # part of the largest coefficient: harmonics below it are rounding
+_REQUIRED_DECAY = 1e-10  # part of the largest coefficient: where the last harmonics exceed it, the series is refused
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PeriodicSystem(ByContent):
+    """The system x' = A(t) x of N equations with A(t) = mean + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t.
+
+    w = 2 pi / period.  Any matrix may be an array of matrices with a leading shape, and ``period`` an array: together
+    they are then a batch of systems, for `floquetrod.systems`.
+
+    Parameters
+    ----------
+    mean : array_like (..., N, N)
+        Mean of A, per unit of time.
+    cosines, sines : sequence of array_like (..., N, N)
+        Fourier coefficients from the first harmonic on; their numbers may differ.
+    period : float or array_like (...)
+        Period of A, in the unit of time of which A is the inverse.
+    coefficient_error : float
+        Bound or estimate of the error of A(t), entry by entry, in the unit of A; `from_function` states one.
+
+    Examples
+    --------
+    >>> PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], cosines=[[[0.0, 0.0], [-0.2, 0.0]]]).order
+    2
+    """
+
+    mean: Matrix
+    cosines: tuple[Matrix, ...] = ()
+    sines: tuple[Matrix, ...] = ()
+    period: Any = 2.0 * math.pi
+    coefficient_error: float = 0.0
+
+    def __init__(
+        self,
+        mean: Any,
+        cosines: Any = (),
+        sines: Any = (),
+        *,
+        period: Any = 2.0 * math.pi,
+        coefficient_error: float = 0.0,
+    ) -> None:
+        """Check and copy the parameters."""
+        average = matrices.square("mean", mean)
+        order = average.shape[-1]
+        values = {
+            "mean": average,
+            "cosines": matrices.by_harmonic("cosines", cosines, order, "mean"),
+            "sines": matrices.by_harmonic("sines", sines, order, "mean"),
+            "period": matrices.periods(period),
+            "coefficient_error": validate.nonnegative("coefficient_error", coefficient_error),
+        }
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+        matrices.freeze(self)
+        self.shape  # noqa: B018  (raises where leading shapes do not fit)
+
+    @classmethod
+    def from_function(cls, function: Callable[[float], Any], period: float) -> PeriodicSystem:
+        """Return the system whose A(t) a function computes, expanded in a Fourier series.
+
+        A is sampled over the period at twice as many instants until its harmonics have decayed to rounding.
+        ``coefficient_error`` is an estimate of what is neglected, and of what sampling confuses with what is kept.
+
+        Parameters
+        ----------
+        function : callable (t) -> array_like (N, N)
+            A, periodic and smooth.
+        period : float
+            Its period.
+
+        Raises
+        ------
+        ValueError
+            Where A at the end of the period differs from A at its beginning, and where harmonics do not decay (a jump,
+            a kink, or more than 1,000 harmonics that matter).
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> system = PeriodicSystem.from_function(lambda t: [[0.0, 1.0], [-1.0 / (1.1 + np.cos(t)), 0.0]], 2 * np.pi)
+        >>> len(system.cosines), system.coefficient_error < 1e-13
+        (68, True)
+        """
+        validate.function("function", function)
+        period = validate.positive("period", period)
+        first = matrices.square("function(0)", function(0.0))
+        if first.ndim != 2:
+            raise ValueError(f"function must return one square matrix, got shape {first.shape}")
+        count = _FIRST_SAMPLES
+        values = _samples(function, np.arange(count) * (period / count), first.shape)
+        size = max(float(np.abs(values).max()), 5e-324)
+        again = _samples(function, np.array([period, 1.37 * period, -0.29 * period]), first.shape)
+        before = _samples(function, np.array([0.0, 0.37 * period, 0.71 * period]), first.shape)
+        gap = float(np.abs(again - before).max())
+        if gap > 1e-9 * size:
+            raise ValueError(
+                f"function is not periodic: values a period of {period:g} apart differ by {gap:.3g}, of {size:.3g}"
+            )
+        while True:
+            series = np.fft.rfft(values, axis=0) / count
+            sizes = np.abs(series).max(axis=(1, 2))
+            rest = float(sizes[3 * count // 8 :].max())  # the last quarter of what so many samples can tell apart
+            if rest <= _NEGLIGIBLE * size:
+                break
+            if count == _MOST_SAMPLES:
+                if rest > _REQUIRED_DECAY * size:
+                    raise ValueError(
+                        f"function is not smooth: its harmonics {3 * count // 8} to {count // 2} still reach "
+                        f"{rest / size:.1g} of its largest value; describe a jump or a kink by a smooth function"
+                    )
+                break
+            count *= 2
+            between = _samples(function, np.arange(1, count, 2) * (period / count), first.shape)
+            values = np.stack([values, between], axis=1).reshape(count, *first.shape)
+            size = max(size, float(np.abs(between).max()))
+        kept = int(np.flatnonzero(sizes > _NEGLIGIBLE * size).max(initial=0))
+        neglected = 2.0 * float(np.abs(series[kept + 1 :]).sum(axis=0).max())
+        return cls(
+            series[0].real,
+            2.0 * series[1 : kept + 1].real,
+            -2.0 * series[1 : kept + 1].imag,
+            period=period,
+            coefficient_error=2.0 * (neglected + (kept + 1) * _EPS * size) + gap,
+        )
+
+    @property
+    def order(self) -> int:
+        """Number N of equations of first order."""
+        return int(self.mean.shape[-1])
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """Leading shape of a batch of systems, () of one."""
+        return matrices.leading_shape(self.period, mean=self.mean, **matrices.named(self))
+
+    @cached_property
+    def harmonics(self) -> NDArray[np.complex128]:
+        """Amplitudes Z, complex (..., H, N, N): A(t) = mean + sum_k Re(Z_k exp(i k w t)); trailing zeros dropped."""
+        return matrices.harmonic_amplitudes(self.cosines, self.sines, self.shape, self.order)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether A does not depend on time."""
+        return bool(self.harmonics.shape[-3] == 0)
+
+    @cached_property
+    def structure(self) -> Structure:
+        """What is exactly so of A, entry by entry: it decides how multipliers come in pairs.
+
+        "hamiltonian" where J A(t) is symmetric, J = [[0, I], [-I, 0]], x = (q, p); "reversible" where R A(-t) R = -A(t)
+        with R = diag(I, -I), x = (q, q'); else "general".  Of a batch: of all its systems.
+        """
+        if self.order % 2:
+            return "general"
+        half = self.order // 2
+        every = (self.mean, *self.cosines, *self.sines)
+        if all(matrices.symmetric(np.concatenate([m[..., half:, :], -m[..., :half, :]], axis=-2)) for m in every):
+            return "hamiltonian"
+        outer = all(
+            not m[..., :half, :half].any() and not m[..., half:, half:].any() for m in (self.mean, *self.cosines)
+        )
+        inner = all(not m[..., :half, half:].any() and not m[..., half:, :half].any() for m in self.sines)
+        return "reversible" if outer and inner else "general"
+
+    def coefficient(self, t: Any) -> NDArray[np.float64]:
+        """Return A(t), of shape (*t.shape, N, N); of one system."""
+        matrices.require_one(self)
+        return matrices.coefficients_at(t, self.mean, self.harmonics, self.period)
+
+    def __repr__(self) -> str:
+        """Return the constructor's call, large matrices by their shape."""
+        return matrices.written(self, [field.name for field in fields(self)])
+
+
+def _samples(function: Callable[[float], Any], times: NDArray[Any], shape: tuple[int, ...]) -> Matrix:
+    """Return A at several instants, checked."""
+    values = []
+    for t in times.tolist():
+        value = matrices.square(f"function({t:g})", function(t))
+        if value.shape != shape:
+            raise ValueError(f"function must always return shape {shape}, got {value.shape} at t = {t:g}")
+        values.append(value)
+    return np.array(values)
