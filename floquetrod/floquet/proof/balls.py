@@ -1,8 +1,8 @@
 """Arrays of balls in double precision: a midpoint and a radius for each entry, real or complex.
 
-Midpoints are computed by numpy as they come; what that rounds is bounded beforehand (S. M. Rump, Acta Numerica 19, 2010)
-and added to the radii.  Every bound holds for any order of summation and with fused operations.  The radii are rounded
-too: a factor and an addend cover that.
+numpy computes the midpoints; a bound on its rounding errors, known beforehand, is added to the radii (S. M. Rump, Acta
+Numerica 19, 2010).  The bounds hold for any order of summation and with fused operations.  The radii are rounded too: a
+factor and an addend cover that.
 """
 
 from __future__ import annotations
@@ -174,11 +174,11 @@ class Doubles:
 
     def eigenvectors(self, matrix: Balls) -> tuple[Balls, Balls]:
         """Return about the eigenvectors of a matrix, as columns, and the inverse of their matrix."""
-        vectors = np.linalg.eig(matrix.mid)[1]
         try:
+            vectors = np.linalg.eig(matrix.mid)[1]
             return self.exact(vectors), self.exact(np.linalg.inv(vectors))
         except np.linalg.LinAlgError:
-            raise Unresolved("the multipliers' directions cannot be told apart") from None
+            raise Unresolved("a multiple multiplier cannot be excluded") from None
 
     def reduced(self, matrix: Balls) -> Balls:
         """Return a congruent matrix that is closer to a diagonal one: with doubles, the same."""

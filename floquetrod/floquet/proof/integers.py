@@ -1,7 +1,7 @@
 """Arrays of balls with any number of digits: midpoints are Python integers times a power of two, radii are doubles.
 
-numpy carries the integers in arrays of objects, real and imaginary parts apart.  Sums and products of integers are exact;
-what is cut off below the last bit is added to the radii.
+numpy holds the integers in arrays of objects, real and imaginary parts apart.  Sums and products of integers are exact;
+a bound on what is cut off below the last bit is added to the radii.
 """
 
 from __future__ import annotations
@@ -222,9 +222,8 @@ class Integers:
 
     def _integers(self, array: Array) -> tuple[Array, Array]:
         """Return doubles times 2^bits, rounded down, and bounds of what that leaves."""
-        whole, rest = np.frompyfunc(self._divided, 1, 2)(array)
-        rest = np.asarray(rest, dtype=float)
-        return np.asarray(whole, dtype=object), rest * 2.0**-self.bits
+        divided: Any = np.frompyfunc(self._divided, 1, 2)(array)
+        return np.asarray(divided[0], dtype=object), np.asarray(divided[1], dtype=float) * 2.0**-self.bits
 
     def _divided(self, value: float) -> tuple[int, float]:
         top, bottom = float(value).as_integer_ratio()
@@ -243,8 +242,8 @@ class Integers:
 
     def join(self, pieces: Sequence[Wide], axis: int) -> Wide:
         """Concatenate real arrays along an axis."""
-        real, rad = (np.concatenate(arrays, axis) for arrays in zip(*((p.real, p.rad) for p in pieces), strict=True))
-        return Wide(real, None, rad, self.bits)
+        real = np.concatenate([piece.real for piece in pieces], axis)
+        return Wide(real, None, np.concatenate([piece.rad for piece in pieces], axis), self.bits)
 
     def two_pi(self) -> Wide:
         """Enclose 2 pi."""
@@ -272,7 +271,7 @@ class Integers:
             vectors = context.eig(context.matrix(entries))[1]
             pair = vectors, context.inverse(vectors)
         except (ZeroDivisionError, RuntimeError):
-            raise Unresolved("the multipliers' directions cannot be told apart") from None
+            raise Unresolved("a multiple multiplier cannot be excluded") from None
         columns, inverse = (
             np.array([[context.mpc(array[i, j]) for j in range(n)] for i in range(n)], dtype=object) for array in pair
         )

@@ -1,14 +1,15 @@
 """Strong stability by counting (R. Bott's index): negative eigenvalues of Hill's operator at a few angles.
 
-With the period as the unit of time, L = -M d2/dt2 - G d/dt - K(t) acts on q(t + 1) = exp(2 pi i f) q(t); N(f) is the number
-of its negative eigenvalues.  It jumps only where exp(2 pi i f) is a multiplier, by at most the number of multipliers
-there, and by just that where their Krein signs agree.  The upper half of the unit circle has room for n multipliers: if N varies by n
-between some angles from 0 to 1/2, all multipliers lie on the circle and none meets one of the opposite sign.  If
-n - abs(N(1/2) - N(0)) is odd, so is the number of pairs of real multipliers off the circle.
+With the period as the unit of time, L = -M d2/dt2 - G d/dt - K(t) acts on q(t + 1) = exp(2 pi i f) q(t); N(f) is the
+number of its negative eigenvalues.  It jumps only where exp(2 pi i f) is a multiplier, by at most the number of
+multipliers there, and by just that where their Krein signs agree.  The upper half of the unit circle has room for n
+multipliers: if N varies by n over some angles from 0 to 1/2, all multipliers lie on the circle and none meets one of
+the opposite sign.  If n - abs(N(1/2) - N(0)) is odd, so is the number of pairs of real multipliers off the circle.
 
-In a Fourier basis L is an infinite matrix of blocks, of which those with abs(k) <= m are kept.  Let the rest be at least
-tau I, tau > 0, and r / 2 bound what couples the kept to the rest on one side: then L has as many negative eigenvalues as
-the kept matrix less some matrix between zero and r^2 / (4 tau) I, in the last blocks on either side.
+In a Fourier basis L is an infinite matrix of blocks, of which those with abs(k) <= m are kept.  Let the others by
+themselves be at least tau I, tau > 0, and let r bound what couples them to the kept ones on either side.  Then L has as
+many negative eigenvalues as the kept matrix less some matrix between zero and r^2 / tau I in its last blocks on either
+side.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ _TWO_PI_BELOW = 6.283185307179586
 
 
 class Truncation(NamedTuple):
-    """Hill's matrix cut off: blocks with abs(k) <= ``last`` are kept; ``radius`` is r^2 / (4 tau)."""
+    """Hill's matrix cut off: blocks with abs(k) <= ``last`` are kept; ``radius`` is r^2 / tau."""
 
     last: int
     radius: float
@@ -59,10 +60,8 @@ class Counts(NamedTuple):
         return abs(self.negative[-1] - self.negative[0])
 
 
-def angles_between(multipliers: Array | None) -> list[float]:
-    """Return angles in turns, 0, 1/2 and between those of multipliers known approximately, if at all."""
-    if multipliers is None:
-        return [0.0, 0.5]
+def angles_between(multipliers: Array) -> list[float]:
+    """Return angles in turns, 0, 1/2 and between those of multipliers known approximately."""
     turns = np.sort(np.abs(np.angle(multipliers)) / (2.0 * math.pi))
     middles = 0.5 * (turns[1:] + turns[:-1])[np.diff(turns) > _CLOSE]
     return sorted({0.0, 0.5, *(round(float(angle) * _GRID) / _GRID for angle in middles)})
@@ -71,6 +70,7 @@ def angles_between(multipliers: Array | None) -> list[float]:
 def count(arithmetic: Arithmetic, system: Oscillators, angles: Sequence[float]) -> Counts:
     """Count the negative eigenvalues of Hill's operator at the angles where that can be told."""
     truncation = _truncation(arithmetic, system)
+    arithmetic.check_work(8.0 * len(angles) * ((2 * truncation.last + 1) * system.stiffness.shape[0]) ** 3)
     known: list[tuple[float, Inertia]] = []
     for angle in angles:
         try:
@@ -91,7 +91,6 @@ def _truncation(arithmetic: Arithmetic, system: Oscillators) -> Truncation:
     if not need < _MOST_BLOCKS:
         raise TooMuchWork("so many blocks of Hill's matrix")
     last = len(system.waves) + math.ceil(need / _TWO_PI_BELOW) + (2 + arithmetic.digits // 5 if system.waves else 0)
-    arithmetic.check_work(8.0 * ((2 * last + 1) * system.stiffness.shape[0]) ** 3)
     nu = _TWO_PI_BELOW * (last + 0.5)  # the least frequency left out, at angles up to 1/2
     tail = down(mass * nu * nu) - up(up(nu * gyroscopic) + up(stiffness + waves))
     if not (tail > 0.0 and 2.0 * nu * mass > gyroscopic):
@@ -100,7 +99,7 @@ def _truncation(arithmetic: Arithmetic, system: Oscillators) -> Truncation:
 
 
 def _matrix(arithmetic: Arithmetic, system: Oscillators, truncation: Truncation, angle: float) -> tuple[Matrix, Array]:
-    """Enclose the matrices whose negative eigenvalues are as many as those of Hill's operator; return its rows' sizes."""
+    """Enclose a matrix with as many negative eigenvalues as Hill's operator; return it and the sizes of its rows."""
     n, last, reach = system.stiffness.shape[0], truncation.last, len(system.waves)
     blocks = np.arange(2 * last + 1)
     frequency = arithmetic.two_pi() * arithmetic.exact(angle + (blocks - last))

@@ -22,15 +22,15 @@ _ROUND = 2.0**-51  # of two operations with doubles
 class Discs(NamedTuple):
     """Discs whose union contains all eigenvalues, with multiplicity; a connected part of it as many as it has discs.
 
-    ``low`` and ``high`` bound abs(z)^2 - 1 over each disc.  ``gaps`` are lower bounds of the distance between two discs,
-    zero or less where they may touch and infinite on the diagonal; ``sizes`` upper bounds of abs(z).
+    ``centres`` are rounded to doubles.  ``low`` and ``high`` bound abs(z)^2 - 1 over each disc.  ``gaps`` are lower
+    bounds of the distance between two discs, below zero where they may touch and infinite on the diagonal.
     """
 
+    centres: Array
     radii: Array
     low: Array
     high: Array
     gaps: Array
-    sizes: Array
 
     @property
     def isolated(self) -> Array:
@@ -52,8 +52,7 @@ class Discs(NamedTuple):
         shift = np.maximum(np.abs(self.low), np.abs(self.high))  # abs(z - 1 / conj(z)) = abs(abs(z)^2 - 1) / abs(z)
         least = np.sqrt(np.maximum(down(1.0 + self.low), 0.0))
         with np.errstate(divide="ignore", invalid="ignore"):
-            reach = up(up(shift / (least * (1.0 - 1e-12))) + 2.0 * self.radii)
-        return self.isolated & (least > 0.0) & (reach[:, None] < self.gaps).all(1)
+            return self.isolated & (least > 0.0) & (up(shift / least)[:, None] < self.gaps).all(1)
 
 
 def enclose_eigenvalues(arithmetic: Arithmetic, matrix: Matrix) -> Discs:
@@ -70,7 +69,7 @@ def _similar(arithmetic: Arithmetic, matrix: Matrix, vectors: Matrix, inverse: M
     defect = (inverse @ vectors - arithmetic.exact(np.eye(matrix.shape[0]))).upper()
     size = float(up(defect.sum(-1)).max())
     if not size < 0.5:
-        raise Unresolved("the multipliers' directions cannot be told apart")
+        raise Unresolved("a multiple multiplier cannot be excluded")
     # With W V = I + F, abs(F) <= defect: the entries of I - (I + F)^-1 are at most defect + size^2 / (1 - size).
     inverse_error = up(defect + up(size * size / (1.0 - size)))
     return product.widened(up(inverse_error @ product.upper()))
@@ -98,7 +97,7 @@ def _gershgorin(arithmetic: Arithmetic, matrix: Matrix) -> Discs:
     reach = up(radii * up(2.0 * sizes))
     middle = square.centre()
     error = up(up(square.offset() + reach) + _ROUND * (np.abs(middle) + reach))
-    return Discs(radii, middle - error, middle + error, _gaps(apart, radii), sizes)
+    return Discs(centres.centre(), radii, middle - error, middle + error, _gaps(apart, radii))
 
 
 def _gaps(apart: Array, radii: Array) -> Array:

@@ -9,8 +9,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from floquetrod.floquet.proof.intervals import Unresolved
+from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations.matrices import require_one
 from floquetrod.floquet.proof.balls import up
+from floquetrod.floquet.proof.intervals import Unresolved
 
 Array = Any
 Arithmetic = Any  # `Doubles` or `Integers`
@@ -24,7 +26,7 @@ _MOST_TERMS = 40  # of the series for the inverse mass (a choice)
 class SecondOrder:
     """M q'' + (C + G) q' + K(t) q = 0, K(t) = mean + sum_k Re(Z_k exp(2 pi i k t / period)), all doubles exact.
 
-    M is symmetric and positive definite, G = -G^T.
+    M is symmetric and positive definite, G = -G^T.  ``is_reversible``: C = G = 0 and K is even about an instant.
     """
 
     mass: Array
@@ -33,6 +35,7 @@ class SecondOrder:
     stiffness: Array
     harmonics: Array
     period: float
+    is_reversible: bool = False
 
     @property
     def order(self) -> int:
@@ -58,25 +61,49 @@ class SecondOrder:
 
     @cached_property
     def is_hamiltonian(self) -> bool:
-        """Whether the multipliers, freed of uniform damping, come in pairs mu, 1 / conj(mu)."""
+        """Whether the system, freed of uniform damping, is Hamiltonian."""
         damping = self.uniform_damping
         return self.is_symmetric and damping is not None and (damping == 0 or not self.gyroscopic.any())
+
+    @property
+    def is_paired(self) -> bool:
+        """Whether with every multiplier mu there is 1 / conj(mu)."""
+        return self.is_reversible or (self.is_hamiltonian and not self.damping.any())
 
 
 @dataclass(frozen=True)
 class FirstOrder:
-    """x' = A(t) x, A(t) = mean + sum_k Re(Z_k exp(2 pi i k t / period)), known but for ``error`` in each entry of A(t)."""
+    """x' = A(t) x, A(t) = mean + sum_k Re(Z_k exp(2 pi i k t / period)), known but for ``error`` in each entry of A(t).
+
+    ``is_paired``: with every multiplier mu there is 1 / conj(mu).
+    """
 
     mean: Array
     harmonics: Array
     period: float
     error: float = 0.0
+    is_paired: bool = False
+
+
+def system_problem(system: HillSystem | PeriodicSystem) -> SecondOrder | FirstOrder:
+    """Return the problem of a system, which must not be a batch."""
+    require_one(system)
+    reversible = system.structure == "reversible"
+    if isinstance(system, PeriodicSystem):
+        error = system.coefficient_error
+        paired = not error and (reversible or system.structure == "hamiltonian")
+        return FirstOrder(system.mean, system.harmonics, system.period, error, paired)
+    n = system.order
+    mass = np.eye(n) if system.mass is None else system.mass
+    damping, gyroscopic = (np.zeros((n, n)) if m is None else m for m in (system.damping, system.gyroscopic))
+    return SecondOrder(mass, damping, gyroscopic, system.stiffness, system.harmonics, system.period, reversible)
 
 
 class Oscillators(NamedTuple):
     """M q'' + (C + G) q' + K(t) q = 0 with the period as the unit of time and M close to the unit matrix.
 
-    ``excess`` is M - I, None where zero, and ``defect`` bounds its largest row sum; the wave Z_k stands at index k - 1; ``damping`` is C, where not zero.
+    ``excess`` is M - I, None where zero, and ``defect`` bounds its largest row sum; ``damping`` and ``gyroscopic`` are
+    None where zero; the amplitude Z_k of the stiffness stands in ``waves`` at index k - 1.
     """
 
     excess: Matrix | None
@@ -88,9 +115,9 @@ class Oscillators(NamedTuple):
 
 
 class Flow(NamedTuple):
-    """x' = A(t) x with the period as the unit of time: A(t) = mean + sum_k cosine_k cos(2 pi k t) + sine_k sin(2 pi k t).
+    """x' = A(t) x with the period as the unit of time: A = mean + sum_k cosine_k cos 2 pi k t + sine_k sin 2 pi k t.
 
-    ``error`` bounds the row sums of what A(t) may differ by.
+    ``error`` bounds the row sums of the error of A(t).
     """
 
     mean: Matrix
@@ -153,7 +180,8 @@ def flow_of_oscillators(arithmetic: Arithmetic, system: Oscillators) -> Flow:
     for friction in (system.damping, system.gyroscopic):
         if friction is not None:
             mean[n:, n:] = mean[n:, n:] + inverse @ friction
-    cosines, sines = [], []
+    cosines: list[Matrix] = []
+    sines: list[Matrix] = []
     for wave in system.waves:
         real, imaginary = wave.parts()
         for part, place in ((real, cosines), (-imaginary, sines)):

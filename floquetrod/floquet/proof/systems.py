@@ -1,8 +1,9 @@
 """Proofs for systems of equations: what is computed, with how many digits, and what follows from it.
 
-Two ways, each in balls.  The multipliers lie in discs: one of modulus above 1 proves instability, all of modulus below 1
-prove decay, and where with every mu there is 1 / conj(mu), a disc that holds one multiplier and touches the unit circle
-holds it on the circle.  Where discs touch each other, as at 1 and -1, Hill's operator is counted: see `system_counts`.
+Two ways, each in balls.  The multipliers lie in discs: one of modulus above 1 proves instability, all of modulus below
+1 prove decay, and where with every mu there is 1 / conj(mu), a disc that holds one multiplier and whose mirror image
+meets no other holds it on the circle.  Where discs touch each other, as at 1 and -1, Hill's operator is counted: see
+`system_counts`.
 
 Uniform damping 2 c M: q = exp(-c t) u takes M c^2 from the stiffness and leaves u without damping.  A strongly stable u
 proves that q decays.
@@ -12,10 +13,11 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.proof.balls import Doubles, up
 from floquetrod.floquet.proof.integers import Integers
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
@@ -30,8 +32,11 @@ from floquetrod.floquet.proof.system_problem import (
     flow,
     flow_of_oscillators,
     oscillators,
+    system_problem,
 )
 from floquetrod.floquet.verdict import Status
+
+_MOST_DIGITS_OF_INEXACT = 30  # more do not help where the coefficients are known to about 15
 
 
 class _Finding(NamedTuple):
@@ -42,65 +47,82 @@ class _Finding(NamedTuple):
     enclosures: tuple[Enclosure, ...]
 
 
-def certify_system(value: Any, system: SecondOrder | FirstOrder, max_digits: int) -> Proof:
-    """Prove a system stable or unstable; ``value`` is what the proof is about, as the caller knows it."""
+def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proof:
+    """Prove a system stable or unstable."""
+    problem = system_problem(system)
+    if isinstance(problem, FirstOrder) and problem.error:
+        max_digits = min(max_digits, _MOST_DIGITS_OF_INEXACT)
     digits, reason = min(Doubles.digits, max_digits), ""
     while True:
         arithmetic = Doubles() if digits <= Doubles.digits else Integers(digits)
         try:
             with np.errstate(over="ignore", invalid="ignore"):
-                finding = _attempt(arithmetic, system)
-            return Proof(value, finding.status, None, digits, finding.statement, finding.enclosures)
-        except Unresolved as why:
+                finding = _attempt(arithmetic, problem)
+            return Proof(system, finding.status, None, digits, finding.statement, finding.enclosures)
+        except (Unresolved, np.linalg.LinAlgError) as why:
             reason = f"{why} with {digits} digits"
             if digits >= max_digits:
                 break
         except TooMuchWork as why:
-            reason = f"{reason}; {why} are more work than is worth waiting for" if reason else f"{why} are more work"
+            reason = f"{reason}; " * bool(reason) + f"{why} are more work than is worth waiting for"
             break
         digits = min(2 * digits, max_digits)
-    return Proof(value, "undecided", None, digits, reason)
+    if isinstance(problem, FirstOrder) and problem.error:
+        reason += f"; the coefficients are known only to {problem.error:.2g}"
+    return Proof(system, "undecided", None, digits, reason)
 
 
-def _attempt(arithmetic: Arithmetic, system: SecondOrder | FirstOrder) -> _Finding:
+def _attempt(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder) -> _Finding:
     """Prove a verdict with the digits of an arithmetic; raises `Unresolved` if they are too few."""
-    unit = _unit_of_time(system)
-    if isinstance(system, FirstOrder):
-        return _by_discs(enclose_eigenvalues(arithmetic, monodromy(arithmetic, flow(arithmetic, system, unit))))
-    damped = bool(system.damping.any())
-    paired = system.is_hamiltonian and not damped
-    moving = oscillators(arithmetic, system, unit, freed=False)
-    multipliers = None
+    unit = _unit_of_time(problem)
+    if isinstance(problem, FirstOrder):
+        matrix = monodromy(arithmetic, flow(arithmetic, problem, unit))
+        finding = _by_discs(enclose_eigenvalues(arithmetic, matrix), paired=problem.is_paired)
+    else:
+        finding = _of_second_order(arithmetic, problem, unit)
+    if problem.harmonics.any():
+        return finding
+    constant = f"the coefficients are constant; over a time of {float(unit):g}, {finding.statement}"
+    return finding._replace(statement=constant)
+
+
+def _of_second_order(arithmetic: Arithmetic, problem: SecondOrder, unit: Fraction) -> _Finding:
+    """Prove a verdict by discs, or else by counting."""
+    moving, multipliers = oscillators(arithmetic, problem, unit, freed=False), None
     try:
         matrix = monodromy(arithmetic, flow_of_oscillators(arithmetic, moving))
-        multipliers = np.linalg.eigvals(matrix.centre())
-        return _by_discs(enclose_eigenvalues(arithmetic, matrix), paired=paired)
-    except (Unresolved, TooMuchWork, np.linalg.LinAlgError) as why:
-        if not system.is_hamiltonian:
+        discs = enclose_eigenvalues(arithmetic, matrix)
+        multipliers = discs.centres
+        return _by_discs(discs, paired=problem.is_paired)
+    except (Unresolved, TooMuchWork) as why:
+        if not problem.is_hamiltonian:
             raise
         reason = why
-    freed = oscillators(arithmetic, system, unit, freed=True) if damped else moving
-    finding = _by_count(count(arithmetic, freed, angles_between(multipliers)), system.order, damped=damped)
+    if multipliers is None:
+        multipliers = np.exp(2j * np.pi * np.arange(0.0, 0.51, 0.5 / (2 * problem.order)))
+    damped = bool(problem.damping.any())
+    freed = oscillators(arithmetic, problem, unit, freed=True) if damped else moving
+    finding = _by_count(count(arithmetic, freed, angles_between(multipliers)), problem.order, damped=damped)
     if finding is None:
         raise reason
     return finding
 
 
-def _unit_of_time(system: SecondOrder | FirstOrder) -> Fraction:
+def _unit_of_time(problem: SecondOrder | FirstOrder) -> Fraction:
     """Return the period; with constant coefficients, where any time will do, one in which solutions change little."""
-    if system.harmonics.any():
-        return Fraction(system.period)
-    if isinstance(system, FirstOrder):
-        generator = system.mean
+    if problem.harmonics.any():
+        return Fraction(problem.period)
+    if isinstance(problem, FirstOrder):
+        generator = problem.mean
     else:
-        n = system.order
-        forces = np.hstack([system.stiffness, system.damping + system.gyroscopic])
-        generator = np.vstack([np.eye(n, 2 * n, n), -np.linalg.solve(system.mass, forces)])
+        n = problem.order
+        forces = np.hstack([problem.stiffness, problem.damping + problem.gyroscopic])
+        generator = np.vstack([np.eye(n, 2 * n, n), -np.linalg.solve(problem.mass, forces)])
     fastest = float(np.abs(np.linalg.eigvals(generator)).max())
-    return Fraction(2) ** -round(math.log2(fastest)) if fastest > 0.0 else Fraction(system.period)
+    return Fraction(2) ** -round(math.log2(fastest)) if fastest > 0.0 else Fraction(problem.period)
 
 
-def _by_discs(discs: Discs, *, paired: bool = False) -> _Finding:
+def _by_discs(discs: Discs, *, paired: bool) -> _Finding:
     """Conclude from discs that contain the multipliers; ``paired``: with mu there is 1 / conj(mu)."""
     parts = discs.parts()
     outside = max(parts, key=lambda part: float(discs.low[part].min()))
@@ -120,18 +142,22 @@ def _by_discs(discs: Discs, *, paired: bool = False) -> _Finding:
         )
         together = discs.radii[:, None] + discs.radii[None, :]
         farthest = up(discs.gaps + 2.0 * together).min()
-        return _Finding("stable", statement, (_enclose("least distance of two multipliers", discs.gaps.min(), farthest),))
-    nearest = float(np.maximum(np.abs(discs.low), np.abs(discs.high))[undecided].min())
-    if discs.isolated[undecided].all():
-        raise Unresolved(f"a multiplier within {nearest:.1g} of the unit circle cannot be told from it")
-    raise Unresolved(
-        f"{int(undecided.sum())} multipliers within {nearest:.1g} of the unit circle cannot be told apart"
-    )
+        return _Finding(
+            "stable", statement, (_enclose("least distance of two multipliers", discs.gaps.min(), farthest),)
+        )
+    part = max((part for part in parts if undecided[part].any()), key=len)
+    where = f"close to {complex(discs.centres[part[0]]):.4g}"
+    if len(part) == 1:
+        raise Unresolved(f"a multiplier {where} cannot be told from the unit circle")
+    krein = ", nor do counts show their Krein signs to agree" if paired else ""
+    raise Unresolved(f"{len(part)} multipliers {where} cannot be told apart{krein},")
 
 
 def _by_count(counts: Counts, order: int, *, damped: bool) -> _Finding | None:
     """Conclude from counts, None where nothing follows."""
-    listed = ", ".join(f"{negative} at {angle:.6g}" for angle, negative in zip(counts.angles, counts.negative, strict=True))
+    listed = ", ".join(
+        f"{negative} at {angle:.6g}" for angle, negative in zip(counts.angles, counts.negative, strict=True)
+    )
     known = f"Hill's operator has as many negative eigenvalues, by angle in turns: {listed}"
     margin = _enclose("least margin of a sign", counts.margin, 1.0)
     if counts.variation == order:
@@ -142,7 +168,8 @@ def _by_count(counts: Counts, order: int, *, damped: bool) -> _Finding | None:
         return _Finding("stable", statement, (margin,))
     across = counts.across
     if not damped and across is not None and (order - across) % 2 == 1:
-        statement = f"{known}; {order} less their difference is odd, so a multiplier is real and off the unit circle, and a solution grows"
+        end = "a multiplier is real and off the unit circle, and a solution grows"
+        statement = f"{known}; {order} less the difference of the outer two is odd, so {end}"
         return _Finding("unstable", statement, (margin,))
     return None
 
