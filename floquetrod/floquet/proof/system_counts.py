@@ -81,16 +81,18 @@ def count(arithmetic: Arithmetic, system: Oscillators, angles: Sequence[float]) 
     return Counts(tuple(angle for angle, _ in known), tuple(item.negative for _, item in known), margin)
 
 
-def _truncation(arithmetic: Arithmetic, system: Oscillators) -> Truncation:
-    """Return where Hill's matrix is cut off."""
+def _truncation(arithmetic: Arithmetic, system: Oscillators, last: int | None = None) -> Truncation:
+    """Return where Hill's matrix is cut off: after the block ``last``, found where not given."""
     gyroscopic = row_sum(system.gyroscopic) if system.gyroscopic is not None else 0.0
     stiffness, waves = row_sum(system.stiffness), sum(row_sum(wave) for wave in system.waves)
     mass = 1.0 - system.defect
-    # Far enough for tau > waves, and for the cut not to be felt at the eigenvalues close to zero (heuristic).
-    need = (gyroscopic + math.sqrt(gyroscopic**2 + 4.0 * mass * (stiffness + 2.0 * waves))) / (2.0 * mass)
-    if not need < _MOST_BLOCKS:
-        raise TooMuchWork("so many blocks of Hill's matrix")
-    last = len(system.waves) + math.ceil(need / _TWO_PI_BELOW) + (2 + arithmetic.digits // 5 if system.waves else 0)
+    if last is None:
+        # Far enough for tau > waves, and for the cut not to be felt at the eigenvalues close to zero (heuristic).
+        need = (gyroscopic + math.sqrt(gyroscopic**2 + 4.0 * mass * (stiffness + 2.0 * waves))) / (2.0 * mass)
+        if not need < _MOST_BLOCKS:
+            raise TooMuchWork("so many blocks of Hill's matrix")
+        reach = len(system.waves)
+        last = reach + math.ceil(need / _TWO_PI_BELOW) + (2 + arithmetic.digits // 5 if reach else 0)
     nu = _TWO_PI_BELOW * (last + 0.5)  # the least frequency left out, at angles up to 1/2
     tail = down(mass * nu * nu) - up(up(nu * gyroscopic) + up(stiffness + waves))
     if not (tail > 0.0 and 2.0 * nu * mass > gyroscopic):
