@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod.floquet.proof.balls import up
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_problem import Arithmetic, Flow, Matrix, row_sum
 
@@ -37,7 +36,7 @@ def monodromy(arithmetic: Arithmetic, flow: Flow) -> Matrix:
     arithmetic.check_work(entries * order * (flow.mean.shape[0] * (2.0 * len(sizes) - 1.0) + order * len(flow.cosines)))
     taylor = _taylor_sums(arithmetic, flow, steps, order)
     if flow.error:  # Gronwall: a map over the step h changes by at most exp(a h) (exp(error h) - 1)
-        remainder += math.exp(total / steps) * math.expm1(flow.error / steps) * (1.0 + 1e-10)
+        remainder += float(np.exp(total / steps) * np.expm1(flow.error / steps)) * (1.0 + 1e-10)
     maps = taylor.widened(np.full(taylor.shape, remainder))
     while maps.shape[0] > 1:
         maps = maps[1::2] @ maps[0::2]
@@ -99,8 +98,3 @@ def _weights(arithmetic: Arithmetic, waves: int, steps: int, order: int) -> Matr
 
 def _repeated(matrix: Matrix, times: int) -> Matrix:
     return matrix.each(lambda a: np.repeat(a[None], times, 0))
-
-
-def total_growth(flow: Flow) -> float:
-    """Return a bound of the logarithm of the growth over a period."""
-    return float(up(sum(row_sum(matrix) for matrix in (flow.mean, *flow.cosines, *flow.sines))))
