@@ -13,28 +13,33 @@ from fractions import Fraction
 from typing import Any
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation
+from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.equations.matrices import require_one
 from floquetrod.floquet.proof import band, chains
 from floquetrod.floquet.proof.closed_form import trace_factors
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved, arithmetic, cosh_sinhc, enclose, pi, rational
 from floquetrod.floquet.proof.pivots import Count
-from floquetrod.floquet.proof.problem import MOST_DIGITS, ExactProblem, exact_problem
+from floquetrod.floquet.proof.problem import MOST_DIGITS, ExactProblem, exact_problem, problem_of_one
 from floquetrod.floquet.proof.result import Enclosure, Proof
 from floquetrod.floquet.proof.series import time_unit, undamped_series
+from floquetrod.floquet.proof.systems import certify_system
 from floquetrod.floquet.proof.trace import enclose_trace
 from floquetrod.floquet.verdict import Interval, Status
 
 _FIRST_DIGITS = 15
 
 
-def certify(equation: Equation | type[Equation], *, max_digits: int = 200, **parameters: Any) -> Proof:
-    """Prove an equation stable or unstable, in interval arithmetic of as many digits as it takes.
+def certify(
+    equation: Equation | type[Equation] | HillSystem | PeriodicSystem, *, max_digits: int = 200, **parameters: Any
+) -> Proof:
+    """Prove an equation or a system stable or unstable, in interval arithmetic of as many digits as it takes.
 
     Parameters
     ----------
-    equation : Mathieu, Meissner or Hill
+    equation : Mathieu, Meissner, Hill, HillSystem or PeriodicSystem
         A value, whose parameters are taken as the exact binary numbers they are; so is the period of a `Hill`.  Or one
-        of these classes, with its parameters following.
+        of the first three classes, with its parameters following.  Of a `PeriodicSystem`, the verdict holds for all
+        coefficients within its ``coefficient_error``.
     max_digits : int
         Decimal digits at which to stop trying, 5 to 10,000.
     **parameters
@@ -53,7 +58,7 @@ def certify(equation: Equation | type[Equation], *, max_digits: int = 200, **par
         For anything but these equations, for parameters that are not numbers or not of the class, and for parameters
         beside a value.
     ValueError
-        For numbers that are not finite or cannot be taken exactly, and for those the class refuses.
+        For a batch of systems, numbers that are not finite or cannot be taken exactly, and those the class refuses.
 
     Examples
     --------
@@ -65,9 +70,35 @@ def certify(equation: Equation | type[Equation], *, max_digits: int = 200, **par
 
     >>> certify(Mathieu, alpha="1e-30", beta=Fraction(-1, 4) - Fraction(1, 10**30)).status
     'stable'
+
+    Two equal oscillators, which no search for separate multipliers can decide:
+
+    >>> certify(HillSystem([[1.3, 0.0], [0.0, 1.3]], cosines=[[[0.2, 0.0], [0.0, 0.2]]], period=3.7)).status
+    'stable'
     """
     max_digits = validate.integer("max_digits", max_digits, 5, MOST_DIGITS)
-    problem = exact_problem(equation, parameters)
+    if isinstance(equation, HillSystem | PeriodicSystem):
+        if parameters:
+            raise TypeError(f"{', '.join(parameters)} must be of the system: certify takes a system as a value only")
+        require_one(equation)
+        return _certify_system(equation, max_digits)
+    return _certify(exact_problem(equation, parameters), max_digits)
+
+
+def _certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proof:
+    """Prove a verdict on a system; of one equation as on the equation, but where doubles decide and are faster."""
+    single = problem_of_one(system) if isinstance(system, HillSystem) else None
+    if single is None:
+        return certify_system(system, max_digits)
+    if single.damping > 0:
+        proof = certify_system(system, min(_FIRST_DIGITS, max_digits))
+        if proof.stable is not None:
+            return proof
+    return _certify(single, max_digits)
+
+
+def _certify(problem: ExactProblem, max_digits: int) -> Proof:
+    """Prove a verdict with as many digits as it takes."""
     elementary = _elementary(problem)
     if elementary is not None:
         return elementary

@@ -10,7 +10,7 @@ from itertools import zip_longest
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, Hill, Mathieu, Meissner, require
+from floquetrod.equations import Equation, Hill, HillSystem, Mathieu, Meissner, require
 
 MOST_DIGITS = 10_000
 """Most digits of an exact number, and of the arithmetic of a proof (a choice)."""
@@ -39,7 +39,7 @@ class ExactProblem:
 
     Attributes
     ----------
-    equation : Equation
+    equation : Equation or HillSystem
         The same with the nearest doubles.
     pieces : tuple of Piece
         p over a period, from tau = 0 on.
@@ -51,7 +51,7 @@ class ExactProblem:
         The parameters that are not doubles, by name.
     """
 
-    equation: Equation
+    equation: Equation | HillSystem
     pieces: tuple[Piece, ...]
     damping: Fraction
     period: Fraction | None
@@ -93,6 +93,18 @@ def exact_problem(equation: Equation | type[Equation], parameters: Parameters) -
         names = ", ".join(parameters)
         raise TypeError(f"{names} must follow a class: certify({kind.__name__}, ...), not a value of it")
     return _read(kind, {field.name: getattr(equation, field.name) for field in fields(kind)})
+
+
+def problem_of_one(system: HillSystem) -> ExactProblem | None:
+    """Return the problem of a system of one equation whose damping is not negative; None for any other."""
+    if system.order > 1 or (system.damping is not None and system.damping[0, 0] < 0.0):
+        return None
+    mass = Fraction(1) if system.mass is None else Fraction(float(system.mass[0, 0]))
+    damping = Fraction(0) if system.damping is None else Fraction(float(system.damping[0, 0]))
+    amplitudes = system.harmonics[:, 0, 0].tolist()
+    waves = tuple(Wave(-Fraction(z.real) / mass, Fraction(z.imag) / mass) for z in amplitudes)
+    piece = Piece(Fraction(1), -Fraction(float(system.stiffness[0, 0])) / mass, waves)
+    return ExactProblem(system, (piece,), damping / mass / 2, Fraction(system.period), ())
 
 
 def _read(kind: Any, parameters: Parameters) -> ExactProblem:

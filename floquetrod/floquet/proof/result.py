@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from floquetrod.equations import Equation
+from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.verdict import Answer, Interval, Status
 
 
@@ -30,8 +30,8 @@ class Proof(Answer):
 
     Attributes
     ----------
-    equation : Equation
-        The equation, its parameters taken as the exact binary numbers they are, but for those in ``exact``.
+    equation : Equation, HillSystem or PeriodicSystem
+        The equation or system, its parameters taken as the exact binary numbers they are, but for those in ``exact``.
     status : {"stable", "unstable", "undecided"}
         What was proved; "stable": every solution stays bounded (decays, if damped and not at rest).
     interval : Interval or None
@@ -46,7 +46,7 @@ class Proof(Answer):
         Parameters that are not binary numbers: what was proved holds for these, ``equation`` has the nearest doubles.
     """
 
-    equation: Equation
+    equation: Equation | HillSystem | PeriodicSystem
     status: Status
     interval: Interval | None
     digits: int

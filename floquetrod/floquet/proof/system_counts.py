@@ -1,0 +1,132 @@
+"""Strong stability by counting (R. Bott's index): negative eigenvalues of Hill's operator at a few angles.
+
+With the period as the unit of time, L = -M d2/dt2 - G d/dt - K(t) acts on q(t + 1) = exp(2 pi i f) q(t); N(f) is the
+number of its negative eigenvalues.  It jumps only where exp(2 pi i f) is a multiplier, by at most the number of
+multipliers there, and by just that where their Krein signs agree.  The upper half of the unit circle has room for n
+multipliers: if N varies by n over some angles from 0 to 1/2, all multipliers lie on the circle and none meets one of
+the opposite sign.  If n - abs(N(1/2) - N(0)) is odd, so is the number of pairs of real multipliers off the circle.
+
+In a Fourier basis L is an infinite matrix of blocks, of which those with abs(k) <= m are kept.  Let the others by
+themselves be at least tau I, tau > 0, and let r bound what couples them to the kept ones on either side.  Then L has as
+many negative eigenvalues as the kept matrix less some matrix between zero and r^2 / tau I in its last blocks on either
+side.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod.floquet.proof.balls import down, up
+from floquetrod.floquet.proof.inertia import Inertia, inertia
+from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.system_problem import Arithmetic, Matrix, Oscillators, row_sum
+
+Array = Any
+
+_GRID = 2.0**40
+_CLOSE = 1e-9  # in turns: closer multipliers are not told apart by a sample between (a choice)
+_MOST_BLOCKS = 2**11  # so that an angle plus a block's number is exact
+_TWO_PI_BELOW = 6.283185307179586
+
+
+class Truncation(NamedTuple):
+    """Hill's matrix cut off: blocks with abs(k) <= ``last`` are kept; ``radius`` is r^2 / tau."""
+
+    last: int
+    radius: float
+
+
+class Counts(NamedTuple):
+    """Numbers of negative eigenvalues by angle in turns, ascending, and the least margin of a sign."""
+
+    angles: tuple[float, ...]
+    negative: tuple[int, ...]
+    margin: float
+
+    @property
+    def variation(self) -> int:
+        """Return how much the number varies from the first angle to the last."""
+        return int(np.abs(np.diff(self.negative)).sum())
+
+    @property
+    def across(self) -> int | None:
+        """Return abs(N(1/2) - N(0)), None where either is not known."""
+        if not self.angles or self.angles[0] != 0.0 or self.angles[-1] != 0.5:
+            return None
+        return abs(self.negative[-1] - self.negative[0])
+
+
+def angles_between(multipliers: Array) -> list[float]:
+    """Return angles in turns, 0, 1/2 and between those of multipliers known approximately."""
+    turns = np.sort(np.abs(np.angle(multipliers)) / (2.0 * math.pi))
+    middles = 0.5 * (turns[1:] + turns[:-1])[np.diff(turns) > _CLOSE]
+    return sorted({0.0, 0.5, *(round(float(angle) * _GRID) / _GRID for angle in middles)})
+
+
+def count(arithmetic: Arithmetic, system: Oscillators, angles: Sequence[float]) -> Counts:
+    """Count the negative eigenvalues of Hill's operator at the angles where that can be told."""
+    truncation = _truncation(arithmetic, system)
+    arithmetic.check_work(8.0 * len(angles) * ((2 * truncation.last + 1) * system.stiffness.shape[0]) ** 3)
+    known: list[tuple[float, Inertia]] = []
+    for angle in angles:
+        try:
+            known.append((angle, inertia(arithmetic, *_matrix(arithmetic, system, truncation, angle))))
+        except Unresolved:
+            continue
+    margin = min((item.margin for _, item in known), default=0.0)
+    return Counts(tuple(angle for angle, _ in known), tuple(item.negative for _, item in known), margin)
+
+
+def _truncation(arithmetic: Arithmetic, system: Oscillators, last: int | None = None) -> Truncation:
+    """Return where Hill's matrix is cut off: after the block ``last``, found where not given."""
+    gyroscopic = row_sum(system.gyroscopic) if system.gyroscopic is not None else 0.0
+    stiffness, waves = row_sum(system.stiffness), sum(row_sum(wave) for wave in system.waves)
+    mass = 1.0 - system.defect
+    if last is None:
+        # Far enough for tau > waves, and for the cut not to be felt at the eigenvalues close to zero (heuristic).
+        need = (gyroscopic + math.sqrt(gyroscopic**2 + 4.0 * mass * (stiffness + 2.0 * waves))) / (2.0 * mass)
+        if not need < _MOST_BLOCKS:
+            raise TooMuchWork("so many blocks of Hill's matrix")
+        reach = len(system.waves)
+        last = reach + math.ceil(need / _TWO_PI_BELOW) + (2 + arithmetic.digits // 5 if reach else 0)
+    nu = _TWO_PI_BELOW * (last + 0.5)  # the least frequency left out, at angles up to 1/2
+    tail = down(mass * nu * nu) - up(up(nu * gyroscopic) + up(stiffness + waves))
+    if not (tail > 0.0 and 2.0 * nu * mass > gyroscopic):
+        raise Unresolved("the part of Hill's matrix that is left out cannot be bounded")
+    return Truncation(last, up(0.25 * up(waves * waves) / tail * (1.0 + 1e-9)) if system.waves else 0.0)
+
+
+def _matrix(arithmetic: Arithmetic, system: Oscillators, truncation: Truncation, angle: float) -> tuple[Matrix, Array]:
+    """Enclose a matrix with as many negative eigenvalues as Hill's operator; return it and the sizes of its rows."""
+    n, last, reach = system.stiffness.shape[0], truncation.last, len(system.waves)
+    blocks = np.arange(2 * last + 1)
+    frequency = arithmetic.two_pi() * arithmetic.exact(angle + (blocks - last))
+    nu = frequency[:, None, None]
+    mass = arithmetic.exact(np.eye(n))
+    if system.excess is not None:
+        mass = mass + system.excess
+    diagonal = nu * nu * mass[None] - system.stiffness[None]
+    if system.gyroscopic is not None:
+        diagonal = diagonal - nu * system.gyroscopic.times_i()[None]
+    real = system.gyroscopic is None and all(wave.is_real for wave in system.waves)
+    matrix = arithmetic.zeros((len(blocks), n, len(blocks), n), real=real)
+    matrix[blocks, :, blocks, :] = diagonal
+    for j, wave in enumerate(system.waves, 1):
+        coupling = -wave.shifted(0.5)
+        matrix[blocks[j:], :, blocks[:-j], :] = coupling
+        matrix[blocks[:-j], :, blocks[j:], :] = coupling.adjoint()
+    if reach:
+        edge = np.full((n, n), 0.5 * truncation.radius)
+        for side in (slice(None, reach), slice(-reach, None)):
+            ends = blocks[side]
+            matrix[ends, :, ends, :] = matrix[ends, :, ends, :] - arithmetic.exact(edge * np.eye(n))
+            matrix[side, :, side, :] = matrix[side, :, side, :].widened(edge[:, None, :])
+    sizes = np.abs(frequency.centre()[:, None]) ** 2 + sum(
+        (wave.upper().sum(1) for wave in system.waves), system.stiffness.upper().sum(1)
+    )
+    size = len(blocks) * n
+    return matrix.each(lambda a: a.reshape(size, size)), np.maximum(sizes, 1e-12 * sizes.max()).reshape(size)

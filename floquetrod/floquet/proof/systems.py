@@ -1,0 +1,181 @@
+"""Proofs for systems of equations: what is computed, with how many digits, and what follows from it.
+
+Two ways, each in balls.  The multipliers lie in discs: one of modulus above 1 proves instability, all of modulus below
+1 prove decay, and where with every mu there is 1 / conj(mu), a disc that holds one multiplier and whose mirror image
+meets no other holds it on the circle.  Where discs touch each other, as at 1 and -1, Hill's operator is counted: see
+`system_counts`.
+
+Uniform damping 2 c M: q = exp(-c t) u takes M c^2 from the stiffness and leaves u without damping.  A strongly stable u
+proves that q decays.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import NamedTuple
+
+import numpy as np
+
+from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.floquet.proof.balls import Doubles, up
+from floquetrod.floquet.proof.integers import Integers
+from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.result import Enclosure, Proof
+from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
+from floquetrod.floquet.proof.system_discs import Discs, enclose_eigenvalues
+from floquetrod.floquet.proof.system_flow import monodromy
+from floquetrod.floquet.proof.system_problem import (
+    Arithmetic,
+    FirstOrder,
+    SecondOrder,
+    flow,
+    flow_of_oscillators,
+    oscillators,
+    system_problem,
+)
+from floquetrod.floquet.verdict import Status
+
+_MOST_DIGITS_OF_INEXACT = 30  # more do not help where the coefficients are known to about 15
+
+
+class _Finding(NamedTuple):
+    """A verdict, the sentence that says what was proved, and the quantities that decided."""
+
+    status: Status
+    statement: str
+    enclosures: tuple[Enclosure, ...]
+
+
+def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proof:
+    """Prove a system stable or unstable."""
+    problem = system_problem(system)
+    if isinstance(problem, FirstOrder) and problem.error:
+        max_digits = min(max_digits, _MOST_DIGITS_OF_INEXACT)
+    digits, reason = min(Doubles.digits, max_digits), ""
+    while True:
+        arithmetic = Doubles() if digits <= Doubles.digits else Integers(digits)
+        try:
+            with np.errstate(all="ignore"):  # what is not finite decides nothing
+                finding = _attempt(arithmetic, problem)
+            return Proof(system, finding.status, None, digits, finding.statement, finding.enclosures)
+        except (Unresolved, np.linalg.LinAlgError) as why:
+            reason = f"{why} with {digits} digits"
+            if digits >= max_digits:
+                break
+        except TooMuchWork as why:
+            reason = f"{reason}; " * bool(reason) + f"{why} are more work than is worth waiting for"
+            break
+        digits = min(2 * digits, max_digits)
+    if isinstance(problem, FirstOrder) and problem.error:
+        reason += f"; the coefficients are known only to {problem.error:.2g}"
+    return Proof(system, "undecided", None, digits, reason)
+
+
+def _attempt(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder) -> _Finding:
+    """Prove a verdict with the digits of an arithmetic; raises `Unresolved` if they are too few."""
+    unit = _unit_of_time(problem)
+    if isinstance(problem, FirstOrder):
+        matrix = monodromy(arithmetic, flow(arithmetic, problem, unit))
+        finding = _by_discs(enclose_eigenvalues(arithmetic, matrix), paired=problem.is_paired)
+    else:
+        finding = _of_second_order(arithmetic, problem, unit)
+    if problem.harmonics.any():
+        return finding
+    constant = f"the coefficients are constant; over a time of {float(unit):g}, {finding.statement}"
+    return finding._replace(statement=constant)
+
+
+def _of_second_order(arithmetic: Arithmetic, problem: SecondOrder, unit: Fraction) -> _Finding:
+    """Prove a verdict by discs, or else by counting."""
+    moving, multipliers = oscillators(arithmetic, problem, unit, freed=False), None
+    try:
+        matrix = monodromy(arithmetic, flow_of_oscillators(arithmetic, moving))
+        discs = enclose_eigenvalues(arithmetic, matrix)
+        multipliers = discs.centres
+        return _by_discs(discs, paired=problem.is_paired)
+    except (Unresolved, TooMuchWork) as why:
+        if not problem.is_hamiltonian:
+            raise
+        reason = why
+    if multipliers is None:
+        multipliers = np.exp(2j * np.pi * np.arange(0.0, 0.51, 0.5 / (2 * problem.order)))
+    damped = bool(problem.damping.any())
+    freed = oscillators(arithmetic, problem, unit, freed=True) if damped else moving
+    finding = _by_count(count(arithmetic, freed, angles_between(multipliers)), problem.order, damped=damped)
+    if finding is None:
+        raise reason
+    return finding
+
+
+def _unit_of_time(problem: SecondOrder | FirstOrder) -> Fraction:
+    """Return the period; with constant coefficients, where any time will do, one in which solutions change little."""
+    if problem.harmonics.any():
+        return Fraction(problem.period)
+    if isinstance(problem, FirstOrder):
+        generator = problem.mean
+    else:
+        n = problem.order
+        forces = np.hstack([problem.stiffness, problem.damping + problem.gyroscopic])
+        generator = np.vstack([np.eye(n, 2 * n, n), -np.linalg.solve(problem.mass, forces)])
+    fastest = float(np.abs(np.linalg.eigvals(generator)).max())
+    return Fraction(2) ** -round(math.log2(fastest)) if fastest > 0.0 else Fraction(problem.period)
+
+
+def _by_discs(discs: Discs, *, paired: bool) -> _Finding:
+    """Conclude from discs that contain the multipliers; ``paired``: with mu there is 1 / conj(mu)."""
+    parts = discs.parts()
+    outside = max(parts, key=lambda part: float(discs.low[part].min()))
+    if discs.low[outside].min() > 0.0:
+        statement = "a multiplier lies outside the unit circle, so a solution grows"
+        square = _enclose("abs(multiplier)^2 - 1", discs.low[outside].min(), discs.high[outside].max())
+        return _Finding("unstable", statement, (square,))
+    if (discs.high < 0.0).all():
+        statement = "every multiplier lies inside the unit circle, so every solution decays"
+        square = _enclose("largest abs(multiplier)^2 - 1", discs.low.max(), discs.high.max())
+        return _Finding("stable", statement, (square,))
+    undecided = ~(discs.on_circle() if paired else discs.high < 0.0)
+    if not undecided.any():
+        statement = (
+            "every multiplier is simple and lies on the unit circle, as with it 1 / conj(multiplier) is one, "
+            "so every solution is bounded"
+        )
+        together = discs.radii[:, None] + discs.radii[None, :]
+        farthest = up(discs.gaps + 2.0 * together).min()
+        return _Finding(
+            "stable", statement, (_enclose("least distance of two multipliers", discs.gaps.min(), farthest),)
+        )
+    part = max((part for part in parts if undecided[part].any()), key=len)
+    where = f"close to {complex(discs.centres[part[0]]):.4g}"
+    if len(part) == 1:
+        raise Unresolved(f"a multiplier {where} cannot be told from the unit circle")
+    krein = ", nor do counts show their Krein signs to agree" if paired else ""
+    raise Unresolved(f"{len(part)} multipliers {where} cannot be told apart{krein},")
+
+
+def _by_count(counts: Counts, order: int, *, damped: bool) -> _Finding | None:
+    """Conclude from counts, None where nothing follows."""
+    listed = ", ".join(
+        f"{negative} at {angle:.6g}" for angle, negative in zip(counts.angles, counts.negative, strict=True)
+    )
+    known = f"Hill's operator has as many negative eigenvalues, by angle in turns: {listed}"
+    margin = _enclose("least margin of a sign", counts.margin, 1.0)
+    if counts.variation == order:
+        end = "every solution decays" if damped else "every solution is bounded"
+        statement = f"{known}; they vary by {order}, so all multipliers are on the unit circle and definite, and {end}"
+        if damped:
+            statement = f"freed of its damping, {statement}"
+        return _Finding("stable", statement, (margin,))
+    across = counts.across
+    if not damped and across is not None and (order - across) % 2 == 1:
+        end = "a multiplier is real and off the unit circle, and a solution grows"
+        statement = f"{known}; {order} less the difference of the outer two is odd, so {end}"
+        return _Finding("unstable", statement, (margin,))
+    return None
+
+
+def _enclose(quantity: str, low: float, high: float) -> Enclosure:
+    """Return an enclosure between two doubles."""
+    import mpmath
+
+    return Enclosure(quantity, mpmath.mpf(float(low)), mpmath.mpf(float(high)))
