@@ -1,39 +1,63 @@
-"""The map over a period of any system."""
+"""The map over a period of any system, by Taylor series."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
-from floquetrod.floquet.systems import spectra
+from floquetrod.floquet.systems import spectra, symplectic
 from floquetrod.floquet.systems.classification import classify_multipliers, classify_pairs, logarithms, undamped_pairs
 from floquetrod.floquet.systems.result import SystemStability
-from floquetrod.floquet.systems.symplectic import krein_sign, pair_matrix
+from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Cost
-from floquetrod.kernels.system_draft import flow
+
+_COST = Cost(1, "period")
 
 
 def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> SystemStability:
-    """Classify."""
+    """Classify a system by its map over a period.
+
+    Where multipliers come in mu, 1 / mu, the numbers mu + 1/mu are computed, each once, which keeps digits where
+    multipliers meet at 1 or -1: of a symplectic map S by reducing S + S^-1 to block triangular form, of a reversible
+    one as those of a block.
+
+    Parameters
+    ----------
+    system : HillSystem or PeriodicSystem
+        Uniform damping C = 2 c M is removed by q = exp(-c t) u.
+    rtol : float
+        Accuracy asked of the map, relative to its size in balanced coordinates.
+
+    Returns
+    -------
+    SystemStability
+        Errors follow from a bound on the map's truncation and an estimate of its rounding, times the condition numbers
+        of the eigenvalues.
+    """
+    rtol = validate.within("rtol", rtol, 1e-15, 0.1)
     pairs = undamped_pairs(system)
     subject = pairs[0] if pairs else system
     first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
-    full, error, steps = flow(first.mean, first.harmonics, 2.0 * np.pi / system.period, system.period, rtol)
-    size = float(np.linalg.norm(full, 2))
-    error += system.period * first.coefficient_error * first.order * size
-    cost = Cost(steps, "steps")
+    maps = period_maps(
+        first.mean[None],
+        first.harmonics[None],
+        np.array([float(system.period)]),
+        first.coefficient_error,
+        rtol,
+        paired=pairs is not None,
+    )
+    full, error = maps.matrix[0], float(maps.error[0])
     discs = spectra.eigenvalue_discs(full, error)
     if pairs is None:
-        return classify_multipliers(system, "monodromy", logarithms(discs) if discs else None, cost=cost)
-    n = first.order // 2
-    if first.structure != "hamiltonian":
-        inverse = np.diag([1.0] * n + [-1.0] * n) @ full @ np.diag([1.0] * n + [-1.0] * n)
-        matrix = 0.25 * (full[:n, :n] + inverse[:n, :n]) - 0.5 * np.eye(n)
-        return classify_pairs(system, "monodromy", spectra.eigenvalue_discs(matrix, error), cost=cost)
-    pair_discs = spectra.eigenvalue_discs(pair_matrix(full), error)
+        return classify_multipliers(system, "monodromy", logarithms(discs) if discs else None, cost=_COST)
+    if first.structure == "reversible":
+        block = spectra.eigenvalue_discs(symplectic.reversible_pair_matrix(full), error)
+        return classify_pairs(system, "monodromy", block, cost=_COST)
+    found = spectra.eigenvalue_discs(symplectic.pair_matrix(full), error)
 
     def krein(cluster: NDArray[np.intp]) -> int:
-        return krein_sign(discs, pair_discs, cluster) if discs and pair_discs else 0
+        return symplectic.krein_sign(discs, found, cluster) if discs and found else 0
 
-    return classify_pairs(system, "monodromy", pair_discs, krein=krein, cost=cost)
+    return classify_pairs(system, "monodromy", found, krein=krein, cost=_COST)

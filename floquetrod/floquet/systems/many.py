@@ -103,7 +103,7 @@ def multiplier_verdicts(discs: ManyDiscs, period: NDArray[np.float64], *, paired
     return _verdicts(decays.all(axis=1), unstable, growth.max(axis=1) / period - (damping if paired else 0.0))
 
 
-def _verdicts(stable: NDArray[np.bool_], unstable: NDArray[np.bool_], growth: NDArray[np.float64]) -> ManyVerdicts:
+def _verdicts(stable: Any, unstable: Any, growth: Any) -> ManyVerdicts:
     status = np.full(stable.shape, UNDECIDED, dtype=np.int8)
     status[stable], status[unstable] = STABLE, UNSTABLE
     return ManyVerdicts(status, np.where(stable, 0.0, np.maximum(growth, 0.0)))

@@ -32,6 +32,12 @@ def pair_matrix(full: NDArray[np.float64]) -> NDArray[np.float64]:
     return w[:n, :n].copy()
 
 
+def reversible_pair_matrix(full: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return an n x n matrix whose eigenvalues are y of a map S with R S R = S^-1, R = diag(I, -I): a block."""
+    n = len(full) // 2
+    return 0.5 * (full[:n, :n] - np.eye(n))
+
+
 def _reflect(w: NDArray[np.float64], column: NDArray[np.float64], start: int) -> None:
     """Apply the reflection that leaves only the first entry of ``column``, to both halves of the coordinates."""
     size = float(np.linalg.norm(column))

@@ -1,0 +1,52 @@
+"""Maps over a whole period in balanced coordinates, with errors."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.kernels.system_maps import product, segment_maps
+
+
+class PeriodMaps(NamedTuple):
+    """Maps (b, N, N) over a period in coordinates x / scaling, and their errors (b,) in the 2-norm there."""
+
+    matrix: NDArray[np.float64]
+    error: NDArray[np.float64]
+    scaling: NDArray[np.float64]
+
+
+def period_maps(
+    mean: Any, harmonics: Any, period: Any, doubt: Any, rtol: float, *, paired: bool, workers: int | None = 1
+) -> PeriodMaps:
+    """Return the maps of x' = A(t) x; ``doubt`` is the error of A's entries.
+
+    Where ``paired``, positions and velocities are scaled by inverse factors: the map stays symplectic or reversible.
+    """
+    n = mean.shape[-1]
+    scaling = _paired_scaling(mean, harmonics) if paired else np.ones(mean.shape[:-1])
+    mean = mean * scaling[:, None, :] / scaling[:, :, None]
+    harmonics = harmonics * scaling[:, None, None, :] / scaling[:, None, :, None]
+    whole = product(segment_maps(mean, harmonics, period, rtol, workers=workers))
+    matrix, error, inner = whole.matrix, whole.error, whole.scaling
+    if paired:
+        error = error * inner.max(axis=-1) / inner.min(axis=-1)
+    else:
+        matrix = matrix * inner[:, None, :] / inner[:, :, None]
+        scaling = inner
+    size = np.sqrt(np.square(matrix).sum(axis=(-2, -1)))
+    stretch = scaling.max(axis=-1) / scaling.min(axis=-1)
+    return PeriodMaps(matrix, error + period * np.asarray(doubt) * n * stretch * np.maximum(size, 1.0) ** 2, scaling)
+
+
+def _paired_scaling(mean: NDArray[np.float64], harmonics: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Return powers of two, g for positions and 1 / g for velocities, that make both drive each other equally."""
+    n = mean.shape[-1] // 2
+    sizes = np.abs(mean) + np.abs(harmonics).sum(axis=1)
+    up, down = sizes[:, :n, n:].max(axis=-1), sizes[:, n:, :n].max(axis=-1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        power = np.round(0.25 * np.log2(up / down))
+    g = 2.0 ** np.clip(np.where(np.isfinite(power), power, 0.0), -200.0, 200.0)
+    return np.concatenate([g, 1.0 / g], axis=-1)
