@@ -54,11 +54,11 @@ for f, rate, verdict in zip(hertz, growth, verdicts, strict=True):
         name = f"{kind} {' + '.join(map(str, modes))}" + (f", order {order}" if order > 1 else "")
         peaks[name] = max(peaks.get(name, (0.0, 0.0)), (rate, f))
 for name, (rate, f) in peaks.items():
-    axes.annotate(name, (f, rate), (0, 4), textcoords="offset points", ha="center", fontsize="small")
+    axes.annotate(name, (f, rate), (0, 4), textcoords="offset points", ha="center", rotation=90, fontsize="small")
 axes.set(xlabel="forcing frequency / Hz", ylabel="growth rate / (1/s)", xlim=(hertz[0], hertz[-1]))
-axes.set_ylim(0.0, 1.15 * growth.max())
+axes.set_ylim(0.0, 1.3 * growth.max())
 axes.set_title(
-    "force $10 + 8\\,\\cos wt$ in units of $EI/L^2$; orange: unstable, under the name of the resonance",
+    "force $10 + 8\\,\\cos wt$ in units of $EI/L^2$; orange: unstable, below the name of the resonance",
     fontsize="small",
 )
 plt.show()

@@ -25,7 +25,9 @@ for damping in cases:
     print(f"decay rates {damping}:", fr.stability(family(3.1, damping)))
 
 # %%
-# Growth about the sum of the frequencies, 3.  The circles are the first-order approximation.
+# Left: growth about the sum of the frequencies, 3; the circles are the first-order approximation.  Right: beside the
+# undamped tongue, at w = 3.1, over the damping of the second mode.  A little of it destabilises, and much more
+# is needed to stabilise again.
 omega = np.linspace(2.75, 3.25, 101)
 figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.2), layout="constrained")
 for damping, line in cases.items():
@@ -43,9 +45,6 @@ left.set(
 left.set_title("lines: computed, circles: first order", fontsize="small")
 left.legend(fontsize="small", loc="upper right")
 
-# %%
-# At w = 3.1, beside the undamped tongue, over the damping of the second mode.  A little of it is enough to
-# destabilise, and ever more does not cure it soon.
 second = np.geomspace(0.002, 2.0, 41)
 exponents = np.array([max(e.real for e in fr.stability(family(3.1, (0.002, c))).exponents) for c in second])
 right.fill_between(second, 0.0, exponents, where=exponents > 0.0, color=palette.UNSTABLE, interpolate=True)

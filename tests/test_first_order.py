@@ -121,14 +121,12 @@ def test_one_undamped_mode_leaves_no_boundary() -> None:
 
 
 @given(
-    squares=st.tuples(*[st.floats(0.5, 9.0)] * 3),
+    gaps=st.tuples(*[st.floats(0.1, 1.5)] * 3),
     angle=st.floats(0.1, 3.0),
     masses=st.tuples(*[st.floats(0.2, 5.0)] * 3),
 )
-def test_coordinates_do_not_matter(squares: tuple[float, ...], angle: float, masses: tuple[float, ...]) -> None:
-    w = np.sort(np.sqrt(squares))
-    if np.diff(w).min() < 0.05:
-        return
+def test_coordinates_do_not_matter(gaps: tuple[float, ...], angle: float, masses: tuple[float, ...]) -> None:
+    w = 0.5 + np.cumsum(gaps)
     turn = np.eye(3)
     turn[:2, :2] = [[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]]
     shape = np.array([[0.3, 0.1, 0.2], [0.1, -0.4, 0.5], [0.2, 0.5, 0.7]])

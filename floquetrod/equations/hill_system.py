@@ -25,7 +25,7 @@ class EvenForm(NamedTuple):
     Attributes
     ----------
     stiffness : ndarray (..., n, n)
-        S.
+        Mean stiffness S.
     amplitudes : ndarray (..., H, n, n)
         A_k, k = 1, 2, ...
     start : ndarray (...)
@@ -258,7 +258,7 @@ class HillSystem(ByContent):
         return result
 
     def coefficient(self, t: Any) -> NDArray[np.float64]:
-        """Return K(t), of shape (*t.shape, n, n); of one system."""
+        """Return K(t), of shape ``(*t.shape, n, n)``; of one system."""
         matrices.require_one(self)
         return matrices.coefficients_at(t, self.stiffness, self.harmonics, self.period)
 

@@ -185,7 +185,7 @@ class PeriodicSystem(ByContent):
         return "reversible" if outer and inner else "general"
 
     def coefficient(self, t: Any) -> NDArray[np.float64]:
-        """Return A(t), of shape (*t.shape, N, N); of one system."""
+        """Return A(t), of shape ``(*t.shape, N, N)``; of one system."""
         matrices.require_one(self)
         return matrices.coefficients_at(t, self.mean, self.harmonics, self.period)
 
