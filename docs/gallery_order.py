@@ -14,6 +14,12 @@ GALLERY = (
     "simulation",
     "force_record",
     "uncertainty",
+    "systems_coupled",
+    "systems_damping",
+    "systems_beam",
+    "systems_blade",
+    "systems_ground",
+    "systems_trap",
 )
 
 

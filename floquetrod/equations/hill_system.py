@@ -25,7 +25,7 @@ class EvenForm(NamedTuple):
     Attributes
     ----------
     stiffness : ndarray (..., n, n)
-        S.
+        Mean stiffness S.
     amplitudes : ndarray (..., H, n, n)
         A_k, k = 1, 2, ...
     start : ndarray (...)
@@ -133,7 +133,7 @@ class HillSystem(ByContent):
 
     @cached_property
     def harmonics(self) -> NDArray[np.complex128]:
-        """Amplitudes Z, complex (..., H, n, n): K(t) = stiffness + sum_k Re(Z_k exp(i k w t)); no trailing zeros."""
+        """Amplitudes Z, complex (..., H, n, n), of K(t) = stiffness + sum_k Re(Z_k exp(i k w t)); no trailing zeros."""
         return matrices.harmonic_amplitudes(self.cosines, self.sines, self.shape, self.order)
 
     @property
@@ -166,7 +166,7 @@ class HillSystem(ByContent):
 
     @cached_property
     def structure(self) -> Structure:
-        """What is exactly so of the matrices, entry by entry: it decides how multipliers come in pairs.
+        """What is exactly so of the matrices, entry by entry; it decides how multipliers come in pairs.
 
         "hamiltonian": C = 0, K symmetric; multipliers in mu, 1 / mu.  "reversible": C = G = 0, K not symmetric, but
         even about an instant; in mu, 1 / mu too.  "damped": K symmetric, C symmetric and not negative (to rounding).
@@ -258,7 +258,7 @@ class HillSystem(ByContent):
         return result
 
     def coefficient(self, t: Any) -> NDArray[np.float64]:
-        """Return K(t), of shape (*t.shape, n, n); of one system."""
+        """Return K(t), of shape ``(*t.shape, n, n)``; of one system."""
         matrices.require_one(self)
         return matrices.coefficients_at(t, self.stiffness, self.harmonics, self.period)
 

@@ -157,7 +157,7 @@ class PeriodicSystem(ByContent):
 
     @cached_property
     def harmonics(self) -> NDArray[np.complex128]:
-        """Amplitudes Z, complex (..., H, N, N): A(t) = mean + sum_k Re(Z_k exp(i k w t)); trailing zeros dropped."""
+        """Amplitudes Z, complex (..., H, N, N), of A(t) = mean + sum_k Re(Z_k exp(i k w t)); trailing zeros dropped."""
         return matrices.harmonic_amplitudes(self.cosines, self.sines, self.shape, self.order)
 
     @property
@@ -167,7 +167,7 @@ class PeriodicSystem(ByContent):
 
     @cached_property
     def structure(self) -> Structure:
-        """What is exactly so of A, entry by entry: it decides how multipliers come in pairs.
+        """What is exactly so of A, entry by entry; it decides how multipliers come in pairs.
 
         "hamiltonian" where J A(t) is symmetric, J = [[0, I], [-I, 0]], x = (q, p); "reversible" where R A(-t) R = -A(t)
         with R = diag(I, -I), x = (q, q'); else "general".  Of a batch: of all its systems.
@@ -185,7 +185,7 @@ class PeriodicSystem(ByContent):
         return "reversible" if outer and inner else "general"
 
     def coefficient(self, t: Any) -> NDArray[np.float64]:
-        """Return A(t), of shape (*t.shape, N, N); of one system."""
+        """Return A(t), of shape ``(*t.shape, N, N)``; of one system."""
         matrices.require_one(self)
         return matrices.coefficients_at(t, self.mean, self.harmonics, self.period)
 
