@@ -222,20 +222,17 @@ def over_chunks(
         for start in range(0, size, chunk)
     ]
     run = compiled_for(function, *pieces[0])
+    in_threads(run, pieces, workers)
+
+
+def in_threads(run: Callable[..., Any], pieces: Sequence[tuple[Any, ...]], workers: int) -> None:
+    """Call ``run`` on every piece; Ctrl-C, which an ending thread could swallow, is handled between pieces."""
     threads = min(workers, len(pieces))
     if threads <= 1:
         for piece in pieces:
             run(*piece)
         return
-    with interrupt.held() as deliver:
-        _in_threads(run, pieces, threads, deliver)
-
-
-def _in_threads(
-    run: Callable[..., Any], pieces: Sequence[tuple[Any, ...]], threads: int, deliver: Callable[[], None]
-) -> None:
-    """Call ``run`` on every piece; Ctrl-C, which an ending thread could swallow, is handled between pieces."""
-    with ThreadPoolExecutor(threads) as pool:
+    with interrupt.held() as deliver, ThreadPoolExecutor(threads) as pool:
         running = [pool.submit(run, *piece) for piece in pieces]
         try:
             left = set(running)

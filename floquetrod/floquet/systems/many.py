@@ -47,6 +47,11 @@ def many_discs(matrices: NDArray[Any], errors: NDArray[np.float64]) -> ManyDiscs
     return ManyDiscs(values.astype(np.complex128), radii, _apart(values, radii))
 
 
+def pair_discs(values: NDArray[np.complex128], radii: NDArray[np.float64]) -> ManyDiscs:
+    """Return discs of given radii."""
+    return ManyDiscs(values, radii, _apart(values, radii))
+
+
 def _inverse(matrix: NDArray[Any]) -> NDArray[Any]:
     try:
         return np.asarray(np.linalg.inv(matrix))

@@ -1,0 +1,207 @@
+"""Verdicts, growth rates and multipliers over batches of systems."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
+from floquetrod._util.compilation import cores, in_threads
+from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations.batches import flat, pick
+from floquetrod.equations.hill_system import EvenForm
+from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.systems import many
+from floquetrod.floquet.systems.classification import undamped_pairs
+from floquetrod.floquet.systems.even import pair_matrices
+from floquetrod.floquet.systems.many import ManyDiscs, ManyVerdicts
+from floquetrod.floquet.systems.whole import period_maps
+from floquetrod.kernels.system_even import pair_numbers
+
+System = HillSystem | PeriodicSystem
+
+_ACCURACY = 1e-12
+_AT_ONCE = 1 << 16  # numbers of maps that a thread holds at a time (heuristic): half a megabyte
+_WORTH_THREADS = 1 << 12  # numbers of maps for which threads pay (heuristic)
+
+
+def is_stable(systems: System, *, workers: int | None = None) -> Any:
+    """Return whether every solution stays bounded, of each system of a batch.
+
+    Parameters
+    ----------
+    systems : HillSystem or PeriodicSystem
+        One system, or a batch: its matrices and period are arrays with a leading shape.
+    workers : int, optional
+        Threads; by default one for each core when there is enough to do.
+
+    Returns
+    -------
+    bool or ndarray of bool
+        In the leading shape; a Python bool for a single system.  False where undecided: on a boundary to rounding, or
+        where multipliers cannot be told apart; `floquetrod.stability` says why.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> omega = np.array([1.0, 2.0, 3.0])
+    >>> forcing = 0.2 * np.array([[0.5, 1.0], [1.0, 0.8]])
+    >>> is_stable(HillSystem(np.diag([1.0, 4.0]), cosines=[forcing], period=2 * np.pi / omega))
+    array([ True, False, False])
+    """
+    return shaped(verdicts(systems, workers=workers).status == many.STABLE, systems.shape)
+
+
+def growth_rate(systems: System, *, workers: int | None = None) -> Any:
+    """Return the growth rate of the fastest solution, per unit of time; 0 where stable, an estimate where undecided.
+
+    Arguments as in `is_stable`.
+
+    Examples
+    --------
+    >>> forcing = [[0.1, 0.2], [0.2, 0.16]]
+    >>> round(growth_rate(HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[forcing], period=2 * np.pi / 3.0)), 10)
+    0.0353277775
+    """
+    return shaped(verdicts(systems, workers=workers).growth, systems.shape)
+
+
+def multipliers(systems: System, *, workers: int | None = None) -> Any:
+    """Return the multipliers, complex (..., N), N the number of equations of first order; the largest first.
+
+    Arguments as in `is_stable`.  Those much smaller than the largest one are lost in its rounding:
+    ``floquetrod.stability(system, method="segmented")`` keeps them.
+    """
+    workers = validate.workers(workers)
+    batch = _batch(systems)
+    found = np.empty(
+        (len(batch.period), 2 * systems.order if isinstance(systems, HillSystem) else systems.order), complex
+    )
+
+    def fill(part: slice) -> None:
+        decay = np.exp(-batch.damping * batch.period[part])
+        values = batch.multipliers(part) * decay[:, None]
+        order = np.argsort(-np.abs(values), axis=1, kind="stable")
+        found[part] = np.take_along_axis(values, order, axis=1)
+
+    _over(batch, fill, workers)
+    return found.reshape(*systems.shape, found.shape[1])
+
+
+def verdicts(systems: System, *, workers: int | None = None) -> ManyVerdicts:
+    """Return status (1 stable, 0 unstable, -1 undecided) and growth rate of each system, flat in the order of C.
+
+    What the quick rules leave open, `floquetrod.stability` judges.
+    """
+    workers = validate.workers(workers)
+    batch = _batch(systems)
+    size = len(batch.period)
+    status, growth = np.empty(size, dtype=np.int8), np.empty(size)
+
+    def fill(part: slice) -> None:
+        status[part], growth[part] = batch.verdicts(part)
+        for i in np.flatnonzero(status[part] == many.UNDECIDED) + part.start:
+            result = stability(pick(systems, int(i)))
+            status[i] = {"stable": many.STABLE, "unstable": many.UNSTABLE}.get(result.status, many.UNDECIDED)
+            growth[i] = result.growth_rate
+
+    _over(batch, fill, workers)
+    return ManyVerdicts(status, growth)
+
+
+class _Batch(ABC):
+    """Systems freed of uniform damping, flat: their periods (b,), the damping, and equations of first order in each."""
+
+    period: NDArray[np.float64]
+    damping: float
+    order: int
+
+    @abstractmethod
+    def multipliers(self, part: slice) -> NDArray[np.complex128]:
+        """Return the multipliers of some systems, those of the undamped ones."""
+
+    @abstractmethod
+    def verdicts(self, part: slice) -> ManyVerdicts:
+        """Return the verdicts on some systems by the quick rules."""
+
+
+class _EvenBatch(_Batch):
+    """Systems for which half a period is enough."""
+
+    def __init__(self, system: HillSystem, form: EvenForm, damping: float) -> None:
+        shape = system.shape
+        self.stiffness, self.amplitudes = flat(form.stiffness, shape, 2), flat(form.amplitudes, shape, 3)
+        self.doubt, self.period, self.damping = flat(form.error, shape, 0), flat(system.period, shape, 0), damping
+        self.order = 2 * system.order
+
+    def _discs(self, part: slice) -> ManyDiscs:
+        """Return the numbers y of the pairs."""
+        stiffness, amplitudes, period = self.stiffness[part], self.amplitudes[part], self.period[part]
+        if stiffness.shape[-1] == 2 and not self.doubt.any():
+            x, errors, _ = pair_numbers(stiffness, amplitudes, period, _ACCURACY)
+            return many.pair_discs(0.25 * (x - 2.0), 0.25 * errors)
+        found = pair_matrices(stiffness, amplitudes, period, self.doubt[part], _ACCURACY)
+        return many.many_discs(found.matrix, found.error)
+
+    def multipliers(self, part: slice) -> NDArray[np.complex128]:
+        logs = 2.0 * np.arcsinh(np.sqrt(self._discs(part).values))
+        return np.asarray(np.exp(np.concatenate([logs, -logs], axis=1)))
+
+    def verdicts(self, part: slice) -> ManyVerdicts:
+        return many.pair_verdicts(self._discs(part), self.period[part], self.damping)
+
+
+class _FirstOrderBatch(_Batch):
+    """Any other systems."""
+
+    def __init__(self, system: PeriodicSystem, damping: float, *, paired: bool) -> None:
+        shape = system.shape
+        self.mean, self.harmonics = flat(system.mean, shape, 2), flat(system.harmonics, shape, 3)
+        self.doubt, self.paired = system.coefficient_error, paired
+        self.period, self.damping = flat(system.period, shape, 0), damping
+        self.order = system.order
+
+    def _discs(self, part: slice) -> ManyDiscs:
+        """Return the multipliers."""
+        arrays = self.mean[part], self.harmonics[part], self.period[part]
+        maps = period_maps(*arrays, self.doubt, _ACCURACY, paired=self.paired)
+        return many.many_discs(maps.matrix, maps.error)
+
+    def multipliers(self, part: slice) -> NDArray[np.complex128]:
+        return np.asarray(self._discs(part).values)
+
+    def verdicts(self, part: slice) -> ManyVerdicts:
+        discs = self._discs(part)
+        return many.multiplier_verdicts(discs, self.period[part], paired=self.paired, damping=self.damping)
+
+
+def _batch(systems: Any) -> _Batch:
+    """Return systems in the form that the fastest method for all of them takes."""
+    if not isinstance(systems, HillSystem | PeriodicSystem):
+        raise TypeError(
+            f"systems must be a HillSystem or PeriodicSystem, one or a batch of them, got {validate.short(systems)}; "
+            "floquetrod.systems.stack makes a batch of a list"
+        )
+    pairs = undamped_pairs(systems)
+    subject, damping = pairs if pairs is not None else (systems, 0.0)
+    if isinstance(subject, HillSystem):
+        if pairs is not None and subject.even_form is not None:
+            return _EvenBatch(subject, subject.even_form, damping)
+        subject = subject.as_periodic_system()
+    return _FirstOrderBatch(subject, damping, paired=pairs is not None)
+
+
+def _over(batch: _Batch, fill: Callable[[slice], None], workers: int | None) -> None:
+    """Call ``fill`` with parts of a batch, in threads if it pays."""
+    size = len(batch.period)
+    most = max(1, _AT_ONCE // batch.order**2)
+    threads = workers or cores()
+    if size * batch.order**2 < _WORTH_THREADS:
+        threads = 1
+    step = max(1, min(most, -(-size // (4 * threads)) if threads > 1 else most))
+    in_threads(fill, [(slice(start, min(size, start + step)),) for start in range(0, size, step)], threads)
