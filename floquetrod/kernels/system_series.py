@@ -1,0 +1,218 @@
+"""Kernels shared by the maps of periodic systems: size of the coefficients, plan of a series, small dense algebra."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from floquetrod._util.compilation import kernel
+
+ROUNDING = 1.1102230246251565e-16
+MOST_TERMS = 40
+"""Even terms of a series at most; where that is too few the segments are shortened."""
+
+_HALF_LOG_TWO = 0.34657359027997264
+_LOG_LARGEST = 600.0
+
+
+def reach(accuracy: float) -> float:
+    """Return the largest phase (frequency times half the length of a segment) at which rounding stays below accuracy.
+
+    The sum of a series of cosines of phase z loses a factor cosh z.
+    """
+    z = 4.0
+    for _ in range(20):
+        z = math.acosh(max(accuracy / (16.0 * ROUNDING * (1.0 + z)), 1.2))
+    return min(max(z, 1.0), 9.0)
+
+
+@kernel
+def coefficient_bound(size: float, norms: Any, first: int, angle: float) -> float:
+    """Bound |K| = |S + sum F_k cos(k w t)| over complex times t with |w Im t| <= angle."""
+    total = size
+    for k in range(len(norms)):
+        total += norms[k] * math.cosh((k + first) * angle)
+    return total
+
+
+@kernel
+def plan_terms(
+    size: float, norms: Any, first: int, omega: float, h: float, log_tolerance: float, squared: bool
+) -> tuple[float, float, float]:
+    """Return (terms, ratio, exponent) with which Cauchy's estimate of a Taylor remainder at h is smallest.
+
+    The remainder beyond ``terms`` powers is exp(exponent) ratio^-terms, times factors of the caller: solutions grow by
+    the integral of a(r), where a^2 (for ``squared``) or a is the bound of the coefficients, over the radius ratio h.
+    a is convex, so that the trapezoidal rule bounds its integral.  Terms are infinite when no radius is usable.
+    """
+    best, best_ratio, best_exponent = math.inf, 1.0, 0.0
+    highest = (len(norms) - 1 + first) * omega * h
+    inner, exponent = 0.0, 0.0
+    ratio = 1.0
+    rate = coefficient_bound(size, norms, first, 0.0)
+    rate = math.sqrt(rate) if squared else rate
+    for step in range(21):
+        if highest * ratio > _LOG_LARGEST:
+            break
+        outer = coefficient_bound(size, norms, first, omega * h * ratio)
+        outer = math.sqrt(outer) if squared else outer
+        exponent += 0.5 * h * (ratio - inner) * (rate + outer)
+        if exponent > _LOG_LARGEST:
+            break
+        if step > 0:
+            needed = (exponent - log_tolerance) / (_HALF_LOG_TWO * step)
+            if needed >= best:
+                break
+            best, best_ratio, best_exponent = needed, ratio, exponent
+        inner, rate = ratio, outer
+        ratio *= math.sqrt(2.0)
+    return best, best_ratio, best_exponent
+
+
+@kernel
+def weighted_sum(x: Any, last: int, weights: Any, k: int, most: int, length: int, out: Any, target: int) -> None:
+    """Set out[target] = sum_l weights[k, l] x[last - l], l = 0..min(last, most), four rows at a time."""
+    count = min(last, most) + 1
+    a = weights[k, 0]
+    lag = 1
+    if count % 4 == 0:
+        b, c, d = weights[k, 1], weights[k, 2], weights[k, 3]
+        for q in range(length):
+            out[target, q] = (a * x[last, q] + b * x[last - 1, q]) + (c * x[last - 2, q] + d * x[last - 3, q])
+        lag = 4
+    elif count % 4 == 3:
+        b, c = weights[k, 1], weights[k, 2]
+        for q in range(length):
+            out[target, q] = a * x[last, q] + (b * x[last - 1, q] + c * x[last - 2, q])
+        lag = 3
+    elif count % 4 == 2:
+        b = weights[k, 1]
+        for q in range(length):
+            out[target, q] = a * x[last, q] + b * x[last - 1, q]
+        lag = 2
+    else:
+        for q in range(length):
+            out[target, q] = a * x[last, q]
+    while lag < count:
+        a, b, c, d = weights[k, lag], weights[k, lag + 1], weights[k, lag + 2], weights[k, lag + 3]
+        row = last - lag
+        for q in range(length):
+            out[target, q] += (a * x[row, q] + b * x[row - 1, q]) + (c * x[row - 2, q] + d * x[row - 3, q])
+        lag += 4
+
+
+@kernel
+def tail(x: Any, last: int, shrink: float, length: int, y: Any) -> float:
+    """Bound the first of the terms of a series that are left out, in the Frobenius norm.
+
+    The terms x_i h^i are bounded by M (h / rho)^i as far as they were computed.  Where rho^2 |K|(rho) <= i (i - 1), the
+    recursion carries this bound to the next one: it holds for all.  ``shrink`` is the ratio of two neighbours' squares.
+    """
+    for q in range(length):
+        y[0, q] = 0.0
+    for i in range(last + 1):
+        for q in range(length):
+            y[0, q] = shrink * (y[0, q] + x[i, q] * x[i, q])
+    total = 0.0
+    for q in range(length):
+        total += y[0, q]
+    return math.sqrt(total)
+
+
+@kernel
+def spectral_bound(matrix: Any) -> float:
+    """Bound the spectral norm of a matrix from its entries."""
+    rows, columns = matrix.shape
+    square, largest_row, largest_column = 0.0, 0.0, 0.0
+    for i in range(rows):
+        total = 0.0
+        for j in range(columns):
+            total += abs(matrix[i, j])
+            square += matrix[i, j] * matrix[i, j]
+        largest_row = max(largest_row, total)
+    for j in range(columns):
+        total = 0.0
+        for i in range(rows):
+            total += abs(matrix[i, j])
+        largest_column = max(largest_column, total)
+    return min(math.sqrt(square), math.sqrt(largest_row * largest_column))
+
+
+@kernel
+def multiply(a: Any, b: Any, out: Any) -> None:
+    """Set out = a b."""
+    for i in range(a.shape[0]):
+        for q in range(b.shape[1]):
+            out[i, q] = 0.0
+        for j in range(a.shape[1]):
+            factor = a[i, j]
+            for q in range(b.shape[1]):
+                out[i, q] += factor * b[j, q]
+
+
+@kernel
+def invert(a: Any, out: Any) -> None:
+    """Set out to the inverse of a, by elimination with row pivoting; a is destroyed."""
+    n = len(a)
+    for i in range(n):
+        for j in range(n):
+            out[i, j] = 0.0
+        out[i, i] = 1.0
+    for j in range(n):
+        pivot = j
+        for i in range(j + 1, n):
+            if abs(a[i, j]) > abs(a[pivot, j]):
+                pivot = i
+        if pivot != j:
+            for q in range(n):
+                a[j, q], a[pivot, q] = a[pivot, q], a[j, q]
+                out[j, q], out[pivot, q] = out[pivot, q], out[j, q]
+        scale = 1.0 / a[j, j]
+        for q in range(n):
+            a[j, q] *= scale
+            out[j, q] *= scale
+        for i in range(n):
+            factor = a[i, j]
+            if i == j or factor == 0.0:
+                continue
+            for q in range(n):
+                a[i, q] -= factor * a[j, q]
+                out[i, q] -= factor * out[j, q]
+
+
+@kernel
+def chain_error(maps: Any, errors: Any, product: Any) -> float:
+    """Multiply ``maps`` (m, N, N), the first acting first, into ``product``; bound its error in the Frobenius norm.
+
+    The error of each map, and the rounding of each multiplication, is carried by the product of the maps after it
+    and that of the maps before it: first order in the errors, then a term that bounds the higher ones.
+    """
+    count, size = len(maps), maps.shape[1]
+    before = np.empty(count)
+    prefix = maps[0].copy()
+    other = np.empty((size, size))
+    before[0] = 1.0
+    for j in range(1, count):
+        before[j] = spectral_bound(prefix)
+        multiply(maps[j], prefix, other)
+        prefix, other = other, prefix
+    product[:] = prefix
+    suffix = maps[count - 1].copy()
+    rounding = ROUNDING * (size + 2.0)
+    total = 0.0
+    share = 0.0
+    for j in range(count - 1, -1, -1):
+        after = 1.0
+        if j < count - 1:
+            after = spectral_bound(suffix)
+            multiply(suffix, maps[j], other)
+            suffix, other = other, suffix
+        norm = spectral_bound(maps[j])
+        local = errors[j]
+        if j > 0:
+            local += rounding * norm * math.sqrt(size)
+        total += after * local * before[j]
+        share += local / norm
+    return total * math.exp(min(share * count, 50.0))

@@ -1,0 +1,118 @@
+"""Maps of periodic systems: errors against many digits, both forms against each other."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from floquetrod.kernels import system_even
+from floquetrod.kernels.system_even import half_period_map, pair_numbers
+from floquetrod.kernels.system_maps import product, segment_maps
+
+pytestmark = pytest.mark.kernels
+
+Floats = NDArray[np.float64]
+
+
+def true_map(stiffness: Floats, amplitudes: Floats, period: float, share: float) -> Floats:
+    """Return the map of (u, u') over a share of the period, by Taylor series with 40 digits."""
+    n = len(stiffness)
+    with mpmath.workdps(40):
+        omega = 2 * mpmath.pi / mpmath.mpf(period)
+        size = float(np.abs(stiffness).sum() + np.abs(amplitudes).sum())
+        steps = int(4 + period * share * (np.sqrt(size) + len(amplitudes) * float(omega)))
+        h = mpmath.mpf(period) * mpmath.mpf(share) / steps
+        s = np.array([[mpmath.mpf(float(v)) for v in row] for row in stiffness], dtype=object)
+        a = [np.array([[mpmath.mpf(float(v)) for v in row] for row in m], dtype=object) for m in amplitudes]
+        value = np.array([[mpmath.mpf(int(i == j)) for j in range(2 * n)] for i in range(n)], dtype=object)
+        slope = np.array([[mpmath.mpf(int(i + n == j)) for j in range(2 * n)] for i in range(n)], dtype=object)
+        for step in range(steps):
+            k_terms = []
+            for i in range(30):
+                total = s * (1 if i == 0 else 0)
+                for k, matrix in enumerate(a, 1):
+                    total = total + matrix * (
+                        mpmath.cos(k * omega * h * step + i * mpmath.pi / 2) * (k * omega) ** i / mpmath.factorial(i)
+                    )
+                k_terms.append(total)
+            u = [value, slope]
+            for i in range(28):
+                force = sum((k_terms[j].dot(u[i - j]) for j in range(1, i + 1)), k_terms[0].dot(u[i]))
+                u.append(-force / ((i + 1) * (i + 2)))
+            value = sum((u[i] * h**i for i in range(1, 30)), u[0])
+            slope = sum((u[i] * (i * h ** (i - 1)) for i in range(2, 30)), u[1])
+    return np.vstack([value, slope]).astype(float)
+
+
+def random_system(
+    rng: np.random.Generator, n: int, count: int, forcing: float, largest: float, symmetric: bool
+) -> tuple[Floats, Floats, Floats]:
+    stiffness = rng.normal(size=(1, n, n)) * 0.1 + np.diag(rng.uniform(-0.2, 1.0, n))
+    amplitudes = forcing * rng.normal(size=(1, count, n, n))
+    if symmetric:
+        stiffness = stiffness + stiffness.swapaxes(-1, -2)
+        amplitudes = amplitudes + amplitudes.swapaxes(-1, -2)
+    return largest * stiffness, largest * amplitudes, np.array([rng.uniform(1.0, 6.0)])
+
+
+def balanced(found: system_even.HalfPeriodMap, true: Floats) -> tuple[Floats, Floats]:
+    basis = found.basis[0]
+    n = len(basis)
+    zero = np.zeros((n, n))
+    inverse = np.linalg.inv(basis)
+    change = np.block([[basis, zero], [zero, inverse.T]])
+    back = np.block([[inverse, zero], [zero, basis.T]])
+    return np.block([[found.a[0], found.b[0]], [found.c[0], found.d[0]]]), back @ true @ change
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+@pytest.mark.parametrize(("n", "count"), [(1, 1), (2, 1), (3, 3)])
+def test_the_half_period_map_is_within_its_error(
+    rng: np.random.Generator, n: int, count: int, symmetric: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for forcing, largest in [(0.05, 1.0), (0.5, 4.0), (0.1, 30.0)]:
+        system = random_system(rng, n, count, forcing, largest, symmetric)
+        true = true_map(system[0][0], system[1][0], float(system[2][0]), 0.5)
+        for accuracy in (1e-6, 1e-10, 1e-13):
+            for small in (20, 0):
+                monkeypatch.setattr(system_even, "_EXPLICIT_UP_TO", small)
+                found = half_period_map(*system, accuracy)
+                computed, expected = balanced(found, true)
+                assert np.linalg.norm(computed - expected) <= found.error[0]
+
+
+@pytest.mark.parametrize("symmetric", [True, False])
+def test_two_equations_at_once_agree_with_the_monodromy_matrix(rng: np.random.Generator, symmetric: bool) -> None:
+    for forcing, largest in [(0.05, 1.0), (0.3, 4.0), (0.1, 20.0)]:
+        stiffness, amplitudes, period = random_system(rng, 2, 2, forcing, largest, symmetric)
+        x, errors, _ = pair_numbers(stiffness, amplitudes, period, 1e-10)
+        mean = np.zeros((1, 4, 4))
+        mean[0, :2, 2:], mean[0, 2:, :2] = np.eye(2), -stiffness[0]
+        harmonics = np.zeros((1, 2, 4, 4), dtype=complex)
+        harmonics[0, :, 2:, :2] = -amplitudes[0]
+        whole = product(segment_maps(mean, harmonics, period, 1e-12, 3))
+        matrix = whole.matrix[0]
+        # x are the double eigenvalues of M + M^-1, and of twice its first block about an instant of evenness
+        expected = np.linalg.eigvals(2.0 * matrix[:2, :2])
+        order = [0, 1] if abs(expected[0] - x[0, 0]) < abs(expected[1] - x[0, 0]) else [1, 0]
+        slack = 1e-11 * np.linalg.norm(matrix) ** 2
+        assert np.all(abs(expected[order] - x[0]) <= errors[0] + slack)
+
+
+def test_segment_maps_and_their_product_are_within_their_errors(rng: np.random.Generator) -> None:
+    for forcing, largest in [(0.1, 1.0), (0.5, 10.0)]:
+        stiffness, amplitudes, period = random_system(rng, 2, 2, forcing, largest, False)
+        mean = np.zeros((1, 4, 4))
+        mean[0, :2, 2:], mean[0, 2:, :2] = np.eye(2), -stiffness[0]
+        harmonics = np.zeros((1, 2, 4, 4), dtype=complex)
+        harmonics[0, :, 2:, :2] = -amplitudes[0]
+        true = true_map(stiffness[0], amplitudes[0], float(period[0]), 1.0)
+        first = true_map(stiffness[0], amplitudes[0], float(period[0]), 0.25)
+        for accuracy in (1e-6, 1e-10, 1e-13):
+            found = segment_maps(mean, harmonics, period, accuracy, 4)
+            scale = found.scaling[0] / found.scaling[0][:, None]
+            assert np.linalg.norm((found.maps[0, 0] - first) * scale) <= found.errors[0, 0]
+            whole = product(found)
+            assert np.linalg.norm((whole.matrix[0] - true) * scale) <= whole.error[0]
