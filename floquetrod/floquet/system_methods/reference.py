@@ -126,7 +126,8 @@ def _work(problem: _Problem, planned: Plan) -> float:
     order, waves = len(problem.series.mean), problem.series.waves
     entries = int(np.count_nonzero((waves != 0).any(axis=0))) if len(waves) else 0
     each = order**3 + len(waves) * (entries + 2) + 40
-    return float(planned.evaluations) * each * (1.0 + (planned.bits / 1500.0) ** 1.6)
+    work: float = planned.evaluations * each * (1.0 + (planned.bits / 1500.0) ** 1.6)
+    return work
 
 
 def _problem(system: HillSystem | PeriodicSystem, context: Any) -> _Problem:

@@ -14,9 +14,10 @@ from floquetrod.floquet.systems.classification import classify_multipliers, decl
 from floquetrod.floquet.systems.ladders import Solutions
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
-from floquetrod.kernels.system_draft import flow
+from floquetrod.kernels.system_maps import segment_maps
 
 _FEWEST, _MOST_ROWS = 8, 1000  # segments; rows of the cyclic matrix (a choice: about ten seconds)
+_LARGEST_PHASE = 1e4  # radians in a period (a choice: a second of work)
 _LARGEST_CONDITION = 100.0  # of the map over a segment: rounding then costs two digits (a choice)
 
 
@@ -49,6 +50,8 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     freed = undamped_pairs(system)
     subject, damping = freed if freed else (system, 0.0)
     first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    if _phase(first) > _LARGEST_PHASE:
+        return declined(system, "segmented", Cost(0, "segments"), "the period holds more waves than can be followed")
     count, solutions = _FEWEST, None
     while first.order * count <= _MOST_ROWS:
         maps, errors, scales = _segments(first, count, rtol)
@@ -75,23 +78,26 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     return classify_multipliers(system, "segmented", logs, krein=krein if hamiltonian else None, cost=cost)
 
 
+def _phase(system: PeriodicSystem) -> float:
+    """Return a bound on the angle that solutions turn by in a period, in balanced coordinates."""
+    sizes = np.abs(system.mean) + np.abs(system.harmonics).sum(axis=0)
+    scales = ladders.balance(sizes)
+    return float(system.period) * float(np.linalg.norm(sizes * scales[None, :] / scales[:, None], 2))
+
+
 def _segments(
     system: PeriodicSystem, count: int, rtol: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Return the maps over equal segments in balanced coordinates, their errors in the 2-norm, and the scales."""
-    scales = ladders.balance(np.abs(system.mean) + np.abs(system.harmonics).sum(axis=0))
     period = float(system.period)
-    w, length = 2.0 * math.pi / period, period / count
+    found = segment_maps(system.mean[None], system.harmonics[None], [period], rtol, count)
+    scales = found.scaling[0]
     ratio = scales[None, :] / scales[:, None]
-    mean, harmonics = system.mean * ratio, system.harmonics * ratio
-    orders = np.arange(1, len(harmonics) + 1)[:, None, None]
     with np.errstate(over="ignore", invalid="ignore"):
-        found = [flow(mean, harmonics * np.exp(1j * orders * w * j * length), w, length, rtol) for j in range(count)]
-    maps = np.array([one for one, _, _ in found])
-    sizes = np.linalg.norm(maps, 2, axis=(1, 2))
-    doubt = system.coefficient_error * system.order * float(ratio.max()) * length
-    errors = np.array([error for _, error, _ in found]) + doubt * sizes
-    return maps, errors, scales
+        maps = found.maps[0] * ratio
+        sizes = np.sqrt(np.square(maps).sum(axis=(1, 2)))
+    doubt = system.coefficient_error * system.order * float(ratio.max()) * period / count
+    return maps, found.errors[0] + doubt * sizes, scales
 
 
 def _solutions(maps: NDArray[np.float64], errors: NDArray[np.float64], scales: NDArray[np.float64]) -> Solutions | None:

@@ -69,7 +69,10 @@ def distances(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> NDA
 
 
 def log_discs(solutions: Solutions, shift: float) -> LogDiscs:
-    """Return discs about logarithms less ``shift``, those that touch in clusters."""
+    """Return discs about logarithms less ``shift``, those that touch in clusters.
+
+    A multiplier of a real system whose disc meets the real axis and no other disc is real.
+    """
     from scipy.sparse.csgraph import connected_components
 
     logs, radii = solutions.logs, solutions.radii
@@ -77,6 +80,11 @@ def log_discs(solutions: Solutions, shift: float) -> LogDiscs:
     count, labels = connected_components(near, directed=False)
     clusters = tuple(np.flatnonzero(labels == label) for label in range(count))
     values = logs - shift
+    for i in (int(cluster[0]) for cluster in clusters if len(cluster) == 1):
+        if abs(logs[i].imag) <= radii[i]:
+            values[i] = values[i].real
+        elif math.pi - abs(logs[i].imag) <= radii[i]:
+            values[i] = values[i].real + 1j * math.pi
     return LogDiscs(values, values.real - radii, values.real + radii, radii, clusters)
 
 

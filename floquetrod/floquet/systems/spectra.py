@@ -55,9 +55,10 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
     except np.linalg.LinAlgError:
         return None
     total = error + 4.0 * n * _EPS * float(np.linalg.norm(matrix, 2))
-    conditions = np.linalg.norm(left, axis=1)
-    # The residual of the inverse, too: 1 - left right.
-    doubt = n * _EPS * float(np.linalg.norm(left, 2))
+    with np.errstate(over="ignore", invalid="ignore"):
+        conditions = np.linalg.norm(left, axis=1)
+        # The residual of the inverse, too: 1 - left right.
+        doubt = n * _EPS * float(np.linalg.norm(conditions))
     if not doubt < 0.1:
         return None
     radii = n * conditions * total * (1.0 + 2.0 * doubt)
