@@ -32,8 +32,26 @@ _CLUSTER = "{} multipliers that cannot be told apart are within {:.1g} of the un
 _EDGE = "a multiplier is within {:.1g} of {}"
 
 
+class ManyDigits(NamedTuple):
+    """What a computation with more digits than those of a double adds to the numbers y.
+
+    Attributes
+    ----------
+    above : ndarray (n,) of complex
+        1 + y, each correctly rounded.
+    net : ndarray (n,)
+        Growth over a period less uniform damping, each correctly rounded.
+    discriminant : callable (cluster) -> (float, float)
+        ((y1 - y2) / 2)^2 of a cluster of two, and its error.
+    """
+
+    above: NDArray[np.complex128]
+    net: NDArray[np.float64]
+    discriminant: Callable[[NDArray[np.intp]], tuple[float, float]]
+
+
 class _Part(NamedTuple):
-    """What is known of a cluster: growth over a period without uniform damping, and its Krein sign."""
+    """What is known of a cluster: growth over a period less uniform damping, and its Krein sign."""
 
     low: float
     high: float
@@ -49,7 +67,14 @@ def undamped_pairs(system: System) -> tuple[System, float] | None:
 
 
 def classify_pairs(
-    system: System, method: str, discs: Discs | None, *, krein: Krein | None = None, cost: Cost, note: str = ""
+    system: System,
+    method: str,
+    discs: Discs | None,
+    *,
+    krein: Krein | None = None,
+    digits: ManyDigits | None = None,
+    cost: Cost,
+    note: str = "",
 ) -> SystemStability:
     """Return the verdict that follows from the numbers y of the pairs, of the system freed of uniform damping.
 
@@ -59,29 +84,36 @@ def classify_pairs(
         The numbers y with errors; None where they could not be computed.
     krein : callable (cluster) -> int, optional
         Krein sign of those multipliers of a cluster of y that lie on the upper half of the circle, 0 where mixed.
+    digits : ManyDigits, optional
+        What y says beyond its digits as a double; then only the values, radii and clusters of ``discs`` are used.
     """
     freed = undamped_pairs(system)
     if freed is None:
         raise ValueError("system has no pairs of multipliers")
     if discs is None:
         return declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
-    y = discs.values.copy()
-    errors = np.empty(len(y))
-    signs = np.zeros(len(y), dtype=int)
+    limit = freed[1] * float(system.period)
+    if digits is None:
+        net = np.abs(2.0 * np.arcsinh(np.sqrt(discs.values)).real) - limit
+        digits = ManyDigits(1.0 + discs.values, net, lambda cluster: spectra.discriminant(discs, cluster))
+    logs = np.array([_logarithm(complex(v), complex(a)) for v, a in zip(discs.values, digits.above, strict=True)])
+    net = digits.net.copy()
+    errors = _log_errors(discs.values, digits.above, discs.radii)
+    signs = np.zeros(len(logs), dtype=int)
     parts = []
     for cluster in discs.clusters:
-        part, settled = _pair_part(discs, cluster, krein)
-        y[cluster] = settled
-        errors[cluster] = [_log_error(complex(v), r) for v, r in zip(settled, discs.radii[cluster], strict=True)]
+        part, on_axis = _pair_part(discs, digits, errors, limit, cluster, krein)
+        if on_axis:
+            net[cluster] = np.where(_outside(discs, digits, cluster) > 0.0, net[cluster], -limit)
+            logs[cluster] = net[cluster] + limit + 1j * np.abs(logs[cluster].imag)
         signs[cluster] = part.krein
         parts.append(part)
-    logs = 2.0 * np.arcsinh(np.sqrt(y))  # the angle from 0 to pi, or its negative below the real axis
     upper = logs.imag >= 0.0
     return _verdict(
         system,
         method,
         parts,
-        logs=np.concatenate([logs, -logs]),
+        net=np.concatenate([net + 1j * logs.imag, -net - 2.0 * limit - 1j * logs.imag]),
         errors=np.concatenate([errors, errors]),
         signs=np.concatenate([np.where(upper, signs, -signs), np.where(upper, -signs, signs)]),
         damping=freed[1],
@@ -90,32 +122,51 @@ def classify_pairs(
     )
 
 
-def _pair_part(discs: Discs, cluster: NDArray[np.intp], krein: Krein | None) -> tuple[_Part, NDArray[np.complex128]]:
-    """Return what is known of a cluster of y, and its members, on the real axis where they must be."""
-    y, radii = discs.values[cluster], discs.radii[cluster]
-    growth = [abs(2.0 * np.arcsinh(np.sqrt(v)).real) for v in y]
-    doubts = [_log_error(complex(v), r) for v, r in zip(y, radii, strict=True)]
-    high = max(g + e for g, e in zip(growth, doubts, strict=True))
-    low = max(0.0, max(g - e for g, e in zip(growth, doubts, strict=True)))
-    if not (np.abs(y - np.clip(y.real, -1.0, 0.0)) <= radii).any():
-        return _Part(low, high, False), y
-    inside = bool((y.real + radii < 0.0).all() and (y.real - radii > -1.0).all())
+def _logarithm(y: complex, above: complex) -> complex:
+    """Return s = 2 asinh(sqrt y), its angle from 0 to pi, or its negative below the real axis, from y and 1 + y."""
+    if abs(above) >= abs(y):
+        return complex(2.0 * np.arcsinh(np.sqrt(y)))
+    found = complex(2.0 * np.arcsinh(np.sqrt(-above)))  # s = i pi + v with sinh(v / 2)^2 = -(1 + y)
+    lower = y.imag < 0.0
+    return complex(found.real, math.copysign(math.pi - abs(found.imag), -1.0 if lower else 1.0))
+
+
+def _outside(discs: Discs, digits: ManyDigits, cluster: NDArray[np.intp]) -> NDArray[np.float64]:
+    """Return distances of y from the interval from -1 to 0."""
+    y, above = discs.values[cluster], digits.above[cluster]
+    return np.where(y.real > 0.0, np.abs(y), np.where(above.real < 0.0, np.abs(above), np.abs(y.imag)))
+
+
+def _pair_part(
+    discs: Discs,
+    digits: ManyDigits,
+    errors: NDArray[np.float64],
+    limit: float,
+    cluster: NDArray[np.intp],
+    krein: Krein | None,
+) -> tuple[_Part, bool]:
+    """Return what is known of a cluster of y, and whether its members must be on the real axis."""
+    y, radii, net = discs.values[cluster], discs.radii[cluster], digits.net[cluster]
+    high = float((net + errors[cluster]).max())
+    low = max(-limit, float((net - errors[cluster]).max()))
+    if not (_outside(discs, digits, cluster) <= radii).any():
+        return _Part(low, high, False), False
+    inside = bool((y.real + radii < 0.0).all() and (digits.above[cluster].real - radii > 0.0).all())
     if len(cluster) == 1:
-        real = y.real.astype(np.complex128)
         if inside:
-            return _Part(0.0, 0.0, True, krein=krein(cluster) if krein else 0), real
+            return _Part(-limit, -limit, True, krein=krein(cluster) if krein else 0), True
         edge = "+1" if y[0].real > -0.5 else "-1"
-        return _Part(0.0, high, False, _EDGE.format(math.sqrt(2.0 * radii[0]), edge)), real
+        return _Part(-limit, high, False, _EDGE.format(math.sqrt(2.0 * radii[0]), edge)), True
     sign = krein(cluster) if krein and inside else 0
     if sign:
-        return _Part(0.0, 0.0, True, krein=sign), y.real.astype(np.complex128)
+        return _Part(-limit, -limit, True, krein=sign), True
     if len(cluster) == 2:
-        value, error = spectra.discriminant(discs, cluster)
+        value, error = digits.discriminant(cluster)
         if value < -error:
-            return _Part(low, high, False), y
+            return _Part(low, high, False), False
         if value > error and inside:
-            return _Part(0.0, 0.0, True), y.real.astype(np.complex128)
-    return _Part(0.0, high, False, _MIXED.format(2 * len(cluster), _named(y.mean()))), y
+            return _Part(-limit, -limit, True), True
+    return _Part(-limit, high, False, _MIXED.format(2 * len(cluster), _named(y.mean()))), False
 
 
 def _named(y: complex) -> str:
@@ -124,17 +175,18 @@ def _named(y: complex) -> str:
     return f"exp(+-{angle:.4g} i)"
 
 
-def _log_error(y: complex, radius: float) -> float:
-    """Return by how much s = 2 asinh(sqrt y) may change within a disc: ds = dy / sqrt(y (1 + y)), a root near its ends.
+def _log_errors(
+    y: NDArray[np.complex128], above: NDArray[np.complex128], radii: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return by how much s = 2 asinh(sqrt y) may change within discs: ds = dy / sqrt(y (1 + y)), a root near its ends.
 
     Half way to an end and closer s has changed by no more than a root's whole way.
     """
-    slope = math.sqrt(abs(y) * abs(1.0 + y))
-    nearest = min(abs(y), abs(1.0 + y))
-    whole = 2.0 * abs(complex(np.arcsinh(math.sqrt(nearest + radius)))) + 2.0 * math.sqrt(radius)
-    if radius > 0.5 * nearest:
-        return whole
-    return min(2.0 * radius / slope, whole)
+    nearest = np.minimum(np.abs(y), np.abs(above))
+    whole = 2.0 * np.abs(np.arcsinh(np.sqrt(nearest + radii))) + 2.0 * np.sqrt(radii)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        changes = 2.0 * radii / np.sqrt(np.abs(y) * np.abs(above))
+    return np.where(radii > 0.5 * nearest, whole, np.fmin(changes, whole))
 
 
 class LogDiscs(NamedTuple):
@@ -189,23 +241,23 @@ def classify_multipliers(
     for cluster in logs.clusters:
         low, high = float(logs.low[cluster].min()) + shift, float(logs.high[cluster].max()) + shift
         if low > 0.0 or high < 0.0:
-            parts.append(_Part(low, high, False))
+            parts.append(_Part(low - shift, high - shift, False))
             continue
         if freed and _on_circle(values, logs.radii, cluster):
             sign = krein(cluster) if krein else 0
-            parts.append(_Part(0.0, 0.0, True, krein=sign))
+            parts.append(_Part(-shift, -shift, True, krein=sign))
         elif freed and krein and len(cluster) > 1 and (sign := krein(cluster)):
-            parts.append(_Part(0.0, 0.0, True, krein=sign))
+            parts.append(_Part(-shift, -shift, True, krein=sign))
         else:
             doubt = float(np.expm1(min(high, 1.0)))
             alone = len(cluster) == 1
             text = _EDGE.format(doubt, "the unit circle") if alone else _CLUSTER.format(len(cluster), doubt)
-            parts.append(_Part(low, high, False, text))
+            parts.append(_Part(low - shift, high - shift, False, text))
             continue
         values[cluster] = 1j * values[cluster].imag
         signs[cluster] = parts[-1].krein
     return _verdict(
-        system, method, parts, logs=values, errors=logs.radii, signs=signs, damping=damping, cost=cost, note=note
+        system, method, parts, net=values - shift, errors=logs.radii, signs=signs, damping=damping, cost=cost, note=note
     )
 
 
@@ -225,29 +277,29 @@ def _verdict(
     method: str,
     parts: Sequence[_Part],
     *,
-    logs: NDArray[np.complex128],
+    net: NDArray[np.complex128],
     errors: NDArray[np.float64],
     signs: NDArray[Any],
     damping: float,
     cost: Cost,
     note: str,
 ) -> SystemStability:
-    """Return the result that follows from its clusters; logarithms are those of the system freed of uniform damping."""
+    """Return the result that follows from its clusters and the net logarithms of the multipliers, damping included."""
     period = float(system.period)
-    limit = damping * period
+    damped = damping > 0.0
     paired = undamped_pairs(system) is not None
     status: Status
     strongly: bool | None
-    if any(part.low > limit or (paired and limit == 0.0 and not part.bounded and not part.reason) for part in parts):
+    if any(part.low > 0.0 or (paired and not damped and not part.bounded and not part.reason) for part in parts):
         status, strongly = "unstable", False
-    elif all(part.high < limit or (part.bounded and limit == 0.0) for part in parts):
+    elif all(part.high < 0.0 or (part.bounded and not damped) for part in parts):
         status, strongly = "stable", True
     else:
         status, strongly = "undecided", None
         if system.is_constant:
             status = _without_variation(system) or "undecided"
     reason = next((part.reason for part in parts if part.reason), "growth and damping cannot be told apart")
-    exponents = (logs - limit) / period
+    exponents = net / period
     order = np.lexsort((exponents.imag, -exponents.real))
     fastest = max(0.0, float(exponents.real.max(initial=0.0)))
     texts = [text for text in (note, reason if status == "undecided" else "") if text]

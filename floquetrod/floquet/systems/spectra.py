@@ -55,8 +55,9 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
     except np.linalg.LinAlgError:
         return None
     total = error + 4.0 * n * _EPS * float(np.linalg.norm(matrix, 2))
-    conditions = np.linalg.norm(left, axis=1)
-    doubt = n * _EPS * float(np.linalg.norm(left, 2))
+    with np.errstate(over="ignore", invalid="ignore"):
+        conditions = np.linalg.norm(left, axis=1)
+        doubt = n * _EPS * float(np.linalg.norm(conditions))
     if not doubt < 0.1:  # the inverse is not one
         return None
     whole = n * conditions * total * (1.0 + 2.0 * doubt)

@@ -8,6 +8,8 @@ Van Loan, Linear Algebra Appl. 61 (1984) 233, doi:10.1016/0024-3795(84)90034-X.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,8 +22,11 @@ def symplectic_unit(n: int) -> NDArray[np.float64]:
     return np.block([[np.zeros((n, n)), np.eye(n)], [-np.eye(n), np.zeros((n, n))]])
 
 
-def pair_matrix(full: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return an n x n matrix whose eigenvalues are y = (mu + 1/mu - 2) / 4 of a symplectic map of order 2 n."""
+def pair_matrix(full: NDArray[Any]) -> NDArray[Any]:
+    """Return an n x n matrix whose eigenvalues are y = (mu + 1/mu - 2) / 4 of a symplectic map of order 2 n.
+
+    Its entries may be doubles or numbers of mpmath.
+    """
     n = len(full) // 2
     unit = symplectic_unit(n)
     w = 0.25 * (full - unit @ full.T @ unit) - 0.5 * np.eye(2 * n)
@@ -29,7 +34,7 @@ def pair_matrix(full: NDArray[np.float64]) -> NDArray[np.float64]:
         _reflect(w, w[n + j + 1 :, j].copy(), j + 1)
         _rotate(w, j, j + 1)
         _reflect(w, w[j + 1 : n, j].copy(), j + 1)
-    return w[:n, :n].copy()
+    return np.array(w[:n, :n])
 
 
 def reversible_pair_matrix(full: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -38,13 +43,13 @@ def reversible_pair_matrix(full: NDArray[np.float64]) -> NDArray[np.float64]:
     return 0.5 * (full[:n, :n] - np.eye(n))
 
 
-def _reflect(w: NDArray[np.float64], column: NDArray[np.float64], start: int) -> None:
+def _reflect(w: NDArray[Any], column: NDArray[Any], start: int) -> None:
     """Apply the reflection that leaves only the first entry of ``column``, to both halves of the coordinates."""
-    size = float(np.linalg.norm(column))
-    if size == 0.0 or len(column) == 1:
+    size = _length(column)
+    if size == 0 or len(column) == 1:
         return
-    column[0] += np.copysign(size, column[0])
-    column /= np.linalg.norm(column)
+    column[0] += size if column[0] >= 0 else -size
+    column /= _length(column)
     n = len(w) // 2
     for half in (0, n):
         part = slice(half + start, half + n)
@@ -52,17 +57,23 @@ def _reflect(w: NDArray[np.float64], column: NDArray[np.float64], start: int) ->
         w[:, part] -= 2.0 * np.outer(w[:, part] @ column, column)
 
 
-def _rotate(w: NDArray[np.float64], j: int, i: int) -> None:
+def _rotate(w: NDArray[Any], j: int, i: int) -> None:
     """Rotate coordinates i and n + i so that entry (n + i, j) vanishes."""
     n = len(w) // 2
-    size = np.hypot(w[i, j], w[n + i, j])
-    if size == 0.0:
+    size = _length(np.array([w[i, j], w[n + i, j]]))
+    if size == 0:
         return
     c, s = w[i, j] / size, w[n + i, j] / size
     turn = np.array([[c, s], [-s, c]])
     both = [i, n + i]
     w[both] = turn @ w[both]
     w[:, both] = w[:, both] @ turn.T
+
+
+def _length(column: NDArray[Any]) -> Any:
+    """Return the norm of a vector of doubles, or of numbers of mpmath."""
+    largest = np.abs(column).max(initial=0)
+    return 0 if largest == 0 else largest * ((column / largest) @ (column / largest)) ** 0.5
 
 
 def krein_sign(full: Discs, pairs: Discs, cluster: NDArray[np.intp]) -> int:

@@ -1,0 +1,255 @@
+"""Many digits: the midpoint rule with extrapolation in fixed-point arithmetic, and eigenvalues to as many digits.
+
+The coefficients are the doubles given, taken exactly: mass and uniform damping are divided out and removed in many
+digits.  No symmetry is used in the integration, so that what other methods derive from symmetries is checked here.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.floquet.systems import extrapolation, ladders, precise_spectra
+from floquetrod.floquet.systems.classification import (
+    LogDiscs,
+    ManyDigits,
+    classify_multipliers,
+    classify_pairs,
+    declined,
+    undamped_pairs,
+)
+from floquetrod.floquet.systems.extrapolation import PeriodMap, Plan, Series
+from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.systems.symplectic import pair_matrix
+from floquetrod.floquet.verdict import Cost
+
+_MOST_DIGITS = 120  # to which digits are raised while the verdict is open
+_LARGEST_WORK = 3e8  # products of entries, times their cost: about ten seconds (heuristic)
+_SETTLED = 1e-13  # relative error of the multipliers: more digits than a double's are of no use
+_MOST_TRIES = 4  # of a number of steps
+
+
+class _Problem(NamedTuple):
+    """A system in first order: its series, its size per unit of phase, and how its pairs are read off the map.
+
+    ``kind`` is "hamiltonian" (canonical coordinates), "reversible" (an even instant at the start) or "general";
+    ``damping`` is the uniform damping removed; ``norm`` the 2-norm of its coefficients about; ``doubt`` the error of
+    the coefficients.
+    """
+
+    series: Series
+    kind: str
+    damping: float
+    norm: float
+    doubt: float
+
+
+def reference(system: HillSystem | PeriodicSystem, *, digits: int = 30) -> SystemStability:
+    """Classify a system with the map over a period computed to ``digits`` digits.
+
+    Systems whose multipliers come in mu, 1 / mu are classified by y = (mu + 1/mu - 2) / 4 of their pairs, freed of
+    uniform damping; others by their multipliers.
+
+    Parameters
+    ----------
+    system : HillSystem or PeriodicSystem
+        The matrices and the period are taken as the exact binary numbers they are.
+    digits : int
+        Decimal digits of the map relative to its norm, from 10 to 1000.  While the verdict is open they are doubled, up
+        to 120, as far as the work allows.
+
+    Returns
+    -------
+    SystemStability
+        The error of the map is an estimate, from the last two columns of each step's extrapolation; that of the
+        multipliers a bound for all maps within that error.  "undecided" where a multiplier cannot be told from the unit
+        circle, or several from each other, with all these digits, and where the work would take more than about ten
+        seconds.
+
+    Examples
+    --------
+    >>> reference(HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]])).strongly_stable
+    True
+    """
+    from mpmath.ctx_mp import MPContext
+
+    digits = validate.integer("digits", digits, 10, 1000)
+    result: SystemStability | None = None
+    evaluations = 0
+    while True:
+        context = MPContext()
+        found, used, numerical = _attempt(system, context, digits, evaluations)
+        evaluations += used
+        if found is None:
+            note = f"{digits} digits are more work than is worth waiting for"
+            return result or declined(system, "reference", Cost(evaluations, "evaluations"), note)
+        result = found if result is None or found.exponents else result
+        settled = result.status != "undecided" and result.error < _SETTLED
+        if settled or not numerical or 2 * digits > _MOST_DIGITS:
+            return result
+        digits *= 2
+
+
+def _attempt(
+    system: HillSystem | PeriodicSystem, context: Any, digits: int, before: int
+) -> tuple[SystemStability | None, int, bool]:
+    """Return the verdict (None: too much work), evaluations, and whether more digits would make the error smaller."""
+    context.dps = 2 * digits + 40
+    problem = _problem(system, context)
+    rate, total = 1.0, 0
+    target = 10.0**-digits
+    for _ in range(_MOST_TRIES):
+        planned = extrapolation.plan(problem.norm, digits, rate)
+        if _work(problem, planned) > _LARGEST_WORK:
+            return None, total, True
+        found = extrapolation.period_map(problem.series, context, planned)
+        total += found.evaluations
+        size = max(float(abs(v)) for v in found.matrix.flat)
+        if float(found.error) <= target * max(size, 1.0):
+            break
+        rate *= 1.2 * min(2.0, (float(found.error) / (target * size)) ** (0.5 / planned.columns))
+        problem = _problem(system, context)
+    order = len(found.matrix)
+    doubt = problem.doubt * order * size
+    cost = Cost(before + total, "evaluations")
+    result = _classified(system, problem, found, float(found.error) + doubt, context, cost)
+    return result, total, doubt < float(found.error)
+
+
+def _work(problem: _Problem, planned: Plan) -> float:
+    """Return about how many small products of integers a plan takes."""
+    order, waves = len(problem.series.mean), problem.series.waves
+    entries = int(np.count_nonzero((waves != 0).any(axis=0))) if len(waves) else 0
+    each = order**3 + len(waves) * (entries + 2) + 40
+    work: float = planned.evaluations * each * (1.0 + (planned.bits / 1500.0) ** 1.6)
+    return work
+
+
+def _problem(system: HillSystem | PeriodicSystem, context: Any) -> _Problem:
+    """Return a system in first order, per unit of phase, in the precision of a context."""
+    freed = undamped_pairs(system)
+    damping = freed[1] if freed else 0.0
+    unit = context.mpf(float(system.period)) / (2 * context.pi)
+    start = context.mpf(0)
+    if isinstance(system, HillSystem):
+        even = freed[0].even_form if freed and isinstance(freed[0], HillSystem) else None
+        kind = "hamiltonian" if freed and freed[0].structure == "hamiltonian" else "reversible" if freed else "general"
+        mean, waves = _first_order(system, kind, damping, context)
+        if kind == "reversible" and even is not None and float(even.start) != 0.0:
+            start = context.pi / 2  # of a single sine, which is even about a quarter of its period
+        doubt = 0.0
+    else:
+        kind = system.structure if freed else "general"
+        mean = _exact(system.mean, context)
+        waves = [_exact(part, context) for z in system.harmonics for part in (z.real, -z.imag)]
+        doubt = float(system.period) * system.coefficient_error
+    size = np.abs(mean.astype(float)) + sum((np.abs(w.astype(float)) for w in waves), start=np.zeros(mean.shape))
+    scales = _scales(size, kind != "general", 1.0 / float(unit))
+    ratio = scales[None, :] / scales[:, None]
+    order = len(mean)
+    waves_array = np.array([w * ratio * unit for w in waves], dtype=object).reshape(len(waves), order, order)
+    norm = float(np.linalg.norm(size * ratio, 2)) * float(unit) + 0.5 * len(waves) / 2
+    worst = float(ratio.max())
+    return _Problem(Series(mean * ratio * unit, waves_array, start), kind, damping, norm, doubt * worst)
+
+
+def _first_order(
+    system: HillSystem, kind: str, damping: float, context: Any
+) -> tuple[NDArray[Any], list[NDArray[Any]]]:
+    """Return mean and waves of a second-order system freed of uniform damping.
+
+    In (q, p), p = M q' + G q / 2, where it is Hamiltonian, else in (q, q').
+    """
+    n = system.order
+    zero = _exact(np.zeros((n, n)), context)
+
+    def matrix(value: NDArray[np.float64] | None) -> NDArray[Any]:
+        return zero if value is None else _exact(value, context)
+
+    mass = _exact(np.eye(n) if system.mass is None else system.mass, context)
+    inverse = _inverse(mass, context)
+    stiffness, gyroscopic = matrix(system.stiffness), matrix(system.gyroscopic)
+    series = [_exact(part, context) for z in system.harmonics for part in (z.real, -z.imag)]
+    c = context.mpf(damping)
+    if kind == "hamiltonian":
+        half = gyroscopic / 2
+        mean = np.block(
+            [[-np.dot(inverse, half), inverse],
+             [c * c * mass - stiffness + np.dot(half, np.dot(inverse, half)), -np.dot(half, inverse)]]
+        )  # fmt: skip
+        return mean, [np.block([[zero, zero], [-z, zero]]) for z in series]
+    one = _exact(np.eye(n), context)
+    friction = zero if kind == "reversible" else np.dot(inverse, matrix(system.damping) + gyroscopic)
+    mean = np.block([[zero, one], [c * c * one - np.dot(inverse, stiffness), -friction]])
+    return mean, [np.block([[zero, zero], [-np.dot(inverse, z), zero]]) for z in series]
+
+
+def _scales(size: NDArray[np.float64], paired: bool, w: float) -> NDArray[np.float64]:
+    """Return powers of two by which coordinates are divided: one for all momenta where the map comes in pairs."""
+    if not paired:
+        return ladders.balance(size)
+    n = len(size) // 2
+    lower, upper = float(np.linalg.norm(size[n:, :n])), float(np.linalg.norm(size[:n, n:]))
+    scale = 2.0 ** round(math.log2(max(math.sqrt(lower / upper), 0.01 * w / upper))) if upper > 0.0 else 1.0
+    return np.concatenate([np.ones(n), np.full(n, scale)])
+
+
+def _classified(
+    system: HillSystem | PeriodicSystem, problem: _Problem, found: PeriodMap, error: float, context: Any, cost: Cost
+) -> SystemStability:
+    """Return the verdict that the map over a period allows."""
+    if problem.kind == "general":
+        discs = precise_spectra.eigenvalue_discs(found.matrix, error, context)
+        return classify_multipliers(system, "reference", _logarithms(discs, context) if discs else None, cost=cost)
+    n = len(found.matrix) // 2
+    hamiltonian = problem.kind == "hamiltonian"
+    one = _exact(np.eye(n), context)
+    matrix = pair_matrix(found.matrix) if hamiltonian else (found.matrix[:n, :n] - one) / 2
+    rounding = math.ldexp(n * n * (1.0 + max(float(abs(v)) for v in matrix.flat)), 8 - context.prec)
+    pairs = precise_spectra.eigenvalue_discs(matrix, error + rounding, context)
+    if pairs is None:
+        return classify_pairs(system, "reference", None, cost=cost)
+    full: list[precise_spectra.PreciseDiscs | None] = []
+
+    def krein(cluster: NDArray[np.intp]) -> int:
+        if not full:
+            full.append(precise_spectra.eigenvalue_discs(found.matrix, error, context))
+        return precise_spectra.krein_sign(full[0], pairs, cluster) if full[0] else 0
+
+    limit = context.mpf(problem.damping) * context.mpf(float(system.period))
+    growth = [abs((2 * context.asinh(context.sqrt(y))).real) - limit for y in pairs.values]
+    digits = ManyDigits(
+        np.array([complex(1 + y) for y in pairs.values]),
+        np.array([float(g) for g in growth]),
+        lambda cluster: precise_spectra.discriminant(pairs, cluster),
+    )
+    return classify_pairs(
+        system, "reference", pairs.rounded(), krein=krein if hamiltonian else None, digits=digits, cost=cost
+    )
+
+
+def _logarithms(discs: precise_spectra.PreciseDiscs, context: Any) -> LogDiscs:
+    """Return the logarithms of multipliers, rounded after they are taken."""
+    values, low, high, radii = [], [], [], []
+    for mu, radius in zip(discs.values, discs.radii.tolist(), strict=True):
+        size = abs(mu)
+        values.append(complex(context.log(mu)) if size > 0 else complex(-745.0, 0.0))
+        low.append(float(context.log(size - radius)) if size > radius else -math.inf)
+        high.append(float(context.log(size + radius)))
+        radii.append(-math.log1p(-float(radius / size)) if size > radius else math.inf)
+    return LogDiscs(np.array(values), np.array(low), np.array(high), np.array(radii), discs.clusters)
+
+
+def _exact(matrix: NDArray[np.float64], context: Any) -> NDArray[Any]:
+    """Return doubles as numbers of mpmath."""
+    return np.array([context.mpf(v) for v in matrix.ravel().tolist()], dtype=object).reshape(matrix.shape)
+
+
+def _inverse(matrix: NDArray[Any], context: Any) -> NDArray[Any]:
+    inverse = context.inverse(context.matrix(matrix.tolist()))
+    return np.array(inverse.tolist(), dtype=object).reshape(matrix.shape)

@@ -1,0 +1,122 @@
+"""Multipliers that span many decades: eigenvalues of the cyclic matrix of the maps over segments of the period."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.floquet.systems import ladders, spectra
+from floquetrod.floquet.systems.classification import classify_multipliers, declined, undamped_pairs
+from floquetrod.floquet.systems.ladders import Solutions
+from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.verdict import Cost
+from floquetrod.kernels.system_maps import segment_maps
+
+_FEWEST, _MOST_ROWS = 8, 1000  # segments; rows of the cyclic matrix (a choice: about ten seconds)
+_LARGEST_PHASE = 1e4  # radians in a period (a choice: a second of work)
+_LARGEST_CONDITION = 100.0  # of the map over a segment: rounding then costs two digits (a choice)
+
+
+def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> SystemStability:
+    """Classify by the maps over m segments of the period, without multiplying them.
+
+    The matrix that maps (x_0, ..., x_(m-1)), the states at the beginnings of the segments, to (F_(m-1) x_(m-1), F_0
+    x_0, F_1 x_1, ...) has the m-th roots of the multipliers as its eigenvalues: where the product of the maps holds
+    1e+16 beside 1e-16, it holds 100 beside 0.01 with m = 8.
+
+    Parameters
+    ----------
+    system : HillSystem or PeriodicSystem
+        One whose cyclic matrix has at most 1,000 rows; else the result is undecided.
+    rtol : float
+        Relative error of the map over each segment, from 1e-15 to 1e-3.
+
+    Returns
+    -------
+    SystemStability
+        Its errors are bounds for all maps within the errors of the segments' maps, which are estimates.
+
+    Examples
+    --------
+    >>> system = HillSystem([[-36.0, 0.0], [0.0, 1.0]], cosines=[[[0.3, 0.3], [0.3, 0.3]]])
+    >>> [f"{abs(mu):.4g}" for mu in segmented(system).multipliers]
+    ['2.359e+16', '1.055', '0.9482', '4.239e-17']
+    """
+    rtol = validate.within("rtol", rtol, 1e-15, 1e-3)
+    freed = undamped_pairs(system)
+    subject, damping = freed if freed else (system, 0.0)
+    first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    if _phase(first) > _LARGEST_PHASE:
+        return declined(system, "segmented", Cost(0, "segments"), "the period holds more waves than can be followed")
+    count, solutions = _FEWEST, None
+    while first.order * count <= _MOST_ROWS:
+        maps, errors, scales = _segments(first, count, rtol)
+        if not np.isfinite(maps).all():
+            count *= 8
+            continue
+        excess = math.log(float(np.linalg.cond(maps).max())) / math.log(_LARGEST_CONDITION)
+        if excess <= 1.0:
+            solutions = _solutions(maps, errors, scales)
+            break
+        count = math.ceil(1.1 * excess * count)
+    else:
+        note = f"needs cyclic matrices of more than {_MOST_ROWS} rows"
+        return declined(system, "segmented", Cost(count, "segments"), note)
+    cost = Cost(count, "segments")
+    if solutions is None:
+        return declined(system, "segmented", cost, "the eigenvectors cannot be computed accurately enough")
+    logs = ladders.log_discs(solutions, damping * float(system.period))
+
+    def krein(cluster: NDArray[np.intp]) -> int:
+        return ladders.krein_sign(solutions, cluster)
+
+    hamiltonian = freed is not None and first.structure == "hamiltonian"
+    return classify_multipliers(system, "segmented", logs, krein=krein if hamiltonian else None, cost=cost)
+
+
+def _phase(system: PeriodicSystem) -> float:
+    """Return a bound on the angle that solutions turn by in a period, in balanced coordinates."""
+    sizes = np.abs(system.mean) + np.abs(system.harmonics).sum(axis=0)
+    scales = ladders.balance(sizes)
+    return float(system.period) * float(np.linalg.norm(sizes * scales[None, :] / scales[:, None], 2))
+
+
+def _segments(
+    system: PeriodicSystem, count: int, rtol: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the maps over equal segments in balanced coordinates, their errors in the 2-norm, and the scales."""
+    period = float(system.period)
+    found = segment_maps(system.mean[None], system.harmonics[None], [period], rtol, count)
+    scales = found.scaling[0]
+    ratio = scales[None, :] / scales[:, None]
+    with np.errstate(over="ignore", invalid="ignore"):
+        maps = found.maps[0] * ratio
+        sizes = np.sqrt(np.square(maps).sum(axis=(1, 2)))
+    doubt = system.coefficient_error * system.order * float(ratio.max()) * period / count
+    return maps, found.errors[0] + doubt * sizes, scales
+
+
+def _solutions(maps: NDArray[np.float64], errors: NDArray[np.float64], scales: NDArray[np.float64]) -> Solutions | None:
+    """Return independent Floquet solutions from the eigenvalues of the cyclic matrix."""
+    count, order, _ = maps.shape
+    cyclic = np.zeros((count, order, count, order))
+    for j, one in enumerate(maps):
+        cyclic[(j + 1) % count, :, j] = one
+    discs = spectra.eigenvalue_discs(cyclic.reshape(count * order, count * order), float(errors.max()))
+    if discs is None:
+        return None
+    states = discs.right[:order]
+    chosen = ladders.independent(states, np.abs(np.angle(discs.values)))
+    if chosen is None:
+        return None
+    roots, radii = discs.values[chosen], discs.radii[chosen]
+    with np.errstate(divide="ignore"):
+        relative = np.minimum(radii / np.abs(roots), 1.0)
+        doubts = -count * np.log1p(-relative)
+    states = states[:, chosen] * scales[:, None]
+    logs = ladders.principal(count * np.log(roots))
+    return Solutions(logs, doubts, states / np.linalg.norm(states, axis=0))

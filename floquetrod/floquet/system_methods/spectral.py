@@ -1,0 +1,157 @@
+"""Eigenvalues of Hill's matrix, whose rows are the harmonics of Floquet solutions."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.floquet.systems import counts, ladders, spectra
+from floquetrod.floquet.systems.classification import classify_multipliers, declined, undamped_pairs
+from floquetrod.floquet.systems.ladders import Solutions
+from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.verdict import Cost
+
+_MOST_ROWS = 1000  # of Hill's matrix (a choice: about ten seconds)
+
+
+class _Harmonics(NamedTuple):
+    """A system in first order and balanced coordinates: mean, half amplitudes of its harmonics, and the scales."""
+
+    mean: NDArray[np.float64]
+    halves: NDArray[np.complex128]
+    scales: NDArray[np.float64]
+    period: float
+
+
+def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> SystemStability:
+    """Classify by the eigenvalues of Hill's matrix, and count those of its Hermitian form.
+
+    A solution exp(s t) sum_k p_k exp(i k w t) of x' = A(t) x makes s an eigenvalue of the infinite matrix of blocks
+    A_(j-k) - i k w delta_jk.  It is truncated where the harmonics of the solutions have decayed.  Each solution appears
+    with every s + i k w; of these the one is taken whose harmonics are centred about k = 0.
+
+    *Hamiltonian second-order systems.*  Where the counts N(theta) of `floquetrod.floquet.systems.counts` vary by n they
+    show strong stability, also where multipliers of one Krein sign coincide.
+
+    Parameters
+    ----------
+    system : HillSystem or PeriodicSystem
+        One whose truncated matrix has at most 1,000 rows; else the result is undecided.
+    rtol : float
+        What is neglected of the harmonics, times the largest rate in the system, from 1e-15 to 1e-3.
+
+    Returns
+    -------
+    SystemStability
+        Its errors are estimates: condition numbers of the eigenvalues times rounding and what truncation neglects, and
+        the change to a longer truncation.
+
+    Examples
+    --------
+    >>> spectral(HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]])).strongly_stable
+    True
+    """
+    rtol = validate.within("rtol", rtol, 1e-15, 1e-3)
+    freed = undamped_pairs(system)
+    subject, damping = freed if freed else (system, 0.0)
+    first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    balanced = _balanced(first)
+    solutions, rows = _solutions(balanced, rtol, first.coefficient_error)
+    cost = Cost(rows, "rows")
+    if solutions is None:
+        note = f"needs Hill matrices of more than {_MOST_ROWS} rows, or its solutions cannot be told apart"
+        return declined(system, "spectral", cost, note)
+    logs = ladders.log_discs(solutions, damping * balanced.period)
+    hamiltonian = freed is not None and first.structure == "hamiltonian"
+    counted = None
+    if hamiltonian and isinstance(subject, HillSystem):
+        counted = counts.count_between(subject, solutions.logs.imag)
+
+    def krein(cluster: NDArray[np.intp]) -> int:
+        if counted is not None and counted.strongly_stable:
+            return counted.krein_sign(solutions.logs.imag[cluster])
+        return ladders.krein_sign(solutions, cluster)
+
+    return classify_multipliers(system, "spectral", logs, krein=krein if hamiltonian else None, cost=cost)
+
+
+def _balanced(system: PeriodicSystem) -> _Harmonics:
+    """Return a system in balanced coordinates, powers of two times those it has."""
+    sizes = np.abs(system.mean) + np.abs(system.harmonics).sum(axis=0)
+    scales = ladders.balance(sizes)
+    ratio = scales[None, :] / scales[:, None]
+    return _Harmonics(system.mean * ratio, 0.5 * system.harmonics * ratio, scales, float(system.period))
+
+
+def _solutions(system: _Harmonics, rtol: float, coefficient_error: float) -> tuple[Solutions | None, int]:
+    """Return independent Floquet solutions in the system's own coordinates, and the rows of the last matrix."""
+    w = 2.0 * math.pi / system.period
+    norms = [float(np.linalg.norm(z, 2)) for z in system.halves]
+    rate = float(np.linalg.norm(system.mean, 2)) + 2.0 * sum(norms)
+    fastest = float(np.abs(np.linalg.eigvals(system.mean).imag).max())
+    cut = math.ceil(min(fastest / w, 1e9)) + min(len(norms), 4) + 6
+    order = len(system.mean)
+    rows = 0
+    while order * (2 * cut + 1) <= _MOST_ROWS:
+        rows = order * (2 * cut + 1)
+        found = _truncated(system, cut, norms, coefficient_error)
+        if found is None:
+            return None, rows
+        solutions, neglected = found
+        if neglected <= max(rtol, 1e-15) * rate:
+            return _compared(system, solutions, cut), rows
+        cut += 4 + cut // 4
+    return None, rows
+
+
+def _compared(system: _Harmonics, solutions: Solutions, cut: int) -> Solutions:
+    """Return solutions with the change to a longer truncation added to their errors."""
+    longer = np.linalg.eigvals(_hill_matrix(system, cut + 2)).astype(np.complex128) * system.period
+    change = ladders.distances(solutions.logs, longer).min(axis=1)
+    return solutions._replace(radii=solutions.radii + change)
+
+
+def _truncated(
+    system: _Harmonics, cut: int, norms: list[float], coefficient_error: float
+) -> tuple[Solutions, float] | None:
+    """Return the solutions of a truncated matrix and the largest residual that truncation leaves, None where few."""
+    order, count = len(system.mean), 2 * cut + 1
+    worst = float((system.scales[None, :] / system.scales[:, None]).max())
+    discs = spectra.eigenvalue_discs(_hill_matrix(system, cut), coefficient_error * order * worst)
+    if discs is None:
+        return None
+    harmonics = discs.right.reshape(count, order, -1)
+    weights = np.square(np.abs(harmonics)).sum(axis=1)
+    centre = np.abs(np.arange(-cut, cut + 1) @ weights)
+    near = np.flatnonzero(centre < 0.5 * cut)
+    chosen = ladders.independent(harmonics.sum(axis=0)[:, near], centre[near])
+    if chosen is None:
+        return None
+    chosen = near[chosen]
+    neglected = np.zeros(order)
+    for m, norm in enumerate(norms, start=1):
+        outer = weights[:m, chosen].sum(axis=0) + weights[max(count - m, 0) :, chosen].sum(axis=0)
+        neglected += norm * np.sqrt(outer)
+    conditions = np.linalg.norm(discs.left[chosen], axis=1)
+    radii = (discs.radii[chosen] + conditions * neglected) * system.period
+    states = harmonics.sum(axis=0)[:, chosen] * system.scales[:, None]
+    states = states / np.linalg.norm(states, axis=0)
+    logs = ladders.principal(discs.values[chosen] * system.period)
+    return Solutions(logs, radii, states), float(neglected.max())
+
+
+def _hill_matrix(system: _Harmonics, cut: int) -> NDArray[np.complex128]:
+    """Return the block of Hill's matrix of the harmonics -cut to cut."""
+    order, w = len(system.mean), 2.0 * math.pi / system.period
+    result = np.zeros((2 * cut + 1, order, 2 * cut + 1, order), dtype=np.complex128)
+    for j in range(2 * cut + 1):
+        result[j, :, j] = system.mean - 1j * w * (j - cut) * np.eye(order)
+        for m, half in enumerate(system.halves[: 2 * cut - j], start=1):
+            result[j + m, :, j] = half
+            result[j, :, j + m] = half.conj()
+    return result.reshape((2 * cut + 1) * order, (2 * cut + 1) * order)

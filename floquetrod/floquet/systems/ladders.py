@@ -1,0 +1,113 @@
+"""One exponent of each ladder s + i k w: what eigenvalues of Hill's and of cyclic matrices leave to choose.
+
+Each Floquet solution appears many times among such eigenvalues, once for each way of writing it, and the solutions'
+states at one instant tell which eigenvalues stand for independent ones.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.floquet.systems.classification import LogDiscs
+from floquetrod.floquet.systems.symplectic import symplectic_unit
+
+_LEAST_SINE = 1e-6  # of the angle between a state and those before it, below which it is one of them (a choice)
+_ROUNDING = 1e-12  # of a form on a subspace, computed in doubles
+
+
+class Solutions(NamedTuple):
+    """Independent Floquet solutions.
+
+    Attributes
+    ----------
+    logs : ndarray (N,) of complex
+        Logarithms of the multipliers, their imaginary parts from -pi to pi.
+    radii : ndarray (N,)
+        Errors of the logarithms.
+    states : ndarray (N, N) of complex
+        States at one instant, unit columns.
+    """
+
+    logs: NDArray[np.complex128]
+    radii: NDArray[np.float64]
+    states: NDArray[np.complex128]
+
+
+def independent(states: NDArray[np.complex128], distance: NDArray[np.float64]) -> NDArray[np.intp] | None:
+    """Return as many columns as rows that are independent, those of the smallest ``distance`` first; None where few."""
+    order = len(states)
+    states = states / np.maximum(np.linalg.norm(states, axis=0), 1e-300)
+    basis = np.zeros((order, 0), dtype=np.complex128)
+    chosen: list[int] = []
+    for i in np.argsort(distance, kind="stable").tolist():
+        rest = states[:, i] - basis @ (basis.conj().T @ states[:, i])
+        size = float(np.linalg.norm(rest))
+        if size > _LEAST_SINE:
+            rest = rest / size
+            rest = rest - basis @ (basis.conj().T @ rest)
+            basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
+            chosen.append(i)
+            if len(chosen) == order:
+                return np.array(chosen, dtype=np.intp)
+    return None
+
+
+def principal(logs: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Return logarithms with imaginary parts from -pi to pi."""
+    return np.asarray(logs.real + 1j * (math.pi - np.remainder(math.pi - logs.imag, 2.0 * math.pi)))
+
+
+def distances(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Return distances of logarithms from each other, multiples of 2 pi i aside."""
+    gap = one[:, None] - other[None, :]
+    turned = np.remainder(gap.imag + math.pi, 2.0 * math.pi) - math.pi
+    return np.asarray(np.hypot(gap.real, turned))
+
+
+def log_discs(solutions: Solutions, shift: float) -> LogDiscs:
+    """Return discs about logarithms less ``shift``, those that touch in clusters.
+
+    A multiplier of a real system whose disc meets the real axis and no other disc is real.
+    """
+    from scipy.sparse.csgraph import connected_components
+
+    logs, radii = solutions.logs, solutions.radii
+    near = distances(logs, logs) <= radii[:, None] + radii[None, :]
+    count, labels = connected_components(near, directed=False)
+    clusters = tuple(np.flatnonzero(labels == label) for label in range(count))
+    values = logs - shift
+    for i in (int(cluster[0]) for cluster in clusters if len(cluster) == 1):
+        if abs(logs[i].imag) <= radii[i]:
+            values[i] = values[i].real
+        elif math.pi - abs(logs[i].imag) <= radii[i]:
+            values[i] = values[i].real + 1j * math.pi
+    return LogDiscs(values, values.real - radii, values.real + radii, radii, clusters)
+
+
+def krein_sign(solutions: Solutions, cluster: NDArray[np.intp]) -> int:
+    """Return the Krein sign of a cluster on the circle of a system in canonical coordinates; 0 where it is not sure."""
+    logs, radii, states = solutions
+    left = np.linalg.inv(states)
+    conditions = np.linalg.norm(left, axis=1)
+    others = np.setdiff1d(np.arange(len(logs)), cluster)
+    slack = _ROUNDING
+    if len(others):
+        gap = float(distances(logs[cluster], logs[others]).min())
+        error = float((radii / conditions).max())
+        size = math.sqrt(len(cluster)) * float(np.linalg.norm(left[cluster]) * np.linalg.norm(left[others]))
+        slack += 2.0 * size * error / max(gap, 5e-324)
+    basis = np.linalg.qr(states[:, cluster])[0]
+    values = np.linalg.eigvalsh(basis.conj().T @ (-1j * symplectic_unit(len(logs) // 2)) @ basis)
+    return 1 if values[0] > slack else -1 if values[-1] < -slack else 0
+
+
+def balance(sizes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return powers of two d that make diag(1/d) A diag(d) about balanced, for magnitudes of the entries of A."""
+    from scipy.linalg import matrix_balance
+
+    floor = 1e-12 * float(sizes.max()) if sizes.any() else 1.0  # entries that vanish would take the scales to infinity
+    return np.asarray(matrix_balance(np.maximum(sizes, floor), permute=False, separate=True)[1][0])

@@ -1,0 +1,140 @@
+"""Eigenvalues with errors, to many digits: what `spectra` does in doubles, for the method `reference`."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.floquet.systems.spectra import Discs
+from floquetrod.floquet.systems.symplectic import symplectic_unit
+
+
+class PreciseDiscs(NamedTuple):
+    """Eigenvalues as in `Discs`; all entries are numbers of mpmath but those of ``radii``.
+
+    Attributes
+    ----------
+    values, right, left, error : as in Discs
+        ``error`` is a double; it is not zero.
+    radii : ndarray (n,)
+        Doubles, rounded up.
+    clusters : tuple of ndarray of int
+        Indices of the eigenvalues whose discs touch.
+    size : float
+        Norm of the matrix.
+    """
+
+    values: NDArray[Any]
+    radii: NDArray[np.float64]
+    clusters: tuple[NDArray[np.intp], ...]
+    right: NDArray[Any]
+    left: NDArray[Any]
+    error: float
+    size: float
+
+    def rounded(self) -> Discs:
+        """Return values, radii and clusters as doubles; the vectors are left out."""
+        nothing = np.zeros((0, 0), dtype=np.complex128)
+        values = self.values.astype(np.complex128)
+        return Discs(values, self.radii, self.clusters, nothing, nothing, self.error, nothing)
+
+
+def eigenvalue_discs(matrix: NDArray[Any], error: float, context: Any) -> PreciseDiscs | None:
+    """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``; None where eigenvectors fail."""
+    n = len(matrix)
+    size = math.sqrt(sum(float(abs(v)) ** 2 for v in matrix.flat))
+    total = 1.001 * error + math.ldexp(64.0 * n * n * (size + 1e-300), -context.prec)
+    if not math.isfinite(total):
+        return None
+    try:
+        found, vectors = context.eig(context.matrix(matrix.tolist()))
+        right = _array(vectors)
+        lengths = [context.sqrt(sum(abs(v) ** 2 for v in column)) for column in right.T]
+        right = right / np.array(lengths, dtype=object)
+        left = _array(context.inverse(context.matrix(right.tolist())))
+    except (ZeroDivisionError, RuntimeError):  # eigenvectors in one direction; an iteration that does not converge
+        return None
+    values = np.array(list(found), dtype=object)
+    conditions = np.array([_norm(row) for row in left])
+    doubt = math.ldexp(n * n * _norm(left.ravel()), -context.prec)
+    if not doubt < 0.1:
+        return None
+    radii = n * conditions * total * (1.0 + 2.0 * doubt)
+    gaps = np.array([[float(abs(a - b)) for b in values] for a in values]).reshape(n, n)
+    clusters = _touching(gaps, radii)
+    for cluster in clusters:
+        if len(cluster) == 1 and n > 1:
+            i, others = cluster[0], np.arange(n) != cluster[0]
+            share = float((conditions[others] * total / (gaps[i, others] - radii[others] - radii[i])).max())
+            if share < 1.0:
+                radii[i] = conditions[i] * total * (1.0 + (n - 1) * share) * (1.0 + 2.0 * doubt)
+    return PreciseDiscs(values, radii, clusters, right, left, total, size)
+
+
+def discriminant(discs: PreciseDiscs, cluster: NDArray[np.intp]) -> tuple[float, float]:
+    """Return ((z1 - z2) / 2)^2 of a real matrix's cluster of two, and its error, far smaller than that of z1 and z2."""
+    half = (discs.values[cluster[0]] - discs.values[cluster[1]]) / 2
+    error = 4.0 * _norm(np.dot(discs.right[:, cluster], discs.left[cluster]).ravel()) * discs.error
+    value = float((half * half).real)
+    return value, error * (4.0 * discs.size + 2.0 * error) + 1e-15 * abs(value)
+
+
+def krein_sign(full: PreciseDiscs, pairs: PreciseDiscs, cluster: NDArray[np.intp]) -> int:
+    """Return the Krein sign of those multipliers on the upper half of the circle that a cluster of y stands for."""
+    upper = np.flatnonzero([v.imag > 0 for v in full.values])
+    owners = [min(range(len(pairs.values)), key=lambda i: abs(_pair_number(mu) - pairs.values[i])) for mu in
+              full.values[upper]]  # fmt: skip
+    members = upper[np.isin(owners, cluster)]
+    if len(members) != len(cluster):
+        return 0
+    basis = _orthonormal(full.right[:, members])
+    form = basis.conj().T @ (-1j * symplectic_unit(len(pairs.values))) @ basis
+    values = np.linalg.eigvalsh(form)
+    slack = 1e-12 + 2.0 * _subspace_error(full, members)  # the form is computed in doubles
+    return 1 if values[0] > slack else -1 if values[-1] < -slack else 0
+
+
+def _pair_number(mu: Any) -> Any:
+    return (mu - 1) ** 2 / (4 * mu)
+
+
+def _orthonormal(columns: NDArray[Any]) -> NDArray[np.complex128]:
+    """Return an orthonormal basis of what columns span, orthogonalised before they are rounded to doubles."""
+    found: list[NDArray[Any]] = []
+    for column in columns.T:
+        for _ in range(2):
+            for other in found:
+                overlap = sum(v.conjugate() * x for v, x in zip(other, column, strict=True))
+                column = column - overlap * other
+        found.append(column / sum(abs(v) ** 2 for v in column) ** 0.5)
+    return np.array(found, dtype=object).T.astype(np.complex128)
+
+
+def _subspace_error(discs: PreciseDiscs, members: NDArray[np.intp]) -> float:
+    """Return about how far, as an angle, the true invariant subspace of some eigenvalues may be."""
+    others = np.setdiff1d(np.arange(len(discs.values)), members)
+    if not len(others):
+        return 0.0
+    gap = min(float(abs(discs.values[i] - discs.values[j])) for i in members for j in others)
+    size = _norm(discs.left[members].ravel()) * math.sqrt(len(members)) * _norm(discs.left[others].ravel())
+    return size * discs.error / gap if gap > 0.0 else math.inf
+
+
+def _touching(gaps: NDArray[np.float64], radii: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
+    """Return the connected sets of discs."""
+    from scipy.sparse.csgraph import connected_components
+
+    count, labels = connected_components(gaps <= radii[:, None] + radii[None, :], directed=False)
+    return tuple(np.flatnonzero(labels == label) for label in range(count))
+
+
+def _norm(numbers: NDArray[Any]) -> float:
+    return math.sqrt(sum(float(abs(v)) ** 2 for v in numbers))
+
+
+def _array(matrix: Any) -> NDArray[Any]:
+    """Return a matrix of mpmath as an array."""
+    return np.array(matrix.tolist(), dtype=object).reshape(matrix.rows, matrix.cols)

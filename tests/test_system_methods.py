@@ -1,0 +1,388 @@
+"""Every method for systems against the truth, the scalar methods, an independent integrator, and every other."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+import floquetrod as fr
+from floquetrod.floquet.system_methods import reference, segmented, spectral
+from floquetrod.floquet.systems import counts, extrapolation
+from strategies import numbers
+from system_cases import CASES, coupled, wide
+
+METHODS = {"segmented": segmented, "spectral": spectral, "reference": reference}
+System = fr.HillSystem | fr.PeriodicSystem
+
+
+def random_matrix(seed: np.random.Generator, n: int, size: float, symmetric: bool = True) -> np.ndarray:
+    matrix = seed.uniform(-size, size, (n, n))
+    return 0.5 * (matrix + matrix.T) if symmetric else matrix
+
+
+@st.composite
+def systems(
+    draw: st.DrawFn, kinds: tuple[str, ...] = ("hamiltonian", "reversible", "damped", "gyroscopic", "first")
+) -> System:
+    """Systems of one to three equations of every structure, of moderate growth over a period."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    kind, n = draw(st.sampled_from(kinds)), draw(st.integers(1, 3))
+    period = float(rng.uniform(1.0, 4.0))
+    stiffness = np.diag(rng.uniform(-0.3, 6.0, n)) + random_matrix(rng, n, 0.5, kind != "reversible")
+    waves = [random_matrix(rng, n, size, kind != "reversible") for size in (0.8, 0.3)]
+    factor = rng.uniform(-0.4, 0.4, (n, n))
+    mass = np.eye(n) + factor @ factor.T
+    if kind == "first":
+        return fr.PeriodicSystem(
+            rng.uniform(-1.0, 1.0, (n, n)),
+            [rng.uniform(-0.5, 0.5, (n, n))],
+            [rng.uniform(-0.5, 0.5, (n, n))],
+            period=period,
+        )
+    if kind == "reversible":
+        return fr.HillSystem(stiffness, waves, mass=mass, period=period)
+    if kind == "damped":
+        damping = factor @ factor.T
+        return fr.HillSystem(stiffness, waves, [waves[0] * 0.5], mass=mass, damping=damping, period=period)
+    gyroscopic = factor - factor.T if kind == "gyroscopic" else None
+    return fr.HillSystem(stiffness, waves, [waves[1] * 0.5], mass=mass, gyroscopic=gyroscopic, period=period)
+
+
+def off(one: complex, other: complex, period: float) -> float:
+    """Distance of exponents, times the period, whole turns aside."""
+    gap = (one - other) * period
+    return math.hypot(gap.real, (gap.imag + math.pi) % (2.0 * math.pi) - math.pi)
+
+
+def check_exponents(one: Any, exponents: Any, errors: Any, slack: float) -> None:
+    """Assert that each exponent has another within the errors of both."""
+    period = one.period
+    for exponent, error in zip(one.exponents, one.exponent_errors, strict=True):
+        gaps = [off(exponent, e, period) - r * period for e, r in zip(exponents, errors, strict=True)]
+        assert min(gaps) <= error * period + slack, (one, exponent, exponents)
+
+
+def check_agreement(one: Any, truth: Any, slack: float = 1e-13) -> None:
+    assert {one.status, truth.status} != {"stable", "unstable"}, (one, truth)
+    if one.exponents and truth.exponents:
+        check_exponents(one, truth.exponents, truth.exponent_errors, slack)
+    signs = (
+        {a * b for a, b in zip(sorted(one.krein_signs), sorted(truth.krein_signs), strict=True)}
+        if one.krein_signs
+        else {0}
+    )
+    if 0 not in one.krein_signs and 0 not in truth.krein_signs:
+        assert signs == {1}, (one, truth)
+
+
+# --- truth -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("case", CASES)
+def test_truth(case: str, method: str) -> None:
+    system, growth, status = CASES[case]
+    result = METHODS[method](system)
+    assert result.status == status, result
+    assert max(e.real for e in result.exponents) == pytest.approx(growth, abs=1e-10)
+    assert result.error < 1e-9
+    assert bool(result.resonances) == (status == "unstable")
+    if growth == 0.0:
+        assert result.strongly_stable
+        assert 0 not in result.krein_signs
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_decades_are_kept(method: str) -> None:
+    result = METHODS[method](wide())
+    sizes = [abs(mu) for mu in result.multipliers]
+    assert sizes[1:3] == pytest.approx([1.0546448116136429, 0.9481865259166882], rel=1e-10)
+    assert math.prod(sizes) == pytest.approx(1.0, rel=1e-8)
+    assert sizes[0] > 1e16
+    assert result.error < 1e-9
+
+
+# --- one equation ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("method", METHODS)
+@settings(max_examples=15)
+@given(
+    mean=numbers(-2.0, 1.0),
+    waves=st.lists(st.tuples(numbers(-2.0, 2.0), numbers(-2.0, 2.0)), min_size=1, max_size=2),
+    damping=st.just(0.0) | st.floats(1e-3, 0.3),
+)
+def test_one_equation_is_the_scalar_one(
+    method: str, mean: float, waves: list[tuple[float, float]], damping: float
+) -> None:
+    period = 3.0
+    cosines, sines = zip(*waves, strict=True)
+    scalar = fr.stability(fr.Hill(mean, cosines, sines, damping=damping, period=period), method="reference")
+    system = fr.HillSystem(
+        [[-mean]],
+        [[[-a]] for a in cosines],
+        [[[-b]] for b in sines],
+        damping=[[2.0 * damping]] if damping else None,
+        period=period,
+    )
+    result = METHODS[method](system)
+    assert {result.status, scalar.status} != {"stable", "unstable"}, (result, scalar)
+    if method == "reference" and mean != 0.0:
+        assert result.status == scalar.status
+    # Near a boundary exponents feel the square root of the scalar's error.
+    check_exponents(result, scalar.exponents, [2.0 * math.sqrt(scalar.error)] * 2, 1e-12)
+    if scalar.status == "unstable" and method == "reference":
+        assert result.growth_rate == pytest.approx(scalar.growth_rate, rel=1e-9, abs=1e-15)
+
+
+# --- against each other and another integrator -----------------------------------------------------------------------
+
+
+@settings(max_examples=25)
+@given(systems())
+def test_methods_agree(system: System) -> None:
+    truth = reference(system)
+    assert truth.error < 1e-14 or truth.status == "undecided"
+    for method in (segmented, spectral):
+        check_agreement(method(system), truth)
+
+
+@settings(max_examples=8)
+@given(systems())
+def test_reference_is_what_an_integrator_finds(system: System) -> None:
+    first = system.as_periodic_system() if isinstance(system, fr.HillSystem) else system
+    n, period = first.order, float(first.period)
+
+    def slope(t: float, x: np.ndarray) -> np.ndarray:
+        return np.asarray((first.coefficient(t) @ x.reshape(n, n)).ravel())
+
+    found = solve_ivp(slope, (0.0, period), np.eye(n).ravel(), method="DOP853", rtol=1e-12, atol=1e-13)
+    expected = np.poly(found.y[:, -1].reshape(n, n))
+    got = np.poly(np.array(reference(system).multipliers))
+    assert got == pytest.approx(expected, rel=1e-8, abs=1e-8 * np.abs(expected).max())
+
+
+# --- what is known of every system -----------------------------------------------------------------------------------
+
+
+def turned(system: System, phase: float) -> System:
+    """Return the system later by a phase."""
+    series = [z * np.exp(1j * k * phase) for k, z in enumerate(system.harmonics, start=1)]
+    cosines, sines = [z.real for z in series], [-z.imag for z in series]
+    if isinstance(system, fr.PeriodicSystem):
+        return fr.PeriodicSystem(system.mean, cosines, sines, period=system.period)
+    return fr.HillSystem(
+        system.stiffness,
+        cosines,
+        sines,
+        mass=system.mass,
+        damping=system.damping,
+        gyroscopic=system.gyroscopic,
+        period=system.period,
+    )
+
+
+def check_spectra(one: Any, other: Any, sign: float = 1.0) -> None:
+    """Assert that two systems have the same multipliers, or inverse ones, as far as rounded coefficients allow."""
+    size = max(abs(e) for e in one.exponents) + 1.0
+    slack = 1e-13 * size * one.period
+    close = [off(a, b, one.period) for a in one.exponents for b in one.exponents if a is not b]
+    if min(close, default=1.0) < 1e-2:  # near a double multiplier changes grow
+        slack = math.sqrt(slack)
+    errors = other.exponent_errors
+    check_exponents(one, [sign * e for e in other.exponents], errors, 10.0 * slack)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@settings(max_examples=6)
+@given(system=systems(), phase=st.floats(0.1, 6.0))
+def test_time_may_begin_anywhere(method: str, system: System, phase: float) -> None:
+    check_spectra(METHODS[method](system), METHODS[method](turned(system, phase)))
+
+
+@pytest.mark.parametrize("method", METHODS)
+@settings(max_examples=6)
+@given(system=systems(), seed=st.integers(0, 2**32))
+def test_coordinates_do_not_matter(method: str, system: System, seed: int) -> None:
+    first = system.as_periodic_system() if isinstance(system, fr.HillSystem) else system
+    change = np.eye(first.order) + np.random.default_rng(seed).uniform(-0.3, 0.3, (first.order, first.order))
+
+    def seen(matrix: np.ndarray) -> np.ndarray:
+        return np.asarray(np.linalg.solve(change, matrix @ change))
+
+    other = fr.PeriodicSystem(
+        seen(first.mean), [seen(m) for m in first.cosines], [seen(m) for m in first.sines], period=first.period
+    )
+    check_spectra(METHODS[method](other), METHODS[method](system))
+
+
+@pytest.mark.parametrize("method", METHODS)
+@settings(max_examples=6)
+@given(system=systems(("first",)))
+def test_backward_time_inverts_multipliers(method: str, system: fr.PeriodicSystem) -> None:
+    backward = fr.PeriodicSystem(
+        -system.mean, [-m for m in system.cosines], [m.copy() for m in system.sines], period=system.period
+    )
+    check_spectra(METHODS[method](backward), METHODS[method](system), -1.0)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@settings(max_examples=10)
+@given(system=systems())
+def test_exponents_sum_to_the_trace(method: str, system: System) -> None:
+    first = system.as_periodic_system() if isinstance(system, fr.HillSystem) else system
+    result = METHODS[method](system)
+    total = sum(result.exponents).real
+    assert total == pytest.approx(float(np.trace(first.mean)), abs=sum(result.exponent_errors) + 1e-12)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@settings(max_examples=10)
+@given(system=systems(("hamiltonian", "reversible", "gyroscopic")))
+def test_multipliers_come_in_pairs(method: str, system: fr.HillSystem) -> None:
+    result = METHODS[method](system)
+    check_exponents(result, [-e for e in result.exponents], result.exponent_errors, 1e-12)
+
+
+# --- double multipliers and points beside boundaries -----------------------------------------------------------------
+
+
+def identical(n: int = 3) -> fr.HillSystem:
+    """Return equal Mathieu equations, seen in other coordinates."""
+    rotation = np.linalg.qr(np.arange(n * n).reshape(n, n) + np.eye(n))[0]
+    mass = rotation @ np.diag([1.0, 2.0, 4.0][:n]) @ rotation.T
+    mass = 0.5 * (mass + mass.T)
+    return fr.HillSystem(1.25 * mass, [0.25 * mass], mass=mass)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_identical_oscillators_are_strongly_stable(method: str) -> None:
+    result = METHODS[method](identical())
+    assert (result.status, result.strongly_stable) == ("stable", True), result
+    assert sorted(result.krein_signs) == [-1, -1, -1, 1, 1, 1]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_collision_of_unlike_signs_is_never_stable(method: str) -> None:
+    # Two equal oscillators, one of negative energy, and nothing couples them: each multiplier is double, of both signs.
+    mean = np.array([[0, 0, 1, 0], [0, 0, 0, -1], [-1.3, 0, 0, 0], [0, 1.3, 0, 0]], dtype=float)
+    wave = np.array([[0, 0, 0, 0], [0, 0, 0, 0], [0.4, 0, 0, 0], [0, -0.4, 0, 0]], dtype=float)
+    system = fr.PeriodicSystem(mean, [wave])
+    assert system.structure == "hamiltonian"
+    result = METHODS[method](system)
+    assert (result.status, result.strongly_stable) == ("undecided", None), result
+    assert max(abs(e.real) for e in result.exponents) < 1e-6
+
+
+def test_reference_decides_where_doubles_cannot() -> None:
+    # A sum resonance of strength e grows at e / (4 sqrt 2) when its detuning is smaller: the period is a double, and
+    # w is off 3 by 1e-16.  Such growth is beyond what eigenvalues of a map in doubles can show.
+    strong, weak = (reference(coupled(3.0, strength=strength)) for strength in (1e-12, 1e-18))
+    assert strong.status == "unstable"
+    assert strong.growth_rate == pytest.approx(1e-12 / math.sqrt(32.0), rel=1e-6)
+    assert weak.status == "stable"
+    assert weak.strongly_stable
+    assert fr.stability(coupled(3.0, strength=1e-12), method="monodromy").status == "undecided"
+
+
+def test_reference_decides_beside_every_kind_of_boundary() -> None:
+    # The least beta of a double at which the equation is on one side, and its neighbour on the other; mu is -1 or +1.
+    for curve in (-0.25, -1.0):
+        low, high = curve - 0.05, curve + 0.05
+        statuses = {x: reference(fr.HillSystem([[-x]], [[[-0.02]]])).status for x in (low, curve)}
+        assert statuses == {low: "stable", curve: "unstable"}
+        high = curve
+        while np.nextafter(low, 1.0) < high:
+            middle = 0.5 * (low + high)
+            inside = reference(fr.HillSystem([[-middle]], [[[-0.02]]]))
+            assert inside.status != "undecided"
+            low, high = (low, middle) if inside.status == "unstable" else (middle, high)
+
+
+def test_reference_compares_growth_with_uniform_damping() -> None:
+    c = reference(coupled(3.0)).growth_rate
+    for _ in range(8):  # to the damping that growth balances
+        c += max(e.real for e in reference(coupled(3.0, (c, c))).exponents)
+    net = []
+    for change in range(-3, 4):
+        here = c * (1.0 + change * 2.0**-52)
+        result = reference(coupled(3.0, (here, here)))
+        assert result.status != "undecided"
+        assert result.error < 1e-25
+        net.append(max(e.real for e in result.exponents))
+        assert (result.status == "unstable") == (net[-1] > 0.0)
+    assert net == sorted(net, reverse=True)
+    assert net[0] > 0.0 > net[-1]
+    assert max(map(abs, net)) < 1e-16
+
+
+def test_counts_tell_krein_signs() -> None:
+    system = coupled(1.0)
+    angles = np.array([e.imag for e in reference(system).exponents]) * system.period
+    found = counts.count_between(system, angles)
+    assert found is not None
+    assert found.strongly_stable
+    assert [found.krein_sign(np.array([a])) for a in angles] == list(reference(system).krein_signs)
+    unstable = coupled(3.0)
+    found = counts.count_between(unstable, np.array([e.imag for e in reference(unstable).exponents]) * unstable.period)
+    assert found is not None
+    assert not found.strongly_stable
+
+
+@settings(max_examples=10)
+@given(systems(("hamiltonian", "gyroscopic")))
+def test_counts_agree_with_multipliers(system: fr.HillSystem) -> None:
+    result = reference(system)
+    found = counts.count_between(system, np.array([e.imag for e in result.exponents]) * system.period)
+    assert found is not None
+    if result.status == "unstable":
+        assert not found.strongly_stable
+    elif found.strongly_stable:
+        assert result.strongly_stable
+
+
+# --- errors and refusals ---------------------------------------------------------------------------------------------
+
+
+def test_weights_extrapolate() -> None:
+    for first in (0, 1):
+        weights = extrapolation._weights(6, first)
+        assert sum(weights) == 1
+        for power in range(1, 5):
+            assert sum(w / (j + first + 1) ** (2 * power) for j, w in enumerate(weights)) == 0
+
+
+@pytest.mark.parametrize("digits", [10, 40, 70])
+def test_the_stated_error_of_the_map_covers_fewer_digits(digits: int) -> None:
+    few, many = reference(coupled(3.0), digits=digits), reference(coupled(3.0), digits=digits + 30)
+    assert few.error < 10.0 ** (3 - digits)
+    check_exponents(few, many.exponents, many.exponent_errors, 1e-15)
+
+
+@pytest.mark.parametrize(
+    ("method", "options", "name"),
+    [
+        (reference, {"digits": 5}, "digits"),
+        (reference, {"digits": 2.5}, "digits"),
+        (spectral, {"rtol": 1.0}, "rtol"),
+        (segmented, {"rtol": 0.0}, "rtol"),
+    ],
+)
+def test_options_are_checked(method: Any, options: dict[str, Any], name: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=name):
+        method(coupled(3.0), **options)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_too_much_work_is_declined(method: str) -> None:
+    system = fr.HillSystem(np.diag([1e12, 2e12]), [np.full((2, 2), -1e12)], period=1.0)
+    result = METHODS[method](system)
+    assert result.status == "undecided"
+    assert result.note
+    assert not result.exponents
