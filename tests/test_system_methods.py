@@ -386,3 +386,11 @@ def test_too_much_work_is_declined(method: str) -> None:
     assert result.status == "undecided"
     assert result.note
     assert not result.exponents
+
+
+def test_a_single_sine_is_reversible_about_a_quarter_of_the_period() -> None:
+    system = fr.HillSystem([[1.0, 0.2], [-0.1, 4.0]], sines=[[[0.3, 0.5], [0.1, 0.2]]], period=2.0)
+    assert system.structure == "reversible"
+    truth = reference(system)
+    for method in (segmented, spectral):
+        check_agreement(method(system), truth)

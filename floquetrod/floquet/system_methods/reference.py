@@ -29,7 +29,7 @@ from floquetrod.floquet.systems.symplectic import pair_matrix
 from floquetrod.floquet.verdict import Cost
 
 _MOST_DIGITS = 120  # to which digits are raised while the verdict is open
-_LARGEST_WORK = 3e8  # products of entries, times their cost: about ten seconds (heuristic)
+_LARGEST_WORK = 5e7  # products of entries, times their cost: about ten seconds (measured)
 _SETTLED = 1e-13  # relative error of the multipliers: more digits than a double's are of no use
 _MOST_TRIES = 4  # of a number of steps
 
