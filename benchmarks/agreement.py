@@ -2,10 +2,11 @@
 
 python -m benchmarks.agreement [number of equations] [seed]
 
-Two results for one equation may differ in two ways, and each method states how far it answers for both.  Discriminants
-may differ by the sum of the errors stated.  Verdicts may differ where one of the methods says that it cannot see what
-the other saw: leapfrog's test is blind to slow growth and takes for real what too long a step makes of a motion that
-is stable; a square wave is only like a sine.  What differs by more than that is a fault, and there must be none.
+Two results for one equation may differ in two ways, and each method states how far it answers for both.  Discriminants,
+and exponents of systems, may differ by the sum of the errors stated.  Verdicts may differ where one of the methods says
+that it cannot see what the other saw: leapfrog's test is blind to slow growth and takes for real what too long a step
+makes of a motion that is stable; a square wave is only like a sine.  What differs by more than that is a fault, and
+there must be none.
 """
 
 from __future__ import annotations
@@ -20,7 +21,10 @@ from typing import Any
 
 import floquetrod as fr
 from benchmarks.measure import Row
-from floquetrod.floquet.dispatch import EQUATIONS
+from floquetrod.floquet.dispatch import family_of
+from floquetrod.floquet.systems.result import SystemStability
+
+Result = fr.Stability | SystemStability
 
 BLIND = 1.25 * math.log(1e6) / 100.0  # growth over a period that leapfrog's 100 may miss, up to the factor it names
 
@@ -38,13 +42,14 @@ class Pair:
     faults : list
         The pairs of results that differ by more than is stated, in verdict or discriminant.
     largest : float
-        Largest difference of discriminants, relative to max(1, abs(discriminant)); approximations are left out.
+        Largest difference of discriminants, relative to max(1, abs(discriminant)), approximations left out; of systems,
+        of growth over a period.
     """
 
     agree: int = 0
     undecided: int = 0
     stated: int = 0
-    faults: list[tuple[fr.Stability, fr.Stability]] = field(default_factory=list)
+    faults: list[tuple[Result, Result]] = field(default_factory=list)
     largest: float = 0.0
 
     @property
@@ -61,7 +66,7 @@ class Matrix:
     seconds: dict[str, list[float]]
 
     @property
-    def faults(self) -> list[tuple[fr.Stability, fr.Stability]]:
+    def faults(self) -> list[tuple[Result, Result]]:
         """All pairs of results that differ by more than is stated."""
         return [fault for pair in self.pairs.values() for fault in pair.faults]
 
@@ -89,6 +94,18 @@ def draw(number: int, seed: int) -> list[Any]:
         st.square_waves(largest_damping=0.3),
         st.hills(largest=10.0, largest_damping=0.3),
     ]
+    return _drawn(kinds, number, seed)
+
+
+def draw_systems(number: int, seed: int) -> list[Any]:
+    """Return ``number`` systems of equations drawn by the strategy of the property tests: every structure."""
+    from tests import strategies as st
+
+    kinds = ("hamiltonian", "reversible", "damped", "gyroscopic", "first")
+    return _drawn([st.systems(kinds=(kind,)) for kind in kinds], number, seed)
+
+
+def _drawn(kinds: Sequence[Any], number: int, seed: int) -> list[Any]:
     share = math.ceil(number / len(kinds))
     return [equation for kind in kinds for equation in _examples(kind, share, seed)][:number]
 
@@ -116,15 +133,16 @@ def _examples(strategy: Any, number: int, seed: int) -> Iterator[Any]:
 
 def matrix(equations: Sequence[Any]) -> Matrix:
     """Judge every equation by every method that applies and compare the results pair by pair."""
-    kinds = fr.Mathieu(0.5, -0.2), fr.Meissner(0.5, -0.2), fr.Hill(-0.2, cosines=(0.5,))
-    pairs = {
-        (one, other): Pair()
-        for one, other in combinations(EQUATIONS.methods, 2)
-        if any(EQUATIONS.methods[one](kind) and EQUATIONS.methods[other](kind) for kind in kinds)
-    }
-    seconds: dict[str, list[float]] = {name: [] for name in EQUATIONS.methods}
-    for kind in (fr.Mathieu(0.5, -0.3), fr.Meissner(0.5, -0.3), fr.Hill(-0.3, (0.5,), (0.1,))):
-        fr.compare(kind)  # machine code is loaded before anything is timed
+    families = [family_of(equation) for equation in equations]
+    names = dict.fromkeys(name for family in families for name in family.methods)
+    applying = [
+        {name for name, applies in family.methods.items() if applies(equation)}
+        for family, equation in zip(families, equations, strict=True)
+    ]
+    pairs = {(one, other): Pair() for one, other in combinations(names, 2) if any({one, other} <= a for a in applying)}
+    seconds: dict[str, list[float]] = {name: [] for name in names}
+    for equation in dict(zip(map(frozenset, applying), equations, strict=True)).values():
+        fr.compare(equation)  # machine code is loaded before anything is timed
     for equation in equations:
         comparison = fr.compare(equation)
         for result, time in zip(comparison.results, comparison.seconds, strict=True):
@@ -134,7 +152,7 @@ def matrix(equations: Sequence[Any]) -> Matrix:
     return Matrix(pairs, seconds)
 
 
-def count(pair: Pair, one: fr.Stability, other: fr.Stability) -> None:
+def count(pair: Pair, one: Result, other: Result) -> None:
     """Count two results for one equation into ``pair``."""
     approximate = any("approximation" in result.note for result in (one, other))
     distance = 0.0 if approximate else difference(one, other)
@@ -154,8 +172,14 @@ def count(pair: Pair, one: fr.Stability, other: fr.Stability) -> None:
         pair.agree += 1
 
 
-def difference(one: fr.Stability, other: fr.Stability) -> float:
-    """Return the difference of two discriminants relative to max(1, abs(discriminant)), by logarithms where huge."""
+def difference(one: Result, other: Result) -> float:
+    """Return the difference of two discriminants relative to max(1, abs(discriminant)), by logarithms where huge.
+
+    Of systems, the largest difference of the growths of their solutions over a period.
+    """
+    if isinstance(one, SystemStability):
+        growths = (sorted(exponent.real for exponent in result.exponents) for result in (one, other))
+        return max((one.period * abs(a - b) for a, b in zip(*growths, strict=False)), default=0.0)
     if math.isfinite(one.discriminant) and math.isfinite(other.discriminant):
         return abs(one.discriminant - other.discriminant) / max(1.0, abs(one.discriminant), abs(other.discriminant))
     if (one.discriminant > 0.0) != (other.discriminant > 0.0):
@@ -163,7 +187,7 @@ def difference(one: fr.Stability, other: fr.Stability) -> float:
     return math.expm1(min(700.0, abs(one.log_abs_discriminant - other.log_abs_discriminant)))
 
 
-def _leapfrog_may_differ(result: fr.Stability, other: fr.Stability) -> bool:
+def _leapfrog_may_differ(result: Result, other: Result) -> bool:
     """Whether leapfrog states a reason for a verdict unlike the other: slow growth, or an error of its own map."""
     if result.method != "leapfrog":
         return False
@@ -181,23 +205,26 @@ def _table(rows: Sequence[Sequence[str]]) -> str:
 
 
 def run() -> list[Row]:
-    """Return the number of faults over some hundred equations, for `python -m benchmarks`."""
-    found = matrix(draw(500, seed=1))
-    compared = sum(pair.total for pair in found.pairs.values())
-    return [
-        Row("comparisons of two methods", compared, ""),
-        Row("differences beyond what the methods state", len(found.faults), "", at_most=0.0),
-    ]
+    """Return the number of faults over some hundred equations and systems, for `python -m benchmarks`."""
+    rows = []
+    for what, found in (("", matrix(draw(500, seed=1))), (", systems", matrix(draw_systems(50, seed=1)))):
+        compared = sum(pair.total for pair in found.pairs.values())
+        rows.append(Row(f"comparisons of two methods{what}", compared, ""))
+        rows.append(Row(f"differences beyond what the methods state{what}", len(found.faults), "", at_most=0.0))
+    return rows
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Print the matrix and every fault; return 1 if there is one."""
+    """Print the matrices of equations and of a tenth as many systems, and every fault; return 1 if there is one."""
     number, seed = (int(given) for given in (*arguments, *("3000", "1")[len(arguments) :]))
-    found = matrix(draw(number, seed))
-    print(f"{number} equations, seed {seed}\n\n{found}")
-    for one, other in found.faults:
-        print(f"\nbeyond what is stated: {one.equation}\n  {one!r}\n  {other!r}")
-    return 1 if found.faults else 0
+    every = []
+    for what, drawn in (("equations", draw(number, seed)), ("systems", draw_systems(math.ceil(number / 10), seed))):
+        found = matrix(drawn)
+        every += found.faults
+        print(f"{len(drawn)} {what}, seed {seed}\n\n{found}\n")
+    for one, other in every:
+        print(f"\nbeyond what is stated:\n  {one!r}\n  {other!r}")
+    return 1 if every else 0
 
 
 if __name__ == "__main__":

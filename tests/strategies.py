@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 from hypothesis import strategies as st
 from scipy.linalg import eigvalsh_tridiagonal
 
@@ -113,3 +114,36 @@ def hills(
         period=period,
         damping=draw(dampings(largest_damping)) * math.sqrt(scale) if largest_damping else 0.0,
     )
+
+
+def random_matrix(seed: np.random.Generator, n: int, size: float, symmetric: bool = True) -> np.ndarray:
+    matrix = seed.uniform(-size, size, (n, n))
+    return 0.5 * (matrix + matrix.T) if symmetric else matrix
+
+
+@st.composite
+def systems(
+    draw: st.DrawFn, kinds: tuple[str, ...] = ("hamiltonian", "reversible", "damped", "gyroscopic", "first")
+) -> fr.HillSystem | fr.PeriodicSystem:
+    """Systems of one to three equations of every structure, of moderate growth over a period."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
+    kind, n = draw(st.sampled_from(kinds)), draw(st.integers(1, 3))
+    period = float(rng.uniform(1.0, 4.0))
+    stiffness = np.diag(rng.uniform(-0.3, 6.0, n)) + random_matrix(rng, n, 0.5, kind != "reversible")
+    waves = [random_matrix(rng, n, size, kind != "reversible") for size in (0.8, 0.3)]
+    factor = rng.uniform(-0.4, 0.4, (n, n))
+    mass = np.eye(n) + factor @ factor.T
+    if kind == "first":
+        return fr.PeriodicSystem(
+            rng.uniform(-1.0, 1.0, (n, n)),
+            [rng.uniform(-0.5, 0.5, (n, n))],
+            [rng.uniform(-0.5, 0.5, (n, n))],
+            period=period,
+        )
+    if kind == "reversible":
+        return fr.HillSystem(stiffness, waves, mass=mass, period=period)
+    if kind == "damped":
+        damping = factor @ factor.T
+        return fr.HillSystem(stiffness, waves, [waves[0] * 0.5], mass=mass, damping=damping, period=period)
+    gyroscopic = factor - factor.T if kind == "gyroscopic" else None
+    return fr.HillSystem(stiffness, waves, [waves[1] * 0.5], mass=mass, gyroscopic=gyroscopic, period=period)

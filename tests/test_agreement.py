@@ -18,6 +18,22 @@ def test_no_two_methods_differ_by_more_than_they_state() -> None:
     assert "spectral     reference" in str(found)
 
 
+def test_no_two_methods_for_systems_differ_by_more_than_they_state() -> None:
+    found = agreement.matrix(agreement.draw_systems(10, seed=1))
+    assert found.faults == []
+    assert {"half_period", "monodromy", "segmented", "spectral", "reference"} == set(found.seconds)
+    assert all(found.seconds.values())
+
+
+def test_faults_of_systems_are_seen() -> None:
+    system = fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.5, 0.2], [0.2, 0.4]]], period=2.0)
+    one, other = (fr.stability(system, method=name) for name in ("monodromy", "segmented"))
+    assert pair_of(one, other).agree == 1
+    assert len(pair_of(dataclasses.replace(one, status="unstable"), other).faults) == 1
+    off = dataclasses.replace(one, exponents=tuple(e + 1e-6 for e in one.exponents))
+    assert len(pair_of(off, other).faults) == 1
+
+
 def pair_of(one: fr.Stability, other: fr.Stability) -> agreement.Pair:
     pair = agreement.Pair()
     agreement.count(pair, one, other)

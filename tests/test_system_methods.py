@@ -12,46 +12,16 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from floquetrod.floquet import system_methods
+from floquetrod.floquet.dispatch import SYSTEMS
 from floquetrod.floquet.system_methods import reference, segmented, spectral
 from floquetrod.floquet.systems import counts, extrapolation
-from strategies import numbers
+from strategies import numbers, systems
 from system_cases import CASES, coupled, wide
 
-METHODS = {"segmented": segmented, "spectral": spectral, "reference": reference}
+EVERY = {name: getattr(system_methods, name) for name in SYSTEMS.methods}
+METHODS = {name: method for name, method in EVERY.items() if name != "half_period"}  # they take any system
 System = fr.HillSystem | fr.PeriodicSystem
-
-
-def random_matrix(seed: np.random.Generator, n: int, size: float, symmetric: bool = True) -> np.ndarray:
-    matrix = seed.uniform(-size, size, (n, n))
-    return 0.5 * (matrix + matrix.T) if symmetric else matrix
-
-
-@st.composite
-def systems(
-    draw: st.DrawFn, kinds: tuple[str, ...] = ("hamiltonian", "reversible", "damped", "gyroscopic", "first")
-) -> System:
-    """Systems of one to three equations of every structure, of moderate growth over a period."""
-    rng = np.random.default_rng(draw(st.integers(0, 2**32)))
-    kind, n = draw(st.sampled_from(kinds)), draw(st.integers(1, 3))
-    period = float(rng.uniform(1.0, 4.0))
-    stiffness = np.diag(rng.uniform(-0.3, 6.0, n)) + random_matrix(rng, n, 0.5, kind != "reversible")
-    waves = [random_matrix(rng, n, size, kind != "reversible") for size in (0.8, 0.3)]
-    factor = rng.uniform(-0.4, 0.4, (n, n))
-    mass = np.eye(n) + factor @ factor.T
-    if kind == "first":
-        return fr.PeriodicSystem(
-            rng.uniform(-1.0, 1.0, (n, n)),
-            [rng.uniform(-0.5, 0.5, (n, n))],
-            [rng.uniform(-0.5, 0.5, (n, n))],
-            period=period,
-        )
-    if kind == "reversible":
-        return fr.HillSystem(stiffness, waves, mass=mass, period=period)
-    if kind == "damped":
-        damping = factor @ factor.T
-        return fr.HillSystem(stiffness, waves, [waves[0] * 0.5], mass=mass, damping=damping, period=period)
-    gyroscopic = factor - factor.T if kind == "gyroscopic" else None
-    return fr.HillSystem(stiffness, waves, [waves[1] * 0.5], mass=mass, gyroscopic=gyroscopic, period=period)
 
 
 def off(one: complex, other: complex, period: float) -> float:
@@ -84,21 +54,31 @@ def check_agreement(one: Any, truth: Any, slack: float = 1e-13) -> None:
 # --- truth -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize(
+    ("case", "method"), [(case, name) for case in CASES for name in EVERY if SYSTEMS.methods[name](CASES[case][0])]
+)
 def test_truth(case: str, method: str) -> None:
     system, growth, status = CASES[case]
-    result = METHODS[method](system)
+    result = EVERY[method](system)
     assert result.status == status, result
     assert max(e.real for e in result.exponents) == pytest.approx(growth, abs=1e-10)
-    assert result.error < 1e-9
+    assert result.error < (1e-6 if method in ("half_period", "monodromy") else 1e-9)
     assert bool(result.resonances) == (status == "unstable")
     if growth == 0.0:
         assert result.strongly_stable
         assert 0 not in result.krein_signs
 
 
-@pytest.mark.parametrize("method", METHODS)
+def test_decades_that_a_map_loses_are_in_its_error() -> None:
+    result = METHODS["monodromy"](wide())
+    for mu, error, true in zip(
+        result.multipliers[1:3], result.multiplier_errors[1:3], (1.0546448, 0.9481865), strict=True
+    ):
+        assert abs(abs(mu) - true) < error
+    assert fr.stability(wide()).method != "monodromy"
+
+
+@pytest.mark.parametrize("method", ["segmented", "spectral", "reference"])
 def test_decades_are_kept(method: str) -> None:
     result = METHODS[method](wide())
     sizes = [abs(mu) for mu in result.multipliers]
@@ -149,8 +129,9 @@ def test_one_equation_is_the_scalar_one(
 def test_methods_agree(system: System) -> None:
     truth = reference(system)
     assert truth.error < 1e-14 or truth.status == "undecided"
-    for method in (segmented, spectral):
-        check_agreement(method(system), truth)
+    for name, applies in SYSTEMS.methods.items():
+        if applies(system) and name != "reference":
+            check_agreement(EVERY[name](system), truth)
 
 
 @settings(max_examples=8)
@@ -392,5 +373,6 @@ def test_a_single_sine_is_reversible_about_a_quarter_of_the_period() -> None:
     system = fr.HillSystem([[1.0, 0.2], [-0.1, 4.0]], sines=[[[0.3, 0.5], [0.1, 0.2]]], period=2.0)
     assert system.structure == "reversible"
     truth = reference(system)
-    for method in (segmented, spectral):
-        check_agreement(method(system), truth)
+    for name, applies in SYSTEMS.methods.items():
+        if applies(system) and name != "reference":
+            check_agreement(EVERY[name](system), truth)

@@ -40,9 +40,15 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     pairs = undamped_pairs(system)
     subject = pairs[0] if pairs else system
     first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    reversible = pairs is not None and subject.structure == "reversible"
+    harmonics = first.harmonics
+    if reversible and isinstance(subject, HillSystem) and subject.even_form is not None:
+        # Only from an instant of evenness on is the map reversible.
+        phase = 2.0 * np.pi * float(subject.even_form.start) / float(system.period)
+        harmonics = harmonics * np.exp(1j * phase * np.arange(1, len(harmonics) + 1))[:, None, None]
     maps = period_maps(
         first.mean[None],
-        first.harmonics[None],
+        harmonics[None],
         np.array([float(system.period)]),
         first.coefficient_error,
         rtol,
@@ -52,7 +58,7 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     discs = spectra.eigenvalue_discs(full, error)
     if pairs is None:
         return classify_multipliers(system, "monodromy", logarithms(discs) if discs else None, cost=_COST)
-    if first.structure == "reversible":
+    if reversible:
         block = spectra.eigenvalue_discs(symplectic.reversible_pair_matrix(full), error)
         return classify_pairs(system, "monodromy", block, cost=_COST)
     found = spectra.eigenvalue_discs(symplectic.pair_matrix(full), error)
