@@ -356,8 +356,14 @@ def _even_amplitudes(
 
 
 def _congruence(left: Matrix, matrix: Matrix) -> Matrix:
-    """Return L K L^T."""
-    return np.asarray(left @ matrix @ np.swapaxes(left, -1, -2))
+    """Return L K L^T; ValueError where it is beyond what a system may hold."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        result = np.asarray(left @ matrix @ np.swapaxes(left, -1, -2))
+    if not (np.abs(result) <= matrices.LARGEST_ENTRY).all():
+        raise ValueError(
+            f"mass must fit the other matrices: divided by it they are beyond {matrices.LARGEST_ENTRY:g}; check units"
+        )
+    return result
 
 
 def _mirrored(matrix: Matrix) -> Matrix:

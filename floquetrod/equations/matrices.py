@@ -58,7 +58,7 @@ def _require_unrounded(name: str, given: NDArray[Any], array: NDArray[np.float64
     """Raise ValueError where an entry is not the double it became: a verdict is on the matrix that was given."""
     if given.dtype.kind == "f" and given.dtype.itemsize <= array.dtype.itemsize:
         return
-    doubtful = np.abs(array) > 2.0**53 if given.dtype.kind in "iu" else np.ones(array.shape, dtype=bool)
+    doubtful = np.abs(array) >= 2.0**53 if given.dtype.kind in "iu" else np.ones(array.shape, dtype=bool)
     for index in map(tuple, np.argwhere(doubtful).tolist()):
         if given.item(index) != float(array[index]):
             entry = f"{name}[{', '.join(map(str, index))}]" if index else name
