@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from floquetrod import friction as friction
     from floquetrod import mathieu as mathieu
+    from floquetrod import systems as systems
     from floquetrod._util.version import __version__ as __version__
     from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
     from floquetrod.equations import Hill as Hill
@@ -50,6 +51,7 @@ _WHERE = {
     "__version__": "_util.version",
     "AxialLoad": "rod.load",
     "Chart": "plane",
+    "chart": "systems.charts",
     "CheckpointWarning": "simulation.checkpoints",
     "Comparison": "floquet.comparison",
     "Explorer": "explorer",
@@ -82,8 +84,9 @@ _WHERE = {
     "simulate": "simulation.simulate",
     "stability": "floquet.dispatch",
     "stability_map": "rod.map",
+    "systems": "systems",
 }
-_MODULES = {"conventions", "friction", "mathieu", "methods", "simulation"}
+_MODULES = {"conventions", "friction", "mathieu", "methods", "simulation", "systems"}
 
 __all__ = sorted(_WHERE)
 
