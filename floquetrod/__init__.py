@@ -51,6 +51,7 @@ _WHERE = {
     "__version__": "_util.version",
     "AxialLoad": "rod.load",
     "Chart": "plane",
+    "chart": "systems.charts",
     "CheckpointWarning": "simulation.checkpoints",
     "Comparison": "floquet.comparison",
     "Explorer": "explorer",

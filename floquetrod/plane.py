@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from floquetrod import units
 from floquetrod._util import files, validate
 from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod._util.version import __version__
 
 _FORMAT = "floquetrod chart 2"
 _AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
@@ -38,7 +39,10 @@ class Axis(ByContent):
     @property
     def label(self) -> str:
         """Label of the axis, symbol and unit included."""
-        name = "" if self.symbol == rf"\{self.name}" else self.name  # "alpha" and its letter would say it twice
+        if not self.symbol:
+            return self.name + (f" / {self.unit}" if self.unit else "")
+        # "alpha" and its letter would say it twice
+        name = "" if self.symbol.replace("_{", "").strip("\\}") == self.name.replace("_", "") else self.name
         return units.label(name, self.symbol, self.unit)
 
 
@@ -57,7 +61,7 @@ class Chart(NoTruthValue, ByContent):
     first_mode : ndarray (ny, nx) of int or None
         Mode of a rod that grows fastest, 0 where none grows; None unless growth was asked for, and for equations.
     growth_unit : str
-        "per tau" or "1/s".
+        "per tau", "per unit time" (of systems) or "1/s".
     subject : dict
         "kind" says what is charted, "fixed" lists [name, value, unit] of what does not vary; a rod's data sheet is
         under "rod".
@@ -91,7 +95,8 @@ class Chart(NoTruthValue, ByContent):
         fixed = ", ".join(f"{name} {value:.6g} {unit}".strip() for name, value, unit in self.subject["fixed"])
         share = f"{100.0 * self.stable.mean():.1f} % of {self.stable.size} points stable"
         tolerance = f"; growth up to {self.growth_tolerance:g} {self.growth_unit} counts as stable"
-        text = f"{self.subject['kind']}, {fixed}: {share}" + (tolerance if self.growth_tolerance else "")
+        text = ", ".join(filter(None, [self.subject["kind"], fixed]))
+        text += f": {share}" + (tolerance if self.growth_tolerance else "")
         text += f"; {self.undecided} undecided" if self.undecided else ""
         return text + (f"; {self.criterion}" if self.criterion else "")
 
@@ -232,17 +237,59 @@ def fill_rows(
     columns: int,
     dtypes: Sequence[Any],
     progress: Progress | None,
+    rows_at_once: int | None = None,
 ) -> list[NDArray[Any]]:
     """Compute arrays of ``len(y)`` rows a few rows at a time, so that scratch memory stays small and Ctrl-C works."""
     _require_bearable(y.size * columns, "the number of points")
     results = [np.empty((y.size, columns), dtype=dtype) for dtype in dtypes]
-    rows = max(1, _AT_ONCE // columns)
+    rows = rows_at_once or max(1, _AT_ONCE // columns)
     for start in range(0, y.size, rows):
         for result, piece in zip(results, compute(y[start : start + rows, None]), strict=True):
             result[start : start + rows] = piece
         if progress is not None:
             progress(min(y.size, start + rows) * columns, y.size * columns)
     return results
+
+
+def charted(
+    x: Axis,
+    y: Axis,
+    classify: Callable[[NDArray[np.float64]], Sequence[NDArray[Any]]],
+    *,
+    growth: bool,
+    growth_tolerance: float,
+    growth_unit: str,
+    subject: Callable[[], dict[str, Any]],
+    criterion: str = "",
+    rows_at_once: int | None = None,
+    progress: Progress | None,
+) -> Chart:
+    """Return the chart of verdicts that ``classify`` computes, a few rows at a time.
+
+    Parameters
+    ----------
+    classify : callable (values of y, one a row) -> (status, growth rate)
+        Status 1 where stable, 0 where not, -1 where undecided.
+    subject : callable () -> dict
+        What is charted, asked when all is classified.
+    growth, growth_tolerance, growth_unit, criterion
+        As in `Chart`; whether to keep growth rates.
+    """
+    kinds = np.int8, np.float64
+    status, rate = fill_rows(classify, y.values, x.values.size, kinds, progress, rows_at_once)
+    return Chart(
+        x,
+        y,
+        status == 1,
+        rate if growth else None,
+        None,
+        growth_unit,
+        subject(),
+        growth_tolerance,
+        criterion,
+        int((status < 0).sum()),
+        __version__,
+    )
 
 
 def _require_bearable(points: int, name: str) -> None:

@@ -184,7 +184,8 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
     ("arguments", "message"),
     [
         ([], "the following arguments are required: command"),
-        (["check", *LOAD], "the following arguments are required: --rod"),
+        (["check", *LOAD], "one of the arguments --system --rod is required"),
+        (["check", "--rod", "nitinol", *LOAD[2:]], "the following arguments are required: --mean"),
         (["frobnicate"], "invalid choice: 'frobnicate'"),
         (["check", "--rod", "nitinol", *LOAD, "--json=1"], "ignored explicit argument"),
         (["check", "--rod", "no.toml", *LOAD], "rod file no.toml cannot be read"),

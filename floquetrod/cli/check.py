@@ -1,4 +1,4 @@
-"""`floquetrod check`: one rod, one load."""
+"""`floquetrod check`: one rod under one load, or one system of equations."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import re
 from typing import Any
 
 import floquetrod as fr
-from floquetrod.cli import kick
+from floquetrod.cli import kick, system
 from floquetrod.cli.common import (
     KINDS,
     Answer,
@@ -31,7 +31,8 @@ from floquetrod.rod.stability import Margin
 from floquetrod.units import Unit
 
 _HELP = """\
-Say whether a rod is stable under an axial load, which modes grow, how fast, and how far the load is from a change.
+Say whether a rod is stable under an axial load, which modes grow, how fast, and how far the load is from a change;
+or whether a system of periodic equations from a file is stable, with its multipliers.
 
 examples:
   floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
@@ -39,6 +40,7 @@ examples:
   floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85 --growth-tolerance 0.7 --json
   floquetrod check --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150 --friction 0.1 --kick 50mm/s
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz --unit Fcr,rpm --exit-code
+  floquetrod check --system my_system.toml --exit-code
 
 forces: N, kN, lbf or Fcr (the critical force of the rod).  frequencies: rad/s (none means this), Hz, rpm.
 kicks: m/s, mm/s, cm/s, ft/s.  The answer is in the units of the question or of --unit; --json is in N, rad/s and m/s.
@@ -46,29 +48,57 @@ margins: how far each quantity may fall or rise, the others staying as they are,
 exit status: 0 whatever the verdict; with --exit-code 0 stable, 1 unstable, 3 undecided; 2 for input it cannot use.
 rod files: TOML with youngs_modulus, density, radius, length, channel_radius and, if you like, gravity and
 damping_rate, as SI numbers or strings such as "68GPa"; radii, not diameters.
+
+system files: TOML, or npz with arrays of the same names.  M q'' + (C + G) q' + K(t) q = 0, any consistent units:
+  [system]
+  stiffness = [[1, 0], [0, 4]]                # mean of K; positive restores
+  cosines = [[[0.1, 0.2], [0.2, 0.16]]]       # a matrix for each harmonic of K(t); sines alike
+  frequency = 3.0                             # angular; or period
+and, if you like, mass (symmetric, positive), damping and gyroscopic (skew).  For x' = A(t) x, mean in place of
+stiffness.
 """
 
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
-    check = add_command(commands, "check", "say whether a rod is stable under an axial load", _HELP, _check)
-    add_rod(check)
+    summary = "say whether a rod under an axial load, or a system of equations, is stable"
+    check = add_command(commands, "check", summary, _HELP, _check)
+    subject = check.add_mutually_exclusive_group(required=True)
+    subject.add_argument("--system", help="a TOML or npz file with the matrices of a system, see below")
+    add_rod(check, subject)
     add_friction(check)
-    check.add_argument("--mean", required=True, help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
-    check.add_argument("--amplitude", required=True, help="amplitude of the force; 0 is the static limit")
-    check.add_argument("--frequency", required=True, help="frequency, such as 150 (rad/s) or 24Hz")
+    check.add_argument("--mean", help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
+    check.add_argument("--amplitude", help="amplitude of the force; 0 is the static limit")
+    check.add_argument("--frequency", help="frequency, such as 150 (rad/s) or 24Hz")
     add_units(check)
     check.add_argument("--exit-code", action="store_true", help="exit with 1 when unstable, 3 when undecided")
     check.add_argument("--modes", help="modes to look at, such as 1-25 or 6,7,8 (default: all that can matter)")
+    check.add_argument("--method", help="of a system: half_period, monodromy, ... (default: the first that decides)")
 
 
 _STATUS: dict[Status, int] = {"stable": 0, "unstable": 1, "undecided": 3}
 """Exit statuses of --exit-code; 2 is for input that cannot be used."""
 
+_OF_A_ROD = (*KINDS, "growth_tolerance", "damping_rate", "friction", "kick", "unit", "modes")
+"""Options that say nothing about a system."""
+
 _LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not fill the memory (a choice)
 
 
 def _check(options: argparse.Namespace) -> Answer:
+    if options.system is not None:
+        given = [name for name in _OF_A_ROD if getattr(options, name) is not None]
+        if given:
+            raise ValueError(
+                f"--{given[0].replace('_', '-')} belongs to --rod: a system is described by its file alone"
+            )
+        answer, status = system.judge(options)
+        return answer._replace(status=_STATUS[status] if options.exit_code else 0)
+    if options.method is not None:
+        raise ValueError("--method belongs to --system: the methods for a rod follow from its load")
+    missing = [f"--{name}" for name in KINDS if getattr(options, name) is None]
+    if missing:
+        raise ValueError(f"the following arguments are required: {', '.join(missing)} (see floquetrod check --help)")
     rod = read_rod(options)
     load = fr.AxialLoad(**{name: read_quantity(getattr(options, name), name, rod) for name in KINDS})
     tolerance, rubbing, modes = read_tolerance(options), read_friction(options), _modes(options.modes)

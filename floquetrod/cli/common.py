@@ -53,15 +53,21 @@ def add_command(commands: Any, name: str, summary: str, text: str, run: Any) -> 
     return command
 
 
-def add_rod(command: argparse.ArgumentParser, *, judged: bool = True) -> None:
-    """Add the options that describe a rod and, where it is to be classified, which growth matters."""
-    command.add_argument("--rod", required=True, help="nitinol (the reference rod), or a TOML file")
+def add_rod(command: argparse.ArgumentParser, subject: Any = None, *, judged: bool = True) -> None:
+    """Add the options that describe a rod and, where it is to be classified, which growth matters.
+
+    ``subject`` is the group of options one of which is required, where --rod is one of several.
+    """
+    text = "nitinol (the reference rod), or a TOML file"
+    if subject is None:
+        command.add_argument("--rod", required=True, help=text)
+    else:
+        subject.add_argument("--rod", help=text)
     command.add_argument("--damping-rate", help="decay rate of free motion in 1/s (replaces that of the rod)")
     if judged:
         command.add_argument(
             "--growth-tolerance",
-            default="0",
-            help="growth in 1/s up to which a mode counts as stable (default %(default)s)",
+            help="growth in 1/s up to which a mode counts as stable (default 0)",
         )
 
 
@@ -96,7 +102,8 @@ def read_friction(options: argparse.Namespace) -> tuple[float, float] | None:
 
 def read_tolerance(options: argparse.Namespace) -> float:
     """Return the growth tolerance in 1/s."""
-    return units.quantity(options.growth_tolerance, "--growth-tolerance", "rate", least=0.0, largest=_HUGE)
+    given = "0" if options.growth_tolerance is None else options.growth_tolerance
+    return units.quantity(given, "--growth-tolerance", "rate", least=0.0, largest=_HUGE)
 
 
 def read_quantity(text: str, name: Quantity, rod: fr.Rod, given: str | None = None) -> float:

@@ -8,6 +8,7 @@ from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.mathieu import FrictionalMathieu, Mathieu
 from floquetrod.equations.meissner import Meissner, SquareWave
 from floquetrod.equations.periodic_system import PeriodicSystem
+from floquetrod.equations.stacking import in_batches, stack
 
 __all__ = [
     "Equation",
@@ -19,5 +20,7 @@ __all__ = [
     "PeriodicSystem",
     "Piece",
     "SquareWave",
+    "in_batches",
     "require",
+    "stack",
 ]

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from fractions import Fraction
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.content import ByContent
 from floquetrod.equations import matrices
 from floquetrod.equations.matrices import Matrix, Structure
 from floquetrod.equations.periodic_system import PeriodicSystem
@@ -44,7 +42,7 @@ class EvenForm(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HillSystem(ByContent):
+class HillSystem(matrices.Frozen):
     """The system M q'' + (C + G) q' + K(t) q = 0 of n equations, K(t) a finite Fourier series of period 2 pi / w.
 
     K(t) = stiffness + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t.  Positive stiffness restores: the sign is
@@ -61,11 +59,11 @@ class HillSystem(ByContent):
     cosines, sines : sequence of array_like (..., n, n)
         Fourier coefficients of K from the first harmonic on; their numbers may differ.
     mass : array_like (..., n, n), optional
-        M, symmetric and positive definite; the identity by default.
+        M, symmetric and positive definite; the identity by default, which is kept as None.
     damping : array_like (..., n, n), optional
-        C, any matrix; none by default.
+        C, any matrix; none by default, and None where it is zero.
     gyroscopic : array_like (..., n, n), optional
-        G, which equals minus its transpose; none by default.
+        G, which equals minus its transpose; none by default, and None where it is zero.
     period : float or array_like (...)
         Period of K.  Units are the caller's: with kg, N s/m and N/m it is in seconds.
 
@@ -88,6 +86,9 @@ class HillSystem(ByContent):
     damping: Matrix | None = None
     gyroscopic: Matrix | None = None
     period: Any = 2.0 * math.pi
+
+    _rounding = 0.0
+    # Bound on the error of the stiffness, in the 2-norm; not zero where `undamped` computed it.
 
     def __init__(
         self,
@@ -129,7 +130,7 @@ class HillSystem(ByContent):
     @cached_property
     def shape(self) -> tuple[int, ...]:
         """Leading shape of a batch of systems, () of one."""
-        return matrices.leading_shape(self.period, stiffness=self.stiffness, **matrices.named(self))
+        return matrices.leading_shape(self.order, self.period, stiffness=self.stiffness, **matrices.named(self))
 
     @cached_property
     def harmonics(self) -> NDArray[np.complex128]:
@@ -154,15 +155,9 @@ class HillSystem(ByContent):
         """
         if self.damping is None:
             return 0.0
-        first = float(self.damping.flat[0])
-        if self.mass is None:
-            return 0.5 * first if first > 0.0 and np.array_equal(*_with_identity(self.damping, first)) else None
-        if self.damping.ndim > 2 or self.mass.ndim > 2 or not first > 0.0:
-            return None
-        ratio = Fraction(first) / Fraction(float(self.mass.flat[0]))
-        pairs = zip(self.damping.ravel().tolist(), self.mass.ravel().tolist(), strict=True)
-        proportional = all(Fraction(c) == ratio * Fraction(m) for c, m in pairs)
-        return float(ratio / 2) if proportional and Fraction(float(ratio / 2)) == ratio / 2 else None
+        mass = np.eye(self.order) if self.mass is None else self.mass
+        twice = float(self.damping.flat[0]) / float(mass.flat[0])
+        return 0.5 * twice if 0.0 < twice < math.inf and _is_multiple(self.damping, twice, mass) else None
 
     @cached_property
     def structure(self) -> Structure:
@@ -188,7 +183,9 @@ class HillSystem(ByContent):
             return self, 0.0
         mass = np.eye(self.order) if self.mass is None else self.mass
         stiffness = self.stiffness - c * c * mass
-        return HillSystem(stiffness, self.cosines, self.sines, mass=self.mass, period=self.period), c
+        freed = HillSystem(stiffness, self.cosines, self.sines, mass=self.mass, period=self.period)
+        object.__setattr__(freed, "_rounding", _EPS * (_norm(stiffness) + 2.0 * c * c * _norm(mass)))
+        return freed, c
 
     @cached_property
     def even_form(self) -> EvenForm | None:
@@ -200,7 +197,7 @@ class HillSystem(ByContent):
             return None
         amplitudes, phase, doubt = turned
         stiffness = np.broadcast_to(self.stiffness, (*self.shape, self.order, self.order))
-        error = doubt
+        error, rounding = doubt, np.asarray(self._rounding)
         if self.mass is not None:
             inverse = np.linalg.inv(np.linalg.cholesky(self.mass))
             stiffness = _congruence(inverse, stiffness)
@@ -208,7 +205,8 @@ class HillSystem(ByContent):
             if self.is_symmetric:
                 stiffness, amplitudes = _mirrored(stiffness), _mirrored(amplitudes)
             error = (error + 8.0 * self.order * _EPS) * _norm(self.mass) * _norm(inverse) ** 2
-        error = error * (_norm(stiffness) + _norm(amplitudes).sum(axis=-1))
+            rounding = rounding * _norm(inverse) ** 2
+        error = error * (_norm(stiffness) + _norm(amplitudes).sum(axis=-1)) + rounding
         start = np.broadcast_to(phase * np.asarray(self.period) / (2.0 * math.pi), self.shape)
         return EvenForm(stiffness, amplitudes, start, error, doubt)
 
@@ -247,11 +245,11 @@ class HillSystem(ByContent):
         mean[..., :n, n:] = np.eye(n)
         tidy = _mirrored if canonical else np.asarray
         cosines, sines = ([lower(-tidy(reduced(m))) for m in series] for series in (self.cosines, self.sines))
-        error = 0.0
+        error = float(np.max(self._rounding if inverse is None else self._rounding * _norm(inverse) ** 2))
         if inverse is not None or (canonical and self.gyroscopic is not None):
             size = float(np.abs(mean).max() + sum(np.abs(m).max() for m in (*cosines, *sines)))
             condition = 1.0 if inverse is None else float(np.max(_norm(np.asarray(self.mass)) * _norm(inverse) ** 2))
-            error = 8.0 * n * _EPS * condition * size
+            error += 8.0 * n * _EPS * condition * size
         result = PeriodicSystem(mean, cosines, sines, period=self.period)
         if error:
             object.__setattr__(result, "coefficient_error", error)
@@ -268,7 +266,7 @@ class HillSystem(ByContent):
 
 
 def _positive_definite(mass: Matrix | None) -> Matrix | None:
-    """Return M, checked."""
+    """Return M, checked, and None for the identity."""
     if mass is None:
         return None
     if not matrices.symmetric(mass):
@@ -279,7 +277,7 @@ def _positive_definite(mass: Matrix | None) -> Matrix | None:
     except np.linalg.LinAlgError:
         least = float(np.linalg.eigvalsh(mass).min())
         raise ValueError(f"mass must be positive definite, got one with the eigenvalue {least:.3g}") from None
-    return mass
+    return None if (mass == np.eye(mass.shape[-1])).all() else mass
 
 
 def _skew(gyroscopic: Matrix | None) -> Matrix | None:
@@ -296,8 +294,24 @@ def _unless_zero(matrix: Matrix | None) -> Matrix | None:
     return None if matrix is None or not matrix.any() else matrix
 
 
-def _with_identity(matrix: Matrix, factor: float) -> tuple[Matrix, Matrix]:
-    return matrix, np.broadcast_to(factor * np.eye(matrix.shape[-1]), matrix.shape)
+def _is_multiple(matrix: Matrix, factor: float, other: Matrix) -> bool:
+    """Return whether ``matrix`` is exactly ``factor`` times ``other``; False where products leave the normal doubles.
+
+    Where the rounded products agree, the exact ones differ by less than 2^63 units of their last places, if at all:
+    the remainder modulo 2^64 tells.
+    """
+    with np.errstate(over="ignore", under="ignore"):
+        product = factor * other
+    matrix, product, other = np.broadcast_arrays(matrix, product, other)
+    if not np.array_equal(matrix, product) or (other[matrix == 0.0] != 0.0).any():
+        return False
+    whole, last = matrix[matrix != 0.0], other[matrix != 0.0]
+    if whole.size and not np.abs(whole).min() > 1e-280:
+        return False
+    parts = [np.frexp(values) for values in (whole, last, np.full(whole.shape, factor))]
+    digits = [(fraction * 2.0**53).astype(np.int64).view(np.uint64) for fraction, _ in parts]
+    shift = (parts[0][1] - parts[1][1] - parts[2][1] + 53).astype(np.uint64)
+    return bool(np.array_equal(digits[0] << shift, digits[1] * digits[2]))
 
 
 def _dissipative(damping: Matrix | None) -> bool:
@@ -316,30 +330,40 @@ def _even_amplitudes(
     The doubt is zero where the evenness is seen in the coefficients as they stand: no sines, or one sine alone.
     """
     shape, count = harmonics.shape[:-3], harmonics.shape[-3]
-    nothing = np.zeros(shape)
-    if not harmonics.imag.any():
-        return harmonics.real.copy(), nothing, nothing
-    if count == 1 and not harmonics.real.any():
-        return -harmonics.imag, nothing + 0.5 * math.pi, nothing
+    if count == 0:
+        return harmonics.real.copy(), np.zeros(shape), np.zeros(shape)
     orders = np.arange(1, count + 1)
-    first = next(k for k in range(count) if harmonics[..., k, :, :].any())
-    flat = harmonics[..., first, :, :].reshape(*shape, -1)
+    present = harmonics.any(axis=(-2, -1))
+    first = present.argmax(axis=-1)
+    plain = ~harmonics.imag.any(axis=(-3, -2, -1))
+    alone = ~plain & ~harmonics.real.any(axis=(-3, -2, -1)) & (present.sum(axis=-1) == 1)
+    result = np.where(alone[..., None, None, None], -harmonics.imag, harmonics.real)
+    phase = np.where(alone, 0.5 * math.pi / (first + 1), 0.0)
+    found = plain | alone
+    if found.all():
+        return result, phase, np.zeros(shape)
+    doubt = np.where(found, 0.0, 16.0 * _EPS * count)
+    flat = np.take_along_axis(harmonics.reshape(*shape, count, -1), first[..., None, None], axis=-2)[..., 0, :]
     largest = np.take_along_axis(flat, np.abs(flat).argmax(axis=-1)[..., None], axis=-1)[..., 0]
-    sizes = np.abs(harmonics).max(axis=(-2, -1), keepdims=True)
-    result, phase, found = np.zeros(harmonics.shape), nothing.copy(), np.zeros(shape, dtype=bool)
-    for turn in range(2 * (first + 1)):
+    slack = 8.0 * _EPS * orders[:, None, None] * np.abs(harmonics).max(axis=(-2, -1), keepdims=True)
+    for turn in range(2 * (int(first.max()) + 1)):
         angle = (math.pi * turn - np.angle(largest)) / (first + 1)
         turned = harmonics * np.exp(1j * angle[..., None] * orders)[..., None, None]
-        slack = 8.0 * _EPS * orders[:, None, None] * sizes
         even = (np.abs(turned.imag) <= slack).all(axis=(-3, -2, -1)) & ~found
         result[even], phase[even] = turned.real[even], angle[even]
-        found |= even
-    return (result, phase, nothing + 16.0 * _EPS * count) if found.all() else None
+        found = found | even
+    return (result, phase, doubt) if found.all() else None
 
 
 def _congruence(left: Matrix, matrix: Matrix) -> Matrix:
-    """Return L K L^T."""
-    return np.asarray(left @ matrix @ np.swapaxes(left, -1, -2))
+    """Return L K L^T; ValueError where it is beyond what a system may hold."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        result = np.asarray(left @ matrix @ np.swapaxes(left, -1, -2))
+    if not (np.abs(result) <= matrices.LARGEST_ENTRY).all():
+        raise ValueError(
+            f"mass must fit the other matrices: divided by it they are beyond {matrices.LARGEST_ENTRY:g}; check units"
+        )
+    return result
 
 
 def _mirrored(matrix: Matrix) -> Matrix:

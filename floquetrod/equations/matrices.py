@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import fields
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.content import ByContent
 
 Matrix = NDArray[np.float64]
 Structure = Literal["hamiltonian", "reversible", "damped", "general"]
@@ -19,53 +21,108 @@ LARGEST_ENTRY = 1e30
 MOST_EQUATIONS = 2000
 """Most equations of a system (a choice): the map of more takes minutes."""
 
-_MOST_HARMONICS = 512
+MOST_HARMONICS = 1024
+"""Most harmonics of a system (a choice)."""
+
+_MOST_ENTRIES = 1 << 28  # of a matrix over a whole batch, two gigabytes (a choice)
+_LEAST_PERIOD = 1e-100
 
 
-def square(name: str, value: Any, order: int | None = None, like: str = "") -> Matrix:
-    """Return matrices of shape (..., n, n); ``order`` is the n that they must have, which ``like`` has."""
+class Frozen(ByContent):
+    """Base of values whose arrays nobody can write into, nor into those of their copies, unpickled ones among them."""
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what was given, without what follows from it."""
+        value: Any = self
+        return {field.name: getattr(value, field.name) for field in fields(value)}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take over the arrays, closed to writing."""
+        vars(self).update(state)
+        freeze(self)
+
+
+def square(name: str, value: Any, order: int | None = None, like: str = "", most: int = MOST_EQUATIONS) -> Matrix:
+    """Return matrices of shape (..., n, n), n up to ``most``; ``order`` is the n they must have, which ``like`` has."""
+    if isinstance(value, np.ndarray):  # before its entries are read
+        _require_square(name, value, most)
     array = validate.array(name, value, least=-LARGEST_ENTRY, largest=LARGEST_ENTRY)
-    if array.ndim < 2 or array.shape[-1] != array.shape[-2] or array.shape[-1] == 0:
-        hint = f"; for one equation give [[{float(array):g}]]" if array.ndim == 0 else ""
-        raise ValueError(f"{name} must be a square matrix, or an array of them, got shape {array.shape}{hint}")
-    if array.shape[-1] > MOST_EQUATIONS:
-        raise ValueError(f"{name} must be at most {MOST_EQUATIONS} x {MOST_EQUATIONS}, got shape {array.shape}")
+    _require_square(name, array, most)
     if order is not None and array.shape[-1] != order:
         raise ValueError(f"{name} must be {order} x {order} as {like} is, got shape {array.shape}")
+    _require_unrounded(name, np.asarray(value), array)
     return np.array(array)  # a copy of our own
+
+
+def _require_unrounded(name: str, given: NDArray[Any], array: NDArray[np.float64]) -> None:
+    """Raise ValueError where an entry is not the double it became: a verdict is on the matrix that was given."""
+    if given.dtype.kind == "f" and given.dtype.itemsize <= array.dtype.itemsize:
+        return
+    doubtful = np.abs(array) >= 2.0**53 if given.dtype.kind in "iu" else np.ones(array.shape, dtype=bool)
+    for index in map(tuple, np.argwhere(doubtful).tolist()):
+        if given.item(index) != float(array[index]):
+            entry = f"{name}[{', '.join(map(str, index))}]" if index else name
+            raise ValueError(
+                f"{entry} = {validate.short(given.item(index))} is not a binary number of 53 digits; round it with "
+                "float() or numpy's astype(float)"
+            )
+
+
+def _require_square(name: str, array: NDArray[Any], most: int) -> None:
+    """Raise ValueError unless the shape is that of square matrices, none too large."""
+    shape = array.shape
+    if array.ndim < 2 or shape[-1] != shape[-2] or 0 in shape:
+        hint = f"; for one equation give [[{array.item()}]]" if array.ndim == 0 else ""
+        raise ValueError(f"{name} must be a square matrix, or an array of them, got shape {shape}{hint}")
+    if shape[-1] > most:
+        raise ValueError(f"{name} must be at most {most} x {most}, got shape {shape}")
+    if array.size > _MOST_ENTRIES:
+        raise ValueError(f"{name} must hold at most {_MOST_ENTRIES:,} entries, got shape {shape}; take fewer systems")
 
 
 def by_harmonic(name: str, values: Any, order: int, like: str) -> tuple[Matrix, ...]:
     """Return the matrices of a sequence, one for each harmonic."""
-    listed = list(values) if isinstance(values, np.ndarray) else validate.sequence(name, values, "[matrix]")
-    if len(listed) > _MOST_HARMONICS:
-        raise ValueError(f"{name} must hold at most {_MOST_HARMONICS} harmonics, got {len(listed)}")
-    if listed and all(np.ndim(value) < 2 for value in listed):
+    if isinstance(values, np.ndarray) and values.ndim and not isinstance(values, np.ma.MaskedArray):
+        listed = list(values[: MOST_HARMONICS + 1])
+    else:
+        listed = validate.sequence(name, values, "[matrix]")
+    if len(listed) > MOST_HARMONICS:
+        raise ValueError(f"{name} must hold at most {MOST_HARMONICS} harmonics, got more")
+    if listed and all(_is_flat(value) for value in listed):
         raise ValueError(f"{name} must be a sequence of matrices, one for each harmonic; for one give {name}=[matrix]")
-    return tuple(square(f"{name}[{k}]", value, order, like) for k, value in enumerate(listed))
+    return tuple(square(f"{name}[{k}]", value, order, like, 2 * MOST_EQUATIONS) for k, value in enumerate(listed))
+
+
+def _is_flat(value: Any) -> bool:
+    """Return whether this is a number, or a sequence of numbers."""
+    return not any(np.iterable(part) for part in value) if np.iterable(value) else True
 
 
 def periods(value: Any) -> float | NDArray[np.float64]:
     """Return a period, or an array of them for a batch."""
-    if np.ndim(value) == 0:
-        return validate.within("period", value, _LEAST_PERIOD, 1.0 / _LEAST_PERIOD)
-    array = validate.array("period", value)
+    if not np.iterable(value) or isinstance(value, str | bytes):
+        number = validate.within("period", value, _LEAST_PERIOD, 1.0 / _LEAST_PERIOD)
+        _require_unrounded("period", np.asarray(value), np.asarray(number))
+        return number
+    array = validate.array("period", value, least=-1.0 / _LEAST_PERIOD, largest=1.0 / _LEAST_PERIOD)
+    if array.size == 0:
+        raise ValueError("period must be one number, or an array of one for each system, got none")
     if not (array >= _LEAST_PERIOD).all():
         raise ValueError(f"period must be greater than zero, got {float(array.min())!r} among {array.size} values")
     return np.array(array)
 
 
-_LEAST_PERIOD = 1e-100
-
-
-def leading_shape(period: Any, **matrices: Matrix) -> tuple[int, ...]:
+def leading_shape(order: int, period: Any, **matrices: Matrix) -> tuple[int, ...]:
     """Return the common leading shape of matrices and periods; ValueError names them where they have none."""
     shapes = {name: matrix.shape[:-2] for name, matrix in matrices.items()} | {"period": np.shape(period)}
     try:
-        return np.broadcast_shapes(*shapes.values())
+        shape = np.broadcast_shapes(*shapes.values())
     except ValueError:
         listed = ", ".join(f"{name} {shape}" for name, shape in shapes.items() if shape)
         raise ValueError(f"the leading shapes must broadcast to one, got {listed}") from None
+    if math.prod(shape) * order * order > _MOST_ENTRIES:
+        raise ValueError(f"the leading shapes must make at most {_MOST_ENTRIES // order**2:,} systems, got {shape}")
+    return shape
 
 
 def symmetric(matrix: Matrix) -> bool:
@@ -85,6 +142,7 @@ def harmonic_amplitudes(
         result.imag[..., k, :, :] -= matrix
     while count and not result[..., count - 1, :, :].any():
         count -= 1
+    result.flags.writeable = False
     return result[..., :count, :, :]
 
 

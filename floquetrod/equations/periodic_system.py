@@ -12,18 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.content import ByContent
 from floquetrod.equations import matrices
 from floquetrod.equations.matrices import Matrix, Structure
 
 _EPS = 2.220446049250313e-16
-_FIRST_SAMPLES, _MOST_SAMPLES = 32, 2048  # of a function, over its period
+_FIRST_SAMPLES, _MOST_SAMPLES = 64, 2048  # of a function, over its period
+_TRIALS = 24  # instants between the samples at which the series is tried
+_GOLDEN = 0.6180339887498949  # whose multiples, less whole numbers, lie nowhere close together
 _NEGLIGIBLE = 4.0 * _EPS  # part of the largest coefficient: harmonics below it are rounding
 _REQUIRED_DECAY = 1e-10  # part of the largest coefficient: where the last harmonics exceed it, the series is refused
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PeriodicSystem(ByContent):
+class PeriodicSystem(matrices.Frozen):
     """The system x' = A(t) x of N equations with A(t) = mean + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t.
 
     w = 2 pi / period.  Any matrix may be an array of matrices with a leading shape, and ``period`` an array: together
@@ -62,7 +63,7 @@ class PeriodicSystem(ByContent):
         coefficient_error: float = 0.0,
     ) -> None:
         """Check and copy the parameters."""
-        average = matrices.square("mean", mean)
+        average = matrices.square("mean", mean, most=2 * matrices.MOST_EQUATIONS)
         order = average.shape[-1]
         values = {
             "mean": average,
@@ -80,8 +81,10 @@ class PeriodicSystem(ByContent):
     def from_function(cls, function: Callable[[float], Any], period: float) -> PeriodicSystem:
         """Return the system whose A(t) a function computes, expanded in a Fourier series.
 
-        A is sampled over the period at twice as many instants until its harmonics have decayed to rounding.
-        ``coefficient_error`` is an estimate of what is neglected, and of what sampling confuses with what is kept.
+        A is sampled over the period at twice as many instants until its harmonics have decayed to rounding, or to the
+        noise of its values, and the series agrees with it at instants in between.  ``coefficient_error`` is an estimate
+        of what is neglected, and of what sampling confuses with what is kept.  A change far shorter than a hundredth of
+        the period may be missed.
 
         Parameters
         ----------
@@ -94,18 +97,18 @@ class PeriodicSystem(ByContent):
         ------
         ValueError
             Where A at the end of the period differs from A at its beginning, and where harmonics do not decay (a jump,
-            a kink, or more than 1,000 harmonics that matter).
+            a kink, or more than 768 harmonics that matter).
 
         Examples
         --------
         >>> import numpy as np
         >>> system = PeriodicSystem.from_function(lambda t: [[0.0, 1.0], [-1.0 / (1.1 + np.cos(t)), 0.0]], 2 * np.pi)
-        >>> len(system.cosines), system.coefficient_error < 1e-13
-        (68, True)
+        >>> len(system.cosines), system.coefficient_error < 1e-12
+        (74, True)
         """
         validate.function("function", function)
         period = validate.positive("period", period)
-        first = matrices.square("function(0)", function(0.0))
+        first = matrices.square("function(0)", function(0.0), most=2 * matrices.MOST_EQUATIONS)
         if first.ndim != 2:
             raise ValueError(f"function must return one square matrix, got shape {first.shape}")
         count = _FIRST_SAMPLES
@@ -118,31 +121,42 @@ class PeriodicSystem(ByContent):
             raise ValueError(
                 f"function is not periodic: values a period of {period:g} apart differ by {gap:.3g}, of {size:.3g}"
             )
+        shares = np.arange(1, _TRIALS + 1) * _GOLDEN % 1.0
+        trials = _samples(function, shares * period, first.shape)
+        size, before_rest = max(size, float(np.abs(trials).max())), 0.0
         while True:
             series = np.fft.rfft(values, axis=0) / count
+            top = 3 * count // 8  # harmonics from here on are the last quarter of what so many samples can tell apart
             sizes = np.abs(series).max(axis=(1, 2))
-            rest = float(sizes[3 * count // 8 :].max())  # the last quarter of what so many samples can tell apart
-            if rest <= _NEGLIGIBLE * size:
+            rest = float(sizes[top:].max())
+            floor = max(_NEGLIGIBLE * size, 2.0 * rest)
+            kept = int(np.flatnonzero(sizes[:top] > floor).max(initial=0))
+            waves = np.exp(2j * math.pi * shares[:, None] * np.arange(kept + 1))
+            waves[:, 1:] *= 2.0
+            missed = float(np.abs(np.tensordot(waves, series[: kept + 1], axes=1).real - trials).max())
+            # Harmonics that no longer fall as samples double are the noise of the function's values.
+            noise = rest <= _REQUIRED_DECAY * size and rest > 0.4 * before_rest > 0.0
+            if (rest <= _NEGLIGIBLE * size or noise) and missed <= 16.0 * (math.sqrt(count) * floor + gap):
                 break
             if count == _MOST_SAMPLES:
-                if rest > _REQUIRED_DECAY * size:
+                if max(rest, missed) > _REQUIRED_DECAY * size:
                     raise ValueError(
-                        f"function is not smooth: its harmonics {3 * count // 8} to {count // 2} still reach "
-                        f"{rest / size:.1g} of its largest value; describe a jump or a kink by a smooth function"
+                        f"function is not smooth: with harmonics up to {top} its series still misses "
+                        f"{max(rest, missed) / size:.1g} of its largest value; describe a jump or a kink by a smooth "
+                        "function"
                     )
                 break
-            count *= 2
+            count, before_rest = 2 * count, rest
             between = _samples(function, np.arange(1, count, 2) * (period / count), first.shape)
             values = np.stack([values, between], axis=1).reshape(count, *first.shape)
             size = max(size, float(np.abs(between).max()))
-        kept = int(np.flatnonzero(sizes > _NEGLIGIBLE * size).max(initial=0))
         neglected = 2.0 * float(np.abs(series[kept + 1 :]).sum(axis=0).max())
         return cls(
             series[0].real,
             2.0 * series[1 : kept + 1].real,
             -2.0 * series[1 : kept + 1].imag,
             period=period,
-            coefficient_error=2.0 * (neglected + (kept + 1) * _EPS * size) + gap,
+            coefficient_error=2.0 * (neglected + missed + (kept + 1) * _EPS * size) + gap,
         )
 
     @property
@@ -153,7 +167,7 @@ class PeriodicSystem(ByContent):
     @cached_property
     def shape(self) -> tuple[int, ...]:
         """Leading shape of a batch of systems, () of one."""
-        return matrices.leading_shape(self.period, mean=self.mean, **matrices.named(self))
+        return matrices.leading_shape(self.order, self.period, mean=self.mean, **matrices.named(self))
 
     @cached_property
     def harmonics(self) -> NDArray[np.complex128]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import importlib
 from collections.abc import Callable
 from typing import Any
 
@@ -12,12 +11,11 @@ from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod._util import validate
-from floquetrod._util.version import __version__
 from floquetrod.equations import Equation, Mathieu
-from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet import one_by_one
 from floquetrod.mathieu.arrays import growth_rate, is_stable
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
 
 
 def chart(
@@ -81,20 +79,17 @@ def chart(
             status = criterion.is_stable(x.values, values, c, workers=workers).astype(np.int8)
         return status, rate
 
-    status, rate = fill_rows(rows, y.values, x.values.size, (np.int8, np.float64), progress)
-    subject = {"kind": example.title, "fixed": [["damping", c, "per unit of tau"]]}
-    return Chart(
+    return charted(
         x,
         y,
-        status == 1,
-        rate if growth else None,
-        None,
-        "per tau",
-        subject,
-        tolerance,
-        "" if criterion is None else str(criterion),
-        int((status < 0).sum()),
-        __version__,
+        rows,
+        growth=growth,
+        growth_tolerance=tolerance,
+        growth_unit="per tau",
+        subject=lambda: {"kind": example.title, "fixed": [["damping", c, "per unit of tau"]]},
+        criterion="" if criterion is None else str(criterion),
+        rows_at_once=None if equation is Mathieu else 1,
+        progress=progress,
     )
 
 
@@ -115,13 +110,6 @@ def _classify_each(
     *_: Any,
 ) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
     """Return 1 where stable, 0 where not and -1 where undecided, and the growth rate, one equation after another."""
-    importlib.import_module("numba")  # once it is loaded, scalar methods run as machine code
-    status = np.empty((beta.size, alpha.size), dtype=np.int8)
-    rate = np.empty(status.shape)
-    for row, y in enumerate(beta.ravel().tolist()):
-        for column, x in enumerate(alpha.tolist()):
-            result = stability(equation(x, y, c))
-            rate[row, column] = result.growth_rate
-            small = 0.0 < result.growth_rate <= tolerance
-            status[row, column] = -1 if result.status == "undecided" else result.status == "stable" or small
-    return status, rate
+    members = [equation(x, y, c) for y in beta.ravel().tolist() for x in alpha.tolist()]
+    status, rate = one_by_one.verdicts(members, tolerance)
+    return status.reshape(beta.size, -1), rate.reshape(beta.size, -1)

@@ -23,9 +23,10 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
     if chart.growth_rate is None:
         ax.pcolormesh(x, y, ~chart.stable, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True)
     else:
-        growth = np.where(chart.stable, np.nan, chart.growth_rate)
+        growth = np.where(chart.stable, np.nan, np.nan_to_num(chart.growth_rate))  # unknown where undecided
         mesh = ax.pcolormesh(x, y, growth, cmap=palette.shades(), vmin=0.0, rasterized=True)
-        unit = "per unit of $\\tau$" if chart.growth_unit == "per tau" else f"/ ({chart.growth_unit})"
+        units = {"per tau": "per unit of $\\tau$", "per unit time": "per unit of time"}
+        unit = units.get(chart.growth_unit, f"/ ({chart.growth_unit})")
         ax.figure.colorbar(mesh, ax=ax, label=f"growth rate {unit}")
     if chart.stable.any() and not chart.stable.all():
         ax.contour(x, y, chart.stable, levels=[0.5], colors="black", linewidths=0.6)

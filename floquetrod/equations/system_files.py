@@ -1,0 +1,116 @@
+"""Systems read from files: TOML tables, and npz files of arrays."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import tomllib
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from floquetrod import units
+from floquetrod._util import validate
+from floquetrod.equations import matrices
+from floquetrod.equations.hill_system import HillSystem
+from floquetrod.equations.periodic_system import PeriodicSystem
+
+_SERIES = ("cosines", "sines", "period", "frequency")
+_SECOND_ORDER = ("stiffness", "mass", "damping", "gyroscopic", *_SERIES)
+_FIRST_ORDER = ("mean", "coefficient_error", *_SERIES)
+_KEYS = tuple(dict.fromkeys((*_SECOND_ORDER, *_FIRST_ORDER)))
+_LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, those of unpacked arrays (a choice)
+
+
+def read_system(path: str | Path) -> HillSystem | PeriodicSystem:
+    """Read one system from a TOML file, under [system], or from an npz file of arrays.
+
+    Keys, or names of arrays, are the parameters of `HillSystem` (with ``stiffness``) or of `PeriodicSystem` (with
+    ``mean``), in any units that fit together.  In place of ``period`` there may be ``frequency``, angular: 2 pi /
+    period.  Both may be strings with a unit, such as "24Hz" or "0.2s", where time is in seconds.
+
+    Raises
+    ------
+    ValueError
+        Naming file and key: for files that cannot be read, are too large or of another kind, for unknown and missing
+        keys, and for what the constructors refuse.
+    """
+    path = validate.path("path", path)
+    readers = {".toml": _toml, ".npz": _npz}
+    if path.suffix not in readers:
+        raise ValueError(f"system file {path} must end in .toml or .npz")
+    try:
+        if not path.is_file():
+            raise ValueError("it is a folder or a device" if path.exists() else "there is no such file")
+        if path.stat().st_size > _LARGEST[path.suffix]:
+            raise ValueError(f"it has {path.stat().st_size:,} bytes, at most {_LARGEST[path.suffix]:,} are read")
+        table = readers[path.suffix](path)
+    except (OSError, ValueError, KeyError, EOFError, NotImplementedError, RecursionError, zipfile.BadZipFile) as error:
+        raise ValueError(f"system file {path} cannot be read: {error}") from None
+    try:
+        return _system(table)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"system file {path}: {error}") from None
+
+
+def _toml(path: Path) -> Mapping[str, Any]:
+    """Return the table [system] of a TOML file."""
+    text = tomllib.loads(path.read_text(encoding="utf-8"))
+    table = text.pop("system", None)
+    if not isinstance(table, dict):
+        raise ValueError("it has no table [system]")
+    if text:
+        raise ValueError(f"it holds {', '.join(map(repr, text))} outside of [system]")
+    return table
+
+
+def _npz(path: Path) -> Mapping[str, Any]:
+    """Return the arrays of an npz file, single numbers and words as such."""
+    with zipfile.ZipFile(path) as archive:
+        size = sum(member.file_size for member in archive.infolist())
+    if size > _LARGEST[".npz"]:
+        raise ValueError(f"it holds {size:,} bytes, at most {_LARGEST['.npz']:,} are read")
+    with np.load(path, allow_pickle=False) as content:
+        arrays = {name: content[name] for name in content.files}
+    foreign = [name for name, value in arrays.items() if not isinstance(value, np.ndarray)]
+    if foreign:
+        raise ValueError(f"{foreign[0]!r} is no array")
+    return {name: value if value.ndim else value.item() for name, value in arrays.items()}
+
+
+def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem:
+    """Return the system of a table; ValueError or TypeError names the key."""
+    unknown = [key for key in table if key not in _KEYS]
+    if unknown:
+        close = difflib.get_close_matches(unknown[0], _KEYS, 1)
+        hint = f"did you mean {close[0]!r}?" if close else f"the keys are {', '.join(_KEYS)}"
+        raise ValueError(f"unknown key {unknown[0]!r}; {hint}")
+    if ("stiffness" in table) == ("mean" in table):
+        both = "stiffness and mean" if "mean" in table else "neither stiffness nor mean"
+        raise ValueError(f"it has {both}; give stiffness for M q'' + (C + G) q' + K(t) q = 0, mean for x' = A(t) x")
+    first_order = "mean" in table
+    misplaced = [key for key in table if key not in (_FIRST_ORDER if first_order else _SECOND_ORDER)]
+    if misplaced:
+        form = "mean, in first order" if first_order else "stiffness, in second order"
+        raise ValueError(f"key {misplaced[0]!r} does not go with {form}")
+    given = {key: value for key, value in table.items() if key != "frequency"} | _period(table)
+    system = PeriodicSystem(**given) if first_order else HillSystem(**given)
+    matrices.require_one(system)
+    return system
+
+
+def _period(table: Mapping[str, Any]) -> dict[str, float]:
+    """Return the period, given as such or as an angular frequency; nothing where nothing varies."""
+    given = [key for key in ("period", "frequency") if key in table]
+    if len(given) == 2:
+        raise ValueError("it has period and frequency; give one of them")
+    if not given:
+        if "cosines" in table or "sines" in table:
+            raise ValueError("it has neither period nor frequency; give one of them for cosines and sines")
+        return {}
+    kind = "time" if given == ["period"] else "frequency"
+    value = units.quantity(table[given[0]], given[0], kind, least=math.ulp(0.0))
+    return {"period": value if kind == "time" else 2.0 * math.pi / value}

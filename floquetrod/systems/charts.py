@@ -1,0 +1,152 @@
+"""`fr.chart`: any family of equations or systems over the plane of two of its parameters."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.floquet import one_by_one
+from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
+
+Problem = Equation | HillSystem | PeriodicSystem
+
+_GREEK = re.compile(
+    "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|iota|kappa|lambda|mu|nu|xi|pi|rho|sigma|tau|upsilon|phi|chi|psi|omega"
+    "|Gamma|Delta|Theta|Lambda|Xi|Pi|Sigma|Upsilon|Phi|Psi|Omega"
+)
+
+
+def chart(
+    family: Callable[..., Problem],
+    over: Mapping[str, Any],
+    *,
+    growth: bool = False,
+    growth_tolerance: float = 0.0,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Chart:
+    """Return the stability chart of a family of systems over a rectangle in the plane of two parameters.
+
+    Parameters
+    ----------
+    family : callable (keywords) -> HillSystem, PeriodicSystem or Equation
+        Called with the two parameters as keywords, once for each point.
+    over : mapping of str to (low, high, number) or increasing array
+        The two parameters, by the names of the keywords: first the columns (x), then the rows (y).
+    growth : bool
+        Whether to keep the growth rates: per unit of the time in which periods are given, and per unit tau for
+        equations.
+    growth_tolerance : float
+        Growth, in the same unit, up to which a point counts as stable.
+    workers : int, optional
+        Threads; by default one for each core when there is enough to do.
+    progress : callable, optional
+        Called with the numbers of points done and to do after every row.
+
+    Raises
+    ------
+    TypeError
+        Where the family returns something else, or equations at one point and systems at another.
+    ValueError
+        For axes that are none, and where the family raises an exception; the message names the point.
+
+    Examples
+    --------
+    >>> def pendulums(omega, epsilon):
+    ...     coupling = [[[0.5 * epsilon, epsilon], [epsilon, 0.8 * epsilon]]]
+    ...     return HillSystem([[1.0, 0.0], [0.0, 4.0]], coupling, period=2.0 * np.pi / omega)
+    >>> chart(pendulums, over={"omega": (2.5, 3.5, 3), "epsilon": (0.1, 0.3, 2)}).stable.tolist()
+    [[True, False, True], [True, False, True]]
+    """
+    validate.function("family", family)
+    (x_name, x_values), (y_name, y_values) = _parameters(over)
+    x, y = (Axis(name, _symbol(name), "", values) for name, values in ((x_name, x_values), (y_name, y_values)))
+    growth = validate.flag("growth", growth)
+    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    workers = validate.workers(workers)
+    validate.progress(progress)
+    first = _member(family, {x_name: float(x_values[0]), y_name: float(y_values[0])}, None)
+    kinds = {_kind(first)}
+
+    def row(values: NDArray[np.float64]) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
+        points = [{x_name: column, y_name: values.item()} for column in x_values.tolist()]
+        members = [_member(family, point, first) for point in points]
+        kinds.update(map(_kind, members))
+        status, rate = _verdicts(members, tolerance, workers)
+        return status[None, :], rate[None, :]
+
+    return charted(
+        x,
+        y,
+        row,
+        growth=growth,
+        growth_tolerance=tolerance,
+        growth_unit="per tau" if isinstance(first, Equation) else "per unit time",
+        subject=lambda: {"kind": ", ".join(sorted(kinds)), "fixed": []},
+        rows_at_once=1,
+        progress=progress,
+    )
+
+
+def _verdicts(
+    members: Sequence[Problem], tolerance: float, workers: int | None
+) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
+    """Return 1 where stable, 0 where not and -1 where undecided, and the growth rates."""
+    return one_by_one.verdicts(members, tolerance)
+
+
+def _parameters(over: Any) -> list[tuple[str, NDArray[np.float64]]]:
+    """Return names and values of the two parameters, checked."""
+    example = 'two parameters such as {"omega": (1.0, 4.0, 200), "epsilon": (0.0, 0.5, 100)}'
+    if not isinstance(over, Mapping):
+        raise TypeError(f"over must be a mapping of {example}, got {validate.short(over)}")
+    for name in over:
+        if not isinstance(name, str) or not name.isidentifier():
+            raise TypeError(f"over must name parameters of the family, {example}, got {validate.short(name)}")
+    if len(over) != 2:
+        raise ValueError(f"over must hold {example}, got {len(over)}: {', '.join(over) or 'none'}")
+    return [(name, axis_values(f"over[{name!r}]", values)) for name, values in over.items()]
+
+
+def _member(family: Callable[..., Problem], point: dict[str, float], like: Problem | None) -> Problem:
+    """Return the family's member at a point, checked."""
+    at = f"family({', '.join(f'{name}={value:.6g}' for name, value in point.items())})"
+    member: Any
+    try:
+        member = family(**point)
+    except Exception as error:
+        raise ValueError(f"{at} raised {type(error).__name__}: {error}") from error
+    if not isinstance(member, Problem):
+        wanted = "a HillSystem, a PeriodicSystem or an Equation"
+        raise TypeError(f"{at} must return {wanted}, got {validate.short(member)}")
+    if not isinstance(member, Equation) and member.shape:
+        raise ValueError(f"{at} must return one system, got a batch of shape {member.shape}")
+    if like is not None and isinstance(member, Equation) != isinstance(like, Equation):
+        what = "an Equation, as at other points" if isinstance(like, Equation) else "a system, as at other points"
+        raise TypeError(f"{at} must return {what}, got {validate.short(member)}")
+    result: Problem = member
+    return result
+
+
+def _kind(member: Problem) -> str:
+    """Return what is charted, in words."""
+    if isinstance(member, Equation):
+        return member.title
+    plural = "" if member.order == 1 else "s"
+    order = "" if isinstance(member, HillSystem) else " of first order"
+    return f"system of {member.order} equation{plural}{order}"
+
+
+def _symbol(name: str) -> str:
+    r"""Return a parameter's symbol in mathematics: \omega_{1} of "omega_1"; "" for a name that is a word."""
+    found = re.fullmatch(r"([A-Za-z]+?)_?(\d*)", name)
+    if found is None or not (len(found[1]) == 1 or _GREEK.fullmatch(found[1])):
+        return ""
+    letter = found[1] if len(found[1]) == 1 else rf"\{found[1]}"
+    return letter + (f"_{{{found[2]}}}" if found[2] else "")
