@@ -39,7 +39,7 @@ for tongue in tongues:
 # Growth over the frequency.  First order knows the large peaks; resonances of second order lie at half their frequency.
 hertz = np.concatenate([np.linspace(60.0, 560.0, 201), [1e3 * t.frequency / (2.0 * np.pi) for t in tongues]])
 hertz = np.sort(hertz[hertz < 560.0])
-verdicts = [fr.stability(strip(f), method="half_period") for f in hertz]
+verdicts = [fr.stability(strip(f)) for f in hertz]
 growth = 1e3 * np.array([verdict.growth_rate for verdict in verdicts])
 undecided = sum(verdict.status == "undecided" for verdict in verdicts)
 print(f"{np.count_nonzero(growth > 0.0)} of {hertz.size} frequencies unstable, {undecided} undecided")

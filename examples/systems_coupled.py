@@ -23,26 +23,21 @@ for omega in (3.0, 2.0, 1.0):
 
 # %%
 # Growth over frequency and strength of the forcing.
-omega, epsilon = np.linspace(1.65, 4.5, 58), np.linspace(0.0, 0.8, 17)
-verdicts = [[fr.stability(family(x, y)) for x in omega] for y in epsilon]
-growth = np.array([[verdict.growth_rate for verdict in row] for row in verdicts])
-undecided = sum(verdict.status == "undecided" for row in verdicts for verdict in row)
-print(f"{np.count_nonzero(growth > 0.0)} of {growth.size} points unstable, {undecided} undecided")
+chart = fr.chart(family, over={"omega": (1.65, 4.5, 300), "epsilon": (0.0, 0.8, 120)}, growth=True)
+print(chart)
 
 # %%
 # To first order a tongue is a wedge about 2 w_1, w_1 + w_2 or 2 w_2: dashed, an approximation and no verdict.  There is
 # none about w_2 - w_1 = 1, since the coupling is symmetric.
 figure, axes = plt.subplots(figsize=(8.0, 4.6), layout="constrained")
-shown = np.where(growth > 0.0, growth, np.nan)
-mesh = axes.pcolormesh(omega, epsilon, shown, cmap=palette.shades(), vmin=0.0, rasterized=True)
-figure.colorbar(mesh, ax=axes, label="growth rate per unit time")
+chart.plot(axes)
+epsilon = chart.y.values
 for tongue in fr.systems.first_order_tongues(family(1.0, 1.0)):
     for side in (-1.0, 1.0):
         edge = tongue.frequency + side * tongue.half_width * epsilon
         axes.plot(edge, epsilon, color="black", linestyle="--", linewidth=0.9)
     name = f"{tongue.kind} {' + '.join(map(str, tongue.modes))}"
     axes.annotate(name, (tongue.frequency, 0.04), ha="center", fontsize="small", bbox=palette.BOX)
-axes.set(xlim=(omega[0], omega[-1]), ylim=(0.0, epsilon[-1]))
-axes.set(xlabel="forcing frequency $w$", ylabel=r"forcing $\epsilon$")
+axes.set(xlim=(1.65, 4.5), ylim=(0.0, 0.8), xlabel="forcing frequency $w$", ylabel=r"forcing $\epsilon$")
 axes.set_title("white: stable; shaded: unstable; dashed: boundaries to first order", fontsize="small")
 plt.show()

@@ -13,8 +13,8 @@ import pytest
 from matplotlib import pyplot
 
 import floquetrod as fr
-from floquetrod.floquet import one_by_one
 from floquetrod.floquet.system_methods import half_period
+from floquetrod.systems import arrays
 
 mpl.use("Agg")
 
@@ -107,7 +107,7 @@ def test_growth_up_to_the_tolerance_is_stable() -> None:
 
 def test_undecided_points_are_counted_and_not_called_stable(monkeypatch: pytest.MonkeyPatch) -> None:
     """At omega = 3 two multipliers of opposite Krein signs meet, and the forcing is too weak to tell what follows."""
-    monkeypatch.setattr(one_by_one, "stability", half_period)
+    monkeypatch.setattr(arrays, "stability", half_period)
     chart = fr.chart(coupled, over={"omega": [2.9, 3.0, 3.1], "epsilon": [1e-15, 0.01]}, growth=True)
     assert chart.undecided == 1
     assert not chart.stable[0, 1]

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from floquetrod.equations.base import Equation, Piece, require
+from floquetrod.equations.batches import in_batches, stack
 from floquetrod.equations.hill import Hill
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.mathieu import FrictionalMathieu, Mathieu
 from floquetrod.equations.meissner import Meissner, SquareWave
 from floquetrod.equations.periodic_system import PeriodicSystem
-from floquetrod.equations.stacking import in_batches, stack
 
 __all__ = [
     "Equation",

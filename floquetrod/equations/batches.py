@@ -1,24 +1,89 @@
-"""Batches of systems: their arrays, flat, and their members."""
+"""Batches of systems: made of separate ones, as flat arrays, and taken apart."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util import validate
 from floquetrod.equations.hill_system import HillSystem
+from floquetrod.equations.matrices import Matrix
 from floquetrod.equations.periodic_system import PeriodicSystem
+
+System = HillSystem | PeriodicSystem
+
+
+def stack(systems: Sequence[System]) -> System:
+    """Return single systems as one batch of shape (m,), in their order.
+
+    Missing harmonics become zeros.  What is the same in all stays one matrix, so that structure that can only be seen
+    in shared matrices (C = 2 c M) is kept.
+
+    Parameters
+    ----------
+    systems : sequence of HillSystem, or of PeriodicSystem
+        At least one, all of the same order.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what is no system, for systems of both kinds or of several orders, and for batches.
+
+    Examples
+    --------
+    >>> stack([HillSystem([[1.0]], period=2.0), HillSystem([[1.5]], [[[0.2]]], period=2.0)]).harmonics[:, 0, 0, 0].real
+    array([0. , 0.2])
+    """
+    listed: list[Any] = list(systems)
+    if not listed:
+        raise ValueError("systems must hold at least one system, got none")
+    kind = HillSystem if isinstance(listed[0], HillSystem) else PeriodicSystem
+    for i, system in enumerate(listed):
+        validate.instance(f"systems[{i}]", system, kind)
+        if system.shape or system.order != listed[0].order:
+            what = f"a batch of shape {system.shape}" if system.shape else f"one of order {system.order}"
+            raise ValueError(f"systems[{i}] must be a single system of order {listed[0].order}, got {what}")
+    zero = np.zeros((listed[0].order,) * 2)
+
+    def series(name: str) -> list[Matrix]:
+        every = [getattr(system, name) for system in listed]
+        longest = max(map(len, every))
+        return [_merged([one[k] if k < len(one) else zero for one in every]) for k in range(longest)]
+
+    period = _merged([system.period for system in listed])
+    if kind is PeriodicSystem:
+        error = max(system.coefficient_error for system in listed)
+        mean = np.stack([system.mean for system in listed])
+        return PeriodicSystem(mean, series("cosines"), series("sines"), period=period, coefficient_error=error)
+
+    def optional(name: str, absent: Matrix) -> Matrix | None:
+        every = [getattr(system, name) for system in listed]
+        return None if all(m is None for m in every) else _merged([absent if m is None else m for m in every])
+
+    return HillSystem(
+        np.stack([system.stiffness for system in listed]),
+        series("cosines"),
+        series("sines"),
+        mass=optional("mass", np.eye(listed[0].order)),
+        damping=optional("damping", zero),
+        gyroscopic=optional("gyroscopic", zero),
+        period=period,
+    )
 
 
 def flat(array: Any, shape: tuple[int, ...], tail: int) -> NDArray[Any]:
     """Return an array with the leading shape of a batch made one axis; its last ``tail`` axes stay as they are."""
     array = np.asarray(array)
     inner = array.shape[array.ndim - tail :]
-    return np.ascontiguousarray(np.broadcast_to(array, (*shape, *inner))).reshape(-1, *inner)
+    whole = np.broadcast_to(array, (*shape, *inner))
+    return np.ascontiguousarray(whole).reshape(math.prod(shape), *inner)
 
 
-def pick(systems: HillSystem | PeriodicSystem, index: int) -> HillSystem | PeriodicSystem:
+def pick(systems: System, index: int) -> System:
     """Return one system of a batch by its place in the order of C."""
     if not systems.shape:
         return systems
@@ -35,3 +100,31 @@ def pick(systems: HillSystem | PeriodicSystem, index: int) -> HillSystem | Perio
     names = ("mass", "damping", "gyroscopic")
     others = {name: one(matrix) for name in names if (matrix := getattr(systems, name)) is not None}
     return HillSystem(one(systems.stiffness), *series, **others, period=period)
+
+
+def in_batches(systems: Sequence[System], call: Callable[[System], Sequence[Any]]) -> list[tuple[Any, ...]]:
+    """Return what ``call`` says of each system, asked once for each batch of systems of one kind, order and structure.
+
+    Parameters
+    ----------
+    systems : sequence of HillSystem or PeriodicSystem
+        Single systems of any kinds and orders.
+    call : callable (batch) -> sequence of arrays
+        Each array has one entry for each system of the batch.
+    """
+    groups: dict[Any, list[int]] = {}
+    for i, system in enumerate(systems):
+        damping = system.uniform_damping if isinstance(system, HillSystem) else None
+        groups.setdefault((type(system), system.order, system.structure, damping), []).append(i)
+    answers: list[tuple[Any, ...]] = [()] * len(systems)
+    for members in groups.values():
+        columns = call(stack([systems[i] for i in members]))
+        for i, answer in zip(members, zip(*columns, strict=True), strict=True):
+            answers[i] = answer
+    return answers
+
+
+def _merged(every: Sequence[Any]) -> Any:
+    """Return arrays, or numbers, as one array of them, or as the single one that they all are."""
+    first = every[0]
+    return first if all(np.array_equal(first, other) for other in every[1:]) else np.stack(every)

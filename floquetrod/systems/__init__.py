@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from floquetrod.equations.stacking import stack
+from floquetrod.equations.batches import stack
 from floquetrod.systems.arrays import growth_rate, is_stable, multipliers
 from floquetrod.systems.charts import chart
 from floquetrod.systems.first_order import FirstOrderTongue, first_order_tongues

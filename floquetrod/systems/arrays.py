@@ -16,11 +16,9 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.batches import flat, pick
 from floquetrod.equations.hill_system import EvenForm
 from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.systems import many
-from floquetrod.floquet.systems.classification import undamped_pairs
-from floquetrod.floquet.systems.even import pair_matrices
+from floquetrod.floquet.systems import even, many, whole
+from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
 from floquetrod.floquet.systems.many import ManyDiscs, ManyVerdicts
-from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.kernels.system_even import pair_numbers
 
 System = HillSystem | PeriodicSystem
@@ -142,10 +140,16 @@ class _EvenBatch(_Batch):
     def _discs(self, part: slice) -> ManyDiscs:
         """Return the numbers y of the pairs."""
         stiffness, amplitudes, period = self.stiffness[part], self.amplitudes[part], self.period[part]
-        if stiffness.shape[-1] == 2 and not self.doubt.any():
+        long = even.seconds_needed(stiffness, amplitudes, period) > MOST_SECONDS
+        if long.any():  # those are left to `stability`, which declines them
+            stiffness, amplitudes = (np.where(_like(long, m), 0.0, m) for m in (stiffness, amplitudes))
+        return self._of(stiffness, amplitudes, period, np.where(long, np.inf, self.doubt[part]))
+
+    def _of(self, stiffness: Any, amplitudes: Any, period: Any, doubt: Any) -> ManyDiscs:
+        if stiffness.shape[-1] == 2 and not doubt.any():
             x, errors, _ = pair_numbers(stiffness, amplitudes, period, _ACCURACY)
             return many.pair_discs(0.25 * (x - 2.0), 0.25 * errors)
-        found = pair_matrices(stiffness, amplitudes, period, self.doubt[part], _ACCURACY)
+        found = even.pair_matrices(stiffness, amplitudes, period, doubt, _ACCURACY)
         return many.many_discs(found.matrix, found.error)
 
     def multipliers(self, part: slice) -> NDArray[np.complex128]:
@@ -168,8 +172,12 @@ class _FirstOrderBatch(_Batch):
 
     def _discs(self, part: slice) -> ManyDiscs:
         """Return the multipliers."""
-        arrays = self.mean[part], self.harmonics[part], self.period[part]
-        maps = period_maps(*arrays, self.doubt, _ACCURACY, paired=self.paired)
+        mean, harmonics, period = self.mean[part], self.harmonics[part], self.period[part]
+        long = whole.seconds_needed(mean, harmonics, period, paired=self.paired) > MOST_SECONDS
+        if long.any():  # those are left to `stability`, which declines them
+            mean, harmonics = (np.where(_like(long, m), 0.0, m) for m in (mean, harmonics))
+        doubt = np.where(long, np.inf, self.doubt)
+        maps = whole.period_maps(mean, harmonics, period, doubt, _ACCURACY, paired=self.paired)
         return many.many_discs(maps.matrix, maps.error)
 
     def multipliers(self, part: slice) -> NDArray[np.complex128]:
@@ -178,6 +186,11 @@ class _FirstOrderBatch(_Batch):
     def verdicts(self, part: slice) -> ManyVerdicts:
         discs = self._discs(part)
         return many.multiplier_verdicts(discs, self.period[part], paired=self.paired, damping=self.damping)
+
+
+def _like(rows: NDArray[np.bool_], array: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return rows with as many axes as an array has."""
+    return rows.reshape(-1, *(1,) * (array.ndim - 1))
 
 
 def _batch(systems: Any) -> _Batch:

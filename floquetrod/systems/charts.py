@@ -11,8 +11,11 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.equations.batches import in_batches
 from floquetrod.floquet import one_by_one
+from floquetrod.floquet.systems.many import STABLE, UNSTABLE
 from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
+from floquetrod.systems import arrays
 
 Problem = Equation | HillSystem | PeriodicSystem
 
@@ -98,7 +101,13 @@ def _verdicts(
     members: Sequence[Problem], tolerance: float, workers: int | None
 ) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
     """Return 1 where stable, 0 where not and -1 where undecided, and the growth rates."""
-    return one_by_one.verdicts(members, tolerance)
+    systems = [member for member in members if not isinstance(member, Equation)]
+    if not systems:
+        return one_by_one.verdicts(members, tolerance)
+    answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=workers))
+    status, rate = (np.array(column) for column in zip(*answers, strict=True))
+    status[(status == UNSTABLE) & (rate <= tolerance)] = STABLE
+    return status.astype(np.int8), rate
 
 
 def _parameters(over: Any) -> list[tuple[str, NDArray[np.float64]]]:

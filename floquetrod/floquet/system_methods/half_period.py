@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.systems import even, spectra
-from floquetrod.floquet.systems.classification import classify_pairs, undamped_pairs
+from floquetrod.floquet.systems.classification import classify_pairs, too_long, undamped_pairs
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 
@@ -46,9 +46,11 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
             "half_period; method='monodromy' takes any"
         )
     rtol = validate.within("rtol", rtol, 1e-15, 0.1)
-    found = even.pair_matrices(
-        form.stiffness[None], form.amplitudes[None], np.array([float(system.period)]), form.error[None], rtol
-    )
+    arrays = form.stiffness[None], form.amplitudes[None], np.array([float(system.period)])
+    refused = too_long(system, "half_period", float(even.seconds_needed(*arrays)[0]))
+    if refused is not None:
+        return refused
+    found = even.pair_matrices(*arrays, form.error[None], rtol)
     discs = spectra.eigenvalue_discs(found.matrix[0], float(found.error[0]))
     if discs is None or not found.symmetric:
         return classify_pairs(system, "half_period", discs, cost=Cost(1, "half period"))

@@ -7,10 +7,15 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
-from floquetrod.floquet.systems import spectra, symplectic
-from floquetrod.floquet.systems.classification import classify_multipliers, classify_pairs, logarithms, undamped_pairs
+from floquetrod.floquet.systems import spectra, symplectic, whole
+from floquetrod.floquet.systems.classification import (
+    classify_multipliers,
+    classify_pairs,
+    logarithms,
+    too_long,
+    undamped_pairs,
+)
 from floquetrod.floquet.systems.result import SystemStability
-from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Cost
 
 _COST = Cost(1, "period")
@@ -46,14 +51,12 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         # Only from an instant of evenness on is the map reversible.
         phase = 2.0 * np.pi * float(subject.even_form.start) / float(system.period)
         harmonics = harmonics * np.exp(1j * phase * np.arange(1, len(harmonics) + 1))[:, None, None]
-    maps = period_maps(
-        first.mean[None],
-        harmonics[None],
-        np.array([float(system.period)]),
-        first.coefficient_error,
-        rtol,
-        paired=pairs is not None,
-    )
+    arrays = first.mean[None], harmonics[None], np.array([float(system.period)])
+    paired = pairs is not None
+    refused = too_long(system, "monodromy", float(whole.seconds_needed(*arrays, paired=paired)[0]))
+    if refused is not None:
+        return refused
+    maps = whole.period_maps(*arrays, first.coefficient_error, rtol, paired=paired)
     full, error = maps.matrix[0], float(maps.error[0])
     discs = spectra.eigenvalue_discs(full, error)
     if pairs is None:

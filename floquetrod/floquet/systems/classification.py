@@ -322,6 +322,18 @@ def _verdict(
     )
 
 
+MOST_SECONDS = 60.0
+"""Longest estimated time of a map (a choice)."""
+
+
+def too_long(system: System, method: str, seconds: float) -> SystemStability | None:
+    """Return the undecided result of a method that would take too long, None where it would not."""
+    if seconds <= MOST_SECONDS:
+        return None
+    note = f"would take about {seconds:.2g} s; take a shorter period, or fewer or softer equations"
+    return declined(system, method, Cost(0, "periods"), note)
+
+
 def declined(system: System, method: str, cost: Cost, note: str) -> SystemStability:
     """Return the undecided result of a method that gave up, for the reason in ``note``."""
     return SystemStability(

@@ -18,6 +18,15 @@ class PeriodMaps(NamedTuple):
     scaling: NDArray[np.float64]
 
 
+def seconds_needed(mean: Any, harmonics: Any, period: Any, *, paired: bool) -> NDArray[np.float64]:
+    """Return about how long the map of each system takes (b,), in seconds: measured on one core of 2024."""
+    n = mean.shape[-1]
+    mean, harmonics, _ = _balanced(mean, harmonics, paired=paired)
+    sizes = np.abs(mean) + np.abs(harmonics).sum(axis=1)
+    phase = period * np.minimum(sizes.sum(axis=-1).max(axis=-1), sizes.sum(axis=-2).max(axis=-1))
+    return np.asarray(phase * (1e-5 + 1e-6 * n * n))
+
+
 def period_maps(
     mean: Any, harmonics: Any, period: Any, doubt: Any, rtol: float, *, paired: bool, workers: int | None = 1
 ) -> PeriodMaps:
@@ -26,9 +35,7 @@ def period_maps(
     Where ``paired``, positions and velocities are scaled by inverse factors: the map stays symplectic or reversible.
     """
     n = mean.shape[-1]
-    scaling = _paired_scaling(mean, harmonics) if paired else np.ones(mean.shape[:-1])
-    mean = mean * scaling[:, None, :] / scaling[:, :, None]
-    harmonics = harmonics * scaling[:, None, None, :] / scaling[:, None, :, None]
+    mean, harmonics, scaling = _balanced(mean, harmonics, paired=paired)
     whole = product(segment_maps(mean, harmonics, period, rtol, workers=workers))
     matrix, error, inner = whole.matrix, whole.error, whole.scaling
     if paired:
@@ -39,6 +46,15 @@ def period_maps(
     size = np.sqrt(np.square(matrix).sum(axis=(-2, -1)))
     stretch = scaling.max(axis=-1) / scaling.min(axis=-1)
     return PeriodMaps(matrix, error + period * np.asarray(doubt) * n * stretch * np.maximum(size, 1.0) ** 2, scaling)
+
+
+def _balanced(
+    mean: NDArray[np.float64], harmonics: NDArray[np.complex128], *, paired: bool
+) -> tuple[NDArray[np.float64], NDArray[np.complex128], NDArray[np.float64]]:
+    """Return the coefficients in coordinates x / scaling, and the scaling: none where multipliers are not paired."""
+    scaling = _paired_scaling(mean, harmonics) if paired else np.ones(mean.shape[:-1])
+    turned = harmonics * scaling[:, None, None, :] / scaling[:, None, :, None]
+    return mean * scaling[:, None, :] / scaling[:, :, None], turned, scaling
 
 
 def _paired_scaling(mean: NDArray[np.float64], harmonics: NDArray[np.complex128]) -> NDArray[np.float64]:
