@@ -101,6 +101,28 @@ def test_two_equations_at_once_agree_with_the_monodromy_matrix(rng: np.random.Ge
         assert np.all(abs(expected[order] - x[0]) <= errors[0] + slack)
 
 
+@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("accuracy", [1e-6, 1e-10, 1e-13])
+def test_many_pairs_side_by_side_are_within_their_errors(rng: np.random.Generator, count: int, accuracy: float) -> None:
+    systems = [random_system(rng, 2, count, 0.2, size, True) for size in (0.3, 1.0, 3.0, 10.0) for _ in range(5)]
+    systems.append((np.diag([1.0, 1.0])[None], np.zeros((1, count, 2, 2)), np.array([3.0])))
+    systems.append(random_system(rng, 2, count, 0.2, 1.0, False))
+    stiffness, amplitudes, period = (np.concatenate(parts) for parts in zip(*systems, strict=True))
+    x, errors, krein = pair_numbers(stiffness, amplitudes, period, accuracy)
+    for i in range(len(systems)):
+        whole = true_map(stiffness[i], amplitudes[i], float(period[i]), 1.0)
+        expected = np.linalg.eigvals(2.0 * whole[:2, :2])
+        order = [0, 1] if abs(expected[0] - x[i, 0]) < abs(expected[1] - x[i, 0]) else [1, 0]
+        assert np.all(abs(expected[order] - x[i]) <= errors[i] + 1e-13 * np.linalg.norm(whole) ** 2 + 1e-7 * (i == 20))
+        alone, alone_errors, alone_krein = pair_numbers(*systems[i], accuracy)
+        assert np.all(abs(alone[0] - x[i]) <= errors[i] + alone_errors[0])
+        decided = (krein[i] != 0.0) & (alone_krein[0] != 0.0)
+        assert np.all(np.sign(krein[i, decided]) == np.sign(alone_krein[0, decided]))
+    apart = (abs(x.imag) == 0.0) & (abs(x.real) < 1.9) & (abs(x[:, :1] - x[:, 1:]) > 0.1)
+    assert np.all(krein[:20][apart[:20]] != 0.0)
+    assert np.all(krein[21] == 0.0)
+
+
 def test_segment_maps_and_their_product_are_within_their_errors(rng: np.random.Generator) -> None:
     for forcing, largest in [(0.1, 1.0), (0.5, 10.0)]:
         stiffness, amplitudes, period = random_system(rng, 2, 2, forcing, largest, False)

@@ -114,13 +114,12 @@ def pair_numbers(
     """
     stiffness, amplitudes, period = _arrays(stiffness, amplitudes, period)
     out = np.empty((len(period), 8))
-    constants = (accuracy, reach(accuracy), _symmetric(stiffness, amplitudes))
+    inputs = (stiffness, amplitudes, period)
     if len(out) == 1:
-        compiled(pair_fill)(stiffness, amplitudes, period, out, *constants)  # the shortest way for a single system
+        compiled(pair_fill)(*inputs, out, accuracy, reach(accuracy))  # the shortest way for a single system
     else:
-        inputs = (stiffness, amplitudes, period)
-        over_chunks(pair_fill, inputs, out, *constants, workers=workers, chunk=512, interpret_up_to=0)
-    return out[:, 0::4] + 1j * out[:, 1::4], out[:, 2::4], out[:, 3::4]
+        over_chunks(pair_fill, inputs, out, accuracy, reach(accuracy), workers=workers, chunk=512, interpret_up_to=0)
+    return out[:, :4].view(complex), out[:, 4:6], out[:, 6:]
 
 
 def _arrays(*values: Any) -> list[Floats]:

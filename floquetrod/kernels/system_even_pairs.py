@@ -8,72 +8,95 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util.compilation import kernel
+from floquetrod.kernels.system_even_lanes import LANES, lane_load, lane_maps, lane_workspace, rotated, rotation
 from floquetrod.kernels.system_even_steps import half_period, workspace
 from floquetrod.kernels.system_series import ROUNDING, invert, spectral_bound
 
 
 @kernel
-def pair_fill(
-    stiffness: Any, amplitudes: Any, period: Any, out: Any, accuracy: float, reach: float, symmetric: bool
-) -> None:
-    """Fill rows of ``out`` (8) with Re x, Im x, the error and the Krein form of each of the two pairs."""
+def pair_fill(stiffness: Any, amplitudes: Any, period: Any, out: Any, accuracy: float, reach: float) -> None:
+    """Fill rows of ``out`` (8): Re and Im of both x, then their errors, then their Krein forms."""
+    batch, count = len(out), len(amplitudes[0])
+    work, general = workspace(2, count), workspace(2, count + 1)
+    small = np.empty((5, 4, 4))
+    lanes = lane_workspace(count)
+    start = 0
+    while start < batch:
+        used = min(LANES, batch - start)
+        together = used > LANES // 4 and lane_load(stiffness, amplitudes, period, start, used, lanes)
+        if together and lane_maps(accuracy, reach, lanes):
+            for lane in range(used):
+                for row in range(4):
+                    for column in range(4):
+                        small[0, row, column] = lanes[7][row * 4 + column, lane]
+                error = lanes[8][2, lane]
+                pair_outcome(small, error, error, True, out[start + lane])
+        else:
+            for i in range(start, start + used):
+                symmetric = is_symmetric(stiffness[i])
+                for k in range(count):
+                    symmetric = symmetric and is_symmetric(amplitudes[i][k])
+                space = work if symmetric else general
+                pair_row(stiffness[i], amplitudes[i], period[i], accuracy, reach, symmetric, small, space, out[i])
+        start += used
+
+
+@kernel
+def is_symmetric(matrix: Any) -> bool:
+    """Say whether a matrix (2, 2) is symmetric, to the bit."""
+    return bool(matrix[0][1] == matrix[1][0])
+
+
+@kernel
+def pair_row(
+    stiff: Any, amplitudes: Any, period: float, accuracy: float, reach: float, symmetric: bool, small: Any, work: Any,
+    out: Any,
+) -> None:  # fmt: skip
+    """Fill one row of `pair_fill`."""
     first = 1 if symmetric else 0
-    count = len(amplitudes[0]) + 1 - first
+    count = len(amplitudes) + 1 - first
+    total, copy, inverse = small[0], small[1], small[2]
     s, f, g = np.empty(2), np.zeros((count, 2, 2)), np.empty(2)
-    total, copy, inverse = np.empty((4, 4)), np.empty((4, 4)), np.empty((4, 4))
-    y, r = np.empty((2, 2)), np.empty((2, 2))
-    b, c = np.empty((2, 2)), np.empty((2, 2))
-    work = workspace(2, count)
-    for i in range(len(out)):
-        stiff = stiffness[i]
-        s[0], s[1] = stiff[0][0], stiff[1][1]
-        cosine, sine = 1.0, 0.0
-        slack = 2.0 * ROUNDING
-        if not symmetric:
-            f[0, 0, 1], f[0, 1, 0] = stiff[0][1], stiff[1][0]
-        elif stiff[0][1] != 0.0:
-            slack = 10.0 * ROUNDING
-            ratio = 0.5 * (s[1] - s[0]) / stiff[0][1]
-            tangent = math.copysign(1.0, ratio) / (abs(ratio) + math.sqrt(1.0 + ratio * ratio))
-            s[0] -= tangent * stiff[0][1]
-            s[1] += tangent * stiff[0][1]
-            cosine = 1.0 / math.sqrt(1.0 + tangent * tangent)
-            sine = tangent * cosine
-        for k in range(1 - first, count):
-            a = amplitudes[i][k + first - 1]
-            p, q, t, u = a[0][0], a[0][1], a[1][0], a[1][1]
-            if sine != 0.0:
-                # columns, then rows, by the rotation (cosine, -sine) and (sine, cosine)
-                p, q = cosine * p - sine * q, sine * p + cosine * q
-                t, u = cosine * t - sine * u, sine * t + cosine * u
-                p, t = cosine * p - sine * t, sine * p + cosine * t
-                q, u = cosine * q - sine * u, sine * q + cosine * u
-            f[k, 0, 0], f[k, 0, 1], f[k, 1, 0], f[k, 1, 1] = p, q, t, u
-        omega = 2.0 * math.pi / period[i]
-        error = half_period(s, f, first, omega, accuracy, reach, symmetric, slack, 2, g, work, total)
-        for row in range(2):
-            for column in range(2):
-                b[row, column] = total[column, 2 + row]
-                c[row, column] = total[2 + row, column]
-                r[row, column] = total[0, row] * total[2, column] + total[1, row] * total[3, column]
-        wrong = error
-        if not symmetric:
-            copy[:] = total
-            invert(copy, inverse)
-            for row in range(2):
-                for column in range(2):
-                    b[row, column] = -inverse[row, 2 + column]
-            norm = spectral_bound(inverse)
-            wrong = norm * norm * (error + 16.0 * ROUNDING * spectral_bound(total))
-            wrong = wrong / (1.0 - norm * error) if norm * error < 0.5 else math.inf
-        for row in range(2):
-            for column in range(2):
-                y[row, column] = b[row, 0] * c[0, column] + b[row, 1] * c[1, column]
-        size_b, size_c = spectral_bound(b), spectral_bound(c)
-        slip = size_b * error + size_c * wrong + error * wrong + 4.0 * ROUNDING * size_b * size_c
-        size_a = spectral_bound(total[:2, :2])
-        form_slip = size_a * error + size_c * error + error * error + 4.0 * ROUNDING * size_a * size_c
-        pair_values(y, slip, r, form_slip if symmetric else math.inf, out[i])
+    s[0], s[1] = stiff[0][0], stiff[1][1]
+    tangent, cosine, sine = 0.0, 1.0, 0.0
+    if symmetric:
+        tangent, cosine, sine = rotation(s[0], s[1], stiff[0][1])
+        s[0] -= tangent * stiff[0][1]
+        s[1] += tangent * stiff[0][1]
+    else:
+        f[0, 0, 1], f[0, 1, 0] = stiff[0][1], stiff[1][0]
+    for k in range(1 - first, count):
+        f[k, 0, 0], f[k, 0, 1], f[k, 1, 0], f[k, 1, 1] = rotated(amplitudes[k + first - 1], cosine, sine)
+    slack = (10.0 if sine != 0.0 else 2.0) * ROUNDING
+    error = half_period(s, f, first, 2.0 * math.pi / period, accuracy, reach, symmetric, slack, 2, g, work, total)
+    wrong = error
+    if not symmetric:
+        copy[:] = total
+        invert(copy, inverse)
+        norm = spectral_bound(inverse)
+        wrong = norm * norm * (error + 16.0 * ROUNDING * spectral_bound(total))
+        wrong = wrong / (1.0 - norm * error) if norm * error < 0.5 else math.inf
+    pair_outcome(small, error, wrong, symmetric, out)
+
+
+@kernel
+def pair_outcome(small: Any, error: float, wrong: float, symmetric: bool, out: Any) -> None:
+    """Fill one row of `pair_fill` from the map and, where K is not symmetric, its inverse; their errors are given."""
+    total, inverse = small[0], small[2]
+    y, r, b, c = small[3, :2, :2], small[3, 2:, 2:], small[4, :2, :2], small[4, 2:, 2:]
+    for row in range(2):
+        for column in range(2):
+            b[row, column] = total[column, 2 + row] if symmetric else -inverse[row, 2 + column]
+            c[row, column] = total[2 + row, column]
+            r[row, column] = total[0, row] * total[2, column] + total[1, row] * total[3, column]
+    for row in range(2):
+        for column in range(2):
+            y[row, column] = b[row, 0] * c[0, column] + b[row, 1] * c[1, column]
+    size_b, size_c = spectral_bound(b), spectral_bound(c)
+    slip = size_b * error + size_c * wrong + error * wrong + 4.0 * ROUNDING * size_b * size_c
+    size_a = spectral_bound(total[:2, :2])
+    form_slip = size_a * error + size_c * error + error * error + 4.0 * ROUNDING * size_a * size_c
+    pair_values(y, slip, r, form_slip if symmetric else math.inf, out)
 
 
 @kernel
@@ -97,10 +120,10 @@ def pair_values(y: Any, slip: float, r: Any, form_slip: float, out: Any) -> None
     norm = spectral_bound(r)
     for j in range(2):
         sign = 2.0 * j - 1.0
-        out[4 * j] = 2.0 + 4.0 * (mean + (sign * root if square > 0.0 else 0.0))
-        out[4 * j + 1] = 0.0 if square > 0.0 else 4.0 * sign * root
-        out[4 * j + 2] = error
-        out[4 * j + 3] = 0.0
+        out[2 * j] = 2.0 + 4.0 * (mean + (sign * root if square > 0.0 else 0.0))
+        out[2 * j + 1] = 0.0 if square > 0.0 else 4.0 * sign * root
+        out[4 + j] = error
+        out[6 + j] = 0.0
         if square > 0.0 and decided:
             # Two rows of (Y - y) u = 0; the one with the longer u is the better conditioned.
             p, q = y[0, 1], sign * root - half
@@ -110,4 +133,4 @@ def pair_values(y: Any, slip: float, r: Any, form_slip: float, out: Any) -> None
             turn = 2.0 * (slip + root_slip + 4.0 * ROUNDING * slope) / length
             form = (p * p * r[0, 0] + p * q * (r[0, 1] + r[1, 0]) + q * q * r[1, 1]) / (length * length)
             if abs(form) > form_slip + 2.0 * norm * turn:
-                out[4 * j + 3] = form
+                out[6 + j] = form

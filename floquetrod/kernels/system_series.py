@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import Any
 
@@ -17,6 +18,7 @@ _HALF_LOG_TWO = 0.34657359027997264
 _LOG_LARGEST = 600.0
 
 
+@functools.cache
 def reach(accuracy: float) -> float:
     """Return the largest phase (frequency times half the length of a segment) at which rounding stays below accuracy.
 
