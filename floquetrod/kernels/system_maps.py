@@ -8,22 +8,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.compilation import kernel, over_chunks
+from floquetrod._util.compilation import compiled, kernel, over_chunks
+from floquetrod.kernels.system_maps_steps import series_work, step_map
 from floquetrod.kernels.system_series import (
     MOST_TERMS,
-    ROUNDING,
     chain_error,
     coefficient_bound,
-    invert,
-    multiply,
     plan_terms,
     reach,
     spectral_bound,
-    tail,
-    weighted_sum,
 )
 
 Floats = NDArray[np.float64]
+
+_LONGEST = 2.5
+"""Phase a series is used for at most, to either side: beyond it rounding grows and little is saved (heuristic)."""
 
 
 class SegmentMaps(NamedTuple):
@@ -81,15 +80,18 @@ def segment_maps(
     SegmentMaps
         The truncation is bounded rigorously from the computed terms, the rounding estimated to first order.
     """
-    mean = np.asarray(mean, dtype=float)
+    mean = np.array(mean, dtype=float, order="C")
     harmonics = np.asarray(harmonics, dtype=complex)
     batch, n = mean.shape[:2]
     size = n * n
     out = np.empty((batch, least_segments * (size + 1) + n))
-    inputs = (mean, harmonics.real, harmonics.imag, np.asarray(period, dtype=float))
+    inputs = (mean, harmonics.real.copy(), harmonics.imag.copy(), np.array(period, dtype=float, order="C"))
     chunk = max(1, 100000 // (size * n * least_segments))
-    constants = (least_segments, accuracy, 0.5 * reach(accuracy))
-    over_chunks(segment_fill, inputs, out, *constants, workers=workers, chunk=chunk, interpret_up_to=0)
+    constants = (least_segments, accuracy, min(0.5 * reach(accuracy), _LONGEST))
+    if batch == 1:
+        compiled(segment_fill)(*inputs, out, *constants)  # the shortest way for a single system
+    else:
+        over_chunks(segment_fill, inputs, out, *constants, workers=workers, chunk=chunk, interpret_up_to=0)
     maps = out[:, : least_segments * size].reshape(batch, least_segments, n, n)
     return SegmentMaps(maps, out[:, least_segments * size : -n], out[:, -n:])
 
@@ -98,7 +100,8 @@ def product(segments: SegmentMaps) -> Monodromy:
     """Return the product of the maps of all segments of a period, with its error."""
     batch, _, n = segments.maps.shape[:3]
     out = np.empty((batch, n * n + 1))
-    over_chunks(product_fill, segments, out, workers=1, interpret_up_to=0)
+    maps, errors, scaling = (np.array(value, dtype=float, order="C") for value in segments)
+    compiled(product_fill)(maps, errors, scaling, out)
     return Monodromy(out[:, :-1].reshape(batch, n, n), out[:, -1], segments.scaling)
 
 
@@ -191,42 +194,15 @@ def segment_row(
         if ratio < 1.3:
             ratio = 1.3
             order += 1
-    x = np.empty((order + 1, n * n))
-    y = np.empty((2, n * n))
-    c = np.empty((2 * used + 1, order + 1))
-    maps = np.empty((steps, n, n))
-    errors = np.empty(steps)
-    back, inverse, total = np.empty((n, n)), np.empty((n, n)), np.empty((n, n))
-    rounding = ROUNDING * (1.0 + phase) * (n + 8.0) * math.exp(phase) + dropped * h
+    maps, errors = np.empty((steps, n, n)), np.empty(steps)
+    total = np.empty((n, n))
+    work = series_work(a, used, omega * h, order, 0.003 * accuracy / h * math.exp(-phase))
     for segment in range(segments):
         for step in range(steps):
             place = 2 * (segment * steps + step) + 1
-            whole = 2 * segments * steps
-            for k in range(used):
-                angle = 2.0 * math.pi * ((k + 1) * place % whole) / whole
-                cosine, sine = math.cos(angle), math.sin(angle)
-                for i in range(order + 1):
-                    c[k, i], c[used + k, i] = cosine, -sine
-                    rate = (k + 1) * omega * h / (i + 1.0)
-                    cosine, sine = -sine * rate, cosine * rate
-            center_series(a, count, used, c, h, order, x, y)
-            rest = tail(x, order, ratio**-2.0, n * n, y) / (1.0 - 1.0 / ratio)
-            for side in range(2):
-                for i in range(order + 1):
-                    c[2 * used, order - i] = -1.0 if side == 1 and i % 2 == 1 else 1.0
-                weighted_sum(x, order, c, 2 * used, order, n * n, y, side)
-            for i in range(n):
-                for j in range(n):
-                    total[i, j] = y[0, i * n + j]
-                    back[i, j] = y[1, i * n + j]
-            one, size_back = spectral_bound(total), spectral_bound(back)
-            invert(back, inverse)
-            multiply(total, inverse, maps[step])
-            two = spectral_bound(inverse)
-            error = rest + rounding
-            slip = error + ROUNDING * 4.0 * n * size_back
-            slip *= two * two / (1.0 - two * slip) if two * slip < 0.5 else math.inf
-            errors[step] = error * (two + slip) + one * slip + ROUNDING * (n + 2.0) * one * two
+            errors[step] = step_map(
+                work, used, omega * h, h, place, 2 * segments * steps, order, ratio, phase, dropped, maps[step]
+            )
         error = chain_error(maps, errors, total) if steps > 1 else errors[0]
         result = total if steps > 1 else maps[0]
         for i in range(n):
@@ -235,37 +211,6 @@ def segment_row(
         out[segments * n * n + segment] = error
     for i in range(n):
         out[segments * (n * n + 1) + i] = scaling[i]
-
-
-@kernel
-def center_series(a: Any, count: int, used: int, c: Any, h: float, order: int, x: Any, y: Any) -> None:
-    """Fill x with the terms x_i h^i of the solution that is the identity at a centre, one matrix to a row."""
-    n = a.shape[1]
-    for q in range(n * n):
-        x[0, q] = 0.0
-    for r in range(n):
-        x[0, r * n + r] = 1.0
-    for i in range(order):
-        for q in range(n * n):
-            y[1, q] = 0.0
-        for k in range(2 * used + 1):
-            # The mean acts on the last term alone; real parts come with cosines, imaginary parts with sines.
-            matrix = 0 if k == 2 * used else (1 + k if k < used else 1 + count + k - used)
-            if k == 2 * used:
-                for q in range(n * n):
-                    y[0, q] = x[i, q]
-            else:
-                weighted_sum(x, i, c, k, order, n * n, y, 0)
-            for r in range(n):
-                for j in range(n):
-                    factor = a[matrix, r, j]
-                    if factor == 0.0:
-                        continue
-                    for q in range(n):
-                        y[1, r * n + q] += factor * y[0, j * n + q]
-        factor = h / (i + 1.0)
-        for q in range(n * n):
-            x[i + 1, q] = factor * y[1, q]
 
 
 @kernel

@@ -14,6 +14,7 @@ ROUNDING = 1.1102230246251565e-16
 MOST_TERMS = 40
 """Even terms of a series at most; where that is too few the segments are shortened."""
 
+_PLAIN_UP_TO = 20
 _HALF_LOG_TWO = 0.34657359027997264
 _LOG_LARGEST = 600.0
 
@@ -144,7 +145,10 @@ def spectral_bound(matrix: Any) -> float:
 
 @kernel
 def multiply(a: Any, b: Any, out: Any) -> None:
-    """Set out = a b."""
+    """Set out = a b; by BLAS where that is faster."""
+    if len(a) > _PLAIN_UP_TO:
+        np.dot(a, b, out)
+        return
     for i in range(a.shape[0]):
         for q in range(b.shape[1]):
             out[i, q] = 0.0
@@ -158,6 +162,9 @@ def multiply(a: Any, b: Any, out: Any) -> None:
 def invert(a: Any, out: Any) -> None:
     """Set out to the inverse of a, by elimination with row pivoting; a is destroyed."""
     n = len(a)
+    if n > _PLAIN_UP_TO and np.all(np.isfinite(a)):
+        out[:] = np.linalg.inv(a)
+        return
     for i in range(n):
         for j in range(n):
             out[i, j] = 0.0
