@@ -148,7 +148,7 @@ def _pair_part(
     """Return what is known of a cluster of y, and whether its members must be on the real axis."""
     y, radii, net = discs.values[cluster], discs.radii[cluster], digits.net[cluster]
     high = float((net + errors[cluster]).max())
-    low = max(-limit, float((net - errors[cluster]).max()))
+    low = max(-limit, float((net - errors[cluster]).min()))
     if not (_outside(discs, digits, cluster) <= radii).any():
         return _Part(low, high, False), False
     inside = bool((y.real + radii < 0.0).all() and (digits.above[cluster].real - radii > 0.0).all())

@@ -37,7 +37,8 @@ class Resonance(NamedTuple):
             return f"buckling of mode {self.modes[0]}"
         if self.kind == "direct":
             return f"direct resonance of mode {self.modes[0]}, order {self.order}"
-        return f"{self.kind} resonance of modes {self.modes[0]} and {self.modes[1]}, order {self.order}"
+        modes = f"modes {self.modes[0]} and {self.modes[1]}"
+        return f"{self.kind} resonance of {modes}, order {self.order}" if self.order else f"flutter of {modes}"
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
