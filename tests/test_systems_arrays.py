@@ -126,6 +126,8 @@ def test_what_is_no_system_is_refused() -> None:
 def test_one_that_takes_too_long_spoils_no_other() -> None:
     batch = fr.HillSystem(np.array([1.0, 1e20])[:, None, None] * np.eye(2), [0.1 * np.eye(2)], period=2.0)
     assert fr.systems.is_stable(batch).tolist() == [True, False]
+    assert np.isnan(fr.systems.growth_rate(batch)).tolist() == [False, True]
+    assert np.isnan(fr.systems.multipliers(batch)).any(axis=1).tolist() == [False, True]
     result = fr.stability(pick(batch, 1))
     assert result.status == "undecided"
     assert "would take" in fr.stability(pick(batch, 1), method="half_period").note

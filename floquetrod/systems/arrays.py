@@ -58,7 +58,7 @@ def is_stable(systems: System, *, workers: int | None = None) -> Any:
 def growth_rate(systems: System, *, workers: int | None = None) -> Any:
     """Return the growth rate of the fastest solution, per unit of time; 0 where stable, an estimate where undecided.
 
-    Arguments as in `is_stable`.
+    Arguments as in `is_stable`.  NaN for systems that would take too long.
 
     Examples
     --------
@@ -73,7 +73,7 @@ def multipliers(systems: System, *, workers: int | None = None) -> Any:
     """Return the multipliers, complex (..., N), N the number of equations of first order; the largest first.
 
     Arguments as in `is_stable`.  Those much smaller than the largest one are lost in its rounding:
-    ``floquetrod.stability(system, method="segmented")`` keeps them.
+    ``floquetrod.stability(system, method="segmented")`` keeps them.  NaN for systems that would take too long.
     """
     workers = validate.workers(workers)
     batch = _batch(systems)
@@ -84,6 +84,7 @@ def multipliers(systems: System, *, workers: int | None = None) -> Any:
     def fill(part: slice) -> None:
         decay = np.exp(-batch.damping * batch.period[part])
         values = batch.multipliers(part) * decay[:, None]
+        values[batch.too_long(part)] = np.nan
         order = np.argsort(-np.abs(values), axis=1, kind="stable")
         found[part] = np.take_along_axis(values, order, axis=1)
 
@@ -120,6 +121,10 @@ class _Batch(ABC):
     order: int
 
     @abstractmethod
+    def too_long(self, part: slice) -> NDArray[np.bool_]:
+        """Return which of some systems are left to `stability`, which declines them."""
+
+    @abstractmethod
     def multipliers(self, part: slice) -> NDArray[np.complex128]:
         """Return the multipliers of some systems, those of the undamped ones."""
 
@@ -137,15 +142,15 @@ class _EvenBatch(_Batch):
         self.doubt, self.period, self.damping = flat(form.error, shape, 0), flat(system.period, shape, 0), damping
         self.order = 2 * system.order
 
+    def too_long(self, part: slice) -> NDArray[np.bool_]:
+        arrays = self.stiffness[part], self.amplitudes[part], self.period[part]
+        return np.asarray(even.seconds_needed(*arrays) > MOST_SECONDS)
+
     def _discs(self, part: slice) -> ManyDiscs:
         """Return the numbers y of the pairs."""
-        stiffness, amplitudes, period = self.stiffness[part], self.amplitudes[part], self.period[part]
-        long = even.seconds_needed(stiffness, amplitudes, period) > MOST_SECONDS
-        if long.any():  # those are left to `stability`, which declines them
-            stiffness, amplitudes = (np.where(_like(long, m), 0.0, m) for m in (stiffness, amplitudes))
-        return self._of(stiffness, amplitudes, period, np.where(long, np.inf, self.doubt[part]))
-
-    def _of(self, stiffness: Any, amplitudes: Any, period: Any, doubt: Any) -> ManyDiscs:
+        long, period = self.too_long(part), self.period[part]
+        stiffness, amplitudes = _without(long, self.stiffness[part]), _without(long, self.amplitudes[part])
+        doubt = np.where(long, np.inf, self.doubt[part])
         if stiffness.shape[-1] == 2 and not doubt.any():
             x, errors, _ = pair_numbers(stiffness, amplitudes, period, _ACCURACY)
             return many.pair_discs(0.25 * (x - 2.0), 0.25 * errors)
@@ -170,12 +175,14 @@ class _FirstOrderBatch(_Batch):
         self.period, self.damping = flat(system.period, shape, 0), damping
         self.order = system.order
 
+    def too_long(self, part: slice) -> NDArray[np.bool_]:
+        arrays = self.mean[part], self.harmonics[part], self.period[part]
+        return np.asarray(whole.seconds_needed(*arrays, paired=self.paired) > MOST_SECONDS)
+
     def _discs(self, part: slice) -> ManyDiscs:
         """Return the multipliers."""
-        mean, harmonics, period = self.mean[part], self.harmonics[part], self.period[part]
-        long = whole.seconds_needed(mean, harmonics, period, paired=self.paired) > MOST_SECONDS
-        if long.any():  # those are left to `stability`, which declines them
-            mean, harmonics = (np.where(_like(long, m), 0.0, m) for m in (mean, harmonics))
+        long, period = self.too_long(part), self.period[part]
+        mean, harmonics = _without(long, self.mean[part]), _without(long, self.harmonics[part])
         doubt = np.where(long, np.inf, self.doubt)
         maps = whole.period_maps(mean, harmonics, period, doubt, _ACCURACY, paired=self.paired)
         return many.many_discs(maps.matrix, maps.error)
@@ -188,9 +195,9 @@ class _FirstOrderBatch(_Batch):
         return many.multiplier_verdicts(discs, self.period[part], paired=self.paired, damping=self.damping)
 
 
-def _like(rows: NDArray[np.bool_], array: NDArray[Any]) -> NDArray[np.bool_]:
-    """Return rows with as many axes as an array has."""
-    return rows.reshape(-1, *(1,) * (array.ndim - 1))
+def _without(rows: NDArray[np.bool_], array: NDArray[Any]) -> NDArray[Any]:
+    """Return an array with zeros in some rows."""
+    return np.where(rows.reshape(-1, *(1,) * (array.ndim - 1)), 0.0, array) if rows.any() else array
 
 
 def _batch(systems: Any) -> _Batch:
