@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ class EvenForm(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class HillSystem(matrices.Frozen):
+class HillSystem(matrices.FourierSystem):
     """The system M q'' + (C + G) q' + K(t) q = 0 of n equations, K(t) a finite Fourier series of period 2 pi / w.
 
     K(t) = stiffness + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t.  Positive stiffness restores: the sign is
@@ -78,6 +78,8 @@ class HillSystem(matrices.Frozen):
     >>> HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]], period=2.0).structure
     'hamiltonian'
     """
+
+    MEAN: ClassVar[str] = "stiffness"
 
     stiffness: Matrix
     cosines: tuple[Matrix, ...] = ()
@@ -121,26 +123,6 @@ class HillSystem(matrices.Frozen):
             object.__setattr__(self, name, value)
         matrices.freeze(self)
         self.shape  # noqa: B018  (raises where leading shapes do not fit)
-
-    @property
-    def order(self) -> int:
-        """Number n of equations of second order."""
-        return int(self.stiffness.shape[-1])
-
-    @cached_property
-    def shape(self) -> tuple[int, ...]:
-        """Leading shape of a batch of systems, () of one."""
-        return matrices.leading_shape(self.order, self.period, stiffness=self.stiffness, **matrices.named(self))
-
-    @cached_property
-    def harmonics(self) -> NDArray[np.complex128]:
-        """Amplitudes Z, complex (..., H, n, n), of K(t) = stiffness + sum_k Re(Z_k exp(i k w t)); no trailing zeros."""
-        return matrices.harmonic_amplitudes(self.cosines, self.sines, self.shape, self.order)
-
-    @property
-    def is_constant(self) -> bool:
-        """Whether K does not depend on time."""
-        return bool(self.harmonics.shape[-3] == 0)
 
     @cached_property
     def is_symmetric(self) -> bool:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import fields
-from typing import Any, Literal
+from functools import cached_property
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +29,36 @@ _MOST_ENTRIES = 1 << 28  # of a matrix over a whole batch, two gigabytes (a choi
 _LEAST_PERIOD = 1e-100
 
 
-class Frozen(ByContent):
-    """Base of values whose arrays nobody can write into, nor into those of their copies, unpickled ones among them."""
+class FourierSystem(ByContent):
+    """Base of systems whose matrix is a Fourier series: ``MEAN`` names the field of its mean.
+
+    Nobody can write into its arrays, nor into those of its copies, unpickled ones among them.
+    """
+
+    MEAN: ClassVar[str]
+    cosines: tuple[Matrix, ...]
+    sines: tuple[Matrix, ...]
+    period: Any
+
+    @property
+    def order(self) -> int:
+        """Number of equations."""
+        return int(getattr(self, self.MEAN).shape[-1])
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """Leading shape of a batch of systems, () of one."""
+        return leading_shape(self.order, self.period, **{self.MEAN: getattr(self, self.MEAN)}, **named(self))
+
+    @cached_property
+    def harmonics(self) -> NDArray[np.complex128]:
+        """Amplitudes Z, complex (..., H, n, n), of mean + sum_k Re(Z_k exp(i k w t)); trailing zeros dropped."""
+        return harmonic_amplitudes(self.cosines, self.sines, self.shape, self.order)
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether nothing depends on time."""
+        return bool(self.harmonics.shape[-3] == 0)
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what was given, without what follows from it."""

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ _REQUIRED_DECAY = 1e-10  # part of the largest coefficient: where the last harmo
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PeriodicSystem(matrices.Frozen):
+class PeriodicSystem(matrices.FourierSystem):
     """The system x' = A(t) x of N equations with A(t) = mean + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t.
 
     w = 2 pi / period.  Any matrix may be an array of matrices with a leading shape, and ``period`` an array: together
@@ -46,6 +46,8 @@ class PeriodicSystem(matrices.Frozen):
     >>> PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], cosines=[[[0.0, 0.0], [-0.2, 0.0]]]).order
     2
     """
+
+    MEAN: ClassVar[str] = "mean"
 
     mean: Matrix
     cosines: tuple[Matrix, ...] = ()
@@ -158,26 +160,6 @@ class PeriodicSystem(matrices.Frozen):
             period=period,
             coefficient_error=2.0 * (neglected + missed + (kept + 1) * _EPS * size) + gap,
         )
-
-    @property
-    def order(self) -> int:
-        """Number N of equations of first order."""
-        return int(self.mean.shape[-1])
-
-    @cached_property
-    def shape(self) -> tuple[int, ...]:
-        """Leading shape of a batch of systems, () of one."""
-        return matrices.leading_shape(self.order, self.period, mean=self.mean, **matrices.named(self))
-
-    @cached_property
-    def harmonics(self) -> NDArray[np.complex128]:
-        """Amplitudes Z, complex (..., H, N, N), of A(t) = mean + sum_k Re(Z_k exp(i k w t)); trailing zeros dropped."""
-        return matrices.harmonic_amplitudes(self.cosines, self.sines, self.shape, self.order)
-
-    @property
-    def is_constant(self) -> bool:
-        """Whether A does not depend on time."""
-        return bool(self.harmonics.shape[-3] == 0)
 
     @cached_property
     def structure(self) -> Structure:
