@@ -138,7 +138,7 @@ def _by_discs(discs: Discs, *, paired: bool) -> _Finding:
     if not undecided.any():
         statement = (
             "every multiplier is simple and lies on the unit circle, as with it 1 / conj(multiplier) is one, "
-            "so every solution is bounded"
+            "so every solution is bounded, also after any small change that keeps the pairing"
         )
         together = discs.radii[:, None] + discs.radii[None, :]
         farthest = up(discs.gaps + 2.0 * together).min()
