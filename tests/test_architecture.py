@@ -172,3 +172,10 @@ def test_importing_every_module_loads_nothing_heavy() -> None:
 
 def test_a_scalar_verdict_needs_no_compiler() -> None:
     assert "numba" not in loaded_after("import floquetrod as fr; fr.stability(fr.Mathieu(alpha=0.5, beta=-0.25))")
+
+
+@pytest.mark.parametrize("damping", ["None", "[[0.1, 0.0], [0.0, 0.2]]"])
+def test_a_verdict_on_one_system_needs_no_compiler(damping: str) -> None:
+    system = f"fr.HillSystem([[1, 0], [0, 4]], cosines=[[[0.1, 0.2], [0.2, 0.16]]], damping={damping})"
+    loaded = loaded_after(f"import floquetrod as fr; s = {system}; fr.stability(s); fr.systems.is_stable(s)")
+    assert "numba" not in loaded

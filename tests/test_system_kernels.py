@@ -7,11 +7,18 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from floquetrod.kernels import system_even
+from floquetrod.kernels import system_even, system_maps
 from floquetrod.kernels.system_even import half_period_map, pair_numbers
 from floquetrod.kernels.system_maps import product, segment_maps
 
 pytestmark = pytest.mark.kernels
+
+
+@pytest.fixture(autouse=True)
+def compiled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in (system_even, system_maps):
+        monkeypatch.setattr(module, "_PATIENCE", 0.0)
+
 
 Floats = NDArray[np.float64]
 
@@ -209,3 +216,89 @@ def test_large_systems_by_blas_agree_with_their_parts(rng: np.random.Generator) 
         block = found[np.ix_([i, n + i], [i, n + i])]
         ratio = max(1.0, float(np.ptp(whole.scaling) / whole.scaling.min() + 1.0))
         assert np.linalg.norm(block - alone.matrix[0]) <= ratio**2 * (whole.error[0] + 4.0 * alone.error[0])
+
+
+BAD = (np.nan, np.inf, -np.inf, 1e300, 1e149, 0.0)
+
+
+@pytest.mark.parametrize("patience", [0.0, 500.0])
+@pytest.mark.parametrize("bad", BAD)
+def test_unusable_coefficients_lose_only_their_own_system(
+    rng: np.random.Generator, bad: float, patience: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for module in (system_even, system_maps):
+        monkeypatch.setattr(module, "_PATIENCE", patience)
+    systems = [random_system(rng, 2, 1, 0.2, 1.0, True) for _ in range(5)]
+    stiffness, amplitudes, period = (np.concatenate(parts) for parts in zip(*systems, strict=True))
+    good = np.arange(5) != 3
+    for name in ("stiffness", "amplitudes", "period"):
+        if name == "period" or bad != 0.0:
+            spoilt = {"stiffness": stiffness.copy(), "amplitudes": amplitudes.copy(), "period": period.copy()}
+            spoilt[name][3] = bad
+            x, errors, krein = pair_numbers(*spoilt.values())
+            assert np.all(np.isinf(errors[3]) | np.isnan(errors[3]))
+            assert np.all(krein[3] == 0.0)
+            assert np.all(errors[good] < 1e-8)
+            assert np.all(np.isfinite(x[good]))
+            half = half_period_map(*spoilt.values())
+            assert np.all(np.isinf(half.error) == ~good)
+            assert half.symmetric
+            mean, harmonics = as_first_order(spoilt["stiffness"], spoilt["amplitudes"])
+            parts = segment_maps(mean, harmonics, spoilt["period"], least_segments=2)
+            whole = product(parts)
+            assert np.all(np.isinf(parts.errors[3]))
+            assert np.isinf(whole.error[3]) or np.isnan(whole.error[3])
+            assert np.all(parts.errors[good] < 1e-9)
+            assert np.all(whole.error[good] < 1e-8)
+
+
+def as_first_order(stiffness: Floats, amplitudes: Floats) -> tuple[Floats, NDArray[np.complex128]]:
+    """Return mean and harmonics of x' = A(t) x, x = (u, u')."""
+    batch, n = stiffness.shape[:2]
+    mean = np.zeros((batch, 2 * n, 2 * n))
+    harmonics = np.zeros((batch, amplitudes.shape[1], 2 * n, 2 * n), dtype=complex)
+    mean[:, :n, n:], mean[:, n:, :n] = np.eye(n), -stiffness
+    harmonics[:, :, n:, :n] = -amplitudes
+    return mean, harmonics
+
+
+@pytest.mark.parametrize("patience", [0.0, 500.0])
+@pytest.mark.parametrize("n", [1, 2, 3])
+def test_free_coordinates_drift(n: int, patience: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in (system_even, system_maps):
+        monkeypatch.setattr(module, "_PATIENCE", patience)
+    stiffness, amplitudes, period = np.zeros((3, n, n)), np.zeros((3, 1, n, n)), np.array([2.0, 1e-3, 1e4])
+    amplitudes[2] = 1e-300
+    half = half_period_map(stiffness, amplitudes, period)
+    for i in range(3):
+        one = system_even.HalfPeriodMap(*(value[i : i + 1] for value in half[:6]), half.symmetric)
+        true = np.block([[np.eye(n), 0.5 * period[i] * np.eye(n)], [np.zeros((n, n)), np.eye(n)]])
+        computed, expected = balanced(one, true)
+        assert np.linalg.norm(computed - expected) <= half.error[i] < 1e-10
+    if n == 2:
+        x, errors, _ = pair_numbers(stiffness, amplitudes, period)
+        assert np.all(abs(x - 2.0) <= errors)
+        assert np.all(errors < 1e-4)
+    whole = product(segment_maps(*as_first_order(stiffness, amplitudes), period))
+    true = np.block([[np.eye(n), 2.0 * np.eye(n)], [np.zeros((n, n)), np.eye(n)]])
+    scale = whole.scaling[0] / whole.scaling[0][:, None]
+    assert np.linalg.norm((whole.matrix[0] - true) * scale) <= whole.error[0] < 1e-9
+
+
+def test_small_work_is_done_without_the_compiler_and_agrees(
+    rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for symmetric in (True, False):
+        system = random_system(rng, 2, 2, 0.3, 3.0, symmetric)
+        first = (*as_first_order(*system[:2]), system[2])
+        x, errors, _ = pair_numbers(*system)
+        whole = product(segment_maps(*first))
+        for module in (system_even, system_maps):
+            monkeypatch.setattr(module, "_PATIENCE", 1e9)
+        y, other_errors, _ = pair_numbers(*system)
+        other = product(segment_maps(*first))
+        for module in (system_even, system_maps):
+            monkeypatch.setattr(module, "_PATIENCE", 0.0)
+        assert np.all(abs(x - y) <= errors + other_errors)
+        scale = whole.scaling[0] / whole.scaling[0][:, None]
+        assert np.linalg.norm((whole.matrix[0] - other.matrix[0]) * scale) <= whole.error[0] + other.error[0]

@@ -8,15 +8,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.compilation import compiled, over_chunks
+from floquetrod._util.compilation import compiled, over_chunks, runner
 from floquetrod.kernels.system_even_large import half_period_large
-from floquetrod.kernels.system_even_pairs import pair_fill
+from floquetrod.kernels.system_even_pairs import NOT_DONE, outcome_fill, pair_fill
 from floquetrod.kernels.system_even_steps import half_period_fill
-from floquetrod.kernels.system_series import ROUNDING, reach
+from floquetrod.kernels.system_series import LARGEST, ROUNDING, reach
 
 Floats = NDArray[np.float64]
 
 _EXPLICIT_UP_TO = 20
+
+_PATIENCE = 500.0
+"""Phases, about as many milliseconds, for which a process uses numpy before it compiles kernels (heuristic)."""
 
 
 class HalfPeriodMap(NamedTuple):
@@ -65,9 +68,13 @@ def half_period_map(
     Returns
     -------
     HalfPeriodMap
-        The work grows like sqrt(|K|) times the period.
+        The work grows like sqrt(|K|) times the period.  Where a system is not finite, or its map overflows, the error
+        is infinite.
     """
     stiffness, amplitudes, period = _arrays(stiffness, amplitudes, period)
+    lost = ~_usable(stiffness, amplitudes, period)
+    if lost.any():
+        stiffness[lost], amplitudes[lost], period[lost] = 0.0, 0.0, 1.0
     batch, n = stiffness.shape[:2]
     symmetric = _symmetric(stiffness, amplitudes)
     omega = 2.0 * math.pi / period
@@ -82,7 +89,7 @@ def half_period_map(
         first, slack = 0, 2.0 * ROUNDING
     out = np.empty((batch, 4 * n * n + n + 1))
     constants = (first, accuracy, reach(accuracy), symmetric, slack)
-    if n <= _EXPLICIT_UP_TO:
+    if n <= _EXPLICIT_UP_TO and not _too_few(half_period_fill, stiffness, amplitudes, period):
         chunk = max(1, 8192 // n**3)
         over_chunks(half_period_fill, (s, f, omega), out, *constants, workers=workers, chunk=chunk, interpret_up_to=0)
     else:
@@ -91,6 +98,8 @@ def half_period_map(
                 s[i], f[i], first, float(omega[i]), accuracy, reach(accuracy), symmetric, slack
             )
             out[i] = np.concatenate([v.ravel(), g, [error]])
+    if lost.any():
+        out[lost, : 4 * n * n], out[lost, -1] = math.nan, math.inf
     v = out[:, : 4 * n * n].reshape(batch, 2 * n, 2 * n)
     basis = q / out[:, None, 4 * n * n : -1]
     return HalfPeriodMap(v[:, :n, :n], v[:, :n, n:], v[:, n:, :n], v[:, n:, n:], out[:, -1], basis, symmetric)
@@ -115,11 +124,67 @@ def pair_numbers(
     stiffness, amplitudes, period = _arrays(stiffness, amplitudes, period)
     out = np.empty((len(period), 8))
     inputs = (stiffness, amplitudes, period)
-    if len(out) == 1:
+    if _too_few(pair_fill, *inputs):
+        out[:, 4] = NOT_DONE
+    elif len(out) == 1:
         compiled(pair_fill)(*inputs, out, accuracy, reach(accuracy))  # the shortest way for a single system
     else:
         over_chunks(pair_fill, inputs, out, accuracy, reach(accuracy), workers=workers, chunk=512, interpret_up_to=0)
+    left = out[:, 4] == NOT_DONE
+    if left.any():
+        symmetric = _symmetric_each(stiffness) & _symmetric_each(amplitudes).all(axis=1)
+        for part in (left & symmetric, left & ~symmetric):
+            if part.any():
+                found = half_period_map(stiffness[part], amplitudes[part], period[part], accuracy, workers)
+                out[part] = _outcomes(found, workers)
     return out[:, :4].view(complex), out[:, 4:6], out[:, 6:]
+
+
+def _outcomes(found: HalfPeriodMap, workers: int | None) -> Floats:
+    """Return the rows of `pair_fill` from maps over half a period."""
+    maps, errors = np.block([[found.a, found.b], [found.c, found.d]]), found.error
+    inverses, wrong = maps, errors
+    if not found.symmetric:
+        inverses = _inverses(maps)
+        size, back = (np.sqrt(np.square(matrix).sum(axis=(1, 2))) for matrix in (maps, inverses))
+        with np.errstate(invalid="ignore", over="ignore"):
+            safe = back * errors < 0.5
+            wrong = back**2 * (errors + 16.0 * ROUNDING * size) / (1.0 - np.where(safe, back * errors, 0.0))
+        wrong = np.where(safe, wrong, math.inf)
+    out = np.empty((len(maps), 8))
+    finite = np.isfinite(maps).all(axis=(1, 2)) & np.isfinite(inverses).all(axis=(1, 2)) & np.isfinite(wrong)
+    out[~finite] = [math.nan, math.nan, math.nan, math.nan, math.inf, math.inf, 0.0, 0.0]
+    inputs = (maps, inverses, errors, wrong, np.full(len(maps), found.symmetric))
+    rows = np.empty((int(finite.sum()), 8))
+    over_chunks(outcome_fill, [array[finite] for array in inputs], rows, workers=workers, patience=64)
+    out[finite] = rows
+    return out
+
+
+def _inverses(matrices: Floats) -> Floats:
+    """Return the inverses of matrices; a singular one is not a number."""
+    try:
+        return np.asarray(np.linalg.inv(matrices))
+    except np.linalg.LinAlgError:
+        if len(matrices) == 1:
+            return np.full_like(matrices, math.nan)
+        return np.concatenate([_inverses(matrix[None]) for matrix in matrices])
+
+
+def _too_few(function: Any, stiffness: Floats, amplitudes: Floats, period: Floats) -> bool:
+    """Say whether numpy is faster than compiling a kernel, in view of what the process has asked for before."""
+    if len(period) > _PATIENCE or _PATIENCE == 0.0:
+        return False
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = np.abs(stiffness).sum(axis=(1, 2)) + np.abs(amplitudes).sum(axis=(1, 2, 3))
+        phases = float(np.fmin(period * np.sqrt(size), _PATIENCE).clip(0.0).sum())
+    return runner(function, int(1 + len(period) + phases), interpret_up_to=1, patience=int(_PATIENCE)) is function
+
+
+def _usable(stiffness: Floats, amplitudes: Floats, period: Floats) -> NDArray[np.bool_]:
+    """Say which systems are finite, and small enough for squares not to overflow."""
+    usable = (np.abs(stiffness) < LARGEST).all(axis=(1, 2)) & (np.abs(amplitudes) < LARGEST).all(axis=(1, 2, 3))
+    return np.asarray(usable & (period > 1.0 / LARGEST) & (period < LARGEST))
 
 
 def _arrays(*values: Any) -> list[Floats]:
@@ -129,4 +194,9 @@ def _arrays(*values: Any) -> list[Floats]:
 
 def _symmetric(*values: Floats) -> bool:
     """Say whether all matrices of stacks are symmetric, to the bit."""
-    return all(bool((value == value.swapaxes(-1, -2)).all()) for value in values)
+    return all(bool(_symmetric_each(value).all()) for value in values)
+
+
+def _symmetric_each(matrices: Floats) -> NDArray[np.bool_]:
+    """Say which matrices of a stack are symmetric, to the bit."""
+    return np.asarray((matrices == matrices.swapaxes(-1, -2)).all(axis=(-2, -1)))

@@ -16,12 +16,14 @@ Floats = NDArray[np.float64]
 def half_period_large(
     s: Floats, f: Floats, first: int, omega: float, accuracy: float, reach: float, symmetric: bool, slack: float
 ) -> tuple[Floats, Floats, float]:
-    """Return the map (2 n, 2 n) in balanced coordinates, their scales g and the error, as `half_period` does."""
+    """Return the map (2 n, 2 n) in balanced coordinates, their scales g and the error, as `half_period_fill` does."""
     n = len(s)
     norms = np.array([norm_bound(matrix) for matrix in f])
     g = np.empty(n)
     size, slow, fast = balance(s, f, omega, g)
     segments, terms, ratio, rounding = plan(size, norms, first, omega, accuracy, reach, n)
+    if segments == 0:
+        return np.full((2 * n, 2 * n), math.nan), g, math.inf
     h = 0.5 * math.pi / (omega * segments)
     most, cut = cut_harmonics(norms, first, omega, h, terms, slow, accuracy)
     noise = rounding + cut + slack * coefficient_bound(size, norms, first, 0.0) / slow * h
@@ -123,6 +125,6 @@ def _chain(maps: list[Floats], errors: list[float], g: Floats) -> tuple[Floats, 
         norm = norm_bound(maps[j])
         local = errors[j] + (ROUNDING * (size + 2.0) * norm * math.sqrt(size) if j else 0.0)
         total += norm_bound(suffix) * local * norm_bound(prefixes[j])
-        share += local / norm
+        share += local / norm if norm > 0.0 else math.inf
         suffix = suffix @ maps[j] if j else suffix
     return prefixes[-1], g, total * math.exp(min(share * len(maps), 50.0))

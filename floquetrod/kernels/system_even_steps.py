@@ -13,13 +13,15 @@ import numpy as np
 
 from floquetrod._util.compilation import kernel
 from floquetrod.kernels.system_series import (
+    MOST_NUMBERS,
     MOST_TERMS,
     ROUNDING,
     chain_error,
     coefficient_bound,
+    copy_to,
     invert,
     multiply,
-    plan_terms,
+    plan_segments,
     spectral_bound,
     tail,
     weighted_sum,
@@ -33,34 +35,21 @@ def plan(
     """Return (segments, terms, ratio, rounding) of a cheap plan.
 
     A segment reaches h = T / (4 segments) to either side.  ``terms`` powers of h^2 are kept; `tail` may use a radius of
-    ``ratio`` h.  ``rounding`` estimates the error of a segment's map in balanced coordinates.
+    ``ratio`` h.  ``rounding`` estimates the error of a segment's map in balanced coordinates.  ``segments`` are 0 where
+    coefficients are not finite or half a period is too long.
     """
-    quarter = 0.5 * math.pi / omega
     least = math.sqrt(coefficient_bound(size, norms, first, 0.0))
+    if not (0.0 < omega < math.inf and 4.0 * n * n * least <= MOST_NUMBERS * reach * omega):
+        return 0, 2, 2.0, math.inf
+    quarter = 0.5 * math.pi / omega
     segments = max(1, math.ceil(quarter * least / reach))
-    while True:
-        h = quarter / segments
-        bound = coefficient_bound(size, norms, first, omega * h)
-        phase = 0.5 * h * (least + math.sqrt(bound))
-        if phase <= reach:
-            needed, ratio, _ = plan_terms(size, norms, first, omega, h, math.log(accuracy), True)
-            if needed <= 2.0 * MOST_TERMS - 2.0:
-                break
-        segments += 1
-    terms = max(int(0.5 * needed) + 1, 2)
-    highest = (len(norms) - 1 + first) * omega * h
-    tries = 0
-    while True:  # the largest radius `tail` may use; off an instant of evenness the sum is sqrt(2) times larger
-        there = coefficient_bound(size, norms, first, omega * h * ratio)
-        there = max(ratio * h * math.sqrt(1.4143 * there), 1e-3)
-        quotient = (2.0 * terms - 1.0) / there
-        if quotient >= 1.0 and (quotient < 1.1 or tries > 8 or ratio > 1e4):
-            break
-        tries += 1
-        ratio *= quotient ** (1.0 / (1.0 + 0.5 * highest * ratio)) * (0.98 if quotient < 1.0 else 1.0)
-        if ratio < 1.3:
-            ratio = 1.3
-            terms += 1
+    segments, order, ratio, phase = plan_segments(
+        size, norms, first, omega, quarter, segments, accuracy, reach, 2 * MOST_TERMS - 2, True
+    )
+    if segments == 0:
+        return 0, 2, 2.0, math.inf
+    terms = order // 2 + 1
+    bound = coefficient_bound(size, norms, first, omega * quarter / segments)
     forcing = (bound - size) / bound if bound > 0.0 else 0.0
     rounding = ROUNDING * (1.0 + 0.5 * phase) * (4.0 + forcing * (n + 6.0)) * math.cosh(phase)
     return segments, terms, ratio, rounding
@@ -68,7 +57,7 @@ def plan(
 
 @kernel
 def workspace(n: int, count: int) -> Any:
-    """Return the arrays that `half_period` works in, for n equations of ``count`` amplitudes."""
+    """Return the arrays that `half_period_fill` works in, for n equations of ``count`` amplitudes."""
     length = 4 * n * n
     rows = 2 * MOST_TERMS + 1
     return (
@@ -95,10 +84,7 @@ def apply_coefficients(
         for q in range(r * width, (r + 1) * width):
             y[1, q] = factor * x[i, q]
     for k in range(f.shape[1]):
-        if k + first > 0:
-            weighted_sum(x, i, c, k, most, n * width, y, 0)
-        else:
-            weighted_sum(x, i, c, k, 0, n * width, y, 0)
+        weighted_sum(x, i, c, k, most if k + first > 0 else 0, n * width, y, 0)
         for half in range(halves):
             for r in range(n):
                 start = r * width + half * 2 * n
@@ -127,7 +113,8 @@ def end_maps(
         for i in range(terms):
             c[k, i] = value
             value *= -angle * angle / ((2.0 * i + 1.0) * (2.0 * i + 2.0))
-    x[0] = 0.0
+    for q in range(n * width):
+        x[0, q] = 0.0
     for r in range(n):
         for block in range(4):
             x[0, r * width + block * n + r] = 1.0
@@ -183,7 +170,9 @@ def inner_map(
         for i in range(order + 1):
             c[k, i] = cosine
             cosine, sine = -sine * step / (i + 1.0), cosine * step / (i + 1.0)
-    x[:2] = 0.0
+    for q in range(n * width):
+        x[0, q] = 0.0
+        x[1, q] = 0.0
     for r in range(n):
         x[0, r * width + r] = 1.0
         x[1, r * width + n + r] = 1.0
@@ -211,7 +200,8 @@ def inner_map(
                 target[r, n + j] = y[0, q + n] * rate
                 target[n + r, j] = y[1, q] / rate
                 target[n + r, n + j] = y[1, q + n] / scale
-    other = back.copy()
+    other = np.empty((width, width))
+    copy_to(back, other)
     if symmetric:
         transpose_inverse(other, back)
     else:
@@ -264,85 +254,74 @@ def cut_harmonics(
 
 
 @kernel
-def half_period(
-    s: Any,
-    f: Any,
-    first: int,
-    omega: float,
-    accuracy: float,
-    reach: float,
-    symmetric: bool,
-    slack: float,
-    n: int,
-    g: Any,
-    work: Any,
-    total: Any,
-) -> float:
-    """Set ``total`` (2 n, 2 n) to the map over half a period in balanced coordinates, g to those; return its error.
-
-    K(t) = diag(s) + sum_k F_k cos((k + first) w t), f = F (H, n, n).  ``slack`` is the error of K relative to
-    its size.
-    """
-    both, ends, norms = work[3], work[4], work[5]
-    for k in range(len(f)):
-        norms[k] = spectral_bound(f[k])
-    size, slow, fast = balance(s, f, omega, g)
-    segments, terms, ratio, rounding = plan(size, norms, first, omega, accuracy, reach, n)
-    h = 0.5 * math.pi / (omega * segments)
-    for k in range(len(f)):
-        sign = 1.0 if (k + first) % 2 == 0 else -1.0
-        for r in range(n):
-            for j in range(n):
-                both[0, k, r, j] = f[k, r, j]
-                both[1, k, r, j] = sign * f[k, j, r]
-    most, cut = cut_harmonics(norms, first, omega, h, terms, slow, accuracy)
-    rest = end_maps(s, first, omega, h, terms, most, ratio, n, g, work)
-    noise = rounding + cut + slack * coefficient_bound(size, norms, first, 0.0) / slow * h
-    # Of the four blocks: displacement and slope of either solution, in balanced coordinates.
-    spread = math.sqrt(fast / slow)
-    factor = spread * (2.0 * terms + 2.0) + fast * h + (2.0 * terms + 1.0) / (slow * h)
-    error = noise + rest * factor / (1.0 - ratio**-2.0) ** 2
-    if segments == 1:
-        multiply(ends[1], ends[0], total)
-        one, two = spectral_bound(ends[0]), spectral_bound(ends[1])
-        return float(error * (one + two + error) + ROUNDING * (2.0 * n + 2.0) * one * two)
-    maps = np.empty((segments + 1, 2 * n, 2 * n))
-    errors = np.empty(segments + 1)
-    maps[0] = ends[0]
-    errors[0] = error
-    maps[segments] = ends[1]
-    errors[segments] = error
-    forth = np.empty((2 * n, 2 * n))
-    back = np.empty((2 * n, 2 * n))
-    for j in range(1, segments):
-        rest = inner_map(
-            s, first, omega, h, j, segments, terms, 2 * most + 1, ratio, n, g, symmetric, work, forth, back
-        )
-        error = noise + rest * factor / (1.0 - 1.0 / ratio) ** 2
-        multiply(forth, back, maps[j])
-        one, two = spectral_bound(forth), spectral_bound(back)
-        errors[j] = error * (one + two + error) + ROUNDING * (2.0 * n + 2.0) * one * two
-        if not symmetric:
-            errors[j] += error * one * two * two + ROUNDING * (8.0 * n) * one * two * two
-    return chain_error(maps, errors, total)
-
-
-@kernel
 def half_period_fill(
-    s: Any, f: Any, omega: Any, out: Any, first: int, accuracy: float, reach: float, symmetric: bool, slack: float
-) -> None:
-    """Fill rows of ``out`` with the map over half a period (2 n, 2 n), n scales of balancing, and the error."""
-    n, count = len(s[0]), len(f[0])
+    rates: Any, amplitudes: Any, frequency: Any, out: Any, first: int, accuracy: float, reach: float, symmetric: bool,
+    slack: float,
+) -> None:  # fmt: skip
+    """Fill rows of ``out`` with the map over half a period (2 n, 2 n) in balanced coordinates, their scales, the error.
+
+    K(t) = diag(s) + sum_k F_k cos((k + first) w t), s rows of ``rates``, F (H, n, n) and w likewise.  ``slack`` is the
+    error of K relative to its size.
+    """
+    n, count = len(rates[0]), len(amplitudes[0])
     total = np.empty((2 * n, 2 * n))
-    g, rates, amplitudes = np.empty(n), np.empty(n), np.empty((count, n, n))
+    g, s, f = np.empty(n), np.empty(n), np.empty((count, n, n))
     work = workspace(n, count)
+    both, ends, norms = work[3], work[4], work[5]
     for b in range(len(out)):
+        omega = frequency[b]
         for i in range(n):
-            rates[i] = s[b][i]
+            s[i] = rates[b][i]
             for k in range(count):
                 for j in range(n):
-                    amplitudes[k, i, j] = f[b][k][i][j]
-        error = half_period(rates, amplitudes, first, omega[b], accuracy, reach, symmetric, slack, n, g, work, total)
+                    f[k, i, j] = amplitudes[b][k][i][j]
+        for k in range(count):
+            norms[k] = spectral_bound(f[k])
+        size, slow, fast = balance(s, f, omega, g)
+        segments, terms, ratio, rounding = plan(size, norms, first, omega, accuracy, reach, n)
+        if segments == 0:
+            for q in range(4 * n * n + n):
+                out[b, q] = math.nan
+            out[b, 4 * n * n + n] = math.inf
+            continue
+        h = 0.5 * math.pi / (omega * segments)
+        for k in range(count):
+            sign = 1.0 if (k + first) % 2 == 0 else -1.0
+            for r in range(n):
+                for j in range(n):
+                    both[0, k, r, j] = f[k, r, j]
+                    both[1, k, r, j] = sign * f[k, j, r]
+        most, cut = cut_harmonics(norms, first, omega, h, terms, slow, accuracy)
+        rest = end_maps(s, first, omega, h, terms, most, ratio, n, g, work)
+        noise = rounding + cut + slack * coefficient_bound(size, norms, first, 0.0) / slow * h
+        # Of the four blocks: displacement and slope of either solution, in balanced coordinates.
+        spread = math.sqrt(fast / slow)
+        factor = spread * (2.0 * terms + 2.0) + fast * h + (2.0 * terms + 1.0) / (slow * h)
+        error = noise + rest * factor / (1.0 - ratio**-2.0) ** 2
+        if segments == 1:
+            multiply(ends[1], ends[0], total)
+            one, two = spectral_bound(ends[0]), spectral_bound(ends[1])
+            error = error * (one + two + error) + ROUNDING * (2.0 * n + 2.0) * one * two
+        else:
+            maps = np.empty((segments + 1, 2 * n, 2 * n))
+            errors = np.empty(segments + 1)
+            copy_to(ends[0], maps[0])
+            errors[0] = error
+            copy_to(ends[1], maps[segments])
+            errors[segments] = error
+            forth = np.empty((2 * n, 2 * n))
+            back = np.empty((2 * n, 2 * n))
+            for j in range(1, segments):
+                rest = inner_map(
+                    s, first, omega, h, j, segments, terms, 2 * most + 1, ratio, n, g, symmetric, work, forth, back
+                )
+                error = noise + rest * factor / (1.0 - 1.0 / ratio) ** 2
+                multiply(forth, back, maps[j])
+                one, two = spectral_bound(forth), spectral_bound(back)
+                errors[j] = error * (one + two + error) + ROUNDING * (2.0 * n + 2.0) * one * two
+                if not symmetric:
+                    errors[j] += error * one * two * two + ROUNDING * (8.0 * n) * one * two * two
+            error = chain_error(maps, errors, total)
         for i in range(2 * n):
             for j in range(2 * n):
                 out[b, i * 2 * n + j] = total[i, j]

@@ -8,13 +8,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.compilation import compiled, kernel, over_chunks
+from floquetrod._util.compilation import kernel, over_chunks, runner
 from floquetrod.kernels.system_maps_steps import series_work, step_map
 from floquetrod.kernels.system_series import (
+    LARGEST,
+    MOST_NUMBERS,
     MOST_TERMS,
     chain_error,
     coefficient_bound,
-    plan_terms,
+    plan_segments,
     reach,
     spectral_bound,
 )
@@ -23,6 +25,9 @@ Floats = NDArray[np.float64]
 
 _LONGEST = 2.5
 """Phase a series is used for at most, to either side: beyond it rounding grows and little is saved (heuristic)."""
+
+_PATIENCE = 1000.0
+"""Milliseconds, as estimated, for which a process interprets the kernel before it is compiled (heuristic)."""
 
 
 class SegmentMaps(NamedTuple):
@@ -81,17 +86,28 @@ def segment_maps(
         The truncation is bounded rigorously from the computed terms, the rounding estimated to first order.
     """
     mean = np.array(mean, dtype=float, order="C")
-    harmonics = np.asarray(harmonics, dtype=complex)
+    harmonics = np.array(harmonics, dtype=complex)
+    period = np.array(period, dtype=float, order="C")
+    lost = ~_usable(mean, harmonics, period)
+    if lost.any():
+        mean[lost], harmonics[lost], period[lost] = 0.0, 0.0, 1.0
     batch, n = mean.shape[:2]
     size = n * n
     out = np.empty((batch, least_segments * (size + 1) + n))
-    inputs = (mean, harmonics.real.copy(), harmonics.imag.copy(), np.array(period, dtype=float, order="C"))
+    inputs = (mean, harmonics.real.copy(), harmonics.imag.copy(), period)
     chunk = max(1, 100000 // (size * n * least_segments))
     constants = (least_segments, accuracy, min(0.5 * reach(accuracy), _LONGEST))
-    if batch == 1:
-        compiled(segment_fill)(*inputs, out, *constants)  # the shortest way for a single system
+    run: Any = _run(segment_fill, mean, harmonics, period, least_segments)
+    if run is segment_fill:
+        # Plain floats are faster than numpy's.
+        arguments: list[Any] = [*(array.tolist() for array in inputs), out, *constants]
+        run(*arguments)
+    elif batch == 1:
+        run(*inputs, out, *constants)  # the shortest way for a single system
     else:
         over_chunks(segment_fill, inputs, out, *constants, workers=workers, chunk=chunk, interpret_up_to=0)
+    if lost.any():
+        out[lost, : least_segments * size], out[lost, least_segments * size : -n] = math.nan, math.inf
     maps = out[:, : least_segments * size].reshape(batch, least_segments, n, n)
     return SegmentMaps(maps, out[:, least_segments * size : -n], out[:, -n:])
 
@@ -101,8 +117,24 @@ def product(segments: SegmentMaps) -> Monodromy:
     batch, _, n = segments.maps.shape[:3]
     out = np.empty((batch, n * n + 1))
     maps, errors, scaling = (np.array(value, dtype=float, order="C") for value in segments)
-    compiled(product_fill)(maps, errors, scaling, out)
+    runner(product_fill, batch * maps.shape[1], interpret_up_to=4, patience=100)(maps, errors, scaling, out)
     return Monodromy(out[:, :-1].reshape(batch, n, n), out[:, -1], segments.scaling)
+
+
+def _run(function: Any, mean: Floats, harmonics: Any, period: Floats, segments: int) -> Any:
+    """Return a kernel as it stands or compiled, in view of the milliseconds that it takes when interpreted."""
+    batch, n = mean.shape[:2]
+    with np.errstate(over="ignore"):
+        size = np.abs(mean).sum(axis=(1, 2)) + np.abs(harmonics).sum(axis=(1, 2, 3))
+        phases = float(np.minimum(period * size / math.sqrt(n), 1e6).sum())
+    needed = batch * (5.0 + 2.0 * segments) + phases * (0.1 + n**3 / 1600.0)
+    return runner(function, math.ceil(needed), interpret_up_to=int(_PATIENCE > 0.0), patience=int(_PATIENCE))
+
+
+def _usable(mean: Floats, harmonics: NDArray[np.complex128], period: Floats) -> NDArray[np.bool_]:
+    """Say which systems are finite, and small enough for squares not to overflow."""
+    usable = (np.abs(mean) < LARGEST).all(axis=(1, 2)) & (np.abs(harmonics) < LARGEST).all(axis=(1, 2, 3))
+    return np.asarray(usable & (period > 1.0 / LARGEST) & (period < LARGEST))
 
 
 @kernel
@@ -121,7 +153,32 @@ def segment_fill(
                     a[1 + count + k, i, j] = imag[b][k][i][j]
         scaling = np.ones(n)
         balance_matrices(a, scaling)
-        segment_row(a, count, period[b], segments, accuracy, reach, scaling, out[b])
+        for i in range(n):
+            out[b, segments * (n * n + 1) + i] = scaling[i]
+        steps, used, dropped, order, ratio, phase = segment_plan(a, count, period[b], segments, accuracy, reach)
+        if steps == 0:
+            for i in range(segments * n * n):
+                out[b, i] = math.nan
+            for i in range(segments):
+                out[b, segments * n * n + i] = math.inf
+            continue
+        h = 0.5 * period[b] / (segments * steps)
+        angle = 2.0 * math.pi / period[b] * h
+        maps, errors = np.empty((steps, n, n)), np.empty(steps)
+        total = np.empty((n, n))
+        work = series_work(a, used, angle, order, 0.003 * accuracy / h * math.exp(-phase))
+        for segment in range(segments):
+            for step in range(steps):
+                place = 2 * (segment * steps + step) + 1
+                errors[step] = step_map(
+                    work, used, angle, h, place, 2 * segments * steps, order, ratio, phase, dropped, maps[step]
+                )
+            error = chain_error(maps, errors, total) if steps > 1 else errors[0]
+            result = total if steps > 1 else maps[0]
+            for i in range(n):
+                for j in range(n):
+                    out[b, (segment * n + i) * n + j] = result[i, j] * scaling[i] / scaling[j]
+            out[b, segments * n * n + segment] = error
 
 
 @kernel
@@ -139,7 +196,10 @@ def balance_matrices(a: Any, scaling: Any) -> None:
                         column += abs(a[k, j, i])
             if row == 0.0 or column == 0.0:
                 continue
-            factor = 2.0 ** math.floor(0.5 * math.log2(row / column) + 0.5)
+            quotient = row / column
+            if not 1e-300 < quotient < 1e300:
+                continue
+            factor = 2.0 ** math.floor(0.5 * math.log2(quotient) + 0.5)
             if factor == 1.0:
                 continue
             changed = True
@@ -154,10 +214,10 @@ def balance_matrices(a: Any, scaling: Any) -> None:
 
 
 @kernel
-def segment_row(
-    a: Any, count: int, period: float, segments: int, accuracy: float, reach: float, scaling: Any, out: Any
-) -> None:
-    """Fill one row of `segment_fill` from the balanced matrices: mean, real parts, imaginary parts."""
+def segment_plan(
+    a: Any, count: int, period: float, segments: int, accuracy: float, reach: float
+) -> tuple[int, int, float, int, float, float]:
+    """Return (steps of a segment, harmonics used, size of those dropped, order, ratio, phase); no steps if too many."""
     n = a.shape[1]
     omega = 2.0 * math.pi / period
     norms = np.empty(count)
@@ -172,45 +232,16 @@ def segment_row(
         dropped += norms[used]
     norms = norms[:used].copy()
     least = coefficient_bound(size, norms, 1, 0.0)
-    steps = max(1, math.ceil(0.5 * period / segments * least / reach))
-    while True:
-        h = 0.5 * period / (segments * steps)
-        phase = 0.5 * h * (least + coefficient_bound(size, norms, 1, omega * h))
-        if phase <= reach:
-            needed, ratio, _ = plan_terms(size, norms, 1, omega, h, math.log(0.1 * accuracy), False)
-            if needed <= 2.0 * MOST_TERMS - 4.0:
-                break
-        steps += 1
-    order = max(int(needed) + 1, 4)
-    highest = used * omega * h
-    tries = 0
-    while True:  # the largest radius `tail` may use; both parts of a harmonic together are sqrt(2) times larger
-        there = max(ratio * h * 1.4143 * coefficient_bound(size, norms, 1, omega * h * ratio), 1e-3)
-        quotient = (order + 1.0) / there
-        if quotient >= 1.0 and (quotient < 1.1 or tries > 8 or ratio > 1e4):
-            break
-        tries += 1
-        ratio *= quotient ** (1.0 / (1.0 + highest * ratio)) * (0.98 if quotient < 1.0 else 1.0)
-        if ratio < 1.3:
-            ratio = 1.3
-            order += 1
-    maps, errors = np.empty((steps, n, n)), np.empty(steps)
-    total = np.empty((n, n))
-    work = series_work(a, used, omega * h, order, 0.003 * accuracy / h * math.exp(-phase))
-    for segment in range(segments):
-        for step in range(steps):
-            place = 2 * (segment * steps + step) + 1
-            errors[step] = step_map(
-                work, used, omega * h, h, place, 2 * segments * steps, order, ratio, phase, dropped, maps[step]
-            )
-        error = chain_error(maps, errors, total) if steps > 1 else errors[0]
-        result = total if steps > 1 else maps[0]
-        for i in range(n):
-            for j in range(n):
-                out[(segment * n + i) * n + j] = result[i, j] * scaling[i] / scaling[j]
-        out[segments * n * n + segment] = error
-    for i in range(n):
-        out[segments * (n * n + 1) + i] = scaling[i]
+    room = MOST_NUMBERS / (n * n)
+    steps, order, ratio, phase = 0, 0, 0.0, 0.0
+    if 0.5 * period * least <= room * segments * reach:
+        steps = max(1, math.ceil(0.5 * period / segments * least / reach))
+        steps, order, ratio, phase = plan_segments(
+            size, norms, 1, omega, 0.5 * period / segments, steps, 0.1 * accuracy, reach, 2 * MOST_TERMS - 4, False
+        )
+    if steps > room:
+        steps = 0
+    return steps, used, dropped, order, ratio, phase
 
 
 @kernel

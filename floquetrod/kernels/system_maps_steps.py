@@ -45,7 +45,11 @@ def part_matrices(a: Any, used: int, top: int, left: int, right: int) -> tuple[A
     groups = 1
     for g in range(1, 1 + 2 * used):
         place = g if g <= used else g - used + count
-        if np.any(a[place, top:, left:right] != 0.0):
+        nonzero = False
+        for r in range(top, n):
+            for j in range(left, right):
+                nonzero = nonzero or a[place, r, j] != 0.0
+        if nonzero:
             kept[groups] = g
             groups += 1
     matrices = np.empty((groups, width * rows))
@@ -81,7 +85,8 @@ def part_lags(kept: Any, norms: Any, used: int, angle: float, order: int, tolera
 @kernel
 def part_weights(kept: Any, used: int, lags: int, angle: float, place: int, whole: int, c: Any) -> None:
     """Set c[lag, g]: Taylor coefficients of the factors of the matrices, about ``place`` / ``whole`` of a period."""
-    c[:] = 0.0
+    for lag in range(lags):
+        c[lag, 0] = 0.0
     c[0, 0] = 1.0
     for g in range(1, len(kept)):
         k = (kept[g] - 1) % used + 1
@@ -152,6 +157,15 @@ def series_work(a: Any, used: int, angle: float, order: int, tolerance: float) -
 
 
 @kernel
+def add_sides(ends: Any, first: int, sides: Any) -> None:
+    """Set rows of the maps to both sides, from row ``first`` on."""
+    n = sides.shape[2]
+    for side in range(2):
+        for q in range(ends.shape[1]):
+            sides[side, first + q // n, q % n] = ends[side, q]
+
+
+@kernel
 def step_map(
     work: Any, used: int, angle: float, h: float, place: int, whole: int, order: int, ratio: float, phase: float,
     dropped: float, result: Any,
@@ -172,8 +186,10 @@ def step_map(
         part_weights(kept_z, used, lags_z, angle, place, whole, c_z)
         if direct_z:
             np.dot(c_z, matrices_z, table_z)
-    x[order] = 0.0
-    z[order] = 0.0
+    for q in range(half * n):
+        x[order, q] = 0.0
+    for q in range((n - half) * n):
+        z[order, q] = 0.0
     for r in range(n):
         if r < half:
             x[order, r * n + r] = 1.0
@@ -186,7 +202,9 @@ def step_map(
         apply_part(x, last, min(lags_x, i + 1), c_x, matrices_x, table_x, direct_x, mixed_x, rows, n, one)
         if half < n:
             apply_part(z, last, min(lags_z, i + 1), c_z, matrices_z, table_z, direct_z, mixed_z, rows, n, two)
-            one += two
+            for r in range(rows):
+                for q in range(n):
+                    one[r, q] += two[r, q]
         for r in range(top):
             rate = factor * rates[r]
             for q in range(n):
@@ -208,13 +226,9 @@ def step_map(
         size += math.sqrt(square)
         signs[0, i] = 1.0
         signs[1, i] = -1.0 if (order - i) % 2 == 1 else 1.0
-    ends = np.dot(signs, x[: order + 1])
-    sides[0, :half] = ends[0].copy().reshape(half, n)
-    sides[1, :half] = ends[1].copy().reshape(half, n)
+    add_sides(np.dot(signs, x), 0, sides)
     if half < n:
-        ends = np.dot(signs, z[: order + 1])
-        sides[0, half:] = ends[0].copy().reshape(n - half, n)
-        sides[1, half:] = ends[1].copy().reshape(n - half, n)
+        add_sides(np.dot(signs, z), half, sides)
     # Rounding: each term is a sum of products, and carried on by those after it.
     length = math.sqrt(1.0 * lags_x * half + lags_z * (n - half))
     error = math.sqrt(rest) / (1.0 - 1.0 / ratio) + ROUNDING * (6.0 + length) * (1.0 + phase) * size

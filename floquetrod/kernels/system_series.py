@@ -14,9 +14,16 @@ ROUNDING = 1.1102230246251565e-16
 MOST_TERMS = 40
 """Even terms of a series at most; where that is too few the segments are shortened."""
 
+MOST_NUMBERS = 1 << 28
+"""Numbers of the maps of a system at most, two gigabytes: longer products of maps are not attempted."""
+LARGEST = 1e150
+"""Coefficients beyond this are not usable: their squares overflow."""
+
 _PLAIN_UP_TO = 20
+_MOST_PLANS = 10000
 _HALF_LOG_TWO = 0.34657359027997264
 _LOG_LARGEST = 600.0
+_LARGEST_ANGLE = 700.0
 
 
 @functools.cache
@@ -36,7 +43,9 @@ def coefficient_bound(size: float, norms: Any, first: int, angle: float) -> floa
     """Bound |K| = |S + sum F_k cos(k w t)| over complex times t with |w Im t| <= angle."""
     total = size
     for k in range(len(norms)):
-        total += norms[k] * math.cosh((k + first) * angle)
+        if norms[k] > 0.0:  # the other factor may be infinite
+            height = (k + first) * angle
+            total += norms[k] * math.cosh(height) if height < _LARGEST_ANGLE else math.inf
     return total
 
 
@@ -72,6 +81,58 @@ def plan_terms(
         inner, rate = ratio, outer
         ratio *= math.sqrt(2.0)
     return best, best_ratio, best_exponent
+
+
+@kernel
+def plan_segments(
+    size: float, norms: Any, first: int, omega: float, whole: float, segments: int, accuracy: float, reach: float,
+    most: int, squared: bool,
+) -> tuple[int, int, float, float]:  # fmt: skip
+    """Return (segments, order, ratio, phase) of the fewest segments, from ``segments`` on, that series can cross.
+
+    A series reaches ``whole`` / segments to either side, where its phase is at most ``reach``.  It keeps ``order``
+    powers; `tail` may use a radius of ``ratio`` times its reach.  ``segments`` are 0 where there is no such plan.
+    """
+    least = coefficient_bound(size, norms, first, 0.0)
+    least = math.sqrt(least) if squared else least
+    for trial in range(_MOST_PLANS):
+        h = whole / segments
+        bound = coefficient_bound(size, norms, first, omega * h)
+        phase = 0.5 * h * (least + (math.sqrt(bound) if squared else bound))
+        if phase <= reach:
+            needed, ratio, _ = plan_terms(size, norms, first, omega, h, math.log(accuracy), squared)
+            if needed <= most:
+                # Every second power is zero about an instant of evenness.
+                order = max(2 * int(0.5 * needed), 2) if squared else max(int(needed) + 1, 4)
+                order, ratio = widest_circle(size, norms, first, omega, h, order, ratio, squared)
+                if order <= 2 * MOST_TERMS - 2:
+                    return segments, order, ratio, phase
+        segments += 1 if trial < 1000 else 1 + segments // 16
+        if segments > MOST_NUMBERS:
+            break
+    return 0, 0, 0.0, math.inf
+
+
+@kernel
+def widest_circle(
+    size: float, norms: Any, first: int, omega: float, h: float, order: int, ratio: float, squared: bool
+) -> tuple[int, float]:
+    """Return (order, ratio): about the largest radius, ratio h, that `tail` may use, and the powers it takes.
+
+    Off an instant of evenness, or with both parts of a harmonic together, the sum is sqrt(2) times larger.
+    """
+    growth = (0.5 if squared else 1.0) * (len(norms) - 1 + first) * omega * h
+    for tries in range(200):
+        there = 1.4143 * coefficient_bound(size, norms, first, omega * h * ratio)
+        there = ratio * h * (math.sqrt(there) if squared else there)
+        quotient = (order + 1.0) / max(there, 1e-3)
+        if quotient >= 1.0 and (quotient < 1.1 or tries > 8 or ratio > 1e4):
+            return order, ratio
+        ratio *= quotient ** (1.0 / (1.0 + growth * ratio)) * (0.98 if quotient < 1.0 else 1.0)
+        if ratio < 1.3:
+            ratio = 1.3
+            order += 2 if squared else 1
+    return 4 * MOST_TERMS, ratio
 
 
 @kernel
@@ -159,12 +220,17 @@ def multiply(a: Any, b: Any, out: Any) -> None:
 
 
 @kernel
+def copy_to(a: Any, out: Any) -> None:
+    """Set out to a copy of a matrix: assigning to a slice takes seconds to compile."""
+    for i in range(a.shape[0]):
+        for j in range(a.shape[1]):
+            out[i, j] = a[i, j]
+
+
+@kernel
 def invert(a: Any, out: Any) -> None:
     """Set out to the inverse of a, by elimination with row pivoting; a is destroyed."""
     n = len(a)
-    if n > _PLAIN_UP_TO and np.all(np.isfinite(a)):
-        out[:] = np.linalg.inv(a)
-        return
     for i in range(n):
         for j in range(n):
             out[i, j] = 0.0
@@ -178,16 +244,18 @@ def invert(a: Any, out: Any) -> None:
             for q in range(n):
                 a[j, q], a[pivot, q] = a[pivot, q], a[j, q]
                 out[j, q], out[pivot, q] = out[pivot, q], out[j, q]
-        scale = 1.0 / a[j, j]
-        for q in range(n):
+        scale = 1.0 / a[j, j] if a[j, j] != 0.0 else math.inf
+        for q in range(j, n):
             a[j, q] *= scale
+        for q in range(n):
             out[j, q] *= scale
         for i in range(n):
             factor = a[i, j]
             if i == j or factor == 0.0:
                 continue
-            for q in range(n):
+            for q in range(j, n):
                 a[i, q] -= factor * a[j, q]
+            for q in range(n):
                 out[i, q] -= factor * out[j, q]
 
 
@@ -200,15 +268,15 @@ def chain_error(maps: Any, errors: Any, product: Any) -> float:
     """
     count, size = len(maps), maps.shape[1]
     before = np.empty(count)
-    prefix = maps[0].copy()
-    other = np.empty((size, size))
+    prefix, suffix, other = np.empty((size, size)), np.empty((size, size)), np.empty((size, size))
+    copy_to(maps[0], prefix)
     before[0] = 1.0
     for j in range(1, count):
         before[j] = spectral_bound(prefix)
         multiply(maps[j], prefix, other)
         prefix, other = other, prefix
-    product[:] = prefix
-    suffix = maps[count - 1].copy()
+    copy_to(prefix, product)
+    copy_to(maps[count - 1], suffix)
     rounding = ROUNDING * (size + 2.0)
     total = 0.0
     share = 0.0
@@ -223,5 +291,5 @@ def chain_error(maps: Any, errors: Any, product: Any) -> float:
         if j > 0:
             local += rounding * norm * math.sqrt(size)
         total += after * local * before[j]
-        share += local / norm
+        share += local / norm if norm > 0.0 else math.inf
     return total * math.exp(min(share * count, 50.0))
