@@ -191,7 +191,7 @@ def test_it_says_what_it_is() -> None:
     ("problem", "error", "message"),
     [
         (fr.Mathieu(0.5, -0.25), TypeError, "system must be a HillSystem, got Mathieu"),
-        (fr.HillSystem(np.ones((3, 1, 1))), ValueError, "system must be a single one"),
+        (fr.HillSystem(np.ones((3, 1, 1))), ValueError, "system must be a single system"),
         (fr.HillSystem(MEAN, gyroscopic=OPPOSED), ValueError, "no gyroscopic terms"),
         (fr.HillSystem(MEAN + OPPOSED), ValueError, "symmetric mean stiffness"),
         (fr.HillSystem(-MEAN), ValueError, "positive definite mean stiffness, got one with the eigenvalue -4"),

@@ -203,11 +203,11 @@ def freeze(system: Any) -> None:
                 array.flags.writeable = False
 
 
-def require_one(system: Any) -> None:
+def require_one(system: Any, name: str = "system") -> None:
     """Raise ValueError for a batch of systems."""
     if system.shape:
         raise ValueError(
-            f"system must be a single one, got a batch of shape {system.shape}; floquetrod.systems takes batches"
+            f"{name} must be a single system, got a batch of shape {system.shape}; floquetrod.systems takes batches"
         )
 
 

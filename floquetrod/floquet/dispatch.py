@@ -82,7 +82,7 @@ SYSTEMS = Family(
 def family_of(problem: Any) -> Family:
     """Return the family of a problem, checked; TypeError for what is none, ValueError for a batch."""
     if isinstance(problem, HillSystem | PeriodicSystem):
-        matrices.require_one(problem)
+        matrices.require_one(problem, "equation")
         return SYSTEMS
     require(problem, hint="or a HillSystem or PeriodicSystem")
     return EQUATIONS

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import functools
+import math
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
+
+import numpy as np
 
 import floquetrod as fr
 
@@ -14,12 +17,16 @@ ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
 EQUATION = fr.Mathieu(0.5, -0.3, 0.01)
 FRICTION = fr.FrictionalMathieu(1.0, 0.3, 1.0)
+WAVE = [[0.1, 0.2], [0.2, 0.16]]
+SYSTEM = fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], [WAVE], period=2.0)
+FIRST_ORDER = fr.PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], [WAVE], period=2.0)
 
 VALUES = (fr.AxialLoad, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
-VALUES += (fr.SimulationProblem,)
+VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem)
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
+RESULTS += (fr.systems.FirstOrderTongue,)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
@@ -43,8 +50,12 @@ LEFT_OUT = {
     **{
         f"{kind}.{name}": "takes no argument" for kind in ("Hill", "Mathieu", "Meissner") for name in ("pieces", "half")
     },
+    **{f"{kind}.as_system": "takes no argument" for kind in ("Hill", "Mathieu", "Meissner")},
     "Hill.as_hill": "takes no argument",
+    "HillSystem.as_periodic_system": "takes no argument",
     "Mathieu.as_hill": "takes no argument",
+    "systems.FirstOrderTongue": "constructed by first_order_tongues",
+    "systems.chart": "another name of chart",
     "Rod.nitinol": "takes no argument",
     "Chart.plot": "its axes are an object of matplotlib",
     "Chart.to_xarray": "takes no argument",
@@ -76,7 +87,9 @@ def public() -> set[str]:
     """Return the names of all public callables, methods of the classes above included."""
     names = {name for name in fr.__all__ if callable(getattr(fr, name))}
     names |= {
-        f"{m.__name__.rpartition('.')[2]}.{n}" for m in (fr.mathieu, fr.friction) for n in _callables(m, m.__all__)
+        f"{m.__name__.rpartition('.')[2]}.{n}"
+        for m in (fr.mathieu, fr.friction, fr.systems)
+        for n in _callables(m, m.__all__)
     }
     names |= {f"conventions.{name}" for name in _callables(fr.conventions, fr.conventions.__all__)}
     for kind in (*VALUES, *RESULTS):
@@ -89,7 +102,8 @@ def _callables(owner: Any, names: Any) -> list[str]:
 
 
 def _title(kind: type) -> str:
-    return f"mathieu.{kind.__name__}" if kind is fr.mathieu.TransitionCurves else kind.__name__
+    packages = {fr.mathieu.TransitionCurves: "mathieu.", fr.systems.FirstOrderTongue: "systems."}
+    return packages.get(kind, "") + kind.__name__
 
 
 @functools.cache
@@ -98,6 +112,15 @@ def folder() -> Path:
     keep = tempfile.TemporaryDirectory(prefix="fuzz")
     folder.keep = keep  # type: ignore[attr-defined]
     return Path(keep.name)
+
+
+@functools.cache
+def system_files() -> tuple[Path, Path]:
+    """Return one system in a TOML file and in an npz file."""
+    toml, npz = folder() / "system.toml", folder() / "system.npz"
+    toml.write_text(f"[system]\nstiffness = [[1, 0], [0, 4]]\ncosines = [{WAVE}]\nperiod = 2.0\n", encoding="utf-8")
+    np.savez(npz, stiffness=SYSTEM.stiffness, cosines=SYSTEM.cosines, period=SYSTEM.period)
+    return toml, npz
 
 
 @functools.cache
@@ -117,7 +140,9 @@ def table() -> dict[str, Call]:
     run.save(place / "run.npz")
     sheet = "\n".join(f"{name} = {getattr(ROD, name)!r}" for name in ROD.__dataclass_fields__)
     (place / "rod.toml").write_text(sheet, encoding="utf-8")
-    calls = _of_equations() | _of_rods(place) | _of_mathieu() | _of_friction()
+    good = system_files()[0].read_text(encoding="utf-8")
+    (place / "bad_system.toml").write_text(good.replace("0.16", "nan"), encoding="utf-8")
+    calls = _of_equations() | _of_rods(place) | _of_mathieu() | _of_friction() | _of_systems()
     criterion = fr.FiniteTimeCriterion()
     ranges = ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1)
     return calls | {
@@ -269,3 +294,43 @@ def _of_friction() -> dict[str, Call]:
             f.leapfrog_escapes, {**point, "kick": 1.5, "periods": 3, "step": 0.1, "limit": 1e3}
         ),
     }
+
+
+def _of_systems() -> dict[str, Call]:
+    matrix, wave = [[2.0, 0.5], [0.5, 1.0]], [WAVE]
+    hill = {"stiffness": matrix, "cosines": wave, "sines": wave, "mass": matrix, "damping": matrix, "period": 2.0}
+    first = {"mean": matrix, "cosines": wave, "sines": wave, "period": 2.0, "coefficient_error": 1e-12}
+    axes = {"omega": (2.5, 3.5, 3), "epsilon": (0.1, 0.3, 2)}
+    charted = {"family": oscillators, "over": axes, "growth": True, "growth_tolerance": 0.1, "workers": 1}
+    several = fr.systems.stack([SYSTEM, fr.HillSystem(matrix, period=1.0)])
+    functions = {name: getattr(fr.systems, name) for name in ("is_stable", "growth_rate", "multipliers")}
+    for function in functions.values():  # compiled here, not within the time that a call may take
+        function(several)
+        function(FIRST_ORDER)
+    (tongue, *_) = fr.systems.first_order_tongues(SYSTEM)
+    return {
+        f"systems.{name}": Call(function, {"systems": several, "workers": 1}) for name, function in functions.items()
+    } | {
+        "systems.stack": Call(fr.systems.stack, {"systems": [SYSTEM, SYSTEM]}),
+        "systems.first_order_tongues": Call(fr.systems.first_order_tongues, {"system": SYSTEM}),
+        "systems.FirstOrderTongue.growth_rate_at": Call(tongue.growth_rate_at, {"frequency": 3.0}),
+        "chart": Call(fr.chart, charted | {"progress": None}),
+        "HillSystem": Call(fr.HillSystem, hill | {"gyroscopic": [[0.0, 1.0], [-1.0, 0.0]]}),
+        "HillSystem.coefficient": Call(SYSTEM.coefficient, {"t": 0.3}),
+        "PeriodicSystem": Call(fr.PeriodicSystem, first),
+        "PeriodicSystem.coefficient": Call(FIRST_ORDER.coefficient, {"t": 0.3}),
+        "PeriodicSystem.from_function": Call(
+            fr.PeriodicSystem.from_function, {"function": swing, "period": 2.0}
+        ),
+    }
+
+
+def oscillators(omega: float, epsilon: float) -> fr.HillSystem:
+    """Return two oscillators coupled by what varies: a family for charts."""
+    wave = [[0.5 * epsilon, epsilon], [epsilon, 0.8 * epsilon]]
+    return fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], [wave], period=2.0 * math.pi / omega)
+
+
+def swing(t: float) -> list[list[float]]:
+    """Return the matrix of a swing whose length varies with period 2."""
+    return [[0.0, 1.0], [-1.0 / (1.5 + math.cos(math.pi * t)), -0.1]]

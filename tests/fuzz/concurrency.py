@@ -17,7 +17,7 @@ import numpy as np
 
 import floquetrod as fr
 from fuzz import apart, runs
-from fuzz.calls import LOAD, ROD, simulation, table
+from fuzz.calls import FIRST_ORDER, LOAD, ROD, SYSTEM, oscillators, simulation, table
 from fuzz.core import Found, told
 
 CASES = 60
@@ -98,6 +98,10 @@ LONG: dict[str, Callable[[], Any]] = {
     "critical_kicks": lambda: ROD.critical_kicks(
         np.linspace(0.1, 1.6, 300), np.linspace(0.1, 1.2, 300)[:, None], 150.0, friction=0.1
     ),
+    "chart": lambda: fr.chart(oscillators, {"omega": (0.5, 5.0, 2000), "epsilon": (0.0, 0.5, 2000)}),
+    "systems.is_stable": lambda: fr.systems.is_stable(
+        fr.HillSystem(np.eye(8), [0.1 * np.ones((8, 8))], period=np.linspace(1.0, 9.0, 200_000))
+    ),
     "compare": lambda: [fr.compare(fr.Mathieu(0.5, -0.25 - 1e-6 * k)) for k in range(10_000)],
     "stability": lambda: [ROD.stability(LOAD) for _ in range(10_000)],
     "simulate": lambda: _whole(fr.simulate(ROD, LOAD, duration=1000.0, segments=100)),
@@ -161,6 +165,13 @@ def values() -> dict[str, Any]:
         "Meissner": fr.Meissner(0.5, -0.25),
         "Hill": fr.Hill(-0.25, (0.1,), (0.2,)),
         "FrictionalMathieu": kick,
+        "HillSystem": SYSTEM,
+        "PeriodicSystem": FIRST_ORDER,
+        "SystemStability": fr.stability(SYSTEM),
+        "Proof of a system": fr.certify(SYSTEM),
+        "Comparison of a system": fr.compare(SYSTEM),
+        "chart of systems": fr.chart(oscillators, {"omega": (2.5, 3.5, 4), "epsilon": (0.1, 0.3, 3)}, growth=True),
+        "FirstOrderTongue": fr.systems.first_order_tongues(SYSTEM)[0],
         "Stability": fr.stability(fr.Mathieu(0.5, -0.25)),
         "Proof": fr.certify(fr.Mathieu(0.5, -0.25)),
         "Comparison": fr.compare(fr.Mathieu(0.5, -0.25)),
@@ -186,7 +197,15 @@ def _results(rng: np.random.Generator) -> Found:
 
 
 VERDICTS = (
-    *("Stability", "Proof", "Comparison", "RodStability", "FrictionalRodStability", "StabilityIntervals"),
+    *(
+        "Stability",
+        "SystemStability",
+        "Proof",
+        "Comparison",
+        "RodStability",
+        "FrictionalRodStability",
+        "StabilityIntervals",
+    ),
     *("Fate", "EscapeRanges", "Chart", "Simulation"),
 )
 """Classes of results whose truth would be taken for a verdict."""

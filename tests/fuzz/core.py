@@ -24,6 +24,7 @@ ATTACKS = (
     "disks",
     "ranges",
     "verdicts",
+    "systems",
     "kicks",
     "consistency",
     "concurrency",

@@ -1,4 +1,7 @@
-"""Damaged charts, simulations and checkpoints: a ValueError, or what the file held before, to the bit."""
+"""Damaged charts, simulations and checkpoints: a ValueError, or what the file held before, to the bit.
+
+Files of systems have no checksum, so that people can write them: of those, a ValueError or any system.
+"""
 
 from __future__ import annotations
 
@@ -12,8 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.equations.system_files import read_system
 from fuzz import runs
-from fuzz.calls import folder
+from fuzz.calls import SYSTEM, folder, oscillators, system_files
 from fuzz.core import Found, TookTooLong, limit, told
 
 CASES = 300
@@ -21,11 +25,12 @@ QUICK = 50
 
 
 class Kind(NamedTuple):
-    """A file as it should be, how it is read, and what it holds."""
+    """A file as it should be, how it is read, what it holds, and whether damage to what it holds is noticed."""
 
     path: Path
     read: Callable[[Path], Any]
     content: Any
+    checked: bool = True
 
 
 @functools.cache
@@ -33,6 +38,7 @@ def kinds() -> tuple[Kind, ...]:
     """Return one file of each kind; the checkpoint is of a run under way."""
     place = folder()
     chart = fr.mathieu.chart((0.0, 1.0, 9), (-1.0, 0.2, 8), growth=True)
+    systems = fr.chart(oscillators, {"omega": (2.5, 3.5, 9), "epsilon": (0.1, 0.3, 8)}, growth=True)
     run = runs.reference()
     checkpoint = place / "begun.ckpt"
     _interrupted(checkpoint)
@@ -40,6 +46,8 @@ def kinds() -> tuple[Kind, ...]:
         Kind(chart.save(place / "damaged_chart.npz"), fr.Chart.load, chart),
         Kind(run.save(place / "damaged_run.npz"), fr.Simulation.load, run),
         Kind(checkpoint, runs.simulate, run),
+        Kind(systems.save(place / "damaged_chart_of_systems.npz"), fr.Chart.load, systems),
+        *(Kind(path, read_system, SYSTEM, checked=False) for path in system_files()),
     )
 
 
@@ -82,6 +90,8 @@ def read_damaged(kind: Kind, path: Path) -> list[str]:
         return []
     except (Exception, TookTooLong) as error:
         return [told(error)]
+    if not kind.checked:
+        return [] if isinstance(found, fr.HillSystem | fr.PeriodicSystem) else [f"is read as {type(found).__name__}"]
     different = runs.differences(kind.content, found)
     return [f"loads with another {', '.join(different)}"] if different else []
 

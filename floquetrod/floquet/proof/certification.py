@@ -80,7 +80,7 @@ def certify(
     if isinstance(equation, HillSystem | PeriodicSystem):
         if parameters:
             raise TypeError(f"{', '.join(parameters)} must be of the system: certify takes a system as a value only")
-        require_one(equation)
+        require_one(equation, "equation")
         return _certify_system(equation, max_digits)
     return _certify(exact_problem(equation, parameters), max_digits)
 
