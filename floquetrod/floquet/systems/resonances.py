@@ -22,11 +22,12 @@ def name(system: HillSystem | PeriodicSystem, exponents: tuple[complex, ...]) ->
     poles = _mean_exponents(system)
     if poles is None or len(poles) > _MOST_MODES:
         return ()
+    differences = not isinstance(system, HillSystem) or system.gyroscopic is not None or not system.is_symmetric
     found: dict[tuple[str, tuple[int, ...], int], Resonance] = {}
     for exponent in exponents:
         if exponent.real <= 0.0 or exponent.imag < -_NOTHING:
             continue
-        candidates = list(_candidates(poles, exponent, 2.0 * math.pi / float(system.period)))
+        candidates = list(_candidates(poles, exponent, 2.0 * math.pi / float(system.period), differences))
         if candidates:
             _, best = min(candidates, key=lambda pair: pair[0])
             found.setdefault((best.kind, best.modes, best.order), best)
@@ -48,8 +49,13 @@ def _mean_exponents(system: HillSystem | PeriodicSystem) -> NDArray[np.complex12
     return np.asarray(modes)
 
 
-def _candidates(poles: NDArray[np.complex128], exponent: complex, w: float) -> Iterator[tuple[float, Resonance]]:
-    """Yield names with a measure of how badly each fits: detuning and mismatch of the angle, over w, plus its order."""
+def _candidates(
+    poles: NDArray[np.complex128], exponent: complex, w: float, differences: bool
+) -> Iterator[tuple[float, Resonance]]:
+    """Yield names with a measure of how badly each fits: detuning and mismatch of the angle, over w, plus its order.
+
+    Without ``differences`` none of that kind: all modes have one Krein sign.
+    """
     frequencies = poles.imag
 
     def off(angle: float) -> float:
@@ -68,7 +74,7 @@ def _candidates(poles: NDArray[np.complex128], exponent: complex, w: float) -> I
             yield entry(abs(2.0 * fi - order * w) / w + 2.0 * off(0.5 * order * w), "direct", (i + 1,), order)
         for j in range(i + 1, len(frequencies)):
             fj = frequencies[j]
-            for total, kind in ((fi + fj, "sum"), (fj - fi, "difference")):
+            for total, kind in ((fi + fj, "sum"), (fj - fi, "difference"))[: 1 + differences]:
                 for order in _orders(total, w):
                     misfit = abs(total - order * w) / w + min(off(fi), off(-fi)) + min(off(fj), off(-fj))
                     yield entry(misfit, kind, (i + 1, j + 1), order)
