@@ -51,7 +51,9 @@ right.fill_between(second, 0.0, exponents, where=exponents > 0.0, color=palette.
 right.semilogx(second, exponents, color="black")
 right.axhline(0.0, color="black", linewidth=0.5)
 right.set(
-    xlabel="decay rate $c_2$ of the second mode", ylabel="fastest exponent, real part", xlim=(second[0], second[-1])
+    xlabel="decay rate $c_2$ of the second mode",
+    ylabel="largest real part of the exponents, per unit time",
+    xlim=(second[0], second[-1]),
 )
 right.set_title("$w = 3.1$, $c_1 = 0.002$; orange: unstable", fontsize="small")
 plt.show()

@@ -42,7 +42,7 @@ print(verdict)
 print(f"at 18 rad/s motion grows by {18.0 * verdict.growth_rate:.6f} per second")
 
 # %%
-# The least stable exponent over the rotor speed.
+# The exponent with the largest real part over the rotor speed.
 speeds = np.linspace(10.0, 26.0, 65)
 figure, axes = plt.subplots(figsize=(8.0, 4.2), layout="constrained")
 for dampers, line, label in ((one_out, "-", "one damper out"), (all_work, "--", "all dampers work")):
@@ -52,7 +52,7 @@ for dampers, line, label in ((one_out, "-", "one damper out"), (all_work, "--", 
     unstable = speeds[largest > 0.0]
     print(f"{label}:", f"unstable from {unstable[0]:.2f} to {unstable[-1]:.2f} rad/s" if unstable.size else "stable")
 axes.axhline(0.0, color="black", linewidth=0.5)
-axes.set(xlabel="rotor speed / (rad/s)", ylabel="largest exponent / (1/s)", xlim=(speeds[0], speeds[-1]))
-axes.set_title("ground resonance; orange: unstable", fontsize="small")
+axes.set(xlabel="rotor speed / (rad/s)", ylabel="largest real part / (1/s)", xlim=(speeds[0], speeds[-1]))
+axes.set_title("exponents of ground resonance; orange: unstable", fontsize="small")
 axes.legend(fontsize="small")
 plt.show()

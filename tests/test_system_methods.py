@@ -69,6 +69,15 @@ def test_truth(case: str, method: str) -> None:
         assert 0 not in result.krein_signs
 
 
+def test_modes_of_one_krein_sign_have_no_difference_resonance() -> None:
+    """Near w = 1.9 the difference 2.9 - 1 fits as well as twice 1, and yet it cannot grow."""
+    forcing, kinds = [[0.3, 0.2], [0.2, 0.1]], set()
+    for w in np.linspace(1.9, 2.1, 41):
+        system = fr.HillSystem(np.diag([1.0, 2.9**2]), cosines=[forcing], period=2.0 * np.pi / w)
+        kinds |= {resonance.kind for resonance in fr.stability(system).resonances}
+    assert kinds == {"direct"}
+
+
 def test_decades_that_a_map_loses_are_in_its_error() -> None:
     result = METHODS["monodromy"](wide())
     for mu, error, true in zip(

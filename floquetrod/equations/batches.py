@@ -81,7 +81,7 @@ def flat(array: Any, shape: tuple[int, ...], tail: int) -> NDArray[Any]:
     """Return an array with the leading shape of a batch made one axis; its last ``tail`` axes stay as they are."""
     array = np.asarray(array)
     if not shape:
-        return array[None]
+        return np.asarray(array[None])
     inner = array.shape[array.ndim - tail :]
     whole = np.broadcast_to(array, (*shape, *inner))
     return np.ascontiguousarray(whole).reshape(math.prod(shape), *inner)

@@ -62,10 +62,11 @@ def pair_matrices(
         with np.errstate(divide="ignore", invalid="ignore"):
             left_error = np.where(reach * error < 0.5, 2.0 * reach**2 * (error + 4.0 * n * _EPS * size), np.inf)
     small, large = _norm(left), _norm(half.c)
-    slip = small * error + large * left_error + error * left_error + n * _EPS * small * large
     upper = _norm(half.a)
     form = np.swapaxes(half.a, -1, -2) @ half.c
-    form_slip = (upper + large) * error + error**2 + n * _EPS * upper * large
+    with np.errstate(invalid="ignore"):  # zero times infinity is not known either
+        slip = small * error + large * left_error + error * left_error + n * _EPS * small * large
+        form_slip = (upper + large) * error + error**2 + n * _EPS * upper * large
     return PairMatrices(left @ half.c, slip, 0.5 * (form + np.swapaxes(form, -1, -2)), form_slip, half.symmetric)
 
 

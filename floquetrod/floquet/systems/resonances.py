@@ -24,11 +24,12 @@ def name(system: HillSystem | PeriodicSystem, exponents: tuple[complex, ...]) ->
     modes = _mean_modes(system)
     if modes is None or len(modes.poles) > _MOST_MODES:
         return ()
+    differences = not isinstance(system, HillSystem) or system.gyroscopic is not None or not system.is_symmetric
     found: dict[tuple[str, tuple[int, ...], int], Resonance] = {}
     for exponent in exponents:
         if exponent.real <= 0.0 or exponent.imag < -_NOTHING:
             continue
-        candidates = list(_candidates(modes, exponent, 2.0 * math.pi / float(system.period)))
+        candidates = list(_candidates(modes, exponent, 2.0 * math.pi / float(system.period), differences))
         if candidates:
             _, best = min(candidates, key=lambda pair: pair[0])
             found.setdefault((best.kind, best.modes, best.order), best)
@@ -80,8 +81,11 @@ def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
     return _Modes(values[up], up, partners, coupling)
 
 
-def _candidates(modes: _Modes, exponent: complex, w: float) -> Iterator[tuple[float, Resonance]]:
-    """Yield names with a measure of how badly each fits: detuning and mismatch of the angle, over w, plus its order."""
+def _candidates(modes: _Modes, exponent: complex, w: float, differences: bool) -> Iterator[tuple[float, Resonance]]:
+    """Yield names with a measure of how badly each fits: detuning and mismatch of the angle, over w, plus its order.
+
+    Without ``differences`` none of that kind: all modes have one Krein sign.
+    """
     poles, frequencies = modes.poles, modes.poles.imag
 
     def off(angle: float) -> float:
@@ -111,7 +115,7 @@ def _candidates(modes: _Modes, exponent: complex, w: float) -> Iterator[tuple[fl
             for order in _orders(fi + fj, w):
                 misfit = abs(fi + fj - order * w) / w + angles + uncoupled(order, modes.up[i], modes.down[j])
                 yield entry(misfit, "sum", (i, j), order)
-            for order in _orders(fj - fi, w):
+            for order in _orders(fj - fi, w) if differences else ():
                 misfit = abs(fj - fi - order * w) / w + angles + uncoupled(order, modes.up[i], modes.up[j])
                 yield entry(misfit, "difference", (i, j), order)
     for i, pole in enumerate(poles):

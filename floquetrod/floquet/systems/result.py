@@ -89,10 +89,11 @@ class SystemStability(Verdict):
         verdict: str = "strongly stable" if self.strongly_stable and self.status == "stable" else self.status
         if self.status == "unstable":
             verdict += f": grows at {self.growth_rate:.6g} per unit time"
-        elif self.status == "undecided":
+        elif self.status == "undecided" and self.exponents:
             verdict += f": growth {self.growth_rate:.3g} per unit time cannot be told from none"
         if self.resonances:
             verdict += f", {self.resonances[0]}"
         size = f"{self.structure} system of {self.system.order}"
-        text = f"{verdict}; {size}, multipliers +- {self.error:.1g} relative; {self.method}, {self.cost}"
+        size += f", multipliers +- {self.error:.1g} relative" if self.exponents else ", multipliers not computed"
+        text = f"{verdict}; {size}; {self.method}, {self.cost}"
         return f"<{text}; {self.note}>" if self.note else f"<{text}>"
