@@ -141,7 +141,7 @@ def stability(
 
 def _better(result: Any, later: Any) -> Any:
     """Return the later of two results, unless its method has given up."""
-    return later if later.exponents or not result.exponents else result
+    return later if later.exponents else result
 
 
 def run(method: str, equation: Equation | HillSystem | PeriodicSystem, **options: Any) -> Any:
