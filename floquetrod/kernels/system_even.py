@@ -12,7 +12,7 @@ from floquetrod._util.compilation import compiled, over_chunks, runner
 from floquetrod.kernels.system_even_large import half_period_large
 from floquetrod.kernels.system_even_pairs import NOT_DONE, outcome_fill, pair_fill
 from floquetrod.kernels.system_even_steps import half_period_fill
-from floquetrod.kernels.system_series import LARGEST, ROUNDING, reach
+from floquetrod.kernels.system_series import LARGEST, OFTEN_ASKED, ROUNDING, reach
 
 Floats = NDArray[np.float64]
 
@@ -128,6 +128,8 @@ def pair_numbers(
         out[:, 4] = NOT_DONE
     elif len(out) == 1:
         compiled(pair_fill)(*inputs, out, accuracy, reach(accuracy))  # the shortest way for a single system
+        if out[0, 4] != NOT_DONE:
+            return out[:, :4].view(complex), out[:, 4:6], out[:, 6:]
     else:
         over_chunks(pair_fill, inputs, out, accuracy, reach(accuracy), workers=workers, chunk=512, interpret_up_to=0)
     left = out[:, 4] == NOT_DONE
@@ -173,12 +175,15 @@ def _inverses(matrices: Floats) -> Floats:
 
 def _too_few(function: Any, stiffness: Floats, amplitudes: Floats, period: Floats) -> bool:
     """Say whether numpy is faster than compiling a kernel, in view of what the process has asked for before."""
-    if len(period) > _PATIENCE or _PATIENCE == 0.0:
+    if function in OFTEN_ASKED or len(period) > _PATIENCE or _PATIENCE == 0.0:
         return False
     with np.errstate(over="ignore", invalid="ignore"):
         size = np.abs(stiffness).sum(axis=(1, 2)) + np.abs(amplitudes).sum(axis=(1, 2, 3))
         phases = float(np.fmin(period * np.sqrt(size), _PATIENCE).clip(0.0).sum())
-    return runner(function, int(1 + len(period) + phases), interpret_up_to=1, patience=int(_PATIENCE)) is function
+    if runner(function, int(1 + len(period) + phases), interpret_up_to=1, patience=int(_PATIENCE)) is function:
+        return True
+    OFTEN_ASKED.add(function)
+    return False
 
 
 def _usable(stiffness: Floats, amplitudes: Floats, period: Floats) -> NDArray[np.bool_]:

@@ -165,8 +165,8 @@ def lane_ends(h: float, terms: int, work: Any) -> None:
     for i in range(terms):
         c[count, i] = 1.0
         c[count + 1, i] = 2.0 * (terms - 1 - i)
-    weighted_sum(x, terms - 1, c, count, terms, length, y, 0)
-    weighted_sum(x, terms - 1, c, count + 1, terms, length, y, 1)
+    for k in range(n):  # a loop, for the sum to be compiled once
+        weighted_sum(x, terms - 1, c, count + k, terms, length, y, k)
     for r in range(n):
         for lane in range(LANES):
             g[r, lane] = math.sqrt(g[r, lane])

@@ -130,8 +130,8 @@ def end_maps(
     for i in range(terms):
         c[count, i] = 1.0
         c[count + 1, i] = 2.0 * (terms - 1 - i)
-    weighted_sum(x, terms - 1, c, count, terms, n * width, y, 0)
-    weighted_sum(x, terms - 1, c, count + 1, terms, n * width, y, 1)
+    for k in range(len(y)):  # a loop, for the sum to be compiled once
+        weighted_sum(x, terms - 1, c, count + k, terms, n * width, y, k)
     for r in range(n):
         for j in range(n):
             q = r * width + j
@@ -188,8 +188,8 @@ def inner_map(
             sign = -1.0 if side == 1 and i % 2 == 1 else 1.0
             c[count, lag] = sign
             c[count + 1, lag] = sign * i if side == 0 else -sign * i
-        weighted_sum(x, order, c, count, order, n * width, y, 0)
-        weighted_sum(x, order, c, count + 1, order, n * width, y, 1)
+        for k in range(len(y)):
+            weighted_sum(x, order, c, count + k, order, n * width, y, k)
         target = forth if side == 0 else back
         for r in range(n):
             for j in range(n):

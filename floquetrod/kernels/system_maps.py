@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.compilation import kernel, over_chunks, runner
+from floquetrod._util.compilation import compiled, kernel, over_chunks, runner
 from floquetrod.kernels.system_maps_steps import series_work, step_map
 from floquetrod.kernels.system_series import (
     LARGEST,
     MOST_NUMBERS,
     MOST_TERMS,
+    OFTEN_ASKED,
     chain_error,
     coefficient_bound,
     plan_segments,
@@ -123,12 +124,17 @@ def product(segments: SegmentMaps) -> Monodromy:
 
 def _run(function: Any, mean: Floats, harmonics: Any, period: Floats, segments: int) -> Any:
     """Return a kernel as it stands or compiled, in view of the milliseconds that it takes when interpreted."""
+    if function in OFTEN_ASKED or _PATIENCE == 0.0:
+        return compiled(function)
     batch, n = mean.shape[:2]
     with np.errstate(over="ignore"):
         size = np.abs(mean).sum(axis=(1, 2)) + np.abs(harmonics).sum(axis=(1, 2, 3))
         phases = float(np.minimum(period * size / math.sqrt(n), 1e6).sum())
     needed = batch * (5.0 + 2.0 * segments) + phases * (0.1 + n**3 / 1600.0)
-    return runner(function, math.ceil(needed), interpret_up_to=int(_PATIENCE > 0.0), patience=int(_PATIENCE))
+    run = runner(function, math.ceil(needed), interpret_up_to=1, patience=int(_PATIENCE))
+    if run is not function:
+        OFTEN_ASKED.add(function)
+    return run
 
 
 def _usable(mean: Floats, harmonics: NDArray[np.complex128], period: Floats) -> NDArray[np.bool_]:

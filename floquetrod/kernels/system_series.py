@@ -19,6 +19,9 @@ MOST_NUMBERS = 1 << 28
 LARGEST = 1e150
 """Coefficients beyond this are not usable: their squares overflow."""
 
+OFTEN_ASKED: set[Any] = set()
+"""Kernels that the process has asked for often enough to compile them, so that it need not be estimated again."""
+
 _PLAIN_UP_TO = 20
 _MOST_PLANS = 10000
 _HALF_LOG_TWO = 0.34657359027997264

@@ -75,18 +75,18 @@ def pair_verdicts(discs: ManyDiscs, period: NDArray[np.float64], damping: float)
     off = np.abs(y - np.clip(y.real, -1.0, 0.0)) > radii
     inside = (np.abs(y.imag) <= radii) & (y.real + radii < 0.0) & (y.real - radii > -1.0)
     bounded = apart & inside & ~off
-    grows = off & (apart | off.all(axis=1, keepdims=True))
+    grows = off & (apart | _reduce(np.logical_and, off)[:, None])
     growth = np.where(bounded, 0.0, growth)
     if damping == 0.0:
-        unstable, stable = grows.any(axis=1), bounded.all(axis=1)
+        unstable, stable = _reduce(np.logical_or, grows), _reduce(np.logical_and, bounded)
     else:
         limit = (damping * period)[:, None]
         with np.errstate(divide="ignore", invalid="ignore"):
             doubt = 2.0 * radii / np.sqrt(np.abs(y) * np.abs(1.0 + y))
         known = apart & (radii <= 0.5 * np.minimum(np.abs(y), np.abs(1.0 + y)))
-        unstable = (known & (growth - doubt > limit)).any(axis=1)
-        stable = (bounded | (known & (growth + doubt < limit))).all(axis=1)
-    return _verdicts(stable, unstable, growth.max(axis=1) / period - damping)
+        unstable = _reduce(np.logical_or, known & (growth - doubt > limit))
+        stable = _reduce(np.logical_and, bounded | (known & (growth + doubt < limit)))
+    return _verdicts(stable, unstable, _reduce(np.maximum, growth) / period - damping)
 
 
 def multiplier_verdicts(discs: ManyDiscs, period: NDArray[np.float64], *, paired: bool, damping: float) -> ManyVerdicts:
@@ -106,6 +106,11 @@ def multiplier_verdicts(discs: ManyDiscs, period: NDArray[np.float64], *, paired
         growth = np.where(bounded, 0.0, growth)
         decays = bounded
     return _verdicts(decays.all(axis=1), unstable, growth.max(axis=1) / period - (damping if paired else 0.0))
+
+
+def _reduce(join: np.ufunc, rows: NDArray[Any]) -> NDArray[Any]:
+    """Return ``join.reduce`` over the columns of many short rows, which is slow along rows."""
+    return np.asarray(join.reduce(np.ascontiguousarray(rows.T)))
 
 
 def _verdicts(stable: Any, unstable: Any, growth: Any) -> ManyVerdicts:
