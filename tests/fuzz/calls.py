@@ -319,9 +319,7 @@ def _of_systems() -> dict[str, Call]:
         "HillSystem.coefficient": Call(SYSTEM.coefficient, {"t": 0.3}),
         "PeriodicSystem": Call(fr.PeriodicSystem, first),
         "PeriodicSystem.coefficient": Call(FIRST_ORDER.coefficient, {"t": 0.3}),
-        "PeriodicSystem.from_function": Call(
-            fr.PeriodicSystem.from_function, {"function": swing, "period": 2.0}
-        ),
+        "PeriodicSystem.from_function": Call(fr.PeriodicSystem.from_function, {"function": swing, "period": 2.0}),
     }
 
 
