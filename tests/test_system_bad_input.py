@@ -136,3 +136,12 @@ def test_methods_say_what_they_need() -> None:
         fr.stability(damped, "half_period")
     with pytest.raises(ValueError, match="method must be one of 'auto', 'half_period'"):
         fr.stability(damped, "determinant")
+
+
+def test_multipliers_that_would_take_too_long_are_nan() -> None:
+    batch = fr.PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], period=np.array([1.0, 1e15]))
+    found = fr.systems.multipliers(batch)
+    assert np.isfinite(found[0]).all()
+    assert np.isnan(found[1]).all()
+    assert np.isnan(fr.systems.growth_rate(batch)).tolist() == [False, True]
+    assert fr.systems.is_stable(batch).tolist() == [True, False]

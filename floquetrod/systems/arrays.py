@@ -58,7 +58,7 @@ def is_stable(systems: System, *, workers: int | None = None) -> Any:
 def growth_rate(systems: System, *, workers: int | None = None) -> Any:
     """Return the growth rate of the fastest solution, per unit of time; 0 where stable, an estimate where undecided.
 
-    Arguments as in `is_stable`.
+    NaN where undecided because nothing could be computed.  Arguments as in `is_stable`.
 
     Examples
     --------
@@ -72,8 +72,9 @@ def growth_rate(systems: System, *, workers: int | None = None) -> Any:
 def multipliers(systems: System, *, workers: int | None = None) -> Any:
     """Return the multipliers, complex (..., N), N the number of equations of first order; the largest first.
 
-    Arguments as in `is_stable`.  Those much smaller than the largest one are lost in its rounding:
-    ``floquetrod.stability(system, method="segmented")`` keeps them.
+    NaN for a system whose map would take more than a minute, which `floquetrod.stability` declines.  Multipliers much
+    smaller than the largest one are lost in its rounding: ``floquetrod.stability(system, method="segmented")`` keeps
+    them.  Arguments as in `is_stable`.
     """
     workers = validate.workers(workers)
     batch = _batch(systems)
@@ -84,6 +85,7 @@ def multipliers(systems: System, *, workers: int | None = None) -> Any:
     def fill(part: slice) -> None:
         decay = np.exp(-batch.damping * batch.period[part])
         values = batch.multipliers(part) * decay[:, None]
+        values[batch.too_long(part)] = np.nan
         order = np.argsort(-np.abs(values), axis=1, kind="stable")
         found[part] = np.take_along_axis(values, order, axis=1)
 
@@ -120,6 +122,10 @@ class _Batch(ABC):
     order: int
 
     @abstractmethod
+    def too_long(self, part: slice) -> NDArray[np.bool_]:
+        """Return whether the map of a system would take too long; nothing is then known of its multipliers."""
+
+    @abstractmethod
     def multipliers(self, part: slice) -> NDArray[np.complex128]:
         """Return the multipliers of some systems, those of the undamped ones."""
 
@@ -137,10 +143,14 @@ class _EvenBatch(_Batch):
         self.doubt, self.period, self.damping = flat(form.error, shape, 0), flat(system.period, shape, 0), damping
         self.order = 2 * system.order
 
+    def too_long(self, part: slice) -> NDArray[np.bool_]:
+        arrays = self.stiffness[part], self.amplitudes[part], self.period[part]
+        return np.asarray(even.seconds_needed(*arrays) > MOST_SECONDS)
+
     def _discs(self, part: slice) -> ManyDiscs:
         """Return the numbers y of the pairs."""
         stiffness, amplitudes, period = self.stiffness[part], self.amplitudes[part], self.period[part]
-        long = even.seconds_needed(stiffness, amplitudes, period) > MOST_SECONDS
+        long = self.too_long(part)
         if long.any():  # those are left to `stability`, which declines them
             stiffness, amplitudes = (np.where(_like(long, m), 0.0, m) for m in (stiffness, amplitudes))
         return self._of(stiffness, amplitudes, period, np.where(long, np.inf, self.doubt[part]))
@@ -170,10 +180,14 @@ class _FirstOrderBatch(_Batch):
         self.period, self.damping = flat(system.period, shape, 0), damping
         self.order = system.order
 
+    def too_long(self, part: slice) -> NDArray[np.bool_]:
+        arrays = self.mean[part], self.harmonics[part], self.period[part]
+        return np.asarray(whole.seconds_needed(*arrays, paired=self.paired) > MOST_SECONDS)
+
     def _discs(self, part: slice) -> ManyDiscs:
         """Return the multipliers."""
         mean, harmonics, period = self.mean[part], self.harmonics[part], self.period[part]
-        long = whole.seconds_needed(mean, harmonics, period, paired=self.paired) > MOST_SECONDS
+        long = self.too_long(part)
         if long.any():  # those are left to `stability`, which declines them
             mean, harmonics = (np.where(_like(long, m), 0.0, m) for m in (mean, harmonics))
         doubt = np.where(long, np.inf, self.doubt)
