@@ -34,6 +34,7 @@ from fuzz import (
     ranges,
     rods,
     runs,
+    systems,
     terminal,
     verdicts,
 )
@@ -208,6 +209,20 @@ def test_verdicts_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Gener
     assert "NaN" in verdicts.judged(dataclasses.replace(right, error=math.nan), rate, x)[0]
     monkeypatch.setattr(fr.mathieu, "is_stable", lambda a, b, c: np.zeros(np.shape(a), dtype=bool))
     assert verdicts.over_arrays(rng)
+
+
+def test_systems_can_fail() -> None:
+    system = fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], [[[0.1, 0.2], [0.2, 0.16]]], period=2.0 * math.pi / 3.0)
+    right = fr.stability(system)
+    assert right.status == "unstable"
+    assert systems.against_scipy(system, right) == []
+    stable = dataclasses.replace(right, status="stable")
+    assert "scipy has growth" in systems.against_scipy(system, stable)[0]
+    assert "one says unstable, other stable" in systems.between({"one": right, "other": stable})[0]
+    moved = dataclasses.replace(right, exponents=tuple(s + 1e-6 for s in right.exponents))
+    assert "is no multiplier" in systems.against_scipy(system, moved)[0]
+    assert "more than their errors" in systems.between({"one": right, "other": moved})[0]
+    assert systems.sound(dataclasses.replace(right, status="undecided", note="")) == ["undecided without a reason"]
 
 
 def test_kicks_can_fail(rng: np.random.Generator) -> None:

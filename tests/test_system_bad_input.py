@@ -118,7 +118,9 @@ def test_small_and_large_entries_overflow_nothing() -> None:
         assert np.allclose(np.linalg.eigvalsh(form.stiffness), np.linalg.eigvals(np.linalg.solve([[2, 1], [1, 2]], K)))
     extreme = fr.HillSystem(1e30 * np.eye(2), mass=1e-300 * np.array([[2.0, 1.0], [1.0, 2.0]]), damping=np.eye(2))
     assert extreme.uniform_damping is None
-    with pytest.raises(ValueError, match=r"mass must fit the other matrices: divided by it they are beyond 1e\+30"):
+    with pytest.raises(
+        ValueError, match=r"mass must fit the other matrices: in coordinates of mass 1 they are beyond 1e\+30"
+    ):
         extreme.as_periodic_system()
 
 
@@ -134,3 +136,12 @@ def test_methods_say_what_they_need() -> None:
         fr.stability(damped, "half_period")
     with pytest.raises(ValueError, match="method must be one of 'auto', 'half_period'"):
         fr.stability(damped, "determinant")
+
+
+def test_multipliers_that_would_take_too_long_are_nan() -> None:
+    batch = fr.PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], period=np.array([1.0, 1e15]))
+    found = fr.systems.multipliers(batch)
+    assert np.isfinite(found[0]).all()
+    assert np.isnan(found[1]).all()
+    assert np.isnan(fr.systems.growth_rate(batch)).tolist() == [False, True]
+    assert fr.systems.is_stable(batch).tolist() == [True, False]

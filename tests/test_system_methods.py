@@ -385,3 +385,12 @@ def test_a_single_sine_is_reversible_about_a_quarter_of_the_period() -> None:
     for name, applies in SYSTEMS.methods.items():
         if applies(system) and name != "reference":
             check_agreement(EVERY[name](system), truth)
+
+
+def test_gyroscopic_systems_of_a_tiny_period_are_not_called_unstable() -> None:
+    # The numbers y are 1e-60 beside a coupling of 1e-33 between the halves of the map: reference once said "unstable".
+    stiffness, wave = [[1.0, 0.3], [0.3, 2.0]], [[0.1, 0.2], [0.2, 0.16]]
+    for period in (1e-10, 1e-20, 1e-30, 1e-40):
+        system = fr.HillSystem(stiffness, [wave], gyroscopic=[[0.0, 0.2], [-0.2, 0.0]], period=period)
+        assert {fr.stability(system, name).status for name in ("monodromy", "reference")} <= {"stable", "undecided"}
+        assert fr.stability(system).status == "stable"

@@ -217,8 +217,8 @@ class HillSystem(matrices.FourierSystem):
         if canonical:
             stiffness, half = _mirrored(stiffness), 0.5 * gyroscopic
             half = 0.5 * (half - np.swapaxes(half, -1, -2))
-            bent = half @ half
-            stiffness, half = np.broadcast_arrays(stiffness - 0.5 * (bent + np.swapaxes(bent, -1, -2)), half)
+            bent = _congruence(half, np.eye(n), "gyroscopic")
+            stiffness, half = np.broadcast_arrays(stiffness + 0.5 * (bent + np.swapaxes(bent, -1, -2)), half)
             mean = lower(-stiffness, -half)
             mean[..., :n, :n] = -half
         else:
@@ -337,13 +337,14 @@ def _even_amplitudes(
     return (result, phase, doubt) if found.all() else None
 
 
-def _congruence(left: Matrix, matrix: Matrix) -> Matrix:
+def _congruence(left: Matrix, matrix: Matrix, name: str = "mass") -> Matrix:
     """Return L K L^T; ValueError where it is beyond what a system may hold."""
     with np.errstate(over="ignore", invalid="ignore"):
         result = np.asarray(left @ matrix @ np.swapaxes(left, -1, -2))
     if not (np.abs(result) <= matrices.LARGEST_ENTRY).all():
         raise ValueError(
-            f"mass must fit the other matrices: divided by it they are beyond {matrices.LARGEST_ENTRY:g}; check units"
+            f"{name} must fit the other matrices: in coordinates of mass 1 they are beyond "
+            f"{matrices.LARGEST_ENTRY:g}; check units"
         )
     return result
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,8 @@ from floquetrod.equations.hill_system import EvenForm
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
-from floquetrod.floquet.systems.many import ManyDiscs, ManyVerdicts
+from floquetrod.floquet.systems.many import ManyVerdicts
+from floquetrod.floquet.systems.whole import PeriodMaps
 from floquetrod.kernels.system_even import pair_numbers
 
 System = HillSystem | PeriodicSystem
@@ -82,9 +83,9 @@ def multipliers(systems: System, *, workers: int | None = None) -> Any:
     )
 
     def fill(part: slice) -> None:
-        decay = np.exp(-batch.damping * batch.period[part])
-        values = batch.multipliers(part) * decay[:, None]
-        values[batch.too_long(part)] = np.nan
+        values = batch.multipliers(part)
+        if batch.damping > 0.0:
+            values *= np.exp(-batch.damping * batch.period[part])[:, None]
         order = np.argsort(-np.abs(values), axis=1, kind="stable")
         found[part] = np.take_along_axis(values, order, axis=1)
 
@@ -121,16 +122,26 @@ class _Batch(ABC):
     order: int
 
     @abstractmethod
-    def too_long(self, part: slice) -> NDArray[np.bool_]:
-        """Return which of some systems are left to `stability`, which declines them."""
-
-    @abstractmethod
     def multipliers(self, part: slice) -> NDArray[np.complex128]:
-        """Return the multipliers of some systems, those of the undamped ones."""
+        """Return the multipliers of some systems, those of the undamped ones; NaN where that would take too long."""
 
     @abstractmethod
     def verdicts(self, part: slice) -> ManyVerdicts:
         """Return the verdicts on some systems by the quick rules."""
+
+
+class _EvenPart(NamedTuple):
+    """Some even systems: mean stiffness, amplitudes, periods, and the error of these coefficients."""
+
+    stiffness: NDArray[np.float64]
+    amplitudes: NDArray[np.float64]
+    period: NDArray[np.float64]
+    doubt: NDArray[np.float64]
+
+    @property
+    def are_simple(self) -> bool:
+        """Whether the kernel for two equations takes them."""
+        return self.stiffness.shape[-1] == 2 and not self.doubt.any()
 
 
 class _EvenBatch(_Batch):
@@ -142,27 +153,34 @@ class _EvenBatch(_Batch):
         self.doubt, self.period, self.damping = flat(form.error, shape, 0), flat(system.period, shape, 0), damping
         self.order = 2 * system.order
 
-    def too_long(self, part: slice) -> NDArray[np.bool_]:
-        arrays = self.stiffness[part], self.amplitudes[part], self.period[part]
-        return np.asarray(even.seconds_needed(*arrays) > MOST_SECONDS)
-
-    def _discs(self, part: slice) -> ManyDiscs:
-        """Return the numbers y of the pairs."""
-        long, period = self.too_long(part), self.period[part]
-        stiffness, amplitudes = _without(long, self.stiffness[part]), _without(long, self.amplitudes[part])
+    def _part(self, part: slice) -> _EvenPart:
+        """Return some systems, those that would take too long without forces and with infinite doubt."""
+        stiffness, amplitudes, period = self.stiffness[part], self.amplitudes[part], self.period[part]
+        long = even.seconds_needed(stiffness, amplitudes, period) > MOST_SECONDS
+        if not long.any():
+            return _EvenPart(stiffness, amplitudes, period, self.doubt[part])
         doubt = np.where(long, np.inf, self.doubt[part])
-        if stiffness.shape[-1] == 2 and not doubt.any():
-            x, errors, _ = pair_numbers(stiffness, amplitudes, period, _ACCURACY)
-            return many.pair_discs(0.25 * (x - 2.0), 0.25 * errors)
-        found = even.pair_matrices(stiffness, amplitudes, period, doubt, _ACCURACY)
-        return many.many_discs(found.matrix, found.error)
+        return _EvenPart(_without(long, stiffness), _without(long, amplitudes), period, doubt)
 
     def multipliers(self, part: slice) -> NDArray[np.complex128]:
-        logs = 2.0 * np.arcsinh(np.sqrt(self._discs(part).values))
+        systems = self._part(part)
+        if systems.are_simple:
+            y = 0.25 * (pair_numbers(*systems[:3], _ACCURACY)[0] - 2.0)
+        else:
+            y = np.linalg.eigvals(even.pair_matrices(*systems, _ACCURACY).matrix).astype(np.complex128)
+            y[np.isinf(systems.doubt)] = np.nan
+        logs = 2.0 * np.arcsinh(np.sqrt(y))
         return np.asarray(np.exp(np.concatenate([logs, -logs], axis=1)))
 
     def verdicts(self, part: slice) -> ManyVerdicts:
-        return many.pair_verdicts(self._discs(part), self.period[part], self.damping)
+        systems = self._part(part)
+        if systems.are_simple:
+            x, errors, _ = pair_numbers(*systems[:3], _ACCURACY)
+            discs = many.pair_discs(0.25 * (x - 2.0), 0.25 * errors)
+        else:
+            found = even.pair_matrices(*systems, _ACCURACY)
+            discs = many.many_discs(found.matrix, found.error)
+        return many.pair_verdicts(discs, systems.period, self.damping)
 
 
 class _FirstOrderBatch(_Batch):
@@ -175,23 +193,25 @@ class _FirstOrderBatch(_Batch):
         self.period, self.damping = flat(system.period, shape, 0), damping
         self.order = system.order
 
-    def too_long(self, part: slice) -> NDArray[np.bool_]:
-        arrays = self.mean[part], self.harmonics[part], self.period[part]
-        return np.asarray(whole.seconds_needed(*arrays, paired=self.paired) > MOST_SECONDS)
-
-    def _discs(self, part: slice) -> ManyDiscs:
-        """Return the multipliers."""
-        long, period = self.too_long(part), self.period[part]
-        mean, harmonics = _without(long, self.mean[part]), _without(long, self.harmonics[part])
+    def _maps(self, part: slice) -> PeriodMaps:
+        """Return the maps over a period, with infinite error where they would take too long."""
+        mean, harmonics, period = self.mean[part], self.harmonics[part], self.period[part]
+        long = np.asarray(whole.seconds_needed(mean, harmonics, period, paired=self.paired) > MOST_SECONDS)
         doubt = np.where(long, np.inf, self.doubt)
-        maps = whole.period_maps(mean, harmonics, period, doubt, _ACCURACY, paired=self.paired)
-        return many.many_discs(maps.matrix, maps.error)
+        return whole.period_maps(
+            _without(long, mean), _without(long, harmonics), period, doubt, _ACCURACY, paired=self.paired
+        )
 
     def multipliers(self, part: slice) -> NDArray[np.complex128]:
-        return np.asarray(self._discs(part).values)
+        maps = self._maps(part)
+        lost = ~np.isfinite(maps.matrix).all(axis=(1, 2))
+        values = np.linalg.eigvals(_without(lost, maps.matrix)).astype(np.complex128)
+        values[lost | np.isinf(maps.error)] = np.nan
+        return values
 
     def verdicts(self, part: slice) -> ManyVerdicts:
-        discs = self._discs(part)
+        maps = self._maps(part)
+        discs = many.many_discs(maps.matrix, maps.error)
         return many.multiplier_verdicts(discs, self.period[part], paired=self.paired, damping=self.damping)
 
 

@@ -157,7 +157,15 @@ def _judge(answer: Any, call: Call, values: dict[str, Any]) -> list[str]:
             return [told(answer)]
         return [] if _names_an_argument(str(answer), call) else [f"names no argument: {told(answer)}"]
     wrong = []
-    if _has_nan(answer) and not any(_has_nan(value) or _is_infinite(value) for value in values.values()):
+    of_systems = call.function in (
+        fr.systems.growth_rate,
+        fr.systems.multipliers,
+    )  # NaN where nothing could be computed
+    if (
+        _has_nan(answer)
+        and not of_systems
+        and not any(_has_nan(value) or _is_infinite(value) for value in values.values())
+    ):
         wrong.append("answers NaN")
     if any(isinstance(v, np.ma.MaskedArray) and v.size > 1 for v in values.values()):
         arrays = answer if isinstance(answer, tuple) else (answer,)

@@ -18,6 +18,7 @@ CASES = 60
 QUICK = 4
 
 _INTEGRATED = 1e-9  # of the map by scipy, relative to its norm: the integrator is asked for 1e-12
+_NONE = 1e-7  # growth over a period that is none, on the coarser map of a batch
 _ROUNDING = 1e-12  # of exponents times the period, beside the errors that are stated
 
 
@@ -68,14 +69,14 @@ def disagreements(system: System, rng: np.random.Generator) -> list[str]:
                 results[method] = fr.stability(system, method)
     with limit(60.0):
         results["auto"] = fr.stability(system)
-    lines = _between(system, results)
+    lines = between(results)
     lines += against_scipy(system, results["auto"])
     lines += _batch(system, results["auto"], rng)
     lines += _proof(system, results["auto"])
     return lines
 
 
-def _between(system: System, results: dict[str, Any]) -> list[str]:
+def between(results: dict[str, Any]) -> list[str]:
     """Compare verdicts, growth and exponents of methods with each other."""
     names = list(results)
     lines = [f"{name}: {line}" for name, result in results.items() for line in sound(result)]
@@ -163,9 +164,10 @@ def _batch(system: System, result: Any, rng: np.random.Generator) -> list[str]:
         alone = [fr.systems.is_stable(system), fr.systems.growth_rate(system), fr.systems.multipliers(system)]
     stable, rates = np.append(stable, alone[0]), np.append(rates, alone[1])
     for name, yes, rate, speed in zip((*names, "alone"), stable, rates, (*speeds, 1.0), strict=True):
-        if (result.status == "unstable" and yes) or (result.status == "stable" and rate > 0.0 and not yes):
+        grows = rate * result.period / speed > _NONE  # less is how a batch says undecided
+        if (result.status == "unstable" and yes) or (result.status == "stable" and grows and not yes):
             lines.append(f"{name}, in a batch is_stable {bool(yes)}, growth {rate!r}; stability says {result.status}")
-        doubt = 2.0 * max(result.error, 1e-7) / result.period
+        doubt = 2.0 * max(result.error, _NONE) / result.period
         if result.status != "undecided" and not abs(rate / speed - result.growth_rate) <= doubt:
             lines.append(f"{name}, in a batch the growth is {rate!r}, stability has {result.growth_rate!r}")
     if not np.isfinite(multipliers).all():

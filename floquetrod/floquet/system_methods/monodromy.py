@@ -64,7 +64,7 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     if reversible:
         block = spectra.eigenvalue_discs(symplectic.reversible_pair_matrix(full), error)
         return classify_pairs(system, "monodromy", block, cost=_COST)
-    found = spectra.eigenvalue_discs(symplectic.pair_matrix(full), error)
+    found = spectra.eigenvalue_discs(*symplectic.pair_matrix(full, error))
 
     def krein(cluster: NDArray[np.intp]) -> int:
         return symplectic.krein_sign(discs, found, cluster) if discs and found else 0

@@ -209,9 +209,12 @@ def _classified(
     n = len(found.matrix) // 2
     hamiltonian = problem.kind == "hamiltonian"
     one = _exact(np.eye(n), context)
-    matrix = pair_matrix(found.matrix) if hamiltonian else (found.matrix[:n, :n] - one) / 2
-    rounding = math.ldexp(n * n * (1.0 + max(float(abs(v)) for v in matrix.flat)), 8 - context.prec)
-    pairs = precise_spectra.eigenvalue_discs(matrix, error + rounding, context)
+    size = max(float(abs(v)) for v in found.matrix.flat)
+    slip = error + math.ldexp(n * n * (1.0 + size), 8 - context.prec)  # with the rounding
+    matrix = (found.matrix[:n, :n] - one) / 2
+    if hamiltonian:
+        matrix, slip = pair_matrix(found.matrix, slip)
+    pairs = precise_spectra.eigenvalue_discs(matrix, slip, context)
     if pairs is None:
         return classify_pairs(system, "reference", None, cost=cost)
     full: list[precise_spectra.PreciseDiscs | None] = []

@@ -372,7 +372,7 @@ def _without_variation(system: System) -> Status | None:
         form = 1j * symplectic_unit(half)
         for cluster in discs.clusters:
             alone = len(cluster) == 1 and abs(discs.values[cluster[0]].imag) > discs.radii[cluster[0]]
-            if not alone and not spectra.definiteness(discs, cluster, form, 0.0):
+            if not alone and not spectra.definiteness(discs, cluster, form, 1.0, 0.0):
                 return None
         return "stable"
     return None

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.kernels.system_even import half_period_map
+from floquetrod.kernels.system_even import HalfPeriodMap, half_period_map
 
 _EPS = 2.220446049250313e-16
 
@@ -48,6 +48,12 @@ def pair_matrices(
 ) -> PairMatrices:
     """Return the matrices of u'' + (S + sum_k A_k cos k w t) u = 0, S and A known up to ``doubt`` in the 2-norm."""
     half = half_period_map(stiffness, amplitudes, period, rtol, workers)
+    with np.errstate(over="ignore", invalid="ignore"):  # of maps that overflow, whose errors are then not finite
+        return _numbers(half, period, doubt)
+
+
+def _numbers(half: HalfPeriodMap, period: Any, doubt: Any) -> PairMatrices:
+    """Return the matrices that follow from maps over half a period."""
     n = half.a.shape[-1]
     size = _norm(np.concatenate([np.concatenate([half.a, half.b], -1), np.concatenate([half.c, half.d], -1)], -2))
     error = half.error + 0.5 * period * doubt * (_norm(half.basis) * size) ** 2

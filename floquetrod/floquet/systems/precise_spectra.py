@@ -39,7 +39,7 @@ class PreciseDiscs(NamedTuple):
         """Return values, radii and clusters as doubles; the vectors are left out."""
         nothing = np.zeros((0, 0), dtype=np.complex128)
         values = self.values.astype(np.complex128)
-        return Discs(values, self.radii, self.clusters, nothing, nothing, self.error, nothing)
+        return Discs(values, self.radii, self.clusters, nothing, nothing, self.error, nothing, 0.0)
 
 
 def eigenvalue_discs(matrix: NDArray[Any], error: float, context: Any) -> PreciseDiscs | None:

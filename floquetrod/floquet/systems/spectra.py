@@ -33,6 +33,8 @@ class Discs(NamedTuple):
         Distance of the true matrix, in the 2-norm, the rounding of the eigenvalues included.
     matrix : ndarray (n, n)
         The matrix computed.
+    spread : float
+        The 2-norm of ``left``.
     """
 
     values: NDArray[np.complex128]
@@ -42,6 +44,7 @@ class Discs(NamedTuple):
     left: NDArray[np.complex128]
     error: float
     matrix: NDArray[Any]
+    spread: float
 
 
 def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
@@ -65,13 +68,16 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
     clusters = _touching(values, whole)
     radii = whole.copy()
     gaps = np.abs(values[:, None] - values[None, :])
+    spread = float(np.linalg.norm(left, 2))
     for i in (cluster[0] for cluster in clusters if len(cluster) == 1):
         others = np.arange(n) != i
         room = gaps[i, others] - whole[others] - whole[i]
         share = float((conditions[others] * total / room).max(initial=0.0))
         if share < 1.0:  # row i may be divided by it: the other discs still do not reach this one
             radii[i] = conditions[i] * total * (1.0 + (n - 1) * share) * (1.0 + 2.0 * doubt)
-    return Discs(values, radii, clusters, right.astype(np.complex128), left.astype(np.complex128), total, matrix)
+    return Discs(
+        values, radii, clusters, right.astype(np.complex128), left.astype(np.complex128), total, matrix, spread
+    )
 
 
 def _touching(values: NDArray[np.complex128], radii: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
@@ -101,14 +107,14 @@ def subspace_error(discs: Discs, cluster: NDArray[np.intp]) -> float:
         return 0.0
     gap = float(np.abs(discs.values[cluster][:, None] - discs.values[others][None, :]).min())
     size = float(np.linalg.norm(discs.left[cluster], 2) * np.linalg.norm(discs.right[:, cluster], 2))
-    return 2.0 * size * float(np.linalg.norm(discs.left[others], 2)) * discs.error / max(gap, 5e-324)
+    return 2.0 * size * discs.spread * discs.error / max(gap, 5e-324)
 
 
-def definiteness(discs: Discs, cluster: NDArray[np.intp], form: NDArray[Any], form_error: float) -> int:
-    """Return +1 or -1 where a Hermitian form is definite on a cluster's invariant subspace beyond errors, else 0."""
+def definiteness(discs: Discs, cluster: NDArray[np.intp], form: NDArray[Any], size: float, form_error: float) -> int:
+    """Return +1 or -1 where a Hermitian form of norm ``size`` is definite on a cluster, beyond errors, else 0."""
     basis = basis_of(discs, cluster)
     values = np.linalg.eigvalsh(basis.conj().T @ form @ basis)
-    slack = form_error + 2.0 * float(np.linalg.norm(form, 2)) * subspace_error(discs, cluster)
+    slack = form_error + 2.0 * size * subspace_error(discs, cluster)
     return 1 if values[0] > slack else -1 if values[-1] < -slack else 0
 
 

@@ -22,10 +22,11 @@ def symplectic_unit(n: int) -> NDArray[np.float64]:
     return np.block([[np.zeros((n, n)), np.eye(n)], [-np.eye(n), np.zeros((n, n))]])
 
 
-def pair_matrix(full: NDArray[Any]) -> NDArray[Any]:
+def pair_matrix(full: NDArray[Any], error: float) -> tuple[NDArray[Any], float]:
     """Return an n x n matrix whose eigenvalues are y = (mu + 1/mu - 2) / 4 of a symplectic map of order 2 n.
 
-    Its entries may be doubles or numbers of mpmath.
+    Its entries may be doubles or numbers of mpmath.  Also how far, in the 2-norm, it may be from one that belongs to
+    another symplectic map within ``error``.
     """
     n = len(full) // 2
     unit = symplectic_unit(n)
@@ -34,7 +35,35 @@ def pair_matrix(full: NDArray[Any]) -> NDArray[Any]:
         _reflect(w, w[n + j + 1 :, j].copy(), j + 1)
         _rotate(w, j, j + 1)
         _reflect(w, w[j + 1 : n, j].copy(), j + 1)
-    return np.array(w[:n, :n])
+    block = np.array(w[:n, :n])
+    return block, error + _slip(block, w[:n, n:], error)
+
+
+def _slip(block: NDArray[Any], coupling: NDArray[Any], error: float) -> float:
+    """Return by how much more than ``error`` the block H of [[H, X], [0, H^T]] changes for a change of the whole.
+
+    A change E of the lower left block is removed by a skew P, H^T P - P H = E, which changes H by X P: in coordinates
+    of eigenvectors X_ij E_ij / (z_i - z_j), but no more than the root of X_ij E_ij where z_i and z_j are close.
+    """
+    scale = max((float(abs(v)) for v in block.flat), default=0.0)
+    if len(block) == 1 or error == 0.0:
+        return 0.0
+    reach = float(max(abs(v) for v in coupling.flat)) * len(block)
+    most = 2.0 * float(np.sqrt(reach)) * float(np.sqrt(error))
+    if not 0.0 < scale < np.inf:
+        return most
+    try:
+        values, right = np.linalg.eig(np.array(block / scale, dtype=float))
+        left = np.linalg.inv(right)
+    except np.linalg.LinAlgError:
+        return most
+    gaps = np.abs(values[:, None] - values[None, :]) * scale
+    coupled = np.abs(left @ np.array(coupling / (reach or 1.0), dtype=float) @ left.T)
+    np.fill_diagonal(coupled, 0.0)
+    moved = error * float(np.linalg.norm(right, 2)) ** 2
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        slips = np.fmin(coupled * reach / gaps * moved, np.sqrt(coupled * reach) * np.sqrt(moved))
+    return 2.0 * float(np.linalg.norm(slips))
 
 
 def reversible_pair_matrix(full: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -90,4 +119,4 @@ def krein_sign(full: Discs, pairs: Discs, cluster: NDArray[np.intp]) -> int:
     members = np.flatnonzero(np.isin(owner, cluster) & (full.values.imag > 0.0))
     if len(members) != len(cluster):
         return 0
-    return spectra.definiteness(full, members, -1j * symplectic_unit(n), 0.0)
+    return spectra.definiteness(full, members, -1j * symplectic_unit(n), 1.0, 0.0)
