@@ -87,7 +87,7 @@ def multipliers(systems: System, *, workers: int | None = None) -> Any:
         if batch.damping > 0.0:
             values *= np.exp(-batch.damping * batch.period[part])[:, None]
         order = np.argsort(-np.abs(values), axis=1, kind="stable")
-        found[part] = np.take_along_axis(values, order, axis=1)
+        found[part] = values[np.arange(len(values))[:, None], order]
 
     _over(batch, fill, workers)
     return found.reshape(*systems.shape, found.shape[1])
@@ -204,7 +204,7 @@ class _FirstOrderBatch(_Batch):
 
     def multipliers(self, part: slice) -> NDArray[np.complex128]:
         maps = self._maps(part)
-        lost = ~np.isfinite(maps.matrix).all(axis=(1, 2))
+        lost = np.logical_not(np.isfinite(maps.matrix).all(axis=(1, 2)))
         values = np.linalg.eigvals(_without(lost, maps.matrix)).astype(np.complex128)
         values[lost | np.isinf(maps.error)] = np.nan
         return values
