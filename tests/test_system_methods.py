@@ -122,7 +122,7 @@ def test_one_equation_is_the_scalar_one(
     )
     result = METHODS[method](system)
     assert {result.status, scalar.status} != {"stable", "unstable"}, (result, scalar)
-    if method == "reference" and mean != 0.0:
+    if method == "reference" and abs(mean) > 1e-50:  # of which 120 digits see enough
         assert result.status == scalar.status
     # Near a boundary exponents feel the square root of the scalar's error.
     check_exponents(result, scalar.exponents, [2.0 * math.sqrt(scalar.error)] * 2, 1e-12)
