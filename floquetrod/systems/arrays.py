@@ -196,7 +196,7 @@ class _FirstOrderBatch(_Batch):
     def _maps(self, part: slice) -> PeriodMaps:
         """Return the maps over a period, with infinite error where they would take too long."""
         mean, harmonics, period = self.mean[part], self.harmonics[part], self.period[part]
-        long = np.asarray(whole.seconds_needed(mean, harmonics, period, paired=self.paired) > MOST_SECONDS)
+        long = np.asarray(whole.seconds_needed(mean, harmonics, period) > MOST_SECONDS)
         doubt = np.where(long, np.inf, self.doubt)
         return whole.period_maps(
             _without(long, mean), _without(long, harmonics), period, doubt, _ACCURACY, paired=self.paired

@@ -6,6 +6,7 @@ import contextlib
 import io
 import json
 import math
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -85,7 +86,7 @@ def _chart(system: System, rng: np.random.Generator) -> list[str]:
 def _terminal(system: System, result: Any) -> list[str]:
     """Compare `check --system` with the library."""
     path = folder() / "asked.npz"
-    names = [name for name in system.__dataclass_fields__ if getattr(system, name) is not None]
+    names = [field.name for field in fields(system) if getattr(system, field.name) is not None]
     given = {name: np.array(getattr(system, name)) for name in names}
     np.savez(path, **{name: array for name, array in given.items() if array.size})
     out = io.StringIO()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -48,7 +49,7 @@ def warm() -> None:
 def told(system: System) -> str:
     """Return a system in full, as an expression."""
     parts = []
-    for name in (*system.__dataclass_fields__,):
+    for name in (field.name for field in fields(system)):
         value = getattr(system, name)
         if isinstance(value, tuple):
             parts += [f"{name}={[m.tolist() for m in value]!r}"] if value else []

@@ -18,6 +18,7 @@ from floquetrod.floquet.proof.system_problem import Arithmetic, Flow, Matrix, ro
 Array = Any
 
 _MOST_STEPS = 2**14
+_MOST_NUMBERS = 2**25  # of the terms of all series, held at once: half a gigabyte in balls of doubles (a choice)
 _STEP = 1.2  # growth exponent of a step, about the cheapest with 15 digits (measured)
 _LONGEST_STEP = 6.0
 
@@ -33,6 +34,8 @@ def monodromy(arithmetic: Arithmetic, flow: Flow) -> Matrix:
     steps = 2 ** max(0, math.ceil(math.log2(max(total, 1e-300) / step)), math.ceil(math.log2(2.0 * len(sizes))))
     order, remainder = _order(sizes, steps, 10.0 ** (-arithmetic.digits - 2.0))
     entries = steps * flow.mean.shape[0] ** 2
+    if entries * order > _MOST_NUMBERS:
+        raise TooMuchWork("so large Taylor series")
     arithmetic.check_work(entries * order * (flow.mean.shape[0] * (2.0 * len(sizes) - 1.0) + order * len(flow.cosines)))
     taylor = _taylor_sums(arithmetic, flow, steps, order)
     if flow.error:  # Gronwall: a map over the step h changes by at most exp(a h) (exp(error h) - 1)

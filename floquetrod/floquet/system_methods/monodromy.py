@@ -53,7 +53,7 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         harmonics = harmonics * np.exp(1j * phase * np.arange(1, len(harmonics) + 1))[:, None, None]
     arrays = first.mean[None], harmonics[None], np.array([float(system.period)])
     paired = pairs is not None
-    refused = too_long(system, "monodromy", float(whole.seconds_needed(*arrays, paired=paired)[0]))
+    refused = too_long(system, "monodromy", float(whole.seconds_needed(*arrays)[0]))
     if refused is not None:
         return refused
     maps = whole.period_maps(*arrays, first.coefficient_error, rtol, paired=paired)

@@ -18,12 +18,18 @@ class PeriodMaps(NamedTuple):
     scaling: NDArray[np.float64]
 
 
-def seconds_needed(mean: Any, harmonics: Any, period: Any, *, paired: bool) -> NDArray[np.float64]:
+def seconds_needed(mean: Any, harmonics: Any, period: Any) -> NDArray[np.float64]:
     """Return about how long the map of each system takes (b,), in seconds: measured on one core of 2024."""
     n = mean.shape[-1]
-    mean, harmonics, _ = _balanced(mean, harmonics, paired=paired)
     sizes = np.abs(mean) + np.abs(harmonics).sum(axis=1)
-    phase = period * np.minimum(sizes.sum(axis=-1).max(axis=-1), sizes.sum(axis=-2).max(axis=-1))
+    inner = sizes * (1.0 - np.eye(n))
+    with np.errstate(all="ignore"):
+        for _ in range(4):  # balance rows and columns: the unit of time then changes nothing
+            stretch = np.sqrt(np.sqrt(inner.sum(axis=-1) / inner.sum(axis=-2)))
+            stretch = np.where(np.isfinite(stretch) & (stretch > 0.0), stretch, 1.0)
+            inner = inner * stretch[:, None, :] / stretch[:, :, None]
+    inner += sizes * np.eye(n)
+    phase = period * np.minimum(inner.sum(axis=-1).max(axis=-1), inner.sum(axis=-2).max(axis=-1))
     return np.asarray(phase * (1e-5 + 1e-6 * n * n))
 
 
@@ -35,7 +41,9 @@ def period_maps(
     Where ``paired``, positions and velocities are scaled by inverse factors: the map stays symplectic or reversible.
     """
     n = mean.shape[-1]
-    mean, harmonics, scaling = _balanced(mean, harmonics, paired=paired)
+    scaling = _paired_scaling(mean, harmonics) if paired else np.ones(mean.shape[:-1])
+    harmonics = harmonics * scaling[:, None, None, :] / scaling[:, None, :, None]
+    mean = mean * scaling[:, None, :] / scaling[:, :, None]
     whole = product(segment_maps(mean, harmonics, period, rtol, workers=workers))
     matrix, error, inner = whole.matrix, whole.error, whole.scaling
     if paired:
@@ -46,15 +54,6 @@ def period_maps(
     size = np.sqrt(np.square(matrix).sum(axis=(-2, -1)))
     stretch = scaling.max(axis=-1) / scaling.min(axis=-1)
     return PeriodMaps(matrix, error + period * np.asarray(doubt) * n * stretch * np.maximum(size, 1.0) ** 2, scaling)
-
-
-def _balanced(
-    mean: NDArray[np.float64], harmonics: NDArray[np.complex128], *, paired: bool
-) -> tuple[NDArray[np.float64], NDArray[np.complex128], NDArray[np.float64]]:
-    """Return the coefficients in coordinates x / scaling, and the scaling: none where multipliers are not paired."""
-    scaling = _paired_scaling(mean, harmonics) if paired else np.ones(mean.shape[:-1])
-    turned = harmonics * scaling[:, None, None, :] / scaling[:, None, :, None]
-    return mean * scaling[:, None, :] / scaling[:, :, None], turned, scaling
 
 
 def _paired_scaling(mean: NDArray[np.float64], harmonics: NDArray[np.complex128]) -> NDArray[np.float64]:
