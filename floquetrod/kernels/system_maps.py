@@ -115,7 +115,9 @@ def segment_maps(
 
 def product(segments: SegmentMaps) -> Monodromy:
     """Return the product of the maps of all segments of a period, with its error."""
-    batch, _, n = segments.maps.shape[:3]
+    batch, count, n = segments.maps.shape[:3]
+    if count == 1:
+        return Monodromy(segments.maps[:, 0], segments.errors[:, 0], segments.scaling)
     out = np.empty((batch, n * n + 1))
     maps, errors, scaling = (np.array(value, dtype=float, order="C") for value in segments)
     runner(product_fill, batch * maps.shape[1], interpret_up_to=4, patience=100)(maps, errors, scaling, out)
