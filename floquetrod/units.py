@@ -1,21 +1,41 @@
-"""Quantities as people write them: "0.2Fcr", "24Hz", "0.8mm", "68GPa"."""
+"""Quantities as people write them: "0.2Fcr", "24Hz", "0.8mm", "68GPa", "2.375in", "60deg"."""
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from typing import Any, NamedTuple
+
+_POUNDS_PER_GALLON = 0.45359237 / 3.785411784e-3  # of US gallons, in kg/m^3
 
 _UNITS: dict[str, dict[str, float]] = {
     "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": 4.4482216152605},
     "frequency": {"rad/s": 1.0, "1/s": 1.0, "Hz": 2.0 * math.pi, "rpm": math.pi / 30.0},
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048},
-    "pressure": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "psi": 6894.757293168},
-    "density": {"kg/m3": 1.0, "kg/m^3": 1.0, "g/cm3": 1e3, "g/cm^3": 1e3},
+    "pressure": {
+        "Pa": 1.0,
+        "kPa": 1e3,
+        "MPa": 1e6,
+        "GPa": 1e9,
+        "psi": 6894.757293168,
+        "ksi": 6894757.293168,
+        "Mpsi": 6894757293.168,
+    },
+    "density": {
+        "kg/m3": 1.0,
+        "kg/m^3": 1.0,
+        "g/cm3": 1e3,
+        "g/cm^3": 1e3,
+        "lb/gal": _POUNDS_PER_GALLON,
+        "ppg": _POUNDS_PER_GALLON,
+    },
     "acceleration": {"m/s2": 1.0, "m/s^2": 1.0},
     "rate": {"1/s": 1.0, "/s": 1.0},
     "speed": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "ft/s": 0.3048},
+    "angle": {"rad": 1.0, "deg": math.pi / 180.0},
+    "ratio": {"": 1.0},
 }
 """Kinds of quantity: units and their size in the SI unit, which comes first."""
 
@@ -27,8 +47,17 @@ ROD_KINDS = {
     "channel_radius": "length",
     "gravity": "acceleration",
     "damping_rate": "rate",
+    "inner_radius": "length",
+    "fluid_inside": "density",
+    "fluid_outside": "density",
+    "added_mass_coefficient": "ratio",
+    "inclination": "angle",
+    "diameter": "length",
+    "inner_diameter": "length",
+    "channel_diameter": "length",
+    "wall_thickness": "length",
 }
-"""Kind of each parameter of a rod."""
+"""Kind of each parameter of a rod, and of what may be given in place of one."""
 
 _CYCLES = ("Hz", "rpm")
 """Units of frequency that count periods rather than radians."""
@@ -61,6 +90,18 @@ class Unit(NamedTuple):
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", re.ASCII)
 
 
+def _known(name: str, units: Iterable[str]) -> str | None:
+    """Return which of the units a name means, in any case but that of M for mega and m for milli; None for none.
+
+    Without regard to case no two units of a kind are alike, which the tests check.
+    """
+    return next((unit for unit in units if _folded(unit) == _folded(name)), None)
+
+
+def _folded(name: str) -> str:
+    return name[:1] + name[1:].lower() if name[:1] in ("m", "M") else name.lower()
+
+
 def units_of(kind: str, critical_force: float | None = None) -> dict[str, float]:
     """Return the units of a kind of quantity and their size in the SI unit, which comes first."""
     units = dict(_UNITS[kind])
@@ -74,8 +115,8 @@ def unit(name: str, what: str, kind: str, critical_force: float | None = None) -
     if not isinstance(name, str):
         raise TypeError(f"{what} must be the name of a unit of {kind}, got {name!r}")
     units = units_of(kind, critical_force)
-    chosen = name or next(iter(units))
-    if chosen not in units:
+    chosen = _known(name or next(iter(units)), units)
+    if chosen is None:
         raise ValueError(f"{what} must be a unit of {kind} ({', '.join(units)}), got {name!r}")
     return Unit(chosen, units[chosen])
 
@@ -86,7 +127,7 @@ def kind_of(name: str) -> str | None:
     >>> kind_of("rpm"), kind_of("Fcr"), kind_of("parsec")
     ('frequency', 'force', None)
     """
-    return "force" if name == "Fcr" else next((kind for kind, units in _UNITS.items() if name in units), None)
+    return next((kind for kind in _UNITS if name and _known(name, units_of(kind, 1.0))), None)
 
 
 def label(name: str, symbol: str, unit_name: str) -> str:
@@ -115,12 +156,13 @@ def quantity(
     Parameters
     ----------
     value : str or number
-        A number with a unit; a number alone is in the SI unit of its kind.
+        A number with a unit, in any case but that of M for mega and m for milli; a number alone is in the SI unit of
+        its kind.
     name : str
         What it is called in messages.
     kind : str
         "force", "frequency" (angular, in rad/s), "length", "pressure", "density", "acceleration", "rate",
-        "speed" or "time".
+        "speed", "time", "angle" or "ratio" (which has no unit).
     critical_force : float, optional
         In N; with it, forces may be given in "Fcr".
     least, largest : float
@@ -149,13 +191,11 @@ def quantity(
         return _bounded(number, name, units, least, largest, repr(value) if given is None else given)
     given = repr(value) if given is None else given
     match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
-    unit = (match[2] or next(iter(units))) if match else ""
-    if match is None or unit not in units:
-        what = f"unit {unit!r}" if match else "this"
-        raise ValueError(
-            f"{name} must be a number with a {kind} unit ({', '.join(units)}; none means {next(iter(units))}), "
-            f"got {given}: {what} is not understood"
-        )
+    unit = _known(match[2] or next(iter(units)), units) if match else None
+    if match is None or unit is None:
+        what = f"unit {match[2]!r}" if match else "this"
+        accepted = f"a {kind} unit ({', '.join(units)}; none means {next(iter(units))})" if any(units) else "no unit"
+        raise ValueError(f"{name} must be a number with {accepted}, got {given}: {what} is not understood")
     return _bounded(float(match[1]) * units[unit], name, units, least, largest, given)
 
 

@@ -229,7 +229,7 @@ def test_errors_are_one_line_and_status_2(
         ("length = ", "cannot be read"),
         ("{sheet}\nradius = 1" + 400 * "0", "radius must be finite"),
         ("length = 3.0", "missing key 'youngs_modulus'"),
-        ("diameter = 1", "unknown key 'diameter'"),
+        ("bore = 1", "unknown key 'bore'"),
         ('{sheet}\nradius = "0.8 kg"', "radius must be a number with a length unit"),
         ("{sheet}\nradius = -1", "radius must be greater than zero"),
         ("{sheet}\nradius = [1]", "radius must be a number with a length unit"),

@@ -104,7 +104,24 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.AxialLoad, LOADS),
     (fr.AxialLoad.hertz, LOADS),
     (fr.Rod, dataclasses.asdict(ROD)),
-    (ROD.replace, {"length": 3.0, "damping_rate": 0.1}),
+    (
+        fr.Rod,
+        {
+            "youngs_modulus": 207e9,
+            "density": 7850.0,
+            "diameter": 0.0508,
+            "wall_thickness": 0.00396,
+            "length": 60.0,
+            "channel_diameter": 0.124,
+            "fluid_outside": 1000.0,
+        },
+    ),
+    (
+        fr.Rod,
+        {"youngs_modulus": 2e11, "density": 7e3, "radius": 0.03, "length": 60.0, "channel_radius": 0.1}
+        | {"inner_diameter": 0.04},
+    ),
+    (ROD.replace, {"length": 3.0, "damping_rate": 0.1, "inner_diameter": 0.4e-3, "inclination": 1.0}),
     (ROD.stability, {"load": LOAD, "modes": (6, 7), "growth_tolerance": 0.0, "friction": 0.1, "kick": 0.05}),
     (ROD.stability, {"load": LOAD}),
     (ROD.critical_kick, {"load": LOAD, "friction": 0.1, "growth_tolerance": 0.0}),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import dataclasses
 import math
 import pickle
 import warnings
@@ -373,7 +372,7 @@ def test_a_rod_with_its_parts_is_still_its_data_sheet() -> None:
     assert rod == again
     assert hash(rod) == hash(again)
     assert eval("fr." + repr(rod)) == rod == pickle.loads(pickle.dumps(rod)) == copy.deepcopy(rod)
-    assert dataclasses.asdict(rod) == {**SHEET, "gravity": 9.81, "damping_rate": 0.0}
+    assert rod.as_dict() == {**SHEET, "gravity": 9.81, "damping_rate": 0.0}
 
 
 @pytest.mark.parametrize("amplitude", [0.0, 0.3])

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from floquetrod.units import label, quantity, unit
+from floquetrod.units import _UNITS, _folded, _known, kind_of, label, quantity, unit, units_of
 
 
 @given(st.floats(-1e6, 1e6, allow_nan=False))
@@ -32,6 +32,28 @@ def test_a_number_alone_is_in_the_si_unit(value: float) -> None:
         ("0.2Fcr", "force", 0.4),
         ("3/s", "rate", 3.0),
         ("2.5us", "time", 2.5e-6),
+        ("2.375in", "length", 0.060325),
+        ("10ft", "length", 3.048),
+        ("100 lbf", "force", 444.82216152605),
+        ("1psi", "pressure", 6894.757293168),
+        ("80ksi", "pressure", 80e3 * 6894.757293168),
+        ("30Mpsi", "pressure", 30e6 * 6894.757293168),
+        ("8.6 lb/gal", "density", 8.6 * 0.45359237 / (231 * 0.0254**3)),
+        ("8.6ppg", "density", 8.6 * 0.45359237 / (231 * 0.0254**3)),
+        ("60deg", "angle", math.radians(60.0)),
+        ("1.5", "angle", 1.5),
+        ("2.29", "ratio", 2.29),
+        # In any case but that of M for mega and m for milli.
+        ("0.2FCR", "force", 0.4),
+        ("3KN", "force", 3e3),
+        ("24hz", "frequency", 48.0 * math.pi),
+        ("60RPM", "frequency", 2.0 * math.pi),
+        ("2IN", "length", 0.0508),
+        ("30MPSI", "pressure", 30e6 * 6894.757293168),
+        ("68gpa", "pressure", 68e9),
+        ("68MPA", "pressure", 68e6),
+        ("8.6PPG", "density", 8.6 * 0.45359237 / (231 * 0.0254**3)),
+        ("60Deg", "angle", math.radians(60.0)),
     ],
 )
 def test_units(text: str, kind: str, value: float) -> None:
@@ -44,6 +66,33 @@ def test_anything_else_is_refused_with_what_is_accepted(text: object) -> None:
         ValueError, match=r"^--mean must be a number with a force unit \(N, kN, mN, lbf; none means N\)"
     ):
         quantity(text, "--mean", "force")
+
+
+@pytest.mark.parametrize(
+    ("text", "kind"), [("1MN", "force"), ("1mpa", "pressure"), ("1mpsi", "pressure"), ("1M", "length"), ("1Ms", "time")]
+)
+def test_the_case_of_mega_and_milli_counts(text: str, kind: str) -> None:
+    with pytest.raises(ValueError, match="is not understood"):
+        quantity(text, "x", kind)
+
+
+@pytest.mark.parametrize("kind", _UNITS)
+def test_no_two_units_of_a_kind_differ_by_case_alone(kind: str) -> None:
+    names = [_folded(name) for name in units_of(kind, 1.0)]
+    assert len(set(names)) == len(names)
+    assert [_known(name, units_of(kind, 1.0)) for name in units_of(kind, 1.0)] == list(units_of(kind, 1.0))
+
+
+def test_units_are_shown_as_they_are_written_here() -> None:
+    assert unit("HZ", "x", "frequency").name == "Hz"
+    assert (kind_of("HZ"), kind_of("LBF"), kind_of("fcr"), kind_of(""), kind_of("mn")) == (
+        ("frequency", "force", "force", None, "force")
+    )
+
+
+def test_a_ratio_has_no_unit() -> None:
+    with pytest.raises(ValueError, match=r"^x must be a number with no unit, got '2 m': unit 'm' is not understood$"):
+        quantity("2 m", "x", "ratio")
 
 
 def test_an_integer_beyond_a_double_is_refused() -> None:

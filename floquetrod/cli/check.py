@@ -46,8 +46,10 @@ forces: N, kN, lbf or Fcr (the critical force of the rod).  frequencies: rad/s (
 kicks: m/s, mm/s, cm/s, ft/s.  The answer is in the units of the question or of --unit; --json is in N, rad/s and m/s.
 margins: how far each quantity may fall or rise, the others staying as they are, until the verdict changes.
 exit status: 0 whatever the verdict; with --exit-code 0 stable, 1 unstable, 3 undecided; 2 for input it cannot use.
-rod files: TOML with youngs_modulus, density, radius, length, channel_radius and, if you like, gravity and
-damping_rate, as SI numbers or strings such as "68GPa"; radii, not diameters.
+rod files: TOML with youngs_modulus, density, radius, length, channel_radius and, if you like, gravity, damping_rate,
+inner_radius, fluid_inside, fluid_outside, added_mass_coefficient and inclination (from the vertical), as SI numbers or
+strings such as "68GPa", "2.375in", "8.6ppg" or "60deg"; radii, or diameter, inner_diameter, wall_thickness and
+channel_diameter in their place.
 
 system files: TOML, or npz with arrays of the same names.  M q'' + (C + G) q' + K(t) q = 0, any consistent units:
   [system]
@@ -144,6 +146,13 @@ def _report(result: fr.RodStability, shown: dict[str, Unit]) -> list[str]:
         f"rod       critical force {rod.critical_force:.4g} N, critical mode {rod.critical_mode:.3g}",
         f"load      {describe_load(result.load, shown, rod)}",
     ]
+    if rod.departures:
+        lines[3:3] = [
+            f"          {rod.departures}; SI units",
+            f"          inertia {rod.mass_per_length:.4g} kg/m, weight in fluid {rod.weight_per_length:.4g} N/m, "
+            f"E I {rod.flexural_rigidity:.4g} N m^2, half wave {rod.critical_half_wave:.4g} m",
+        ]
+        lines.append(f"assumed   {'; '.join(result.assumptions)}")
     if result.growth_rate > 0.0:
         time = f"tenfold in {result.time_to_grow(10.0):.4g} s"
         lines.append(f"growth    {result.growth_rate:.6g} 1/s in mode {result.fastest_mode}, {time}")
@@ -225,6 +234,11 @@ def _record(result: fr.RodStability) -> dict[str, Any]:
         "left_out_growth_bound_per_s": number(result.left_out_bound),
         "growth_tolerance_per_s": result.growth_tolerance,
         "critical_force_N": result.rod.critical_force,
+        "rod": result.rod.as_dict(),
+        "mass_per_length_kg_per_m": result.rod.mass_per_length,
+        "weight_per_length_N_per_m": result.rod.weight_per_length,
+        "flexural_rigidity_N_m2": result.rod.flexural_rigidity,
+        "assumptions": list(result.assumptions),
         "mean_N": result.load.mean,
         "amplitude_N": result.load.amplitude,
         "frequency_rad_per_s": result.load.frequency,

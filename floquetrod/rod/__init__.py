@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from floquetrod.rod.buckling import BucklingForce
 from floquetrod.rod.friction import CriticalKick
 from floquetrod.rod.mode_friction import ModeFriction
 from floquetrod.rod.modes import ModalSystem, ModalSystems
-from floquetrod.rod.parts import Channel, Ends, Material, Section
+from floquetrod.rod.parts import Channel, Ends, Fluids, Material, Section
 from floquetrod.rod.ranges import StabilityInterval
 from floquetrod.rod.stability import Margin
 
 __all__ = [
+    "BucklingForce",
     "Channel",
     "CriticalKick",
     "Ends",
+    "Fluids",
     "Margin",
     "Material",
     "ModalSystem",

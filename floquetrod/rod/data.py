@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Iterable
-from dataclasses import MISSING, dataclass, fields, replace
+from dataclasses import MISSING, dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -16,23 +16,50 @@ from numpy.typing import NDArray
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod.rod.buckling import BucklingForce, buckling_forces
 from floquetrod.rod.constants import MOST_MODES, ModeConstants
 from floquetrod.rod.load import AxialLoad, Loads
 from floquetrod.rod.modes import ModalSystem, ModalSystems
-from floquetrod.rod.parts import Channel, Ends, Material, Section, decay_rate, parameter
+from floquetrod.rod.parts import (
+    ON_A_FLOOR,
+    Channel,
+    Ends,
+    Fluids,
+    Material,
+    Section,
+    decay_rate,
+    inside_wall,
+    parameter,
+    radius_of,
+    size,
+)
+
+_INSTEAD = {
+    "diameter": "radius",
+    "inner_diameter": "inner_radius",
+    "wall_thickness": "inner_radius",
+    "channel_diameter": "channel_radius",
+}
+"""Arguments that may be given in place of a parameter."""
+
+_PLAIN = {"inner_radius": 0.0, "fluid_inside": 0.0, "fluid_outside": 0.0, "inclination": 0.5 * math.pi}
+"""Values of a solid rod in a horizontal channel without fluids."""
+
+_FLOATING = 1e-9  # weight over that without buoyancy up to which a rod counts as floating: rounding is near (a choice)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False, repr=False)
 class RodData:
-    """Data sheet of a straight elastic rod on the floor of a horizontal circular channel, and its modal systems.
+    """Data sheet of a straight elastic rod or tube on the floor of a straight circular channel, and its modal systems.
 
     Its parameters, in SI units, are described at `floquetrod.Rod`, which adds the verdicts.  They are what is typed,
-    compared and stored; the parts made of them, `material`, `section`, `channel` and `ends`, are what everything else
-    is computed from.
+    compared and stored; the parts made of them, `material`, `section`, `fluids`, `channel` and `ends`, are what
+    everything else is computed from.
 
     Notes
     -----
-    Eq. (1) of DOI 10.1115/1.4031710.  Force uniform along the rod, small angles.
+    Eq. (1) of DOI 10.1115/1.4031710.  Force uniform along the rod, small angles.  Inertia is not weight: the fluid
+    outside adds to the one and takes from the other.
 
     Examples
     --------
@@ -40,7 +67,7 @@ class RodData:
     >>> round(rod.critical_force, 3), round(rod.critical_mode, 2)
     (1.696, 6.14)
     >>> rod.section
-    Section(radius=0.0008)
+    Section(radius=0.0008, inner_radius=0.0)
     """
 
     youngs_modulus: float
@@ -50,21 +77,76 @@ class RodData:
     channel_radius: float
     gravity: float = 9.81
     damping_rate: float = 0.0
+    inner_radius: float = 0.0
+    fluid_inside: float = 0.0
+    fluid_outside: float = 0.0
+    added_mass_coefficient: float = ON_A_FLOOR
+    inclination: float = 0.5 * math.pi
 
-    def __post_init__(self) -> None:
+    def __init__(
+        self,
+        youngs_modulus: float,
+        density: float,
+        radius: float | None = None,
+        length: float | None = None,
+        channel_radius: float | None = None,
+        gravity: float = 9.81,
+        damping_rate: float = 0.0,
+        *,
+        inner_radius: float | None = None,
+        fluid_inside: float = 0.0,
+        fluid_outside: float = 0.0,
+        added_mass_coefficient: float = ON_A_FLOOR,
+        inclination: float = 0.5 * math.pi,
+        diameter: float | None = None,
+        inner_diameter: float | None = None,
+        channel_diameter: float | None = None,
+        wall_thickness: float | None = None,
+    ) -> None:
         """Check and clean the parameters."""
+        radius = radius_of(radius, diameter, ("radius", "diameter"))
+        channel_radius = radius_of(channel_radius, channel_diameter, ("channel_radius", "channel_diameter"))
+        for name, given in (("radius", radius), ("length", length), ("channel_radius", channel_radius)):
+            if given is None:
+                other = next((f", or {other}" for other, instead in _INSTEAD.items() if instead == name), "")
+                raise TypeError(f"{name} must be given, in m{other}")
+        if wall_thickness is not None:
+            inner = {"inner_radius": inner_radius, "inner_diameter": inner_diameter}
+            inner_radius = inside_wall(radius, wall_thickness, inner)
+        else:
+            inner_radius = radius_of(inner_radius, inner_diameter, ("inner_radius", "inner_diameter"), size)
+        material = Material(youngs_modulus, density)
+        section = Section(radius, 0.0 if inner_radius is None else inner_radius)
+        length = parameter("length", length, "m")
+        channel = Channel(channel_radius, gravity, inclination)
+        fluids = Fluids(fluid_inside, fluid_outside, added_mass_coefficient)
         cleaned = {
-            "youngs_modulus": self.material.youngs_modulus,
-            "density": self.material.density,
-            "radius": self.section.radius,
-            "length": parameter("length", self.length, "m"),
-            "channel_radius": self.channel.radius,
-            "gravity": self.channel.gravity,
-            "damping_rate": decay_rate(self.damping_rate),
+            "youngs_modulus": material.youngs_modulus,
+            "density": material.density,
+            "radius": section.radius,
+            "length": length,
+            "channel_radius": channel.radius,
+            "gravity": channel.gravity,
+            "damping_rate": decay_rate(damping_rate),
+            "inner_radius": section.inner_radius,
+            "fluid_inside": fluids.inside,
+            "fluid_outside": fluids.outside,
+            "added_mass_coefficient": fluids.added_mass_coefficient,
+            "inclination": channel.inclination,
         }
-        self.channel.clearance(self.section)  # raises where the rod does not fit
+        channel.clearance(section)  # raises where the rod does not fit
         for name, number in cleaned.items():
             object.__setattr__(self, name, number)
+        if self._weighing <= _FLOATING * self._own_mass:
+            raise ValueError(
+                f"fluid_outside must be lighter than the rod with what is inside, got {self.fluid_outside:g} kg/m^3 "
+                f"for density = {self.density:g} and fluid_inside = {self.fluid_inside:g}, a weight of "
+                f"{self.weight_per_length:.4g} N/m: this rod floats"
+            )
+
+    def __repr__(self) -> str:
+        """Return the expression that makes this rod."""
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.as_dict().items())})"
 
     @classmethod
     def nitinol(cls) -> Self:
@@ -79,8 +161,9 @@ class RodData:
     def from_toml(cls, path: str | Path) -> Self:
         """Read a rod from a TOML file.
 
-        Keys are the parameters of `floquetrod.Rod`; values are numbers in SI units, or strings with a unit such as
-        "68GPa" or "0.8mm".  Raises ValueError, naming file and key, for what cannot be read, is missing or unknown.
+        Keys are the parameters of `floquetrod.Rod`, or diameters and a wall in place of radii; values are numbers in SI
+        units, or strings with a unit such as "68GPa", "0.8mm", "2.375in" or "60deg".  Raises ValueError, naming file
+        and key, for what cannot be read, is missing or unknown.
         """
         path = validate.path("path", path)
         try:
@@ -88,19 +171,39 @@ class RodData:
         except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
             raise ValueError(f"rod file {path} cannot be read: {error}") from None
         known = {f.name: f.default is MISSING for f in fields(cls)}
-        unknown = [key for key in table if key not in known]
-        missing = [name for name, needed in known.items() if needed and name not in table]
+        given = {*table, *(_INSTEAD[key] for key in table if key in _INSTEAD)}
+        unknown = [key for key in table if key not in known and key not in _INSTEAD]
+        missing = [name for name, needed in known.items() if needed and name not in given]
         if unknown or missing:
             what = [f"unknown key {key!r}" for key in unknown] + [f"missing key {name!r}" for name in missing]
-            raise ValueError(f"rod file {path}: {', '.join(what)}; the keys are {', '.join(known)}")
+            raise ValueError(f"rod file {path}: {', '.join(what)}; the keys are {', '.join([*known, *_INSTEAD])}")
         try:
             return cls(**{key: units.quantity(value, key, units.ROD_KINDS[key]) for key, value in table.items()})
         except (TypeError, ValueError) as error:
             raise ValueError(f"rod file {path}: {error}") from None
 
     def replace(self, **changes: float) -> Self:
-        """Return a copy with some parameters changed."""
-        return replace(self, **changes)
+        """Return a copy with some parameters changed, also by ``diameter``, ``wall_thickness`` and so on."""
+        replaced = {_INSTEAD[name] for name in changes if name in _INSTEAD}
+        kept = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in replaced}
+        return type(self)(**(kept | changes))
+
+    def as_dict(self) -> dict[str, float]:
+        """Return the data sheet as plain numbers in SI units, what makes an equal rod.
+
+        Parameters of tubes, fluids and inclined channels are left out where they have their defaults.
+
+        >>> list(RodData.nitinol().replace(inner_radius=0.4e-3).as_dict())[-2:]
+        ['damping_rate', 'inner_radius']
+        """
+        sheet: dict[str, float] = {f.name: getattr(self, f.name) for f in fields(self)}
+        optional = _PLAIN | {"added_mass_coefficient": ON_A_FLOOR}
+        return {name: value for name, value in sheet.items() if value != optional.get(name)}
+
+    @property
+    def departures(self) -> str:
+        """What this rod has that a solid rod in a horizontal channel without fluids has not, "" where nothing."""
+        return ", ".join(f"{name} = {getattr(self, name):g}" for name, v in _PLAIN.items() if getattr(self, name) != v)
 
     # --- parts ---
 
@@ -111,13 +214,18 @@ class RodData:
 
     @cached_property
     def section(self) -> Section:
-        """Radius, area and second moment."""
-        return Section(self.radius)
+        """Radii, areas and second moment."""
+        return Section(self.radius, self.inner_radius)
+
+    @cached_property
+    def fluids(self) -> Fluids:
+        """Densities inside and outside, and how much of the outer fluid moves with the rod."""
+        return Fluids(self.fluid_inside, self.fluid_outside, self.added_mass_coefficient)
 
     @cached_property
     def channel(self) -> Channel:
-        """Inner radius, and gravity across it."""
-        return Channel(self.channel_radius, self.gravity)
+        """Inner radius, inclination, and gravity across it."""
+        return Channel(self.channel_radius, self.gravity, self.inclination)
 
     @cached_property
     def ends(self) -> Ends:
@@ -128,7 +236,7 @@ class RodData:
 
     @property
     def area(self) -> float:
-        """Area of the section in m^2."""
+        """Area of the material of the section in m^2."""
         return self.section.area
 
     @property
@@ -143,8 +251,28 @@ class RodData:
 
     @property
     def mass_per_length(self) -> float:
-        """Rho A in kg/m."""
-        return self.material.density * self.section.area
+        """Inertia m_t = rho A_s + rho_i A_i + C_a rho_o A_o in kg/m, of material, fluid inside and added mass."""
+        return self._own_mass + self.fluids.added_mass_coefficient * self.fluids.outside * self.section.outer_area
+
+    @property
+    def weight_per_length(self) -> float:
+        """Weight in fluid w_e = g (rho A_s + rho_i A_i - rho_o A_o) in N/m."""
+        return self.channel.gravity * self._weighing
+
+    @property
+    def effective_gravity(self) -> float:
+        """What pulls the rod to the floor over its inertia, w_e sin(inclination) / m_t, in m/s^2."""
+        return self.channel.gravity_across * (self._weighing / self.mass_per_length)
+
+    @property
+    def _own_mass(self) -> float:
+        """Mass of the material and of the fluid inside, in kg/m."""
+        return self.material.density * self.section.area + self.fluids.inside * self.section.inner_area
+
+    @property
+    def _weighing(self) -> float:
+        """Own mass less that of the fluid displaced, in kg/m."""
+        return self._own_mass - self.fluids.outside * self.section.outer_area
 
     @property
     def radial_clearance(self) -> float:
@@ -153,19 +281,41 @@ class RodData:
 
     @property
     def pendulum_frequency(self) -> float:
-        """Frequency sqrt(g / R) in rad/s at which a rigid rod swings in the channel."""
-        return self.channel.pendulum_frequency(self.section)
+        """Frequency sqrt(w_e sin(inclination) / (R m_t)) in rad/s at which a rigid rod swings in the channel."""
+        return math.sqrt(self.effective_gravity / self.radial_clearance)
 
     @property
     def critical_force(self) -> float:
-        """F_cr = 2 sqrt(E I rho A g / R) in N; a constant push beyond it buckles a long rod."""
+        """F_cr = 2 sqrt(E I w_e sin(inclination) / R) in N; a constant push beyond it buckles a long rod."""
         return self.mode_constants.critical_force
 
     @property
     def critical_mode(self) -> float:
-        """m_cr = [rho A g L^4 / (pi^4 R E I)]^(1/4), the mode (not rounded) that F_cr buckles."""
+        """m_cr = [w_e sin(inclination) L^4 / (pi^4 R E I)]^(1/4), the mode (not rounded) that F_cr buckles."""
         stiffness = self.flexural_rigidity / self.mass_per_length
         return self.length / math.pi * math.sqrt(self.pendulum_frequency / math.sqrt(stiffness))
+
+    @property
+    def critical_half_wave(self) -> float:
+        """L / m_cr = pi [E I R / (w_e sin(inclination))]^(1/4) in m."""
+        return self.length / self.critical_mode
+
+    def critical_forces(self) -> dict[str, BucklingForce]:
+        """Return constant forces at which the rod buckles, by every criterion known here, each with its source.
+
+        Literature for long rods that nothing shakes; the first is `critical_force`.
+
+        Examples
+        --------
+        >>> for name, (force, _, source) in RodData.nitinol().critical_forces().items():
+        ...     print(f"{name:16} {force:.3f} N  {source}")
+        sinusoidal       1.696 N  Dawson & Paslay 1984
+        helical, energy  2.399 N  Chen, Lin & Cheatham 1990
+        helical, loading 3.104 N  Wu & Juvkam-Wold 1993
+        helical, alone   4.797 N  Mitchell 1996
+        vertical         0.138 N  Lubinski 1950
+        """
+        return buckling_forces(self.critical_force, self.flexural_rigidity, self.weight_per_length)
 
     @property
     def wave_speed(self) -> float:

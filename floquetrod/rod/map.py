@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -110,7 +109,7 @@ def stability_map(
     subject = {
         "kind": "rod",
         "fixed": fixed_values,
-        "rod": asdict(rod),
+        "rod": rod.as_dict(),
     }
     rate, mode = rest if growth else (None, None)
     words = "" if criterion is None else str(criterion)

@@ -50,6 +50,8 @@ class ModeFriction:
 def mode_friction(rod: RodData, friction: float, kick: float, amplitude: Any, frequency: Any) -> ModeFriction:
     """Return Eqs. (15)-(18) for a kick in m/s, amplitude in N and frequency in rad/s, both checked; broadcasts.
 
+    The contact force per length is w_e sin(inclination), the rod's effective gravity times its inertia per length.
+
     Examples
     --------
     >>> rod = RodData.nitinol()
@@ -58,7 +60,7 @@ def mode_friction(rod: RodData, friction: float, kick: float, amplitude: Any, fr
     """
     axial = axial_velocity(rod, amplitude, frequency)
     share = kick / np.hypot(axial, kick)
-    gamma = 4.0 * friction * share * rod.gravity / (math.pi * (frequency * frequency) * rod.radial_clearance)
+    gamma = 4.0 * friction * share * rod.effective_gravity / (math.pi * (frequency * frequency) * rod.radial_clearance)
     epsilon = kick / (frequency * rod.radial_clearance)
     shape = np.shape(share)
     parts = (shaped(np.asarray(part), shape) for part in np.broadcast_arrays(friction * share, axial, gamma, epsilon))
@@ -95,18 +97,18 @@ def friction_and_kick(friction: Any, kick: Any) -> tuple[float, float] | None:
 
 
 def axial_velocity(rod: RodData, amplitude: Any, frequency: Any) -> Any:
-    """Return v_a = L dF omega / (2 pi E A) in m/s, Eq. (17); broadcasts."""
+    """Return v_a = L dF omega / (2 pi E A) in m/s, Eq. (17), A the area of the material; broadcasts."""
     return rod.length * amplitude * frequency / (2.0 * math.pi * rod.youngs_modulus * rod.area)
 
 
 def kicks_of(rod: RodData, friction: float, amplitude: Any, frequency: Any, ratio: Any) -> Any:
     """Return the kicks in m/s that come to ``ratio``, epsilon over gamma, in the mode equation; broadcasts (N, rad/s).
 
-    By (15)-(18) epsilon / gamma = pi omega sqrt(v_a^2 + v^2) / (4 g mu): zero where axial sliding alone is enough, and
-    infinite where the ratio is, without friction too.
+    By (15)-(18) epsilon / gamma = pi omega sqrt(v_a^2 + v^2) / (4 g mu), g the rod's effective gravity: zero where
+    axial sliding alone is enough, and infinite where the ratio is, without friction too.
     """
     ratio = np.asarray(ratio, dtype=np.float64)
-    whole = 4.0 * rod.gravity * friction / (math.pi * frequency) * np.where(np.isinf(ratio), 1.0, ratio)
+    whole = 4.0 * rod.effective_gravity * friction / (math.pi * frequency) * np.where(np.isinf(ratio), 1.0, ratio)
     axial = axial_velocity(rod, amplitude, frequency)
     kick = np.sqrt(np.maximum(0.0, (whole - axial) * (whole + axial)))
     return np.where(np.isinf(ratio), math.inf, kick)

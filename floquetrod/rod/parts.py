@@ -3,18 +3,60 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from floquetrod._util import validate
 
 _LEAST, _LARGEST = 1e-12, 1e15  # of any parameter in its SI unit: what is computed from them stays in range (a choice)
+_THINNEST = 1e-6  # wall of a tube in outer radii: far below any, and area and second moment keep ten digits (a choice)
+
+ON_A_FLOOR = math.pi**2 / 3.0 - 1.0
+"""Added-mass coefficient of a cylinder that touches a plane floor, 2.29."""
 
 
 def parameter(name: str, value: Any, unit: str) -> float:
     """Return a parameter of a rod, greater than zero, in its SI unit."""
     number = validate.positive(name, value, f"give it in {unit}")
     return validate.within(name, number, _LEAST, _LARGEST, f"give it in {unit}")
+
+
+def size(name: str, value: Any, unit: str) -> float:
+    """Return a parameter that may be zero, in its SI unit."""
+    number = validate.nonnegative(name, value, f"give it in {unit}")
+    return validate.within(name, number, 0.0, _LARGEST, f"give it in {unit}")
+
+
+def radius_of(
+    radius: Any, diameter: Any, names: tuple[str, str], check: Callable[[str, Any, str], float] = parameter
+) -> Any:
+    """Return a radius in m given by itself or by its diameter, None where neither is; ``names`` are both arguments'."""
+    if diameter is None:
+        return radius
+    if radius is not None:
+        raise ValueError(
+            f"{names[1]} must not be given with {names[0]}, got {validate.short(diameter)} and "
+            f"{validate.short(radius)}; give one of them"
+        )
+    return 0.5 * check(names[1], diameter, "m")
+
+
+def inside_wall(radius: Any, wall_thickness: Any, inner: dict[str, Any]) -> float:
+    """Return the inner radius in m of a tube given by its outer radius and wall; ``inner`` must hold only None."""
+    for name, value in inner.items():
+        if value is not None:
+            raise ValueError(
+                f"wall_thickness must not be given with {name}, got {validate.short(wall_thickness)} and "
+                f"{validate.short(value)}; give one of them"
+            )
+    outer, wall = parameter("radius", radius, "m"), parameter("wall_thickness", wall_thickness, "m")
+    if wall >= outer:
+        raise ValueError(
+            f"wall_thickness must be less than the outer radius, got wall_thickness = {wall:g} m and radius = "
+            f"{outer:g} m; leave it out for a solid rod"
+        )
+    return outer - wall
 
 
 def decay_rate(value: Any) -> float:
@@ -51,34 +93,82 @@ class Material:
 
 @dataclass(frozen=True)
 class Section:
-    """Solid circular section.
+    """Circular section, solid or of a tube.
 
     Parameters
     ----------
     radius : float
-        r in m.
+        Outer radius r_o in m.
+    inner_radius : float
+        r_i in m, less than the outer radius; 0 for a solid section.
     """
 
     radius: float
+    inner_radius: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check and clean the parameter."""
-        object.__setattr__(self, "radius", parameter("radius", self.radius, "m"))
+        """Check and clean the parameters."""
+        radius = parameter("radius", self.radius, "m")
+        inner = size("inner_radius", self.inner_radius, "m; 0 for a solid rod")
+        if inner > (1.0 - _THINNEST) * radius:
+            raise ValueError(
+                f"inner_radius, half of inner_diameter, must be less than the outer radius, got inner_radius = "
+                f"{inner:g} m and radius = {radius:g} m; both are radii, not diameters"
+            )
+        object.__setattr__(self, "radius", radius)
+        object.__setattr__(self, "inner_radius", inner)
 
     @property
     def area(self) -> float:
-        """Area, pi r^2, in m^2."""
+        """Area of the material, A_s = pi (r_o^2 - r_i^2), in m^2."""
+        return math.pi * (self.radius**2 - self.inner_radius**2)
+
+    @property
+    def outer_area(self) -> float:
+        """Area within the outer radius, A_o = pi r_o^2, in m^2."""
         return math.pi * self.radius**2
 
     @property
+    def inner_area(self) -> float:
+        """Area of the bore, A_i = pi r_i^2, in m^2."""
+        return math.pi * self.inner_radius**2
+
+    @property
     def second_moment(self) -> float:
-        """Second moment of area, I = pi r^4 / 4, in m^4."""
-        return 0.25 * math.pi * self.radius**4
+        """Second moment of area, I = pi (r_o^4 - r_i^4) / 4, in m^4."""
+        return 0.25 * math.pi * (self.radius**4 - self.inner_radius**4)
+
+
+@dataclass(frozen=True)
+class Fluids:
+    """Fluids inside and outside of a rod, at rest but for what its motion moves.
+
+    Parameters
+    ----------
+    inside, outside : float
+        Densities rho_i and rho_o in kg/m^3, 0 for none; the arguments ``fluid_inside`` and ``fluid_outside`` of a rod.
+    added_mass_coefficient : float
+        C_a, the mass of outer fluid that moves with the rod over the mass that the rod displaces; by default that of a
+        cylinder touching a plane floor, pi^2/3 - 1 = 2.29.
+    """
+
+    inside: float = 0.0
+    outside: float = 0.0
+    added_mass_coefficient: float = ON_A_FLOOR
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        object.__setattr__(self, "inside", size("fluid_inside", self.inside, "kg/m^3"))
+        object.__setattr__(self, "outside", size("fluid_outside", self.outside, "kg/m^3"))
+        added = validate.nonnegative("added_mass_coefficient", self.added_mass_coefficient)
+        hint = "it is a ratio of masses such as 2.29"
+        added = validate.within("added_mass_coefficient", added, 0.0, _LARGEST, hint)
+        object.__setattr__(self, "added_mass_coefficient", added)
 
 
 @dataclass(frozen=True)
 class Channel:
-    """Horizontal circular channel, the rod on its floor.
+    """Straight circular channel, horizontal or inclined, the rod on its floor.
 
     Parameters
     ----------
@@ -86,15 +176,30 @@ class Channel:
         Inner radius in m; the argument ``channel_radius`` of a rod.
     gravity : float
         g in m/s^2.
+    inclination : float
+        Angle from the vertical in radians, above 0 and at most pi/2, which is horizontal.
     """
 
     radius: float
     gravity: float
+    inclination: float = 0.5 * math.pi
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
         object.__setattr__(self, "radius", parameter("channel_radius", self.radius, "m"))
         object.__setattr__(self, "gravity", parameter("gravity", self.gravity, "m/s^2"))
+        hint = 'it is the angle from the vertical in radians: math.radians(60), or "60deg" in a rod file'
+        inclination = validate.finite("inclination", self.inclination, hint)
+        if not _LEAST <= inclination <= 0.5 * math.pi:
+            raise ValueError(
+                f"inclination must be above 0 and at most pi/2 = 1.5708 (horizontal), got {inclination:g}; {hint}"
+            )
+        object.__setattr__(self, "inclination", inclination)
+
+    @property
+    def gravity_across(self) -> float:
+        """Component of gravity across the channel, g sin(inclination), in m/s^2."""
+        return self.gravity * math.sin(self.inclination)
 
     def clearance(self, section: Section) -> float:
         """Return R = channel radius - rod radius in m; ValueError where the section does not fit."""
@@ -104,10 +209,6 @@ class Channel:
                 f"radius = {section.radius:g} m; both are radii, not diameters"
             )
         return self.radius - section.radius
-
-    def pendulum_frequency(self, section: Section) -> float:
-        """Return the frequency sqrt(g / R) in rad/s at which a rigid rod of this section swings."""
-        return math.sqrt(self.gravity / self.clearance(section))
 
 
 @dataclass(frozen=True)

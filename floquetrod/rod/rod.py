@@ -36,9 +36,9 @@ class UniformForceWarning(UserWarning):
     """The load changes too fast for the axial force to be the same all along the rod."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, init=False, repr=False)
 class Rod(RodData):
-    """A straight elastic rod of circular section on the floor of a horizontal circular channel, ends hinged.
+    """A straight elastic rod or tube of circular section on the floor of a straight circular channel, ends hinged.
 
     Parameters
     ----------
@@ -47,22 +47,42 @@ class Rod(RodData):
     density : float
         rho in kg/m^3.
     radius, length : float
-        r and L in m.
+        Outer radius r_o and length L in m.
     channel_radius : float
         Inner radius of the channel in m, greater than the rod's.
     gravity : float
         g in m/s^2.
     damping_rate : float
         Decay rate of free motion in 1/s.
+    inner_radius : float
+        r_i of a tube in m; 0 for a solid rod.
+    fluid_inside, fluid_outside : float
+        Densities in kg/m^3 of what fills the tube and of what surrounds it; 0 for none.  The load is then the effective
+        force F_wall + p_i A_i - p_o A_o.  A rod that floats is refused.
+    added_mass_coefficient : float
+        Mass of the outer fluid that moves with the rod over the mass displaced: by default pi^2/3 - 1 = 2.29, that of a
+        cylinder touching a plane floor; more in a narrow gap.
+    inclination : float
+        Angle of the channel from the vertical in radians, above 0 and at most pi/2, which is horizontal.  The weight
+        along an inclined rod is neglected.
+    diameter, inner_diameter, channel_diameter, wall_thickness : float, optional
+        In m, in place of ``radius``, ``inner_radius``, ``channel_radius`` and, the last, of ``inner_radius``.
 
     Notes
     -----
-    Eq. (1) of DOI 10.1115/1.4031710.  Parts, properties and modal systems are those of `floquetrod.rod.data.RodData`.
+    Eq. (1) of DOI 10.1115/1.4031710, with the inertia, weight and bending stiffness of a tube in fluids.  Parts,
+    properties and modal systems are those of `floquetrod.rod.data.RodData`.
 
     Examples
     --------
     >>> Rod.nitinol().modes_needed(AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0))[0]
     22
+    >>> tubing = Rod(
+    ...     207e9, 7850.0, diameter=50.8e-3, wall_thickness=3.96e-3, length=60.0, channel_diameter=0.124,
+    ...     fluid_inside=1000.0, fluid_outside=1000.0
+    ... )
+    >>> round(tubing.critical_force), round(tubing.weight_per_length, 3)
+    (11941, 39.158)
     """
 
     @overload

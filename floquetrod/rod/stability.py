@@ -38,7 +38,20 @@ class Margin(NamedTuple):
 
 
 ASSUMPTIONS = ("axial force the same all along the rod", "small angles", "linear elasticity")
-"""What the mode equations take for granted."""
+"""What the mode equations of every rod take for granted."""
+
+INCLINED = "axial force uniform: the weight along the rod is neglected"
+"""What they take for granted of the axial force in an inclined channel."""
+
+IMMERSED = ("the load is the effective force, F_wall + p_i A_i - p_o A_o", "fluids at rest, added mass constant")
+"""What they take for granted beside that with a fluid inside or outside."""
+
+
+def assumptions(rod: RodData) -> tuple[str, ...]:
+    """Return what the mode equations of a rod take for granted."""
+    force, *others = ASSUMPTIONS
+    force = INCLINED if rod.inclination < 0.5 * math.pi else force
+    return (force, *others, *(IMMERSED if rod.fluid_inside or rod.fluid_outside else ()))
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -238,7 +251,7 @@ def classify_modes(rod: RodData, system: ModalSystem, growth_tolerance: float) -
         error=max(verdict.error for verdict in verdicts),
         cost=Cost(sum(verdict.cost.amount for verdict in verdicts), units.pop() if len(units) == 1 else "operations"),
         note="; ".join(dict.fromkeys(v.note for v, unknown in zip(verdicts, unsure, strict=True) if unknown)),
-        assumptions=ASSUMPTIONS,
+        assumptions=assumptions(rod),
     )
 
 

@@ -67,6 +67,11 @@ class DiscreteRod:
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
         rod, segments = self.rod, validate.integer("segments", self.segments, 4)
+        if rod.departures:
+            raise ValueError(
+                f"rod must be solid, horizontal and without fluids to be simulated, got {rod.departures}; its verdicts "
+                "need no simulation: Rod.stability"
+            )
         ratio = validate.finite("poisson_ratio", self.poisson_ratio)
         if not -1.0 < ratio <= 0.5:
             raise ValueError(f"poisson_ratio must be above -1 and at most 0.5, got {ratio!r}; metals have 0.25 to 0.45")

@@ -173,7 +173,7 @@ class SimulationProblem:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the parameters as plain data, for files: what JSON gives back as it was."""
-        plain: dict[str, Any] = json.loads(json.dumps(asdict(self)))
+        plain: dict[str, Any] = json.loads(json.dumps(asdict(self) | {"rod": self.rod.as_dict()}))
         return plain
 
     @classmethod

@@ -56,6 +56,8 @@ LEFT_OUT = {
     "Mathieu.as_hill": "takes no argument",
     "systems.FirstOrderTongue": "constructed by first_order_tongues",
     "systems.chart": "another name of chart",
+    "Rod.as_dict": "takes no argument",
+    "Rod.critical_forces": "takes no argument",
     "Rod.nitinol": "takes no argument",
     "Chart.plot": "its axes are an object of matplotlib",
     "Chart.to_xarray": "takes no argument",

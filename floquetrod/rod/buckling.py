@@ -1,0 +1,50 @@
+"""Constant forces at which the literature has a rod in a channel buckle."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+
+class BucklingForce(NamedTuple):
+    """A constant compression by one criterion of the literature.
+
+    Attributes
+    ----------
+    force : float
+        In N; of rods in fluids the effective force.
+    meaning : str
+        What happens there, or where the criterion holds.
+    source : str
+        Authors and year.
+    """
+
+    force: float
+    meaning: str
+    source: str
+
+
+def buckling_forces(sinusoidal: float, rigidity: float, weight: float) -> dict[str, BucklingForce]:
+    """Return every criterion by name, from F_p in N, E I in N m^2 and the weight in fluid w_e in N/m."""
+    return {
+        "sinusoidal": BucklingForce(
+            sinusoidal, "F_p = 2 sqrt(E I w_e sin(inclination) / R): the rod begins to snake", "Dawson & Paslay 1984"
+        ),
+        "helical, energy": BucklingForce(
+            math.sqrt(2.0) * sinusoidal,
+            "sqrt(2) F_p: a helix is possible; snake or helix from here to 2 sqrt(2) F_p",
+            "Chen, Lin & Cheatham 1990",
+        ),
+        "helical, loading": BucklingForce(
+            1.83 * sinusoidal, "1.83 F_p: a helix forms as the force grows", "Wu & Juvkam-Wold 1993"
+        ),
+        "helical, alone": BucklingForce(
+            2.0 * math.sqrt(2.0) * sinusoidal, "2 sqrt(2) F_p: beyond it only a helix", "Mitchell 1996"
+        ),
+        "vertical": BucklingForce(
+            1.94 * (rigidity * weight**2) ** (1.0 / 3.0),
+            "1.94 (E I w_e^2)^(1/3): at the lower end of a long rod hanging in a vertical channel, whatever the "
+            "inclination of this one",
+            "Lubinski 1950",
+        ),
+    }
