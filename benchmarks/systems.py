@@ -45,8 +45,8 @@ def multipliers(mean: Floats, harmonics: NDArray[np.complex128], period: float) 
 
 
 def best_loaded(call: Callable[[], object]) -> float:
-    """Return the best time of a call after a second of calls: what is asked for often is machine code by then."""
-    end = time.perf_counter() + 1.0
+    """Return the best time of a call after some seconds of calls: what is asked for often is machine code by then."""
+    end = time.perf_counter() + 4.0
     while time.perf_counter() < end:
         call()
     return best_of(call)

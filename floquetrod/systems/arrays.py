@@ -240,8 +240,7 @@ def _over(batch: _Batch, fill: Callable[[slice], None], workers: int | None) -> 
     """Call ``fill`` with parts of a batch, in threads if it pays."""
     size = len(batch.period)
     most = max(1, _AT_ONCE // batch.order**2)
-    threads = workers or cores()
-    if size * batch.order**2 < _WORTH_THREADS:
-        threads = 1
+    worth = size * batch.order**2 >= _WORTH_THREADS
+    threads = (workers or cores()) if worth else 1
     step = max(1, min(most, -(-size // (4 * threads)) if threads > 1 else most))
     in_threads(fill, [(slice(start, min(size, start + step)),) for start in range(0, size, step)], threads)
