@@ -68,7 +68,7 @@ class Explorer:
 
     def view(self, quantities: dict[str, float]) -> View:
         """Return what the window shows for a load: mean and amplitude in N, frequency in rad/s."""
-        self.load = AxialLoad(**quantities)
+        self.load = AxialLoad(quantities["mean"], quantities["amplitude"], quantities["frequency"])
         if self.load.amplitude != self._amplitude:
             self._amplitude = self.load.amplitude
             self._unstable = ~stability_map(
@@ -77,7 +77,7 @@ class Explorer:
                 amplitude=self._amplitude,
                 frequency=(*self._limits["frequency"], _MAP[0]),
             ).stable
-        system = self.rod.modal_system(self.load, range(1, _MODES + 1))
+        system = self.rod.independent_modes(self.load, range(1, _MODES + 1))
         alpha, beta, damping = system.alpha, system.beta, system.damping
         growth = mathieu.growth_rate(alpha, beta, damping) * self.load.frequency
         # In steps, so that the axes stay as they are for most moves.

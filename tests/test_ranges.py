@@ -13,7 +13,7 @@ import floquetrod as fr
 from floquetrod.floquet.methods.reference import reference
 from floquetrod.mathieu import tongues
 from floquetrod.mathieu.tongues import along_amplitude
-from floquetrod.rod.tongues import HAIRLINE_GROWTH
+from floquetrod.rod.constants import HAIRLINE_GROWTH
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force

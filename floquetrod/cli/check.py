@@ -20,14 +20,14 @@ from floquetrod.cli.common import (
     describe_load,
     number,
     read_friction,
-    read_quantity,
+    read_load,
     read_rod,
     read_tolerance,
     read_units,
 )
 from floquetrod.cli.waiting import waiting
 from floquetrod.floquet.verdict import Status
-from floquetrod.rod.stability import Margin
+from floquetrod.rod.verdict import Margin
 from floquetrod.units import Unit
 
 _HELP = """\
@@ -102,12 +102,14 @@ def _check(options: argparse.Namespace) -> Answer:
     if missing:
         raise ValueError(f"the following arguments are required: {', '.join(missing)} (see floquetrod check --help)")
     rod = read_rod(options)
-    load = fr.AxialLoad(**{name: read_quantity(getattr(options, name), name, rod) for name in KINDS})
+    load = read_load(options, rod)
     tolerance, rubbing, modes = read_tolerance(options), read_friction(options), _modes(options.modes)
     shown = read_units(options, rod)
     with waiting("deciding stability and searching the margins"):
         if rubbing is None:
             linear = rod.stability(load, modes=modes, growth_tolerance=tolerance)
+            if not isinstance(linear, fr.RodStability):
+                raise ValueError("coupled modes: to come")
             status, record, lines = linear.status, _record(linear), _report(linear, shown)
         else:
             mu, speed = rubbing

@@ -16,7 +16,7 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.files import writable
 from floquetrod.rod.data import RodData
-from floquetrod.rod.load import LIMITS, Quantity
+from floquetrod.rod.load import LIMITS, Load, Quantity
 from floquetrod.units import Unit
 
 _TINY, _HUGE = 1e-9, 1e12  # what the library takes, in SI units: a typing error lies beyond
@@ -151,7 +151,13 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
     return found
 
 
-def describe_load(load: fr.AxialLoad, shown: dict[str, Unit], rod: RodData) -> str:
+def read_load(options: argparse.Namespace, rod: fr.Rod) -> fr.AxialLoad:
+    """Return the load that the options describe."""
+    mean, amplitude, frequency = (read_quantity(getattr(options, name), name, rod) for name in KINDS)
+    return fr.AxialLoad(mean, amplitude, frequency)
+
+
+def describe_load(load: Load, shown: dict[str, Unit], rod: RodData) -> str:
     """Return the load in the units asked for, each quantity followed by its value in a second unit."""
     return ", ".join(
         [

@@ -51,7 +51,7 @@ def _explore(options: argparse.Namespace) -> Answer:
     if given and len(given) < len(KINDS):
         raise ValueError(f"--mean, --amplitude and --frequency go together; got only --{', --'.join(given)}")
     values = {name: read_quantity(getattr(options, name), name, rod) for name in given}
-    load = fr.AxialLoad(**values) if values else None
+    load = fr.AxialLoad(values["mean"], values["amplitude"], values["frequency"]) if values else None
     if options.out is not None:
         check_out(options.out, charts.FIGURES)
     shown = read_units(options, rod)

@@ -20,7 +20,7 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.waiting import waiting
-from floquetrod.rod.tongues import HAIRLINE_GROWTH
+from floquetrod.rod.constants import HAIRLINE_GROWTH
 
 _HELP = """\
 List every stability interval of one quantity of the load: give the other two, and what to search.

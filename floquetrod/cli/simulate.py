@@ -20,7 +20,6 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.files import writable
 from floquetrod.cli.common import (
-    KINDS,
     Answer,
     Progress,
     add_command,
@@ -28,10 +27,11 @@ from floquetrod.cli.common import (
     add_units,
     describe_load,
     number,
-    read_quantity,
+    read_load,
     read_rod,
     read_units,
 )
+from floquetrod.rod.stability import growth_of_modes
 from floquetrod.simulation.growth import GrowthFit
 from floquetrod.units import Unit
 
@@ -86,7 +86,7 @@ def add(commands: Any) -> None:
 
 def _simulate(options: argparse.Namespace) -> Answer:
     rod = read_rod(options)
-    load = fr.AxialLoad(**{name: read_quantity(getattr(options, name), name, rod) for name in KINDS})
+    load = read_load(options, rod)
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
     perturbation, shown = _perturbation(options), read_units(options, rod)
@@ -253,7 +253,7 @@ def _write(run: fr.Simulation, path: Path) -> Path:
 def _record(run: fr.Simulation) -> dict[str, Any]:
     problem, steps = run.problem, run.time_steps
     mode, linear = run.dominant_mode, run.rod.stability(problem.load)
-    predicted = float(run.rod.stability(problem.load, [mode]).mode_growth_rates[0])
+    predicted = float(growth_of_modes(run.rod, problem.load, [mode])[0])
     fit: GrowthFit | None = None
     why_not: str | None = "with friction nothing grows exponentially"
     if problem.friction == 0.0:

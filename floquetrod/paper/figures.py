@@ -37,7 +37,7 @@ def figure_2(chart: int) -> Any:
     drawing.draw_plane(axes[0], alpha, beta.ravel(), ~LEAPFROG.is_stable(alpha, beta), curves)
     for ax, (force, frequency) in zip(axes[1:], LOADS, strict=True):
         load = AxialLoad(force * UNIT, 0.2 * UNIT, frequency)
-        system = ROD.modal_system(load, range(1, 11))
+        system = ROD.independent_modes(load, range(1, 11))
         mode_alpha, mode_beta = system.alpha, system.beta
         fine_alpha = np.linspace(0.0, 1.25 * mode_alpha[-1], 500)
         fine_beta = np.linspace(1.1 * mode_beta.min(), -0.3 * mode_beta.min(), 500)
@@ -82,7 +82,7 @@ def figure_3(points: tuple[int, int]) -> Any:
 def unstable_bands(amplitude: float, frequency: float, upto: float) -> list[Band]:
     """Return every unstable interval of the mean force (all in F_cr), mode by mode, thin ones first."""
     last = ROD.modes_needed(AxialLoad(upto * UNIT, amplitude * UNIT, frequency))[0]
-    system = ROD.modal_system(AxialLoad(0.0, amplitude * UNIT, frequency), range(1, last + 1))
+    system = ROD.independent_modes(AxialLoad(0.0, amplitude * UNIT, frequency), range(1, last + 1))
     return [
         Band(r.low / UNIT, r.high / UNIT, r.mode, tolerance > 0.0)
         for tolerance in (0.0, EXACT.threshold * frequency)
@@ -95,7 +95,7 @@ def tongues(amplitude: float, omega: NDArray[np.float64], upto: float) -> list[T
     found: dict[tuple[int, int], list[tuple[int, float, float]]] = {}
     for column, frequency in enumerate(omega.tolist()):
         top = AxialLoad(upto * UNIT, amplitude * UNIT, frequency)
-        system = ROD.modal_system(top, range(1, ROD.modes_needed(top, SHOWN * frequency)[0] + 1))
+        system = ROD.independent_modes(top, range(1, ROD.modes_needed(top, SHOWN * frequency)[0] + 1))
         bands = unstable_loads("mean", system, 0.0, (0.0, upto * UNIT)).intervals
         middles = np.array([0.5 * (max(band.low, 0.0) + min(band.high, upto * UNIT)) for band in bands])
         systems = ROD.modal_systems(middles, amplitude * UNIT, frequency)

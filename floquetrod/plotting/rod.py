@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util.files import whole_file
+from floquetrod.plotting import palette
 from floquetrod.plotting.charts import new_axes
 
 ANIMATIONS = (".gif", ".mp4")
@@ -176,3 +177,15 @@ def _frame_axes(ax: Any, run: Any) -> None:
     ax.set_ylim(-side, side)
     ax.set_xlabel("along the channel $x$ / m")
     ax.set_ylabel("across the channel $y$ / mm")
+
+
+def draw_shape(verdict: Any, ax: Any = None) -> Any:
+    """Draw the shape in which a rod grows, at one instant and its envelope; return the axes."""
+    ax = new_axes() if ax is None else ax
+    shape = verdict.shape
+    ax.fill_between(shape.s, -shape.envelope, shape.envelope, color=palette.NEUTRAL, alpha=0.35, linewidth=0.0)
+    ax.plot(shape.s, shape.deflection, color="black", linewidth=1.0)
+    ax.set(xlabel="position from the upper end $s$ / m", ylabel="deflection / largest", ylim=(-1.1, 1.1))
+    ax.set_xlim(shape.s[0], shape.s[-1])
+    ax.set_title(f"{verdict.status}; line: one instant, shaded: over a period", fontsize="small")
+    return ax

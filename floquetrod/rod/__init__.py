@@ -8,7 +8,7 @@ from floquetrod.rod.mode_friction import ModeFriction
 from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.parts import Channel, Ends, Fluids, Material, Section
 from floquetrod.rod.ranges import StabilityInterval
-from floquetrod.rod.stability import Margin
+from floquetrod.rod.verdict import Margin
 
 __all__ = [
     "BucklingForce",

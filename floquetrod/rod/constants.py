@@ -9,9 +9,12 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod.kernels import rod_modes as kernels
-from floquetrod.rod.load import AxialLoad, Loads
+from floquetrod.rod.load import Load, Loads
 
 NEGLIGIBLE_GROWTH = 1e-12  # growth in 1/s that modes left out may have: a doubling in 20,000 years
+HAIRLINE_GROWTH = 1e-6
+"""Growth in 1/s, tenfold in a month, up to which a tongue is a hairline: searches leave it out, and count it."""
+
 MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
 
 
@@ -43,7 +46,7 @@ class ModeConstants(NamedTuple):
         """F_cr in N, see `RodData.critical_force`."""
         return 2.0 * math.sqrt(self.rigidity * self.mass_per_length) * self.pendulum_frequency
 
-    def modes_needed(self, load: AxialLoad, growth_tolerance: float) -> tuple[int, float]:
+    def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes decide a verdict and a bound in 1/s on all others; see `RodData.modes_needed`."""
         self.require_in_reach(Loads.single(load))
         a, b, stiffness, d = kernels.mode_family(*self[:4], load.mean, load.amplitude, load.frequency)

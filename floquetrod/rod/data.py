@@ -16,9 +16,11 @@ from numpy.typing import NDArray
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod.equations import HillSystem
 from floquetrod.rod.buckling import BucklingForce, buckling_forces
-from floquetrod.rod.constants import MOST_MODES, ModeConstants
-from floquetrod.rod.load import AxialLoad, Loads
+from floquetrod.rod.constants import HAIRLINE_GROWTH, MOST_MODES, ModeConstants
+from floquetrod.rod.coupled import CoupledModes, RodNumbers, chosen_count
+from floquetrod.rod.load import Load, Loads, kind, require_load
 from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.parts import (
     ON_A_FLOOR,
@@ -42,7 +44,13 @@ _INSTEAD = {
 }
 """Arguments that may be given in place of a parameter."""
 
-_PLAIN = {"inner_radius": 0.0, "fluid_inside": 0.0, "fluid_outside": 0.0, "inclination": 0.5 * math.pi}
+_PLAIN: dict[str, float | str] = {
+    "inner_radius": 0.0,
+    "fluid_inside": 0.0,
+    "fluid_outside": 0.0,
+    "inclination": 0.5 * math.pi,
+    "ends": "hinged",
+}
 """Values of a solid rod in a horizontal channel without fluids."""
 
 _FLOATING = 1e-9  # weight over that without buoyancy up to which a rod counts as floating: rounding is near (a choice)
@@ -53,8 +61,8 @@ class RodData:
     """Data sheet of a straight elastic rod or tube on the floor of a straight circular channel, and its modal systems.
 
     Its parameters, in SI units, are described at `floquetrod.Rod`, which adds the verdicts.  They are what is typed,
-    compared and stored; the parts made of them, `material`, `section`, `fluids`, `channel` and `ends`, are what
-    everything else is computed from.
+    compared and stored; the parts made of them, `material`, `section`, `fluids`, `channel` and `end_conditions`, are
+    what everything else is computed from.
 
     Notes
     -----
@@ -82,6 +90,7 @@ class RodData:
     fluid_outside: float = 0.0
     added_mass_coefficient: float = ON_A_FLOOR
     inclination: float = 0.5 * math.pi
+    ends: str = "hinged"
 
     def __init__(
         self,
@@ -98,6 +107,7 @@ class RodData:
         fluid_outside: float = 0.0,
         added_mass_coefficient: float = ON_A_FLOOR,
         inclination: float = 0.5 * math.pi,
+        ends: str = "hinged",
         diameter: float | None = None,
         inner_diameter: float | None = None,
         channel_diameter: float | None = None,
@@ -120,7 +130,7 @@ class RodData:
         length = parameter("length", length, "m")
         channel = Channel(channel_radius, gravity, inclination)
         fluids = Fluids(fluid_inside, fluid_outside, added_mass_coefficient)
-        cleaned = {
+        cleaned: dict[str, float | str] = {
             "youngs_modulus": material.youngs_modulus,
             "density": material.density,
             "radius": section.radius,
@@ -133,6 +143,7 @@ class RodData:
             "fluid_outside": fluids.outside,
             "added_mass_coefficient": fluids.added_mass_coefficient,
             "inclination": channel.inclination,
+            "ends": str(Ends.of(ends)),
         }
         channel.clearance(section)  # raises where the rod does not fit
         for name, number in cleaned.items():
@@ -178,32 +189,37 @@ class RodData:
             what = [f"unknown key {key!r}" for key in unknown] + [f"missing key {name!r}" for name in missing]
             raise ValueError(f"rod file {path}: {', '.join(what)}; the keys are {', '.join([*known, *_INSTEAD])}")
         try:
-            return cls(**{key: units.quantity(value, key, units.ROD_KINDS[key]) for key, value in table.items()})
+            numbers: dict[str, Any] = {
+                key: value if key == "ends" else units.quantity(value, key, units.ROD_KINDS[key])
+                for key, value in table.items()
+            }
+            return cls(**numbers)
         except (TypeError, ValueError) as error:
             raise ValueError(f"rod file {path}: {error}") from None
 
-    def replace(self, **changes: float) -> Self:
+    def replace(self, **changes: Any) -> Self:
         """Return a copy with some parameters changed, also by ``diameter``, ``wall_thickness`` and so on."""
         replaced = {_INSTEAD[name] for name in changes if name in _INSTEAD}
         kept = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in replaced}
         return type(self)(**(kept | changes))
 
-    def as_dict(self) -> dict[str, float]:
-        """Return the data sheet as plain numbers in SI units, what makes an equal rod.
+    def as_dict(self) -> dict[str, Any]:
+        """Return the data sheet, plain numbers in SI units and the word for its ends, what makes an equal rod.
 
-        Parameters of tubes, fluids and inclined channels are left out where they have their defaults.
+        Parameters of tubes, fluids, inclined channels and ends are left out where they have their defaults.
 
         >>> list(RodData.nitinol().replace(inner_radius=0.4e-3).as_dict())[-2:]
         ['damping_rate', 'inner_radius']
         """
-        sheet: dict[str, float] = {f.name: getattr(self, f.name) for f in fields(self)}
+        sheet: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
         optional = _PLAIN | {"added_mass_coefficient": ON_A_FLOOR}
         return {name: value for name, value in sheet.items() if value != optional.get(name)}
 
     @property
     def departures(self) -> str:
         """What this rod has that a solid rod in a horizontal channel without fluids has not, "" where nothing."""
-        return ", ".join(f"{name} = {getattr(self, name):g}" for name, v in _PLAIN.items() if getattr(self, name) != v)
+        found = ((name, getattr(self, name)) for name, plain in _PLAIN.items() if getattr(self, name) != plain)
+        return ", ".join(f"{name} = {value if isinstance(value, str) else f'{value:g}'}" for name, value in found)
 
     # --- parts ---
 
@@ -228,9 +244,9 @@ class RodData:
         return Channel(self.channel_radius, self.gravity, self.inclination)
 
     @cached_property
-    def ends(self) -> Ends:
+    def end_conditions(self) -> Ends:
         """How the ends are held."""
-        return Ends()
+        return Ends.of(self.ends)
 
     # --- what follows from them ---
 
@@ -258,6 +274,11 @@ class RodData:
     def weight_per_length(self) -> float:
         """Weight in fluid w_e = g (rho A_s + rho_i A_i - rho_o A_o) in N/m."""
         return self.channel.gravity * self._weighing
+
+    @property
+    def weight_along(self) -> float:
+        """Weight in fluid along the channel, w_e cos(inclination) in N/m, by which compression grows downwards."""
+        return self.channel.gravity_along * self._weighing
 
     @property
     def effective_gravity(self) -> float:
@@ -322,10 +343,14 @@ class RodData:
         """Speed of axial waves, sqrt(E / rho), in m/s."""
         return self.material.wave_speed
 
+    def wave_ratio(self, load: Load) -> float:
+        """Return omega L / (2 pi c_0), the length in axial waves; far below 1 the force is uniform along the rod."""
+        return load.frequency * self.length / (2.0 * math.pi) / self.wave_speed
+
     def wavenumber(self, mode: Any) -> Any:
         """Return w_m = m pi / L in 1/m."""
         modes = _modes(mode)
-        return shaped(modes * self.ends.first_wavenumber(self.length), modes.shape)
+        return shaped(modes * self.end_conditions.first_wavenumber(self.length), modes.shape)
 
     def natural_frequency(self, mode: Any) -> Any:
         """Return the frequency in rad/s of free motion in a mode, without axial force or damping."""
@@ -338,21 +363,33 @@ class RodData:
     def mode_constants(self) -> ModeConstants:
         """What the mode equations need of the rod."""
         return ModeConstants(
-            self.ends.first_wavenumber(self.length) ** 2,
+            self.end_conditions.first_wavenumber(self.length) ** 2,
             self.mass_per_length,
             self.flexural_rigidity,
             self.pendulum_frequency,
             self.damping_rate,
         )
 
-    def modal_system(self, load: AxialLoad, modes: Iterable[int] | None = None) -> ModalSystem:
+    @cached_property
+    def coupled_numbers(self) -> RodNumbers:
+        """What coupled modes need of the rod."""
+        return RodNumbers(self.mode_constants, self.end_conditions, self.length, self.weight_along, self.wave_speed)
+
+    def modal_system(self, load: Load, modes: Iterable[int] | None = None) -> ModalSystem | HillSystem:
         """Return the equations of the rod's modes under a load.
 
         Parameters
         ----------
-        load : AxialLoad
+        load : AxialLoad or AxialWave
         modes : iterable of int, optional
-            Mode numbers, 1 to 20,000; by default all that can matter, see `modes_needed`.
+            Mode numbers, 1 to 20,000; by default all that can matter, see `modes_needed`.  Of coupled modes 1 to n.
+
+        Returns
+        -------
+        ModalSystem or HillSystem
+            Independent equations where the ends are hinged and the force is a sine, uniform along the rod.  Otherwise
+            one system in seconds, its coordinates those of beam functions and a few polynomials, see
+            `floquetrod.rod.beam`.
 
         Raises
         ------
@@ -362,11 +399,25 @@ class RodData:
         Examples
         --------
         >>> rod = RodData.nitinol()
-        >>> system = rod.modal_system(AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0), modes=(6, 7))
+        >>> load = AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
+        >>> system = rod.modal_system(load, modes=(6, 7))
         >>> round(system.equations[1].alpha, 4), system.damping
         (0.0513, 0.0)
+        >>> rod.replace(ends="clamped").modal_system(load).structure
+        'hamiltonian'
         """
-        validate.instance("load", load, AxialLoad)
+        require_load("load", load)
+        if not self.coupled_numbers.has_mathieu_modes(load):
+            count = (
+                self.coupled_numbers.modes_needed(Loads.single(load), load, 0.0)
+                if modes is None
+                else chosen_count(modes)
+            )
+            return CoupledModes(self.coupled_numbers, load, count).system(Loads.single(load))
+        return self.independent_modes(load, modes)
+
+    def independent_modes(self, load: Load, modes: Iterable[int] | None = None) -> ModalSystem:
+        """Return what `modal_system` does, under a load under which the modes are independent."""
         constants = self.mode_constants
         if modes is not None:
             chosen = validate.modes(modes)
@@ -380,11 +431,16 @@ class RodData:
 
         Raises ValueError for loads that need more than 20,000 modes, or too large coefficients.
         """
+        if not self.coupled_numbers.has_mathieu_modes(kind(None)):
+            raise ValueError(
+                f"modal_systems is for rods whose modes are independent, got ends={self.ends!r} and inclination = "
+                f"{self.inclination:g}; use modal_system, one load at a time"
+            )
         loads = Loads.of(mean, amplitude, frequency)
         self.mode_constants.require_in_reach(loads)
         return ModalSystems(self.mode_constants, loads)
 
-    def modes_needed(self, load: AxialLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
+    def modes_needed(self, load: Load, growth_tolerance: float = 0.0) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
 
         High modes sit in resonance tongues that grow, but exponentially slowly: the bound is that of
@@ -396,7 +452,11 @@ class RodData:
         a, q and c^2 go like 1 / omega^2, so a higher frequency leaves fewer evanescent factors q / (a - k^2 - q), each
         larger, before a rate that in 1/s does not depend on it.
         """
-        validate.instance("load", load, AxialLoad)
+        require_load("load", load)
+        if not self.coupled_numbers.has_mathieu_modes(load):
+            tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+            count = self.coupled_numbers.modes_needed(Loads.single(load), load, tolerance)
+            return count, max(tolerance, HAIRLINE_GROWTH)
         return self.mode_constants.modes_needed(load, validate.tolerance("growth_tolerance", growth_tolerance))
 
 

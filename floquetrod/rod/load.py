@@ -1,11 +1,12 @@
-"""The load that pushes a rod's ends together, one or arrays of them."""
+"""Loads along the axis of a rod: the same all along it, or waves from its end; one or arrays of them."""
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple, TypeAlias
+from dataclasses import MISSING, dataclass, field, fields, replace
+from typing import Any, Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,9 @@ from floquetrod._util.arrays import broadcast
 
 Quantity: TypeAlias = Literal["mean", "amplitude", "frequency"]
 """A quantity of `AxialLoad`."""
+
+Progress: TypeAlias = Callable[[int, int], None]
+"""Called with the numbers of things searched and to search."""
 
 _STRONGEST = 1e12  # N
 _SLOWEST, _FASTEST = 1e-9, 1e12  # rad/s: beyond any rod, and within what doubles can follow
@@ -74,7 +78,7 @@ class Loads(NamedTuple):
         return cls(shape, *flat)
 
     @classmethod
-    def single(cls, load: AxialLoad) -> Loads:
+    def single(cls, load: Load) -> Loads:
         """Return one load as arrays of one element."""
         return cls((), *(np.array([value]) for value in (load.mean, load.amplitude, load.frequency)))
 
@@ -93,9 +97,87 @@ class Loads(NamedTuple):
         return Loads((len(self.frequency[part]),), *(values[part] for values in self.flat))
 
 
-@dataclass(frozen=True)
-class AxialLoad:
-    """Force F(t) = mean + amplitude sin(frequency t) that pushes both ends of the rod inwards.
+Waveform: TypeAlias = str | tuple[complex, ...]
+""""sine", or complex amplitudes h_1, h_2, ... of the harmonics."""
+
+_RESONANT = 1e-6  # denominator of an axial wave below which it counts as resonant (a choice)
+
+
+@dataclass(frozen=True, repr=False)
+class Load(ABC):
+    """What every load has: F(s, t) = mean + w_e cos(inclination) (s - mean_at L) + the vibration, compression positive.
+
+    Parameters
+    ----------
+    mean : float
+        F_ave in N; negative pulls.
+    amplitude : float
+        dF in N, zero or more; zero is the static limit.
+    frequency : float
+        omega in rad/s, greater than zero.
+    mean_at : float or None
+        Where along an inclined rod the mean force holds, as a fraction of its length from the upper end; from there it
+        grows downwards by the weight along the rod.  None neglects that weight.
+    waveform : "sine" or sequence of complex
+        sin(omega t), or h_1, h_2, ...: the amplitude times Re(h_1 e^(i omega t) + h_2 e^(2 i omega t) + ...).
+    """
+
+    mean: float
+    amplitude: float
+    frequency: float
+    mean_at: float | None = field(default=0.5, kw_only=True)
+    waveform: Waveform = field(default="sine", kw_only=True)
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        for name in LIMITS:
+            object.__setattr__(self, name, load_number(name, getattr(self, name)))
+        if self.mean_at is not None:
+            hint = "a fraction of the length: 0 is the upper end, 1 the lower, None neglects the weight along the rod"
+            object.__setattr__(self, "mean_at", validate.within("mean_at", self.mean_at, 0.0, 1.0, hint))
+        object.__setattr__(self, "waveform", _waveform(self.waveform))
+
+    @property
+    def harmonics(self) -> NDArray[np.complex128]:
+        """Complex amplitudes h_1, h_2, ... of the waveform, without unit."""
+        return np.array([-1j] if self.waveform == "sine" else self.waveform)
+
+    @abstractmethod
+    def profile(self, wave_speed: float, length: float, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
+        """Return the vibration of unit amplitude along the rod at a frequency, real or complex (len(s),)."""
+
+    @property
+    @abstractmethod
+    def is_uniform(self) -> bool:
+        """Whether the vibration is the same all along the rod."""
+
+    def varied(self, quantity: Quantity, value: float) -> Self:
+        """Return the same load with one quantity changed."""
+        numbers: dict[str, Any] = {quantity: value}
+        return replace(self, **numbers)
+
+    def with_numbers(self, mean: float, amplitude: float, frequency: float) -> Self:
+        """Return the same kind of load with other numbers."""
+        return replace(self, mean=mean, amplitude=amplitude, frequency=frequency)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what makes an equal load, without what has its default."""
+        every = ((f, getattr(self, f.name)) for f in fields(self))
+        return {f.name: value for f, value in every if f.default is MISSING or value != f.default}
+
+    def __repr__(self) -> str:
+        """Return the constructor's call, without what has its default."""
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.as_dict().items())})"
+
+    @classmethod
+    def hertz(cls, mean: float, amplitude: float, frequency: float, **others: Any) -> Self:
+        """Return a load whose frequency is given in Hz."""
+        return cls(mean, amplitude, 2.0 * math.pi * validate.positive("frequency", frequency), **others)
+
+
+@dataclass(frozen=True, repr=False)
+class AxialLoad(Load):
+    """Force F(t) = mean + amplitude sin(frequency t) that pushes both ends of the rod inwards, alike along the rod.
 
     Parameters
     ----------
@@ -105,6 +187,11 @@ class AxialLoad:
         dF in N, zero or more; zero is the static limit.
     frequency : float
         omega in rad/s, greater than zero; `AxialLoad.hertz` takes Hz.
+    mean_at : float or None
+        Where along an inclined rod the mean force holds, as a fraction of its length from the upper end; from there it
+        grows downwards by the weight along the rod.  None neglects that weight.
+    waveform : "sine" or sequence of complex
+        sin(omega t), or h_1, h_2, ...: the amplitude times Re(h_1 e^(i omega t) + h_2 e^(2 i omega t) + ...).
 
     Examples
     --------
@@ -112,16 +199,109 @@ class AxialLoad:
     150.796
     """
 
-    mean: float
-    amplitude: float
-    frequency: float
+    def profile(self, wave_speed: float, length: float, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
+        """Return ones: the vibration is the same all along the rod."""
+        return np.ones_like(s)
+
+    @property
+    def is_uniform(self) -> bool:
+        """True."""
+        return True
+
+
+def require_load(name: str, value: Any) -> Load:
+    """Return an argument that is a load; TypeError for anything else."""
+    if isinstance(value, Load):
+        return value
+    raise TypeError(f"{name} must be an AxialLoad or AxialWave, got {validate.short(value)}")
+
+
+def kind(like: Load | None) -> Load:
+    """Return the argument ``like``, by default a sine."""
+    return AxialLoad(0.0, 0.0, 1.0) if like is None else require_load("like", like)
+
+
+@dataclass(frozen=True, repr=False)
+class AxialWave(Load):
+    """Force that a vibration at the upper end, s = 0, sends along the rod as axial waves of its speed c_0.
+
+    Parameters
+    ----------
+    mean, amplitude, frequency, mean_at, waveform
+        As in `AxialLoad`; the amplitude is that at the driven end.
+    far_end : {"held", "free", "driven"}
+        The lower end, s = L: held against axial motion; free of axial vibration; driven alike, as both ends are in the
+        study.
+    axial_damping : float
+        Decay rate c_a of free axial waves in 1/s: u_tt + 2 c_a u_t = c_0^2 u_ss.
+
+    Notes
+    -----
+    With kappa = sqrt(omega^2 - 2 i c_a omega) / c_0 the vibration is the amplitude times cos kappa(L - s) / cos kappa L
+    (held), sin kappa(L - s) / sin kappa L (free), cos kappa(s - L/2) / cos(kappa L/2) (driven).
+
+    Examples
+    --------
+    >>> AxialWave(6e3, 3.6e3, 25.0, far_end="free")
+    AxialWave(mean=6000.0, amplitude=3600.0, frequency=25.0, far_end='free')
+    """
+
+    far_end: str = "held"
+    axial_damping: float = 0.0
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        for name in LIMITS:
-            object.__setattr__(self, name, load_number(name, getattr(self, name)))
+        super().__post_init__()
+        validate.choice("far_end", self.far_end, ("held", "free", "driven"))
+        rate = validate.nonnegative("axial_damping", self.axial_damping, "give the decay rate in 1/s")
+        object.__setattr__(self, "axial_damping", validate.within("axial_damping", rate, 0.0, _FASTEST))
 
-    @classmethod
-    def hertz(cls, mean: float, amplitude: float, frequency: float) -> AxialLoad:
-        """Return a load whose frequency is given in Hz."""
-        return cls(mean, amplitude, 2.0 * math.pi * validate.positive("frequency", frequency))
+    def profile(self, wave_speed: float, length: float, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
+        """Return the vibration of unit amplitude along the rod; real without axial damping."""
+        kappa = np.sqrt(complex(frequency * frequency, -2.0 * self.axial_damping * frequency)) / wave_speed
+
+        def decayed(distance: Any) -> Any:
+            """Return what is left of a wave, and its phase, after a distance."""
+            return np.exp(-1j * kappa * distance)
+
+        # The cosines and sines of the Notes, in exponentials that do not overflow.
+        if self.far_end == "driven":
+            top, below = decayed(s) + decayed(length - s), 1.0 + decayed(length)
+        else:
+            sign = 1.0 if self.far_end == "held" else -1.0
+            top = decayed(s) * (1.0 + sign * decayed(2.0 * (length - s)))
+            below = 1.0 + sign * decayed(2.0 * length)
+        if abs(below) < _RESONANT:
+            raise ValueError(
+                f"frequency {frequency:g} rad/s is a resonance of axial waves in a rod of {length:g} m, far end "
+                f"{self.far_end}: without axial_damping the force is infinite; give axial_damping, or another frequency"
+            )
+        found = top / below
+        return np.asarray(found.real if self.axial_damping == 0.0 else found)
+
+    @property
+    def is_uniform(self) -> bool:
+        """False."""
+        return False
+
+
+def _waveform(value: Any) -> Waveform:
+    """Return a waveform, checked: "sine", or finite complex numbers, the last not zero."""
+    if isinstance(value, str) and value == "sine":
+        return value
+    try:
+        numbers = np.asarray(value)
+        known = numbers.ndim == 1 and numbers.size > 0 and numbers.dtype.kind in "iufc"
+    except ValueError:
+        known = False
+    if not known:
+        raise ValueError(
+            f"waveform must be 'sine' or a sequence of complex numbers h_1, h_2, ..., got {validate.short(value)}; a "
+            "square wave has -4i/pi, 0, -4i/(3 pi), 0, ..., of which give as many as matter"
+        )
+    if not np.isfinite(numbers).all() or np.abs(numbers).max() > 1e6:
+        raise ValueError(f"waveform must hold finite numbers up to 1e6, got {validate.short(value)}")
+    last = np.flatnonzero(numbers)
+    if not last.size:
+        raise ValueError("waveform must hold a harmonic other than zero; for a constant force set amplitude=0")
+    return tuple(complex(z) for z in numbers[: last[-1] + 1])

@@ -11,7 +11,7 @@ from floquetrod._util import validate
 from floquetrod._util.version import __version__
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
-from floquetrod.rod.load import LIMITS, Quantity
+from floquetrod.rod.load import LIMITS, Load, Quantity
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.rod import Rod
 
@@ -35,6 +35,7 @@ def stability_map(
     criterion: FiniteTimeCriterion | None = None,
     friction: float | None = None,
     kick: float | None = None,
+    like: Load | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Chart:
@@ -56,6 +57,8 @@ def stability_map(
     friction, kick : float, optional
         Coefficient of friction, and the transverse velocity in m/s that every mode is given; not together with
         ``growth``, which is that without friction.
+    like : AxialLoad or AxialWave, optional
+        What everything else of the loads is taken from; by default a sine, uniform but for the weight along the rod.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional
@@ -94,11 +97,18 @@ def stability_map(
     value = validate.finite(fixed[0], given[fixed[0]])
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
-        load = {across: x.values, up: values, fixed[0]: value}
+        along: dict[Quantity, Any] = {across: x.values, up: values, fixed[0]: value}
+        load = along["mean"], along["amplitude"], along["frequency"]
         found = rod.verdicts(
-            **load, growth_tolerance=tolerance, criterion=criterion, friction=friction, kick=kick, workers=workers
+            *load,
+            growth_tolerance=tolerance,
+            criterion=criterion,
+            friction=friction,
+            kick=kick,
+            like=like,
+            workers=workers,
         )
-        return (found, *rod.fastest(**load, workers=workers)) if growth else (found,)
+        return (found, *rod.fastest(*load, like=like, workers=workers)) if growth else (found,)
 
     kinds = (np.int8, np.float64, np.int64)[: 3 if growth else 1]
     verdicts, *rest = fill_rows(rows, y.values, x.values.size, kinds, progress)

@@ -23,7 +23,7 @@ from floquetrod.kernels import rod_modes as kernels
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.mathieu.tongues import damping_to_stabilise
 from floquetrod.rod.constants import NEGLIGIBLE_GROWTH, ModeConstants
-from floquetrod.rod.load import AxialLoad, Loads
+from floquetrod.rod.load import AxialLoad, Load, Loads
 
 Floats = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ class ModalSystem:
     """
 
     constants: ModeConstants
-    load: AxialLoad
+    load: Load
     modes: tuple[int, ...]
     left_out_bound: float = math.inf
 

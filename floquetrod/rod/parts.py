@@ -201,6 +201,11 @@ class Channel:
         """Component of gravity across the channel, g sin(inclination), in m/s^2."""
         return self.gravity * math.sin(self.inclination)
 
+    @property
+    def gravity_along(self) -> float:
+        """Component of gravity along the channel, g cos(inclination), in m/s^2; exactly 0 in a horizontal one."""
+        return self.gravity * math.cos(self.inclination) if self.inclination < 0.5 * math.pi else 0.0
+
     def clearance(self, section: Section) -> float:
         """Return R = channel radius - rod radius in m; ValueError where the section does not fit."""
         if section.radius >= self.radius:
@@ -211,10 +216,44 @@ class Channel:
         return self.radius - section.radius
 
 
+CONDITIONS = ("hinged", "clamped", "guided", "free")
+"""What an end of a rod may be."""
+
+
 @dataclass(frozen=True)
 class Ends:
-    """Hinged ends: no displacement across the channel and no moment, so that the modes are sines."""
+    """How the two ends are held across the channel; the axial force acts through both, along the channel.
+
+    Parameters
+    ----------
+    upper, lower : {"hinged", "clamped", "guided", "free"}
+        At s = 0, the upper end of an inclined rod, and at s = L.  Hinged: no displacement, no moment.  Clamped: no
+        displacement, no rotation.  Guided: no rotation, no force across.  Free: no moment, no force across.
+    """
+
+    upper: str = "hinged"
+    lower: str = "hinged"
+
+    @classmethod
+    def of(cls, word: Any) -> Ends:
+        """Return the ends that a word names: "clamped" for both, or "clamped-hinged", the upper end first."""
+        parts = word.lower().replace(" ", "").split("-") if isinstance(word, str) else []
+        if not 1 <= len(parts) <= 2 or not set(parts) <= set(CONDITIONS):
+            raise ValueError(
+                f"ends must be one of {', '.join(CONDITIONS)}, or two of them joined by a hyphen, the upper end first, "
+                f'such as "clamped-hinged"; got {validate.short(word)}'
+            )
+        return cls(parts[0], parts[-1])
+
+    @property
+    def are_hinged(self) -> bool:
+        """Whether both are hinged, so that the modes of a rod under a uniform force are independent sines."""
+        return self.upper == self.lower == "hinged"
+
+    def __str__(self) -> str:
+        """Return the word for them."""
+        return self.upper if self.upper == self.lower else f"{self.upper}-{self.lower}"
 
     def first_wavenumber(self, length: float) -> float:
-        """Return w_1 = pi / L in 1/m; mode m has m times as much."""
+        """Return w_1 = pi / L in 1/m; mode m of a rod with hinged ends has m times as much."""
         return math.pi / length

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.content import NoTruthValue
+from floquetrod.floquet.systems.result import Resonance
+from floquetrod.rod.coupled import CoupledModes
 from floquetrod.rod.data import RodData
-from floquetrod.rod.load import AxialLoad, Quantity
+from floquetrod.rod.load import Load, Loads, Progress, Quantity
 from floquetrod.rod.modes import ModalSystem
-from floquetrod.rod.tongues import Progress, UnstableLoads, unstable_loads
+from floquetrod.rod.sampled import UnstablePart, first_change, unstable_parts
+from floquetrod.rod.tongues import UnstableLoads, unstable_loads
 
 QUANTITIES: dict[Quantity, tuple[str, str]] = {
     "mean": ("mean force", "N"),
@@ -27,13 +30,20 @@ QUANTITIES: dict[Quantity, tuple[str, str]] = {
 _PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
 
 
+Cause: TypeAlias = tuple[int, int] | Resonance | None
+"""What closes a stability interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search."""
+
+
 class StabilityInterval(NamedTuple):
-    """Stable from ``low`` to ``high``; what closes each end is (mode, tongue), None at an end of the search."""
+    """Stable from ``low`` to ``high``; what closes each end is (mode, tongue), where modes are coupled a `Resonance`.
+
+    None at an end of the search.
+    """
 
     low: float
     high: float
-    low_end: tuple[int, int] | None
-    high_end: tuple[int, int] | None
+    low_end: Cause
+    high_end: Cause
 
 
 @dataclass(frozen=True, repr=False)
@@ -121,7 +131,7 @@ class StabilityIntervals(NoTruthValue):
 def stability_intervals(
     varied: Quantity,
     rod: RodData,
-    largest: AxialLoad,
+    largest: Load,
     bounds: tuple[float, float],
     growth_tolerance: float,
     progress: Progress | None,
@@ -129,20 +139,33 @@ def stability_intervals(
     """Return the stability intervals of one quantity within ``bounds``, with as many modes as ``largest`` needs."""
     validate.progress(progress)
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    name, unit = QUANTITIES[varied]
+    if not rod.coupled_numbers.has_mathieu_modes(largest):
+        coupled = _coupled(varied, rod, largest, bounds, tolerance)
+        parts, resolution = unstable_parts(varied, coupled, largest, bounds, tolerance, progress)
+        closed = tuple(_stable_between(parts, bounds))
+        return StabilityIntervals(name, unit, bounds, closed, tolerance, coupled.count, 0, resolution)
     system = _system(rod, largest, tolerance)
     found = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
-    name, unit = QUANTITIES[varied]
     intervals = tuple(_between(found, bounds))
     last = system.modes[-1]
     return StabilityIntervals(name, unit, bounds, intervals, tolerance, last, found.hairlines, found.resolution)
 
 
-def first_unstable(varied: Quantity, rod: RodData, largest: AxialLoad, growth_tolerance: float) -> float:
+def first_unstable(varied: Quantity, rod: RodData, largest: Load, growth_tolerance: float) -> float:
     """Return where one quantity, going from zero to that of ``largest``, first meets growth; infinite without any."""
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    if not rod.coupled_numbers.has_mathieu_modes(largest):
+        bounds = (0.0, getattr(largest, varied))
+        coupled = _coupled(varied, rod, largest, bounds, tolerance)
+        none = largest.varied(varied, 0.0)
+        if coupled.verdicts(Loads.single(none), tolerance, None)[0] != 1:
+            return 0.0
+        change = first_change(varied, coupled, largest, bounds, tolerance)
+        return math.inf if change is None else change
     ends = np.linspace(0.0, getattr(largest, varied), _PIECES[varied] + 1).tolist()
     for piece in pairwise(ends):
-        modes = _system(rod, replace(largest, **{varied: piece[1]}), tolerance).modes
+        modes = _system(rod, largest.varied(varied, piece[1]), tolerance).modes
         system = ModalSystem(rod.mode_constants, largest, modes)
         found = unstable_loads(varied, system, tolerance, piece, union=True, nearest=piece[0]).intervals
         if found:
@@ -150,10 +173,30 @@ def first_unstable(varied: Quantity, rod: RodData, largest: AxialLoad, growth_to
     return math.inf
 
 
-def _system(rod: RodData, load: AxialLoad, tolerance: float) -> ModalSystem:
+def _system(rod: RodData, load: Load, tolerance: float) -> ModalSystem:
     """Return the equations of all modes that can grow faster than the tolerance."""
     last, left_out = rod.modes_needed(load, tolerance)
     return ModalSystem(rod.mode_constants, load, tuple(range(1, last + 1)), left_out)
+
+
+def _coupled(
+    varied: Quantity, rod: RodData, largest: Load, bounds: tuple[float, float], tolerance: float
+) -> CoupledModes:
+    """Return as many coupled modes as all loads within bounds need."""
+    numbers = {name: np.full(33, getattr(largest, name)) for name in QUANTITIES}
+    loads = Loads((33,), **(numbers | {varied: np.linspace(*bounds, 33)}))
+    return CoupledModes(rod.coupled_numbers, largest, rod.coupled_numbers.modes_needed(loads, largest, tolerance))
+
+
+def _stable_between(parts: list[UnstablePart], bounds: tuple[float, float]) -> Iterator[StabilityInterval]:
+    """Yield what the unstable parts leave of ``bounds``."""
+    at, closed_by = bounds[0], None
+    for part in parts:
+        if part.low > at:
+            yield StabilityInterval(at, part.low, closed_by, part.low_cause)
+        at, closed_by = part.high, part.high_cause
+    if at < bounds[1]:
+        yield StabilityInterval(at, bounds[1], closed_by, None)
 
 
 def _between(unstable: UnstableLoads, bounds: tuple[float, float]) -> Iterator[StabilityInterval]:
@@ -171,5 +214,7 @@ def _between(unstable: UnstableLoads, bounds: tuple[float, float]) -> Iterator[S
         yield StabilityInterval(at, high, closed_by, None)
 
 
-def _end(end: tuple[int, int] | None) -> str:
-    return "end of the search" if end is None else f"mode {end[0]}, tongue {end[1]}"
+def _end(end: Cause) -> str:
+    if end is None:
+        return "end of the search"
+    return str(end) if isinstance(end, Resonance) else f"mode {end[0]}, tongue {end[1]}"

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, overload
 
 import numpy as np
@@ -14,6 +13,9 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod.friction.fate_of_kicks import UndecidedWarning
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.rod.constants import HAIRLINE_GROWTH
+from floquetrod.rod.coupled import CoupledModes, chosen_count
+from floquetrod.rod.coupled_stability import CoupledRodStability, classify_coupled
 from floquetrod.rod.data import RodData
 from floquetrod.rod.friction import (
     CriticalKick,
@@ -23,11 +25,10 @@ from floquetrod.rod.friction import (
     critical_kicks,
     kicked_loads,
 )
-from floquetrod.rod.load import AxialLoad, Loads, load_bounds
+from floquetrod.rod.load import Load, Loads, Progress, kind, load_bounds, require_load
 from floquetrod.rod.mode_friction import friction_and_kick, friction_coefficient
 from floquetrod.rod.ranges import StabilityIntervals, first_unstable, stability_intervals
 from floquetrod.rod.stability import RodStability, classify_modes
-from floquetrod.rod.tongues import HAIRLINE_GROWTH, Progress
 
 _UNIFORM_UP_TO = 0.1  # ratio of forcing speed to wave speed up to which the force counts as uniform (heuristic)
 
@@ -38,7 +39,7 @@ class UniformForceWarning(UserWarning):
 
 @dataclass(frozen=True, init=False, repr=False)
 class Rod(RodData):
-    """A straight elastic rod or tube of circular section on the floor of a straight circular channel, ends hinged.
+    """A straight elastic rod or tube of circular section on the floor of a straight circular channel.
 
     Parameters
     ----------
@@ -63,8 +64,10 @@ class Rod(RodData):
         Mass of the outer fluid that moves with the rod over the mass displaced: by default pi^2/3 - 1 = 2.29, that of a
         cylinder touching a plane floor; more in a narrow gap.
     inclination : float
-        Angle of the channel from the vertical in radians, above 0 and at most pi/2, which is horizontal.  The weight
-        along an inclined rod is neglected.
+        Angle of the channel from the vertical in radians, above 0 and at most pi/2, which is horizontal.
+    ends : str
+        "hinged", "clamped", "guided" or "free", or two of them, the upper end first: "clamped-hinged".  See
+        `floquetrod.rod.Ends`.
     diameter, inner_diameter, channel_diameter, wall_thickness : float, optional
         In m, in place of ``radius``, ``inner_radius``, ``channel_radius`` and, the last, of ``inner_radius``.
 
@@ -88,18 +91,18 @@ class Rod(RodData):
     @overload
     def stability(
         self,
-        load: AxialLoad,
+        load: Load,
         modes: Iterable[int] | None = None,
         *,
         growth_tolerance: float = 0.0,
         friction: float | None = None,
         kick: None = None,
-    ) -> RodStability: ...
+    ) -> RodStability | CoupledRodStability: ...
 
     @overload
     def stability(
         self,
-        load: AxialLoad,
+        load: Load,
         modes: Iterable[int] | None = None,
         *,
         growth_tolerance: float = 0.0,
@@ -109,30 +112,32 @@ class Rod(RodData):
 
     def stability(
         self,
-        load: AxialLoad,
+        load: Load,
         modes: Iterable[int] | None = None,
         *,
         growth_tolerance: float = 0.0,
         friction: float | None = None,
         kick: float | None = None,
-    ) -> RodStability | FrictionalRodStability:
+    ) -> RodStability | CoupledRodStability | FrictionalRodStability:
         """Return the verdict on the rod under a load: stable when every mode is.
 
         Parameters
         ----------
-        load : AxialLoad
+        load : AxialLoad or AxialWave
         modes : iterable of int, optional
-            Modes to look at; by default all that can matter, see `modes_needed`.
+            Modes to look at; by default all that can matter, see `modes_needed`.  Where modes are coupled, 1 to n.
         growth_tolerance : float
             Growth rate in 1/s up to which a mode counts as stable.
         friction, kick : float, optional
             Coefficient of friction with the floor, static and kinetic, and the kick that every mode is given, a
             transverse velocity in m/s: stable when it destabilises none of them.  Friction holds every rod that nothing
-            disturbs, so neither goes without the other.
+            disturbs, so neither goes without the other.  For independent modes only.
 
         Returns
         -------
-        RodStability, or FrictionalRodStability where a kick is given
+        RodStability, CoupledRodStability or FrictionalRodStability
+            The second where modes are coupled: by ends that are not hinged, by a force that varies along the rod, or
+            where it is no pure sine; the third where a kick is given.
 
         Warns
         -----
@@ -146,15 +151,19 @@ class Rod(RodData):
         >>> rod.stability(load).unstable_modes
         (7,)
         """
-        validate.instance("load", load, AxialLoad)
+        require_load("load", load)
         rubbing = friction_and_kick(friction, kick)
         growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
         self._warn_unless_uniform(load)
+        if not self.coupled_numbers.has_mathieu_modes(load):
+            if friction is not None:
+                raise self._refusal("friction", load)
+            return classify_coupled(self, load, None if modes is None else chosen_count(modes), growth_tolerance)
         # The growth rate is that of all modes, tolerated or not.
-        linear = classify_modes(self, self.modal_system(load, modes), growth_tolerance)
+        linear = classify_modes(self, self.independent_modes(load, modes), growth_tolerance)
         return linear if rubbing is None else classify_kick(linear, *rubbing)
 
-    def critical_kick(self, load: AxialLoad, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
+    def critical_kick(self, load: Load, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
         """Return the smallest kick, a transverse velocity in m/s, found to buckle the rod against friction.
 
         Every mode is taken to be kicked alike; infinite where nothing grows even without friction.  Beside it stand the
@@ -169,7 +178,10 @@ class Rod(RodData):
         (32.1, 9, 27.8)
         """
         friction = friction_coefficient(friction)
-        return critical_kick(self.stability(load, growth_tolerance=growth_tolerance), friction)
+        linear = self.stability(load, growth_tolerance=growth_tolerance)
+        if not isinstance(linear, RodStability):
+            raise self._refusal("friction", load)
+        return critical_kick(linear, friction)
 
     def critical_kicks(
         self,
@@ -195,12 +207,13 @@ class Rod(RodData):
         bounds: tuple[float, float] | None = None,
         *,
         growth_tolerance: float = HAIRLINE_GROWTH,
+        like: Load | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
         """Return all stability intervals of the mean force.
 
-        Complete, with damping and tolerance too: tongues are found by counting, and inside one the growth is concave in
-        the mean force (docs/ranges.md).
+        Complete where modes are independent, with damping and tolerance too: tongues are found by counting, and inside
+        one the growth is concave in the mean force (docs/ranges.md).
 
         Parameters
         ----------
@@ -212,6 +225,9 @@ class Rod(RodData):
             Growth rate in 1/s up to which a mode counts as stable.  The default leaves out, and counts, the hairlines
             in which nothing grows tenfold within a month; with 0 every tongue is resolved, which takes long where
             there are thousands, at low frequencies.
+        like : AxialLoad or AxialWave, optional
+            What everything else of the load is taken from; by default a sine, uniform but for the weight along the rod.
+            Where modes are coupled loads are sampled, and the ``resolution`` of the result says what may be missed.
         progress : callable, optional
             Called with the numbers of modes searched and to search.
 
@@ -223,7 +239,7 @@ class Rod(RodData):
         (5, True, False)
         """
         low, high = (0.0, 1.5 * self.critical_force) if bounds is None else load_bounds("mean", bounds)
-        load = AxialLoad(high, amplitude, frequency)
+        load = kind(like).with_numbers(high, amplitude, frequency)
         return stability_intervals("mean", self, load, (low, high), growth_tolerance, progress)
 
     def stable_amplitudes(
@@ -233,16 +249,17 @@ class Rod(RodData):
         bounds: tuple[float, float] | None = None,
         *,
         growth_tolerance: float = HAIRLINE_GROWTH,
+        like: Load | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
         """Return all stability intervals of the amplitude within ``bounds`` (N; by default 0 to one critical force).
 
-        Complete for modes that the mean force alone would buckle.  For the others growth need not be concave in the
-        amplitude: with damping or tolerance unstable parts narrower than the ``resolution`` of the result may be missed
-        (docs/ranges.md).  See `stable_mean_forces` for the other arguments.
+        Complete for independent modes that the mean force alone would buckle.  For others growth need not be concave in
+        the amplitude: with damping or tolerance unstable parts narrower than the ``resolution`` of the result may be
+        missed (docs/ranges.md).  See `stable_mean_forces` for the other arguments.
         """
         low, high = (0.0, self.critical_force) if bounds is None else load_bounds("amplitude", bounds)
-        load = AxialLoad(mean, high, frequency)
+        load = kind(like).with_numbers(mean, high, frequency)
         return stability_intervals("amplitude", self, load, (low, high), growth_tolerance, progress)
 
     def stable_frequencies(
@@ -252,37 +269,50 @@ class Rod(RodData):
         bounds: tuple[float, float],
         *,
         growth_tolerance: float = HAIRLINE_GROWTH,
+        like: Load | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
         """Return all stability intervals of the frequency within ``bounds`` (rad/s).
 
-        Complete, with damping and tolerance too: as 1 / omega^2 grows eigenvalues pass zero in one direction only, so
-        that counting finds every tongue, and inside one the growth per period is concave in 1 / omega^2
-        (docs/ranges.md).  See `stable_mean_forces` for the other arguments.
+        Complete where modes are independent, with damping and tolerance too: as 1 / omega^2 grows eigenvalues pass zero
+        in one direction only, so that counting finds every tongue, and inside one the growth per period is concave in
+        1 / omega^2 (docs/ranges.md).  See `stable_mean_forces` for the other arguments.
         """
         low, high = load_bounds("frequency", bounds)
-        slowest = AxialLoad(mean, amplitude, low)
+        slowest = kind(like).with_numbers(mean, amplitude, low)
         self.mode_constants.require_in_reach(Loads.single(slowest))
-        fastest = replace(slowest, frequency=high)
+        fastest = slowest.varied("frequency", high)
         return stability_intervals("frequency", self, fastest, (low, high), growth_tolerance, progress)
 
     def critical_mean_force(
-        self, amplitude: float, frequency: float, *, growth_tolerance: float = HAIRLINE_GROWTH
+        self,
+        amplitude: float,
+        frequency: float,
+        *,
+        growth_tolerance: float = HAIRLINE_GROWTH,
+        like: Load | None = None,
     ) -> float:
         """Return the smallest mean force from 0 up, in N, at which a mode grows faster than ``growth_tolerance``.
 
-        Infinite where there is none up to 1.5 critical forces.
+        Infinite where there is none up to 1.5 critical forces.  ``like`` as in `stable_mean_forces`.
         """
-        return first_unstable(
-            "mean", self, AxialLoad(1.5 * self.critical_force, amplitude, frequency), growth_tolerance
-        )
+        load = kind(like).with_numbers(1.5 * self.critical_force, amplitude, frequency)
+        return first_unstable("mean", self, load, growth_tolerance)
 
-    def critical_amplitude(self, mean: float, frequency: float, *, growth_tolerance: float = HAIRLINE_GROWTH) -> float:
+    def critical_amplitude(
+        self,
+        mean: float,
+        frequency: float,
+        *,
+        growth_tolerance: float = HAIRLINE_GROWTH,
+        like: Load | None = None,
+    ) -> float:
         """Return the smallest amplitude in N at which a mode grows faster than ``growth_tolerance``.
 
-        Infinite where there is none up to one critical force.
+        Infinite where there is none up to one critical force.  ``like`` as in `stable_mean_forces`.
         """
-        return first_unstable("amplitude", self, AxialLoad(mean, self.critical_force, frequency), growth_tolerance)
+        load = kind(like).with_numbers(mean, self.critical_force, frequency)
+        return first_unstable("amplitude", self, load, growth_tolerance)
 
     def is_stable(
         self,
@@ -294,13 +324,15 @@ class Rod(RodData):
         criterion: FiniteTimeCriterion | None = None,
         friction: float | None = None,
         kick: float | None = None,
+        like: Load | None = None,
         workers: int | None = None,
     ) -> Any:
         """Return whether the rod is stable, over arrays of loads (N, N, rad/s) that broadcast, all relevant modes.
 
         A mode counts as stable up to ``growth_tolerance`` (1/s), or when it passes the ``criterion``.  With
         ``friction`` and a ``kick`` (m/s): whether the kick destabilises no mode; loads that cannot be decided are
-        False, with a warning, and `verdicts` tells which.
+        False, with a warning, and `verdicts` tells which.  ``like`` (AxialLoad or AxialWave) gives everything else of
+        the loads; by default a sine, uniform but for the weight along the rod.
 
         >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
         array([False, False])
@@ -313,6 +345,7 @@ class Rod(RodData):
             criterion=criterion,
             friction=friction,
             kick=kick,
+            like=like,
             workers=workers,
         )
         unsure = int(np.count_nonzero(np.equal(found, -1)))
@@ -334,11 +367,12 @@ class Rod(RodData):
         criterion: FiniteTimeCriterion | None = None,
         friction: float | None = None,
         kick: float | None = None,
+        like: Load | None = None,
         workers: int | None = None,
     ) -> Any:
         """Return 1 where the rod is stable, 0 where it is not and -1 where that cannot be decided, as int8.
 
-        Arguments as in `is_stable`; only kicks against friction are ever undecided.
+        Arguments as in `is_stable`.  Undecided are some kicks against friction, and coupled modes on a boundary.
 
         >>> Rod.nitinol().verdicts([0.2, 0.72], 1.187, 150.0, friction=0.1, kick=0.05)
         array([1, 0], dtype=int8)
@@ -348,6 +382,14 @@ class Rod(RodData):
         if criterion is not None:
             validate.instance("criterion", criterion, FiniteTimeCriterion)
             criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if rubbing is None else rubbing[0])
+        found: Any
+        if not self.coupled_numbers.has_mathieu_modes(kind(like)):
+            for name, given in (("friction", rubbing), ("criterion", criterion)):
+                if given is not None:
+                    raise self._refusal(name, kind(like))
+            loads, modes = self._coupled(like, mean, amplitude, frequency, tolerance)
+            found = modes.verdicts(loads, tolerance, workers)
+            return shaped(found, loads.shape)
         systems = self.modal_systems(mean, amplitude, frequency)
         if rubbing is not None:
             found = kicked_loads(self, systems, *rubbing, tolerance, workers)
@@ -357,22 +399,49 @@ class Rod(RodData):
             found = systems.are_stable(tolerance, workers).view(np.int8)
         return shaped(found, systems.loads.shape)
 
-    def growth_rate(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> Any:
+    def growth_rate(
+        self, mean: Any, amplitude: Any, frequency: Any, *, like: Load | None = None, workers: int | None = None
+    ) -> Any:
         """Return the growth rate in 1/s of the fastest mode over arrays of loads; 0 where stable."""
-        return self.fastest(mean, amplitude, frequency, workers=workers)[0]
+        return self.fastest(mean, amplitude, frequency, like=like, workers=workers)[0]
 
-    def fastest(self, mean: Any, amplitude: Any, frequency: Any, *, workers: int | None = None) -> tuple[Any, Any]:
-        """Return the growth rate in 1/s and the number of the fastest mode over arrays of loads; 0, 0 where stable."""
+    def fastest(
+        self, mean: Any, amplitude: Any, frequency: Any, *, like: Load | None = None, workers: int | None = None
+    ) -> tuple[Any, Any]:
+        """Return the growth rate in 1/s and the number of the fastest mode over arrays of loads; 0, 0 where stable.
+
+        Where modes are coupled their number is -1: `stability` names them.
+        """
+        if not self.coupled_numbers.has_mathieu_modes(kind(like)):
+            loads, modes = self._coupled(like, mean, amplitude, frequency, 0.0)
+            growth = modes.growth(loads, workers)
+            mode = np.where(growth > 0.0, -1, 0)
+            return shaped(growth, loads.shape), shaped(mode, loads.shape)
         systems = self.modal_systems(mean, amplitude, frequency)
         growth, mode = systems.fastest(workers)
         return shaped(growth, systems.loads.shape), shaped(mode, systems.loads.shape)
 
-    def _warn_unless_uniform(self, load: AxialLoad) -> None:
-        ratio = load.frequency * self.length / (2.0 * math.pi) / self.wave_speed
-        if ratio > _UNIFORM_UP_TO:
+    def _coupled(
+        self, like: Load | None, mean: Any, amplitude: Any, frequency: Any, growth_tolerance: float
+    ) -> tuple[Loads, CoupledModes]:
+        """Return loads, checked, and the coupled modes that they need."""
+        loads = Loads.of(mean, amplitude, frequency)
+        count = self.coupled_numbers.modes_needed(loads, kind(like), growth_tolerance)
+        return loads, CoupledModes(self.coupled_numbers, kind(like), count)
+
+    def _refusal(self, name: str, load: Load) -> ValueError:
+        return ValueError(
+            f"{name} is for rods whose modes are independent: hinged ends, and a sine that is uniform along the rod "
+            f"(mean_at=None neglects its weight), got ends={self.ends!r}, inclination = {self.inclination:g} and {load}"
+        )
+
+    def _warn_unless_uniform(self, load: Load) -> None:
+        ratio = self.wave_ratio(load)
+        if load.is_uniform and ratio > _UNIFORM_UP_TO:
             warnings.warn(
                 f"omega L / (2 pi) is {ratio:.2g} of the axial wave speed {self.wave_speed:.0f} m/s: the force is not "
-                f"uniform along the rod, as this theory takes it to be (fit for ratios below {_UNIFORM_UP_TO:g})",
+                f"uniform along the rod, as this load takes it to be (fit for ratios below {_UNIFORM_UP_TO:g}); "
+                "AxialWave follows the waves",
                 UniformForceWarning,
                 stacklevel=3,
             )

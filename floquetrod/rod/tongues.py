@@ -4,21 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
 from floquetrod.mathieu import tongues
 from floquetrod.mathieu.bands import Floats, Ints
 from floquetrod.mathieu.tongues import Tongues
-from floquetrod.rod.load import Quantity
+from floquetrod.rod.load import Progress, Quantity
 from floquetrod.rod.modes import ModalSystem
-
-Progress: TypeAlias = Callable[[int, int], None]
-"""Called with the numbers of modes searched and to search."""
-
-HAIRLINE_GROWTH = 1e-6
-"""Growth in 1/s, tenfold in a month, up to which a tongue is a hairline: searches leave it out, and count it."""
 
 
 class UnstableInterval(NamedTuple):
@@ -100,7 +94,7 @@ def gaps(intervals: Sequence[UnstableInterval], bounds: tuple[float, float]) -> 
 
 def _likely_first(varied: Quantity, system: ModalSystem, bounds: tuple[float, float]) -> tuple[int, ...]:
     """Return the modes, those first whose stiffness the largest push lowers most."""
-    top = replace(system, load=replace(system.load, **{varied: bounds[1]}))
+    top = replace(system, load=system.load.varied(varied, bounds[1]))
     return tuple(system.modes[i] for i in np.argsort(-(top.beta + top.alpha), kind="stable"))
 
 

@@ -18,6 +18,7 @@ from floquetrod._util.version import __version__
 from floquetrod.rod.load import AxialLoad
 from floquetrod.rod.mode_friction import friction_coefficient
 from floquetrod.rod.rod import Rod
+from floquetrod.rod.stability import growth_of_modes
 from floquetrod.simulation.checkpoints import Checkpoint
 from floquetrod.simulation.growth import GrowthFit, fit_linear_growth
 from floquetrod.simulation.integration import Integration, Progress
@@ -173,7 +174,9 @@ class SimulationProblem:
 
     def as_dict(self) -> dict[str, Any]:
         """Return the parameters as plain data, for files: what JSON gives back as it was."""
-        plain: dict[str, Any] = json.loads(json.dumps(asdict(self) | {"rod": self.rod.as_dict()}))
+        plain: dict[str, Any] = json.loads(
+            json.dumps(asdict(self) | {"rod": self.rod.as_dict(), "load": self.load.as_dict()})
+        )
         return plain
 
     @classmethod
@@ -336,7 +339,7 @@ class Simulation(RecordedMotion):
         """Growth in 1/s that the mode equations predict the leading modes, zero with friction."""
         if self.problem.friction > 0.0:
             return (0.0,) * len(self.leading_modes)
-        return tuple(map(float, self.rod.stability(self.problem.load, self.leading_modes).mode_growth_rates))
+        return tuple(map(float, growth_of_modes(self.rod, self.problem.load, self.leading_modes)))
 
     def save(self, path: str | Path) -> Path:
         """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""

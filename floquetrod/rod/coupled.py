@@ -1,0 +1,222 @@
+"""Coupled modes: the equations of a rod whose force varies along it, or whose ends are not hinged, as a system.
+
+In beam functions phi_j(x), x = s / L, of unit norm the deflection sum q_j phi_j obeys
+
+    q'' + 2 c q' + K(t) q = 0,  K_ij = (E I / m L^4) int phi_i'' phi_j'' + (w_e sin(inc) / (R m)) delta_ij
+                                       - (1 / m L^2) int F(s, t) phi_i' phi_j'.
+
+Ritz's method: what is left out of the series only ever stiffens the rod.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.equations import HillSystem
+from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.systems.result import Resonance
+from floquetrod.rod.beam import Basis, basis
+from floquetrod.rod.constants import HAIRLINE_GROWTH, ModeConstants
+from floquetrod.rod.load import AxialLoad, Load, Loads
+from floquetrod.rod.parts import Ends
+from floquetrod.systems.arrays import growth_rate, verdicts
+
+Floats = NDArray[np.float64]
+
+MOST_COUPLED = 2000  # modes of a system: half a minute each verdict (a choice)
+LEAST_COUPLED = 8  # modes at least (a choice)
+_SEEN = 64  # frequencies at which the largest force along the rod is looked for (a choice)
+_AT_ONCE = 1 << 22  # numbers in the matrices of systems that are held at once (a choice: 32 megabytes)
+
+
+class RodNumbers(NamedTuple):
+    """All that coupled modes depend on besides the load, in SI units.
+
+    Attributes
+    ----------
+    constants : ModeConstants
+    ends : Ends
+    length : float
+    weight_along : float
+        w_e cos(inclination) in N/m.
+    wave_speed : float
+        Of axial waves, m/s.
+    """
+
+    constants: ModeConstants
+    ends: Ends
+    length: float
+    weight_along: float
+    wave_speed: float
+
+    def has_mathieu_modes(self, load: Load) -> bool:
+        """Return whether each mode obeys an equation of Mathieu's: hinged ends, a uniform force that is a pure sine."""
+        if load.waveform != "sine":
+            return False
+        return self.ends.are_hinged and load.is_uniform and (self.weight_along == 0.0 or load.mean_at is None)
+
+    def modes_needed(self, loads: Loads, like: Load, growth_tolerance: float) -> int:
+        """Return how many modes to take for loads of a kind: as many as the largest force along the rod would need.
+
+        An estimate: that force is taken as uniform, and modes beyond are expected to grow at less than 1e-6 per second,
+        or the tolerance, if larger.
+        """
+        s = np.linspace(0.0, self.length, 257)
+        frequencies = np.unique(loads.frequency)
+        frequencies = frequencies[:: max(1, len(frequencies) // _SEEN)] if len(frequencies) > _SEEN else frequencies
+        largest = max(
+            sum(
+                abs(h) * float(np.abs(like.profile(self.wave_speed, self.length, s, k * frequency)).max())
+                for k, h in enumerate(like.harmonics.tolist(), start=1)
+                if h
+            )
+            for frequency in frequencies.tolist()
+        )
+        mean = float(loads.mean.max()) + max(self.added_mean(like, 0.0), self.added_mean(like, 1.0))
+        fastest = float(loads.frequency.max()) * len(like.harmonics)
+        uniform = AxialLoad(mean, float(loads.amplitude.max()) * largest, fastest)
+        needed, _ = self.constants.modes_needed(uniform, max(growth_tolerance, HAIRLINE_GROWTH))
+        if needed > MOST_COUPLED:
+            raise ValueError(
+                f"load needs {needed} coupled modes, more than {MOST_COUPLED}: so long a rod has that many resonances "
+                "below the frequency; give the rod its damping_rate, a growth_tolerance, a shorter length, or choose "
+                "the number of modes"
+            )
+        return max(LEAST_COUPLED, needed + 2)
+
+    def added_mean(self, like: Load, x: Any) -> Any:
+        """Return what the weight along the rod adds to the mean force at x = s / L, in N."""
+        return 0.0 * x if like.mean_at is None else self.weight_along * self.length * (x - like.mean_at)
+
+
+@dataclass(frozen=True, eq=False)
+class CoupledModes:
+    """The modes of a rod under one kind of load, ``count`` of them, as systems of equations in seconds.
+
+    Attributes
+    ----------
+    numbers : RodNumbers
+    like : Load
+        What the loads have in common: everything but mean, amplitude and frequency.
+    count : int
+        Beam functions; polynomials may be added to them.
+    """
+
+    numbers: RodNumbers
+    like: Load
+    count: int
+
+    @cached_property
+    def basis(self) -> Basis:
+        """The functions along the rod."""
+        return basis(self.numbers.ends, self.count)
+
+    @property
+    def size(self) -> int:
+        """Number of equations."""
+        return self.basis.size
+
+    @cached_property
+    def _static(self) -> tuple[Floats, Floats]:
+        """Stiffness without mean force in 1/s^2, and what a newton of uniform compression takes from it."""
+        constants, length = self.numbers.constants, self.numbers.length
+        bending = constants.rigidity / constants.mass_per_length / length**4 * self.basis.bending
+        weight = self._coupling(self.numbers.added_mean(self.like, self.basis.nodes))
+        swing = constants.pendulum_frequency**2 * np.eye(self.size)
+        return bending + swing - weight, self._coupling(np.ones_like(self.basis.nodes))
+
+    def _coupling(self, force: NDArray[Any]) -> Floats:
+        """Return (1 / m L^2) int F phi_i' phi_j' for a force in N at the nodes."""
+        return self.basis.coupling(force) / (self.numbers.constants.mass_per_length * self.numbers.length**2)
+
+    def _vibration(self, frequency: float) -> NDArray[np.float64]:
+        """Return cosine and sine matrices of every harmonic for an amplitude of one newton, (2, H, n, n)."""
+        s = self.basis.nodes * self.numbers.length
+        found = []
+        for k, h in enumerate(self.like.harmonics, start=1):
+            force = (
+                h * self.like.profile(self.numbers.wave_speed, self.numbers.length, s, k * frequency) if h else 0.0 * s
+            )
+            found.append((-self._coupling(force.real), self._coupling(force.imag)))
+        return np.array(found).swapaxes(0, 1)
+
+    def system(self, loads: Loads) -> HillSystem:
+        """Return the systems of flat loads as one batch, or a single one where there is one load of the shape ()."""
+        stiffness, push = self._static
+        frequencies, inverse = np.unique(loads.frequency, return_inverse=True)
+        if self.like.is_uniform:  # the same at all frequencies
+            vibration = self._vibration(float(frequencies[0]))[None]
+            inverse = np.zeros_like(inverse)
+        else:
+            vibration = np.array([self._vibration(float(frequency)) for frequency in frequencies])
+        mean = stiffness - loads.mean[:, None, None] * push
+        forcing = loads.amplitude[:, None, None, None, None] * vibration[inverse]
+        single = loads.shape == ()
+        parts = [[m[0] if single else m for m in np.moveaxis(forcing[:, i], 1, 0)] for i in (0, 1)]
+        cosines, sines = ([] if not any(m.any() for m in series) else series for series in parts)
+        damping = 2.0 * self.numbers.constants.damping_rate * np.eye(self.size)
+        period = 2.0 * math.pi / loads.frequency
+        return HillSystem(
+            mean[0] if single else mean,
+            cosines,
+            sines,
+            damping=damping if damping.any() else None,
+            period=float(period[0]) if single else period,
+        )
+
+    def verdicts(self, loads: Loads, growth_tolerance: float, workers: int | None) -> NDArray[np.int8]:
+        """Return 1 where no solution grows faster than the tolerance (1/s), 0 where one does, -1 where undecided."""
+        found = np.empty(loads.size, dtype=np.int8)
+        for part in self._parts(loads):
+            status, growth = verdicts(self.system(loads.part(part)), workers=workers)
+            if growth_tolerance > 0.0:
+                status = np.where(growth <= growth_tolerance, 1, np.where(status == 1, 1, status))
+            found[part] = status
+        return found
+
+    def growth(self, loads: Loads, workers: int | None) -> Floats:
+        """Return the growth rate of the fastest solution in 1/s."""
+        found = np.empty(loads.size)
+        for part in self._parts(loads):
+            found[part] = growth_rate(self.system(loads.part(part)), workers=workers)
+        return found
+
+    def resonances(self, load: Load) -> tuple[Resonance, ...]:
+        """Return what grows under one load, the fastest first, modes numbered as those without axial force."""
+        system = self.system(Loads.single(load))
+        return self.named(system, stability(system).resonances)
+
+    def named(self, system: HillSystem, resonances: tuple[Resonance, ...]) -> tuple[Resonance, ...]:
+        """Return resonances whose modes are counted by frequency under the mean force, with their own numbers."""
+        from scipy.optimize import linear_sum_assignment
+
+        if not resonances:
+            return ()
+        _, vectors = np.linalg.eigh(system.stiffness)
+        function, place = linear_sum_assignment(-np.abs(vectors))
+        names = np.empty(len(place), dtype=np.int64)
+        names[place] = function + 1
+        return tuple(r._replace(modes=tuple(sorted(int(names[i - 1]) for i in r.modes))) for r in resonances)
+
+    def _parts(self, loads: Loads) -> list[slice]:
+        each = self.size**2 * (1 + 2 * len(self.like.harmonics))
+        step = max(1, _AT_ONCE // each)
+        return [slice(i, min(i + step, loads.size)) for i in range(0, loads.size, step)]
+
+
+def chosen_count(modes: Any) -> int:
+    """Return how many modes a caller chose: coupled modes are taken from the first on, without gaps."""
+    chosen = validate.modes(modes)
+    if chosen != tuple(range(1, len(chosen) + 1)):
+        raise ValueError(
+            f"modes of a rod whose modes are coupled must be 1 to some number, got {validate.short(list(chosen))}; "
+            "give range(1, n + 1)"
+        )
+    return validate.integer("modes", len(chosen), 1, MOST_COUPLED)
