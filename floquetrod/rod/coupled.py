@@ -171,11 +171,16 @@ class CoupledModes:
             period=float(period[0]) if single else period,
         )
 
-    def verdicts(self, loads: Loads, growth_tolerance: float, workers: int | None) -> NDArray[np.int8]:
-        """Return 1 where no solution grows faster than the tolerance (1/s), 0 where one does, -1 where undecided."""
+    def verdicts(
+        self, loads: Loads, growth_tolerance: float, workers: int | None = None, *, quick: bool = False
+    ) -> NDArray[np.int8]:
+        """Return 1 where no solution grows faster than the tolerance (1/s), 0 where one does, -1 where undecided.
+
+        With ``quick`` more loads are undecided, those next to a boundary, none of which then takes long.
+        """
         found = np.empty(loads.size, dtype=np.int8)
         for part in self._parts(loads):
-            status, growth = verdicts(self.system(loads.part(part)), workers=workers)
+            status, growth = verdicts(self.system(loads.part(part)), workers=workers, quick=quick)
             if growth_tolerance > 0.0:
                 status = np.where(growth <= growth_tolerance, 1, np.where(status == 1, 1, status))
             found[part] = status

@@ -129,7 +129,7 @@ class CoupledRodStability(RodVerdict):
         def grows(rate: float) -> bool:
             constants = self.coupled.numbers.constants._replace(damping_rate=rate)
             modes = replace(self.coupled, numbers=self.coupled.numbers._replace(constants=constants))
-            return bool(modes.verdicts(loads, self.growth_tolerance, 1)[0] != 1)
+            return bool(modes.verdicts(loads, self.growth_tolerance, quick=True)[0] != 1)
 
         least = max(self.growth_rate, 1e-6 * self.load.frequency)
         tried = least * 2.0 ** np.arange(-1, 4)

@@ -159,7 +159,7 @@ def first_unstable(varied: Quantity, rod: RodData, largest: Load, growth_toleran
         bounds = (0.0, getattr(largest, varied))
         coupled = _coupled(varied, rod, largest, bounds, tolerance)
         none = largest.varied(varied, 0.0)
-        if coupled.verdicts(Loads.single(none), tolerance, None)[0] != 1:
+        if coupled.verdicts(Loads.single(none), tolerance, quick=True)[0] != 1:
             return 0.0
         change = first_change(varied, coupled, largest, bounds, tolerance)
         return math.inf if change is None else change

@@ -91,7 +91,7 @@ def _changes(
 def _stable(varied: Quantity, modes: CoupledModes, load: Load, places: Floats, tolerance: float) -> NDArray[np.bool_]:
     numbers = {name: np.full(places.shape, getattr(load, name)) for name in ("mean", "amplitude", "frequency")}
     loads = Loads(places.shape, **(numbers | {varied: places}))
-    return np.equal(modes.verdicts(loads, tolerance, None), 1)
+    return np.equal(modes.verdicts(loads, tolerance, quick=True), 1)
 
 
 def _cause(varied: Quantity, modes: CoupledModes, load: Load, at: float) -> Resonance | None:

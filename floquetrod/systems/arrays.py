@@ -93,10 +93,10 @@ def multipliers(systems: System, *, workers: int | None = None) -> Any:
     return found.reshape(*systems.shape, found.shape[1])
 
 
-def verdicts(systems: System, *, workers: int | None = None) -> ManyVerdicts:
+def verdicts(systems: System, *, workers: int | None = None, quick: bool = False) -> ManyVerdicts:
     """Return status (1 stable, 0 unstable, -1 undecided) and growth rate of each system, flat in the order of C.
 
-    What the quick rules leave open, `floquetrod.stability` judges.
+    What the quick rules leave open, `floquetrod.stability` judges, unless only they are asked for.
     """
     workers = validate.workers(workers)
     batch = _batch(systems)
@@ -105,7 +105,7 @@ def verdicts(systems: System, *, workers: int | None = None) -> ManyVerdicts:
 
     def fill(part: slice) -> None:
         status[part], growth[part] = batch.verdicts(part)
-        for i in np.flatnonzero(status[part] == many.UNDECIDED) + part.start:
+        for i in () if quick else np.flatnonzero(status[part] == many.UNDECIDED) + part.start:
             result = stability(pick(systems, int(i)))
             status[i] = {"stable": many.STABLE, "unstable": many.UNSTABLE}.get(result.status, many.UNDECIDED)
             growth[i] = result.growth_rate
