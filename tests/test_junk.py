@@ -122,6 +122,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         | {"inner_diameter": 0.04},
     ),
     (ROD.replace, {"length": 3.0, "damping_rate": 0.1, "inner_diameter": 0.4e-3, "inclination": 1.0}),
+    (fr.Rod.catalogue, {"name": "2x.156 CT90", "bore": 0.12, "length": 60.0}),
     (ROD.stability, {"load": LOAD, "modes": (6, 7), "growth_tolerance": 0.0, "friction": 0.1, "kick": 0.05}),
     (ROD.stability, {"load": LOAD}),
     (ROD.critical_kick, {"load": LOAD, "friction": 0.1, "growth_tolerance": 0.0}),
