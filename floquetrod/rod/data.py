@@ -19,6 +19,7 @@ from floquetrod.rod.catalogue import pipe_in_a_hole
 from floquetrod.rod.constants import MOST_MODES, ModeConstants
 from floquetrod.rod.files import read_rod
 from floquetrod.rod.load import AxialLoad, Loads
+from floquetrod.rod.lock_up import LockUp
 from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.parts import (
     ON_A_FLOOR,
@@ -28,6 +29,7 @@ from floquetrod.rod.parts import (
     Material,
     Section,
     decay_rate,
+    friction_coefficient,
     inside_wall,
     parameter,
     radius_of,
@@ -326,6 +328,18 @@ class RodData:
         vertical         0.138 N  Lubinski 1950
         """
         return buckling_forces(self.critical_force, self.flexural_rigidity, self.weight_per_length)
+
+    def lock_up(self, friction: float, far_force: float = 0.0) -> LockUp:
+        """Return how far a string of this section, of any length, can be pushed down the channel from its upper end.
+
+        ``friction`` is its coefficient along the channel, and ``far_force`` the effective compression at the lower end
+        in N, negative for a pull; ValueError or TypeError for what is neither.
+
+        >>> RodData.nitinol().lock_up(friction=0.2)
+        <locks up 103.9 m from the far end with friction 0.2>
+        """
+        friction = friction_coefficient(friction)
+        return LockUp(friction, far_force, self.critical_force, self.weight_per_length, self.inclination)
 
     @property
     def wave_speed(self) -> float:
