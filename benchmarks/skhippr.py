@@ -78,10 +78,10 @@ def times() -> list[Row]:
     for n, many in ((2, SIDE**2), (8, 32), (32, 4)):
         systems = chart() if n == 2 else [sized(n, w) for w in np.linspace(2.3, 2.7, many)]
         one, batch = systems[0], fr.systems.stack(systems)
-        alone = best_of(lambda one=one: fr.stability(one))  # type: ignore[misc]
-        together = best_of(lambda batch=batch: fr.systems.is_stable(batch, workers=1)) / len(systems)  # type: ignore[misc]
+        alone = best_of(lambda one=one: fr.stability(one))
+        together = best_of(lambda batch=batch: fr.systems.is_stable(batch, workers=1)) / len(systems)
         theirs = best_of(projection(one), repeats=3)
-        other = best_of(lambda one=one: dop853(one), repeats=3)  # type: ignore[misc]
+        other = best_of(lambda one=one: dop853(one), repeats=3)
         for name, ours in (("one call", alone), (f"{many} at once", together)):
             for peer, seconds in ((PEER, theirs), ("DOP853", other)):
                 rows.append(Row(f"{n} equations, {name}", 1e3 * ours, "ms", peer, 1e3 * seconds))
@@ -117,7 +117,7 @@ def projection(system: fr.HillSystem, *, sort: bool = False) -> Callable[[], tup
     mean, harmonics, _ = as_first_order(np.asarray(system.stiffness), np.asarray(system.cosines), float(system.period))
     amplitude = harmonics[0].real
 
-    class Linear(AbstractODE):  # type: ignore[misc]
+    class Linear(AbstractODE):
         def __init__(self) -> None:
             super().__init__(autonomous=False, n_dof=2 * n)
             self.t, self.x, self.omega = 0.0, np.zeros(2 * n), w

@@ -68,7 +68,7 @@ def pairs() -> list[Row]:
     single = fr.HillSystem(np.diag([1.0, 4.0]), [0.2 * COUPLING], period=2.0 * math.pi / 3.0)
     alone = best_loaded(lambda: fr.systems.multipliers(single))
     batch = fr.HillSystem(np.diag([1.0, 4.0]), [strength[..., None, None] * COUPLING], period=2.0 * math.pi / frequency)
-    public, threads = (best_of(lambda w=w: fr.systems.is_stable(batch, workers=w)) for w in (1, 2))  # type: ignore[misc]
+    public, threads = (best_of(lambda w=w: fr.systems.is_stable(batch, workers=w)) for w in (1, 2))
     matrices = as_first_order(*(array[0] for array in systems))
     peer = best_of(lambda: dop853_multipliers(*matrices, 1e-10), repeats=3)
     return [
@@ -91,7 +91,7 @@ def sizes() -> list[Row]:
         stiffness = np.diag(16.0 * (np.arange(1.0, n + 1.0) / n) ** 2)
         system = stiffness, 0.2 * (random + random.T)[None], 2.0 * math.pi / 2.3
         name = f"{n} equations, one call"
-        ours = best_loaded(lambda system=system: multipliers_even(*system))  # type: ignore[misc]
+        ours = best_loaded(lambda system=system: multipliers_even(*system))
         rows.append(against_dop853(name, ours, as_first_order(*system) if n <= 32 else None, at_most, "ms"))
     return rows
 

@@ -56,8 +56,9 @@ ROD_KINDS = {
     "inner_diameter": "length",
     "channel_diameter": "length",
     "wall_thickness": "length",
+    "bore": "length",
 }
-"""Kind of each parameter of a rod, and of what may be given in place of one."""
+"""Kind of each parameter of a rod that is a quantity, and of what may be given in place of one."""
 
 _CYCLES = ("Hz", "rpm")
 """Units of frequency that count periods rather than radians."""

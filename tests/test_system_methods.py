@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from typing import Any
 
 import numpy as np
@@ -270,6 +271,17 @@ def test_a_collision_of_unlike_signs_is_never_stable(method: str) -> None:
     assert max(abs(e.real) for e in result.exponents) < 1e-6
 
 
+def test_reference_keeps_what_it_has_when_more_digits_are_too_much_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    system = fr.HillSystem([[2.0]], [[[0.5]]], damping=[[2e-9]])
+    wanted = reference(system, digits=30)
+    module = sys.modules["floquetrod.floquet.system_methods.reference"]
+    monkeypatch.setattr(module, "_SETTLED", 0.0)  # never content
+    work = iter([0.0, math.inf])
+    monkeypatch.setattr(module, "_work", lambda problem, planned: next(work))
+    result = reference(system, digits=30)
+    assert (result.status, result.exponents) == (wanted.status, wanted.exponents)
+
+
 def test_reference_decides_where_doubles_cannot() -> None:
     # A sum resonance of strength e grows at e / (4 sqrt 2) when its detuning is smaller: the period is a double, and
     # w is off 3 by 1e-16.  Such growth is beyond what eigenvalues of a map in doubles can show.
@@ -378,13 +390,23 @@ def test_too_much_work_is_declined(method: str) -> None:
     assert not result.exponents
 
 
-def test_a_single_sine_is_reversible_about_a_quarter_of_the_period() -> None:
-    system = fr.HillSystem([[1.0, 0.2], [-0.1, 4.0]], sines=[[[0.3, 0.5], [0.1, 0.2]]], period=2.0)
+@pytest.mark.parametrize("harmonic", [1, 2, 3])
+def test_a_single_sine_is_reversible_about_a_quarter_of_its_period(harmonic: int) -> None:
+    sines = [np.zeros((2, 2))] * (harmonic - 1) + [np.array([[0.3, 0.5], [0.1, 0.2]])]
+    system = fr.HillSystem([[1.0, 0.2], [-0.1, 4.0]], sines=sines, period=2.0)
     assert system.structure == "reversible"
-    truth = reference(system)
+    first = system.as_periodic_system()
+
+    def slope(t: float, x: np.ndarray) -> np.ndarray:
+        return np.asarray((first.coefficient(t) @ x.reshape(4, 4)).ravel())
+
+    found = solve_ivp(slope, (0.0, 2.0), np.eye(4).ravel(), method="DOP853", rtol=1e-12, atol=1e-13)
+    expected = np.poly(found.y[:, -1].reshape(4, 4))
     for name, applies in SYSTEMS.methods.items():
-        if applies(system) and name != "reference":
-            check_agreement(EVERY[name](system), truth)
+        assert applies(system)
+        result = EVERY[name](system)
+        assert result.status == "stable", result
+        assert np.poly(np.array(result.multipliers)) == pytest.approx(expected, abs=1e-9)
 
 
 def test_gyroscopic_systems_of_a_tiny_period_are_not_called_unstable() -> None:

@@ -57,6 +57,25 @@ def test_a_chart_is_its_verdicts() -> None:
     assert fr.chart(coupled, over=OVER, workers=1) == fr.chart(coupled, over=OVER, workers=2)
 
 
+def test_a_tolerance_of_zero_excuses_no_drift() -> None:
+    def free(stiffness: float, mass: float) -> fr.HillSystem:
+        return fr.HillSystem([[stiffness]], mass=[[mass]])
+
+    over = {"stiffness": [0.0, 1.0], "mass": [1.0, 2.0]}
+    result = fr.stability(free(0.0, 1.0))
+    assert (result.status, result.growth_rate) == ("unstable", 0.0)
+    assert fr.chart(free, over=over).stable.tolist() == [[False, True]] * 2
+    assert fr.chart(free, over=over, growth_tolerance=1e-3).stable.all()
+
+    def equation(alpha: float, beta: float) -> fr.Mathieu:
+        return fr.Mathieu(alpha=alpha, beta=beta)
+
+    over = {"alpha": [0.0, 1e-3], "beta": [-0.1, 0.0]}
+    assert fr.stability(equation(0.0, 0.0)).status == "unstable"
+    assert not fr.chart(equation, over=over).stable[1, 0]
+    assert fr.chart(equation, over=over, growth_tolerance=1e-3).stable[1, 0]
+
+
 def test_systems_of_first_order_and_equations() -> None:
     over = {"advance": [0.5, 1.0, 1.5, 2.0], "lock": (8.0, 12.0, 2)}
     chart = fr.chart(blade, over=over, growth=True)

@@ -24,6 +24,28 @@ def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[An
     return shape, tuple(np.ascontiguousarray(array).ravel() for array in whole)
 
 
+def norms(matrices: NDArray[Any]) -> NDArray[np.float64]:
+    """Return the Frobenius norms of matrices (..., m, n), infinite where squares overflow."""
+    with np.errstate(over="ignore"):
+        return np.asarray(np.sqrt(np.square(matrices).sum(axis=(-2, -1))))
+
+
+def inverses(matrices: NDArray[Any]) -> NDArray[Any]:
+    """Return the inverses of matrices (b, n, n), NaN for those that are singular or not finite."""
+    finite = np.isfinite(matrices).all(axis=(-2, -1))
+    if not finite.all():
+        result = np.full_like(matrices, np.nan)
+        result[finite] = inverses(matrices[finite])
+        return result
+    try:
+        with np.errstate(over="ignore", invalid="ignore"):
+            return np.asarray(np.linalg.inv(matrices))
+    except np.linalg.LinAlgError:  # one of them is singular: it spoils no other
+        if len(matrices) == 1:
+            return np.full_like(matrices, np.nan)
+        return np.concatenate([inverses(matrix[None]) for matrix in matrices])
+
+
 def shaped(values: Any, shape: tuple[int, ...]) -> Any:
     """Return results in the shape of the arguments they belong to.
 

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import norms
 from floquetrod.equations import matrices
 from floquetrod.equations.matrices import Matrix, Structure
 from floquetrod.equations.periodic_system import PeriodicSystem
@@ -119,10 +120,7 @@ class HillSystem(matrices.FourierSystem):
             "gyroscopic": _unless_zero(_skew(optional("gyroscopic", gyroscopic))),
             "period": matrices.periods(period),
         }
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
-        matrices.freeze(self)
-        self.shape  # noqa: B018  (raises where leading shapes do not fit)
+        self._take(values)
 
     @cached_property
     def is_symmetric(self) -> bool:
@@ -166,7 +164,7 @@ class HillSystem(matrices.FourierSystem):
         mass = np.eye(self.order) if self.mass is None else self.mass
         stiffness = self.stiffness - c * c * mass
         freed = HillSystem(stiffness, self.cosines, self.sines, mass=self.mass, period=self.period)
-        object.__setattr__(freed, "_rounding", _EPS * (_norm(stiffness) + 2.0 * c * c * _norm(mass)))
+        object.__setattr__(freed, "_rounding", _EPS * (norms(stiffness) + 2.0 * c * c * norms(mass)))
         return freed, c
 
     @cached_property
@@ -186,9 +184,9 @@ class HillSystem(matrices.FourierSystem):
             amplitudes = _congruence(inverse[..., None, :, :], amplitudes)
             if self.is_symmetric:
                 stiffness, amplitudes = _mirrored(stiffness), _mirrored(amplitudes)
-            error = (error + 8.0 * self.order * _EPS) * _norm(self.mass) * _norm(inverse) ** 2
-            rounding = rounding * _norm(inverse) ** 2
-        error = error * (_norm(stiffness) + _norm(amplitudes).sum(axis=-1)) + rounding
+            error = (error + 8.0 * self.order * _EPS) * norms(self.mass) * norms(inverse) ** 2
+            rounding = rounding * norms(inverse) ** 2
+        error = error * (norms(stiffness) + norms(amplitudes).sum(axis=-1)) + rounding
         start = np.broadcast_to(phase * np.asarray(self.period) / (2.0 * math.pi), self.shape)
         return EvenForm(stiffness, amplitudes, start, error, doubt)
 
@@ -227,15 +225,12 @@ class HillSystem(matrices.FourierSystem):
         mean[..., :n, n:] = np.eye(n)
         tidy = _mirrored if canonical else np.asarray
         cosines, sines = ([lower(-tidy(reduced(m))) for m in series] for series in (self.cosines, self.sines))
-        error = float(np.max(self._rounding if inverse is None else self._rounding * _norm(inverse) ** 2))
+        error = float(np.max(self._rounding if inverse is None else self._rounding * norms(inverse) ** 2))
         if inverse is not None or (canonical and self.gyroscopic is not None):
             size = float(np.abs(mean).max() + sum(np.abs(m).max() for m in (*cosines, *sines)))
-            condition = 1.0 if inverse is None else float(np.max(_norm(np.asarray(self.mass)) * _norm(inverse) ** 2))
+            condition = 1.0 if inverse is None else float(np.max(norms(np.asarray(self.mass)) * norms(inverse) ** 2))
             error += 8.0 * n * _EPS * condition * size
-        result = PeriodicSystem(mean, cosines, sines, period=self.period)
-        if error:
-            object.__setattr__(result, "coefficient_error", error)
-        return result
+        return PeriodicSystem(mean, cosines, sines, period=self.period, coefficient_error=error)
 
     def coefficient(self, t: Any) -> NDArray[np.float64]:
         """Return K(t), of shape ``(*t.shape, n, n)``; of one system."""
@@ -351,8 +346,3 @@ def _congruence(left: Matrix, matrix: Matrix, name: str = "mass") -> Matrix:
 
 def _mirrored(matrix: Matrix) -> Matrix:
     return np.asarray(0.5 * (matrix + np.swapaxes(matrix, -1, -2)))
-
-
-def _norm(matrix: Matrix) -> NDArray[np.float64]:
-    """Return a bound on 2-norms: Frobenius norms."""
-    return np.asarray(np.sqrt(np.square(matrix).sum(axis=(-2, -1))))

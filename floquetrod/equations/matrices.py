@@ -40,6 +40,15 @@ class FourierSystem(ByContent):
     sines: tuple[Matrix, ...]
     period: Any
 
+    def _take(self, values: dict[str, Any]) -> None:
+        """Take over the fields, arrays closed to writing; ValueError where leading shapes do not fit."""
+        vars(self).update(values)
+        for value in values.values():
+            for array in value if isinstance(value, tuple) else (value,):
+                if isinstance(array, np.ndarray):
+                    array.flags.writeable = False
+        _ = self.shape
+
     @property
     def order(self) -> int:
         """Number of equations."""
@@ -67,8 +76,7 @@ class FourierSystem(ByContent):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take over the arrays, closed to writing."""
-        vars(self).update(state)
-        freeze(self)
+        self._take(state)
 
 
 def square(name: str, value: Any, order: int | None = None, like: str = "", most: int = MOST_EQUATIONS) -> Matrix:
@@ -193,14 +201,6 @@ def named(system: Any) -> dict[str, Matrix]:
     series = {f"{name}[{k}]": m for name in ("cosines", "sines") for k, m in enumerate(getattr(system, name))}
     others = {name: getattr(system, name, None) for name in ("mass", "damping", "gyroscopic")}
     return series | {name: matrix for name, matrix in others.items() if isinstance(matrix, np.ndarray)}
-
-
-def freeze(system: Any) -> None:
-    """Make the arrays of a system read-only."""
-    for value in vars(system).values():
-        for array in value if isinstance(value, tuple) else (value,):
-            if isinstance(array, np.ndarray):
-                array.flags.writeable = False
 
 
 def require_one(system: Any, name: str = "system") -> None:

@@ -74,10 +74,7 @@ class PeriodicSystem(matrices.FourierSystem):
             "period": matrices.periods(period),
             "coefficient_error": validate.nonnegative("coefficient_error", coefficient_error),
         }
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
-        matrices.freeze(self)
-        self.shape  # noqa: B018  (raises where leading shapes do not fit)
+        self._take(values)
 
     @classmethod
     def from_function(cls, function: Callable[[float], Any], period: float) -> PeriodicSystem:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 import tomllib
 import zipfile
@@ -14,6 +13,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.tables import require_known
 from floquetrod.equations import matrices
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.periodic_system import PeriodicSystem
@@ -83,11 +83,7 @@ def _npz(path: Path) -> Mapping[str, Any]:
 
 def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem:
     """Return the system of a table; ValueError or TypeError names the key."""
-    unknown = [key for key in table if key not in _KEYS]
-    if unknown:
-        close = difflib.get_close_matches(unknown[0], _KEYS, 1)
-        hint = f"did you mean {close[0]!r}?" if close else f"the keys are {', '.join(_KEYS)}"
-        raise ValueError(f"unknown key {unknown[0]!r}; {hint}")
+    require_known(table, _KEYS)
     if ("stiffness" in table) == ("mean" in table):
         both = "stiffness and mean" if "mean" in table else "neither stiffness nor mean"
         raise ValueError(f"it has {both}; give stiffness for M q'' + (C + G) q' + K(t) q = 0, mean for x' = A(t) x")

@@ -91,9 +91,10 @@ def compare(equation: Equation | HillSystem | PeriodicSystem) -> Comparison:
     True
     """
     results, seconds = [], []
-    for name, applies in family_of(equation).methods.items():
+    family = family_of(equation)
+    for name, applies in family.methods.items():
         if applies(equation):
             start = time.perf_counter()
-            results.append(run(name, equation))
+            results.append(run(family, name, equation))
             seconds.append(time.perf_counter() - start)
     return Comparison(equation, tuple(results), tuple(seconds))

@@ -126,16 +126,16 @@ def stability(
     validate.choice("method", method, ("auto", *family.methods))
     result: Stability | SystemStability
     if method != "auto":
-        result = run(method, equation, **options)
+        result = run(family, method, equation, **options)
         return result
     if options:
         raise TypeError(f"method='auto' takes no options, got {', '.join(options)}; name a method to pass them to")
     first, *finer = family.in_turn(equation)
-    result = run(first, equation)
+    result = run(family, first, equation)
     for name in finer:
         if result.status != "undecided":
             break
-        result = _better(result, run(name, equation))
+        result = _better(result, run(family, name, equation))
     return result
 
 
@@ -144,7 +144,7 @@ def _better(result: Any, later: Any) -> Any:
     return later if later.exponents else result
 
 
-def run(method: str, equation: Equation | HillSystem | PeriodicSystem, **options: Any) -> Any:
-    """Call the method of this name of the problem's family."""
-    result: Verdict = getattr(family_of(equation).code, method)(equation, **options)
+def run(family: Family, method: str, equation: Equation | HillSystem | PeriodicSystem, **options: Any) -> Any:
+    """Call the method of this name of the equation's family."""
+    result: Verdict = getattr(family.code, method)(equation, **options)
     return result

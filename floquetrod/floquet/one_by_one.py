@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.verdict import tolerated
 
 
 def verdicts(problems: Sequence[Any], growth_tolerance: float) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
@@ -22,6 +23,6 @@ def verdicts(problems: Sequence[Any], growth_tolerance: float) -> tuple[NDArray[
     for i, problem in enumerate(problems):
         result = stability(problem)
         rate[i] = result.growth_rate
-        small = 0.0 < result.growth_rate <= growth_tolerance
-        status[i] = -1 if result.status == "undecided" else result.status == "stable" or small
+        stable = result.status == "stable" or tolerated(result.growth_rate, growth_tolerance)
+        status[i] = -1 if result.status == "undecided" else stable
     return status, rate

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import Equation
@@ -226,6 +226,14 @@ def classify(
 def declined(equation: Equation, method: str, cost: Cost, note: str) -> Stability:
     """Return the undecided `Stability` of a method that gave up, for the reason in ``note``."""
     return classify(equation, method, sign=1, excess=0.0, excess_error=math.inf, cost=cost, note=note)
+
+
+def tolerated(rate: Any, tolerance: float) -> Any:
+    """Return whether unstable motion of this growth rate, or rates, counts as stable: none with a tolerance of zero.
+
+    Motion that drifts, or grows at a rate too small for a double, has the rate zero.
+    """
+    return (tolerance > 0.0) & (rate <= tolerance)
 
 
 def _without_variation(equation: Equation) -> Status | None:

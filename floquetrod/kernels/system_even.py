@@ -8,11 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import inverses, norms
 from floquetrod._util.compilation import compiled, over_chunks, runner
 from floquetrod.kernels.system_even_large import half_period_large
 from floquetrod.kernels.system_even_pairs import NOT_DONE, outcome_fill, pair_fill
 from floquetrod.kernels.system_even_steps import half_period_fill
-from floquetrod.kernels.system_series import LARGEST, OFTEN_ASKED, ROUNDING, reach
+from floquetrod.kernels.system_series import OFTEN_ASKED, ROUNDING, reach, usable
 
 Floats = NDArray[np.float64]
 
@@ -72,7 +73,7 @@ def half_period_map(
         is infinite.
     """
     stiffness, amplitudes, period = _arrays(stiffness, amplitudes, period)
-    lost = ~_usable(stiffness, amplitudes, period)
+    lost = ~usable(stiffness, amplitudes, period)
     if lost.any():
         stiffness[lost], amplitudes[lost], period[lost] = 0.0, 0.0, 1.0
     batch, n = stiffness.shape[:2]
@@ -90,8 +91,12 @@ def half_period_map(
     out = np.empty((batch, 4 * n * n + n + 1))
     constants = (first, accuracy, reach(accuracy), symmetric, slack)
     if n <= _EXPLICIT_UP_TO and not _too_few(half_period_fill, stiffness, amplitudes, period):
-        chunk = max(1, 8192 // n**3)
-        over_chunks(half_period_fill, (s, f, omega), out, *constants, workers=workers, chunk=chunk, interpret_up_to=0)
+        if batch == 1:  # the shortest way for a single system
+            compiled(half_period_fill)(*_arrays(s, f, omega), out, *constants)
+        else:
+            chunk = max(1, 8192 // n**3)
+            inputs = s, f, omega
+            over_chunks(half_period_fill, inputs, out, *constants, workers=workers, chunk=chunk, interpret_up_to=0)
     else:
         for i in range(batch):
             v, g, error = half_period_large(
@@ -142,35 +147,25 @@ def pair_numbers(
     return out[:, :4].view(complex), out[:, 4:6], out[:, 6:]
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def _outcomes(found: HalfPeriodMap, workers: int | None) -> Floats:
     """Return the rows of `pair_fill` from maps over half a period."""
     maps, errors = np.block([[found.a, found.b], [found.c, found.d]]), found.error
-    inverses, wrong = maps, errors
+    back, wrong = maps, errors
     if not found.symmetric:
-        inverses = _inverses(maps)
-        size, back = (np.sqrt(np.square(matrix).sum(axis=(1, 2))) for matrix in (maps, inverses))
-        with np.errstate(invalid="ignore", over="ignore"):
-            safe = back * errors < 0.5
-            wrong = back**2 * (errors + 16.0 * ROUNDING * size) / (1.0 - np.where(safe, back * errors, 0.0))
+        back = inverses(maps)
+        size, spread = norms(maps), norms(back)
+        safe = spread * errors < 0.5
+        wrong = spread**2 * (errors + 16.0 * ROUNDING * size) / (1.0 - np.where(safe, spread * errors, 0.0))
         wrong = np.where(safe, wrong, math.inf)
     out = np.empty((len(maps), 8))
-    finite = np.isfinite(maps).all(axis=(1, 2)) & np.isfinite(inverses).all(axis=(1, 2)) & np.isfinite(wrong)
+    finite = np.isfinite(maps).all(axis=(1, 2)) & np.isfinite(back).all(axis=(1, 2)) & np.isfinite(wrong)
     out[~finite] = [math.nan, math.nan, math.nan, math.nan, math.inf, math.inf, 0.0, 0.0]
-    inputs = (maps, inverses, errors, wrong, np.full(len(maps), found.symmetric))
+    inputs = (maps, back, errors, wrong, np.full(len(maps), found.symmetric))
     rows = np.empty((int(finite.sum()), 8))
     over_chunks(outcome_fill, [array[finite] for array in inputs], rows, workers=workers, patience=64)
     out[finite] = rows
     return out
-
-
-def _inverses(matrices: Floats) -> Floats:
-    """Return the inverses of matrices; a singular one is not a number."""
-    try:
-        return np.asarray(np.linalg.inv(matrices))
-    except np.linalg.LinAlgError:
-        if len(matrices) == 1:
-            return np.full_like(matrices, math.nan)
-        return np.concatenate([_inverses(matrix[None]) for matrix in matrices])
 
 
 def _too_few(function: Any, stiffness: Floats, amplitudes: Floats, period: Floats) -> bool:
@@ -184,12 +179,6 @@ def _too_few(function: Any, stiffness: Floats, amplitudes: Floats, period: Float
         return True
     OFTEN_ASKED.add(function)
     return False
-
-
-def _usable(stiffness: Floats, amplitudes: Floats, period: Floats) -> NDArray[np.bool_]:
-    """Say which systems are finite, and small enough for squares not to overflow."""
-    usable = (np.abs(stiffness) < LARGEST).all(axis=(1, 2)) & (np.abs(amplitudes) < LARGEST).all(axis=(1, 2, 3))
-    return np.asarray(usable & (period > 1.0 / LARGEST) & (period < LARGEST))
 
 
 def _arrays(*values: Any) -> list[Floats]:

@@ -98,6 +98,14 @@ def pair_values(y: Any, slip: float, r: Any, form_slip: float, out: Any) -> None
 
     ``slip`` and ``form_slip`` are their errors in the Frobenius norm.
     """
+    largest = max(max(abs(y[0, 0]), abs(y[0, 1])), max(abs(y[1, 0]), abs(y[1, 1])))
+    unit = 1.0
+    if 1e100 < largest < math.inf:  # its square would overflow
+        unit = 2.0 ** math.floor(math.log2(largest))
+        slip /= unit
+        for row in range(2):
+            for column in range(2):
+                y[row, column] /= unit
     mean = 0.5 * (y[0, 0] + y[1, 1])
     half = 0.5 * (y[0, 0] - y[1, 1])
     square = half * half + y[0, 1] * y[1, 0]
@@ -113,9 +121,9 @@ def pair_values(y: Any, slip: float, r: Any, form_slip: float, out: Any) -> None
     norm = spectral_bound(r)
     for j in range(2):
         sign = 2.0 * j - 1.0
-        out[2 * j] = 2.0 + 4.0 * (mean + (sign * root if square > 0.0 else 0.0))
-        out[2 * j + 1] = 0.0 if square > 0.0 else 4.0 * sign * root
-        out[4 + j] = error
+        out[2 * j] = 2.0 + unit * 4.0 * (mean + (sign * root if square > 0.0 else 0.0))
+        out[2 * j + 1] = 0.0 if square > 0.0 else unit * 4.0 * sign * root
+        out[4 + j] = unit * error
         out[6 + j] = 0.0
         if square > 0.0 and decided:
             # Two rows of (Y - y) u = 0; the one with the longer u is the better conditioned.

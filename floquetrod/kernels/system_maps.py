@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from floquetrod._util.compilation import compiled, kernel, over_chunks, runner
 from floquetrod.kernels.system_maps_steps import series_work, step_map
 from floquetrod.kernels.system_series import (
-    LARGEST,
     MOST_NUMBERS,
     MOST_TERMS,
     OFTEN_ASKED,
@@ -20,6 +19,7 @@ from floquetrod.kernels.system_series import (
     plan_segments,
     reach,
     spectral_bound,
+    usable,
 )
 
 Floats = NDArray[np.float64]
@@ -89,7 +89,7 @@ def segment_maps(
     mean = np.array(mean, dtype=float, order="C")
     harmonics = np.array(harmonics, dtype=complex)
     period = np.array(period, dtype=float, order="C")
-    lost = ~_usable(mean, harmonics, period)
+    lost = ~usable(mean, harmonics, period)
     if lost.any():
         mean[lost], harmonics[lost], period[lost] = 0.0, 0.0, 1.0
     batch, n = mean.shape[:2]
@@ -137,12 +137,6 @@ def _run(function: Any, mean: Floats, harmonics: Any, period: Floats, segments: 
     if run is not function:
         OFTEN_ASKED.add(function)
     return run
-
-
-def _usable(mean: Floats, harmonics: NDArray[np.complex128], period: Floats) -> NDArray[np.bool_]:
-    """Say which systems are finite, and small enough for squares not to overflow."""
-    usable = (np.abs(mean) < LARGEST).all(axis=(1, 2)) & (np.abs(harmonics) < LARGEST).all(axis=(1, 2, 3))
-    return np.asarray(usable & (period > 1.0 / LARGEST) & (period < LARGEST))
 
 
 @kernel

@@ -29,6 +29,12 @@ _LOG_LARGEST = 600.0
 _LARGEST_ANGLE = 700.0
 
 
+def usable(mean: Any, harmonics: Any, period: Any) -> Any:
+    """Say which systems (b,) are finite, and small enough for squares not to overflow."""
+    small = (np.abs(mean) < LARGEST).all(axis=(1, 2)) & (np.abs(harmonics) < LARGEST).all(axis=(1, 2, 3))
+    return small & (period > 1.0 / LARGEST) & (period < LARGEST)
+
+
 @functools.cache
 def reach(accuracy: float) -> float:
     """Return the largest phase (frequency times half the length of a segment) at which rounding stays below accuracy.

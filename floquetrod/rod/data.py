@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-import tomllib
 from collections.abc import Iterable
-from dataclasses import MISSING, dataclass, fields
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
@@ -13,14 +12,16 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod.equations import HillSystem
 from floquetrod.rod.buckling import BucklingForce, buckling_forces
+from floquetrod.rod.catalogue import pipe_in_a_hole
 from floquetrod.rod.constants import HAIRLINE_GROWTH, MOST_MODES, ModeConstants
 from floquetrod.rod.coupled import CoupledModes, RodNumbers, chosen_count
+from floquetrod.rod.files import read_rod
 from floquetrod.rod.load import Load, Loads, kind, require_load
+from floquetrod.rod.lock_up import LockUp
 from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.parts import (
     ON_A_FLOOR,
@@ -30,6 +31,7 @@ from floquetrod.rod.parts import (
     Material,
     Section,
     decay_rate,
+    friction_coefficient,
     inside_wall,
     parameter,
     radius_of,
@@ -173,29 +175,35 @@ class RodData:
         """Read a rod from a TOML file.
 
         Keys are the parameters of `floquetrod.Rod`, or diameters and a wall in place of radii; values are numbers in SI
-        units, or strings with a unit such as "68GPa", "0.8mm", "2.375in" or "60deg".  Raises ValueError, naming file
-        and key, for what cannot be read, is missing or unknown.
+        units, or strings with a unit such as "68GPa", "0.8mm", "2.375in" or "60deg".  With ``catalogue``, the name of a
+        pipe, and ``bore`` they are the arguments of `catalogue`.  Raises ValueError, naming file and key, for what
+        cannot be read, is missing or unknown.
         """
-        path = validate.path("path", path)
-        try:
-            table = tomllib.loads(path.read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
-            raise ValueError(f"rod file {path} cannot be read: {error}") from None
-        known = {f.name: f.default is MISSING for f in fields(cls)}
-        given = {*table, *(_INSTEAD[key] for key in table if key in _INSTEAD)}
-        unknown = [key for key in table if key not in known and key not in _INSTEAD]
-        missing = [name for name, needed in known.items() if needed and name not in given]
-        if unknown or missing:
-            what = [f"unknown key {key!r}" for key in unknown] + [f"missing key {name!r}" for name in missing]
-            raise ValueError(f"rod file {path}: {', '.join(what)}; the keys are {', '.join([*known, *_INSTEAD])}")
-        try:
-            numbers: dict[str, Any] = {
-                key: value if key == "ends" else units.quantity(value, key, units.ROD_KINDS[key])
-                for key, value in table.items()
-            }
-            return cls(**numbers)
-        except (TypeError, ValueError) as error:
-            raise ValueError(f"rod file {path}: {error}") from None
+        return read_rod(path, cls, _INSTEAD)
+
+    @classmethod
+    def catalogue(cls, name: str, *, bore: float | str, length: float | str, **changes: Any) -> Self:
+        """Return a steel pipe of the catalogue, `floquetrod.rod.catalogue.pipes`, in a hole.
+
+        Raises ValueError or TypeError for names that are not in the catalogue and for what a rod refuses.
+
+        Parameters
+        ----------
+        name : str
+            Outer diameter x wall thickness in inches, and a grade if wanted: "2.00x0.156 CT90".  The grade does not
+            change the rod, which is linearly elastic; `floquetrod.rod.catalogue.pipe` returns its yield strength.
+        bore, length : float or str
+            Inner diameter of the hole, and length, in m or as a string with a unit such as "4.778in".
+        **changes
+            Other parameters of a rod, which replace those of the pipe; also with a unit.
+
+        Examples
+        --------
+        >>> pipe = RodData.catalogue("2.00x0.156 CT90", bore="4.778in", length="200ft", inclination="60deg")
+        >>> round(pipe.flexural_rigidity), round(pipe.length, 2)
+        (33333, 60.96)
+        """
+        return cls(**pipe_in_a_hole(name, bore, length, changes))
 
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some parameters changed, also by ``diameter``, ``wall_thickness`` and so on."""
@@ -337,6 +345,18 @@ class RodData:
         vertical         0.138 N  Lubinski 1950
         """
         return buckling_forces(self.critical_force, self.flexural_rigidity, self.weight_per_length)
+
+    def lock_up(self, friction: float, far_force: float = 0.0) -> LockUp:
+        """Return how far a string of this section, of any length, can be pushed down the channel from its upper end.
+
+        ``friction`` is its coefficient along the channel, and ``far_force`` the effective compression at the lower end
+        in N, negative for a pull; ValueError or TypeError for what is neither.
+
+        >>> RodData.nitinol().lock_up(friction=0.2)
+        <locks up 103.9 m from the far end with friction 0.2>
+        """
+        friction = friction_coefficient(friction)
+        return LockUp(friction, far_force, self.critical_force, self.weight_per_length, self.inclination)
 
     @property
     def wave_speed(self) -> float:

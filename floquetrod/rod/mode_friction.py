@@ -11,8 +11,9 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod.rod.data import RodData
+from floquetrod.rod.parts import friction_coefficient
 
-_LARGEST = 1e6  # coefficient of friction, and kick in m/s (a choice: beyond any)
+_LARGEST = 1e6  # kick in m/s (a choice: beyond any)
 
 
 @dataclass(frozen=True, repr=False)
@@ -65,12 +66,6 @@ def mode_friction(rod: RodData, friction: float, kick: float, amplitude: Any, fr
     shape = np.shape(share)
     parts = (shaped(np.asarray(part), shape) for part in np.broadcast_arrays(friction * share, axial, gamma, epsilon))
     return ModeFriction(friction, *parts)
-
-
-def friction_coefficient(friction: Any) -> float:
-    """Return a coefficient of friction as a float."""
-    number = validate.nonnegative("friction", friction, "friction opposes the motion")
-    return validate.within("friction", number, 0.0, _LARGEST, "it is a coefficient such as 0.1")
 
 
 def friction_and_kick(friction: Any, kick: Any) -> tuple[float, float] | None:

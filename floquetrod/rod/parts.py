@@ -10,6 +10,7 @@ from typing import Any
 from floquetrod._util import validate
 
 _LEAST, _LARGEST = 1e-12, 1e15  # of any parameter in its SI unit: what is computed from them stays in range (a choice)
+_LARGEST_FRICTION = 1e6  # (a choice: beyond any)
 _THINNEST = 1e-6  # wall of a tube in outer radii: far below any, and area and second moment keep ten digits (a choice)
 
 ON_A_FLOOR = math.pi**2 / 3.0 - 1.0
@@ -63,6 +64,12 @@ def decay_rate(value: Any) -> float:
     """Return the decay rate of free motion in 1/s, zero or more."""
     rate = validate.nonnegative("damping_rate", value, "give the decay rate in 1/s")
     return validate.within("damping_rate", rate, 0.0, _LARGEST)
+
+
+def friction_coefficient(value: Any) -> float:
+    """Return a coefficient of friction as a float."""
+    number = validate.nonnegative("friction", value, "friction opposes the motion")
+    return validate.within("friction", number, 0.0, _LARGEST_FRICTION, "it is a coefficient such as 0.1")
 
 
 @dataclass(frozen=True)

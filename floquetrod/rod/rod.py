@@ -26,7 +26,8 @@ from floquetrod.rod.friction import (
     kicked_loads,
 )
 from floquetrod.rod.load import Load, Loads, Progress, kind, load_bounds, require_load
-from floquetrod.rod.mode_friction import friction_and_kick, friction_coefficient
+from floquetrod.rod.mode_friction import friction_and_kick
+from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.ranges import StabilityIntervals, first_unstable, stability_intervals
 from floquetrod.rod.stability import RodStability, classify_modes
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from floquetrod._util import files, validate
 from floquetrod._util.version import __version__
 from floquetrod.rod.load import AxialLoad
-from floquetrod.rod.mode_friction import friction_coefficient
+from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.stability import growth_of_modes
 from floquetrod.simulation.checkpoints import Checkpoint

@@ -74,13 +74,12 @@ def multipliers(systems: System, *, workers: int | None = None) -> Any:
     """Return the multipliers, complex (..., N), N the number of equations of first order; the largest first.
 
     Arguments as in `is_stable`.  Those much smaller than the largest one are lost in its rounding:
-    ``floquetrod.stability(system, method="segmented")`` keeps them.  NaN for systems that would take too long.
+    ``floquetrod.stability(system, method="segmented")`` keeps them.  NaN where they are beyond doubles,
+    and for systems that would take too long.
     """
     workers = validate.workers(workers)
     batch = _batch(systems)
-    found = np.empty(
-        (len(batch.period), 2 * systems.order if isinstance(systems, HillSystem) else systems.order), complex
-    )
+    found = np.empty((len(batch.period), batch.order), complex)
 
     def fill(part: slice) -> None:
         values = batch.multipliers(part)
@@ -90,7 +89,7 @@ def multipliers(systems: System, *, workers: int | None = None) -> Any:
         found[part] = values[np.arange(len(values))[:, None], order]
 
     _over(batch, fill, workers)
-    return found.reshape(*systems.shape, found.shape[1])
+    return found.reshape(*systems.shape, batch.order)
 
 
 def verdicts(systems: System, *, workers: int | None = None, quick: bool = False) -> ManyVerdicts:
@@ -166,8 +165,12 @@ class _EvenBatch(_Batch):
         systems = self._part(part)
         if systems.are_simple:
             y = 0.25 * (pair_numbers(*systems[:3], _ACCURACY)[0] - 2.0)
+            if not np.isfinite(y).all():
+                lost = np.logical_not(np.isfinite(y).all(axis=1))
+                left = _EvenPart(*(array[lost] for array in systems))
+                y[lost] = _eigenvalues(even.pair_matrices(*left, _ACCURACY).matrix)
         else:
-            y = np.linalg.eigvals(even.pair_matrices(*systems, _ACCURACY).matrix).astype(np.complex128)
+            y = _eigenvalues(even.pair_matrices(*systems, _ACCURACY).matrix)
             y[np.isinf(systems.doubt)] = np.nan
         logs = 2.0 * np.arcsinh(np.sqrt(y))
         return np.asarray(np.exp(np.concatenate([logs, -logs], axis=1)))
@@ -204,15 +207,22 @@ class _FirstOrderBatch(_Batch):
 
     def multipliers(self, part: slice) -> NDArray[np.complex128]:
         maps = self._maps(part)
-        lost = np.logical_not(np.isfinite(maps.matrix).all(axis=(1, 2)))
-        values = np.linalg.eigvals(_without(lost, maps.matrix)).astype(np.complex128)
-        values[lost | np.isinf(maps.error)] = np.nan
+        values = _eigenvalues(maps.matrix)
+        values[np.isinf(maps.error)] = np.nan
         return values
 
     def verdicts(self, part: slice) -> ManyVerdicts:
         maps = self._maps(part)
         discs = many.many_discs(maps.matrix, maps.error)
         return many.multiplier_verdicts(discs, self.period[part], paired=self.paired, damping=self.damping)
+
+
+def _eigenvalues(matrices: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Return the eigenvalues of matrices (b, n, n), NaN where one is not finite."""
+    lost = np.logical_not(np.isfinite(matrices).all(axis=(1, 2)))
+    values = np.linalg.eigvals(_without(lost, matrices)).astype(np.complex128)
+    values[lost] = np.nan
+    return values
 
 
 def _without(rows: NDArray[np.bool_], array: NDArray[Any]) -> NDArray[Any]:

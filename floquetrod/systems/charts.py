@@ -14,6 +14,7 @@ from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.equations.batches import in_batches
 from floquetrod.floquet import one_by_one
 from floquetrod.floquet.systems.many import STABLE, UNSTABLE
+from floquetrod.floquet.verdict import tolerated
 from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
 from floquetrod.systems import arrays
 
@@ -106,7 +107,7 @@ def _verdicts(
         return one_by_one.verdicts(members, tolerance)
     answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=workers))
     status, rate = (np.array(column) for column in zip(*answers, strict=True))
-    status[(status == UNSTABLE) & (rate <= tolerance)] = STABLE
+    status[(status == UNSTABLE) & tolerated(rate, tolerance)] = STABLE
     return status.astype(np.int8), rate
 
 

@@ -210,6 +210,8 @@ def _of_rods(place: Path) -> dict[str, Call]:
     return {
         "Rod": Call(fr.Rod, sheet),
         "Rod.from_toml": Call(fr.Rod.from_toml, {"path": str(place / "rod.toml")}),
+        "Rod.catalogue": Call(fr.Rod.catalogue, {"name": "2.00x0.156 CT90", "bore": "4.778in", "length": 60.0}),
+        "Rod.lock_up": Call(ROD.lock_up, {"friction": 0.3, "far_force": 0.1}),
         "Rod.replace": Call(ROD.replace, {"length": 3.0, "damping_rate": 1.0}),
         "Rod.wavenumber": Call(ROD.wavenumber, {"mode": 3}),
         "Rod.natural_frequency": Call(ROD.natural_frequency, {"mode": 3}),

@@ -55,7 +55,7 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
     if discs is None or not found.symmetric:
         return classify_pairs(system, "half_period", discs, cost=Cost(1, "half period"))
 
-    size = float(np.linalg.norm(found.form[0], 2))
+    size = spectra.spectral_norm(found.form[0])
 
     def krein(cluster: NDArray[np.intp]) -> int:
         return -spectra.definiteness(discs, cluster, found.form[0], size, float(found.form_error[0]))

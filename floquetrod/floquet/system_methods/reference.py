@@ -87,7 +87,8 @@ def reference(system: HillSystem | PeriodicSystem, *, digits: int = 30) -> Syste
         evaluations += used
         if found is None:
             note = f"{digits} digits are more work than is worth waiting for"
-            return result or declined(system, "reference", Cost(evaluations, "evaluations"), note)
+            cost = Cost(evaluations, "evaluations")
+            return declined(system, "reference", cost, note) if result is None else result
         result = found if result is None or found.exponents else result
         settled = result.status != "undecided" and result.error < _SETTLED
         if settled or not numerical or 2 * digits > _MOST_DIGITS:
@@ -141,7 +142,7 @@ def _problem(system: HillSystem | PeriodicSystem, context: Any) -> _Problem:
         kind = "hamiltonian" if freed and freed[0].structure == "hamiltonian" else "reversible" if freed else "general"
         mean, waves = _first_order(system, kind, damping, context)
         if kind == "reversible" and even is not None and float(even.start) != 0.0:
-            start = context.pi / 2  # of a single sine, which is even about a quarter of its period
+            start = context.pi / (2 * len(system.harmonics))  # of a single sine, even about a quarter of its period
         doubt = 0.0
     else:
         kind = system.structure if freed else "general"

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import norms
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.systems import ladders, spectra
 from floquetrod.floquet.systems.classification import classify_multipliers, declined, undamped_pairs
@@ -55,10 +56,11 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     count, solutions = _FEWEST, None
     while first.order * count <= _MOST_ROWS:
         maps, errors, scales = _segments(first, count, rtol)
-        if not np.isfinite(maps).all():
+        condition = float(np.linalg.cond(maps).max()) if np.isfinite(maps).all() else math.inf
+        if not condition < math.inf:
             count *= 8
             continue
-        excess = math.log(float(np.linalg.cond(maps).max())) / math.log(_LARGEST_CONDITION)
+        excess = math.log(condition) / math.log(_LARGEST_CONDITION)
         if excess <= 1.0:
             solutions = _solutions(maps, errors, scales)
             break
@@ -93,11 +95,10 @@ def _segments(
     found = segment_maps(system.mean[None], system.harmonics[None], [period], rtol, count)
     scales = found.scaling[0]
     ratio = scales[None, :] / scales[:, None]
-    with np.errstate(over="ignore", invalid="ignore"):
-        maps = found.maps[0] * ratio
-        sizes = np.sqrt(np.square(maps).sum(axis=(1, 2)))
     doubt = system.coefficient_error * system.order * float(ratio.max()) * period / count
-    return maps, found.errors[0] + doubt * sizes, scales
+    with np.errstate(over="ignore", invalid="ignore"):  # of maps that overflow
+        maps = found.maps[0] * ratio
+        return maps, found.errors[0] + doubt * norms(maps), scales
 
 
 def _solutions(maps: NDArray[np.float64], errors: NDArray[np.float64], scales: NDArray[np.float64]) -> Solutions | None:

@@ -112,7 +112,7 @@ def _solutions(system: _Harmonics, rtol: float, coefficient_error: float) -> tup
 def _compared(system: _Harmonics, solutions: Solutions, cut: int) -> Solutions:
     """Return solutions with the change to a longer truncation added to their errors."""
     longer = np.linalg.eigvals(_hill_matrix(system, cut + 2)).astype(np.complex128) * system.period
-    change = ladders.distances(solutions.logs, longer).min(axis=1)
+    change = spectra.log_distances(solutions.logs, longer).min(axis=1)
     return solutions._replace(radii=solutions.radii + change)
 
 

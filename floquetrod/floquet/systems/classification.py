@@ -178,14 +178,13 @@ def _named(y: complex) -> str:
 def _log_errors(
     y: NDArray[np.complex128], above: NDArray[np.complex128], radii: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return by how much s = 2 asinh(sqrt y) may change within discs: ds = dy / sqrt(y (1 + y)), a root near its ends.
+    """Return by how much s = 2 asinh(sqrt y) may change within discs, a root near the ends of y.
 
     Half way to an end and closer s has changed by no more than a root's whole way.
     """
     nearest = np.minimum(np.abs(y), np.abs(above))
     whole = 2.0 * np.abs(np.arcsinh(np.sqrt(nearest + radii))) + 2.0 * np.sqrt(radii)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        changes = 2.0 * radii / np.sqrt(np.abs(y) * np.abs(above))
+    changes = spectra.pair_log_errors(y, above, radii)
     return np.where(radii > 0.5 * nearest, whole, np.fmin(changes, whole))
 
 
@@ -267,8 +266,7 @@ def _on_circle(values: NDArray[np.complex128], radii: NDArray[np.float64], clust
         return False
     i = int(cluster[0])
     others = np.arange(len(values)) != i
-    turned = values[others] - values[i]
-    distance = np.abs(turned.real + 1j * (np.remainder(turned.imag + math.pi, 2.0 * math.pi) - math.pi))
+    distance = spectra.log_distances(values[others], values[cluster])[:, 0]
     return bool((distance > radii[others] + radii[i] + 2.0 * abs(values[i].real)).all())
 
 

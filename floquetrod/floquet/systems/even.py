@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import inverses, norms
 from floquetrod.kernels.system_even import HalfPeriodMap, half_period_map
 
 _EPS = 2.220446049250313e-16
@@ -39,7 +40,8 @@ class PairMatrices(NamedTuple):
 def seconds_needed(stiffness: Any, amplitudes: Any, period: Any) -> NDArray[np.float64]:
     """Return about how long the map of each system takes (b,), in seconds: measured on one core of 2024."""
     n = stiffness.shape[-1]
-    phase = 0.5 * period * np.sqrt(_norm(stiffness) + _norm(amplitudes).sum(axis=-1))
+    squares = np.einsum("bij,bij->b", stiffness, stiffness), np.einsum("bkij,bkij->bk", amplitudes, amplitudes)
+    phase = 0.5 * period * np.sqrt(np.sqrt(squares[0]) + np.sqrt(squares[1]).sum(axis=-1))
     return np.asarray(phase * (1e-6 + 3e-7 * n * n))
 
 
@@ -49,33 +51,36 @@ def pair_matrices(
     """Return the matrices of u'' + (S + sum_k A_k cos k w t) u = 0, S and A known up to ``doubt`` in the 2-norm."""
     half = half_period_map(stiffness, amplitudes, period, rtol, workers)
     with np.errstate(over="ignore", invalid="ignore"):  # of maps that overflow, whose errors are then not finite
-        return _numbers(half, period, doubt)
+        n = half.a.shape[-1]
+        whole, error = _whole(half, period, doubt)
+        if half.symmetric:
+            return _numbers(half, error, np.swapaxes(half.b, -1, -2), error)
+        inverse = inverses(whole)
+        left, reach = -inverse[..., :n, n:], norms(inverse)
+        left_error = 2.0 * reach**2 * (error + 4.0 * n * _EPS * norms(whole))
+        lost = ~(reach * error < 0.5)
+        if lost.any():
+            # The inverse is the map back over the next half period, for -t and -u': it is even about that instant too.
+            signs = (-1.0) ** np.arange(1, amplitudes.shape[1] + 1)[:, None, None]
+            other = half_period_map(stiffness, signs * amplitudes, period, rtol, workers)
+            left[lost], left_error[lost] = other.b[lost], _whole(other, period, doubt)[1][lost]
+        return _numbers(half, error, left, left_error)
 
 
-def _numbers(half: HalfPeriodMap, period: Any, doubt: Any) -> PairMatrices:
-    """Return the matrices that follow from maps over half a period."""
+def _whole(half: HalfPeriodMap, period: Any, doubt: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return maps (b, 2 n, 2 n) over half a period, and their errors, those of the coefficients included."""
+    whole = np.concatenate([np.concatenate([half.a, half.b], -1), np.concatenate([half.c, half.d], -1)], -2)
+    return whole, half.error + 0.5 * period * doubt * (norms(half.basis) * norms(whole)) ** 2
+
+
+def _numbers(
+    half: HalfPeriodMap, error: NDArray[np.float64], left: NDArray[np.float64], left_error: NDArray[np.float64]
+) -> PairMatrices:
+    """Return the matrices that follow from maps over half a period and the upper right blocks of their inverses."""
     n = half.a.shape[-1]
-    size = _norm(np.concatenate([np.concatenate([half.a, half.b], -1), np.concatenate([half.c, half.d], -1)], -2))
-    error = half.error + 0.5 * period * doubt * (_norm(half.basis) * size) ** 2
-    if half.symmetric:
-        left, left_error = np.swapaxes(half.b, -1, -2), error
-    else:
-        whole = np.block([[half.a, half.b], [half.c, half.d]])
-        finite = np.isfinite(whole).all(axis=(-2, -1), keepdims=True)
-        inverse = np.linalg.inv(np.where(finite, whole, np.eye(2 * n)))
-        left = -inverse[..., :n, n:]
-        reach = _norm(inverse)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            left_error = np.where(reach * error < 0.5, 2.0 * reach**2 * (error + 4.0 * n * _EPS * size), np.inf)
-    small, large = _norm(left), _norm(half.c)
-    upper = _norm(half.a)
+    small, large = norms(left), norms(half.c)
+    upper = norms(half.a)
     form = np.swapaxes(half.a, -1, -2) @ half.c
-    with np.errstate(invalid="ignore"):  # zero times infinity is not known either
-        slip = small * error + large * left_error + error * left_error + n * _EPS * small * large
-        form_slip = (upper + large) * error + error**2 + n * _EPS * upper * large
+    slip = small * error + large * left_error + error * left_error + n * _EPS * small * large
+    form_slip = (upper + large) * error + error**2 + n * _EPS * upper * large
     return PairMatrices(left @ half.c, slip, 0.5 * (form + np.swapaxes(form, -1, -2)), form_slip, half.symmetric)
-
-
-def _norm(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return Frobenius norms."""
-    return np.asarray(np.sqrt(np.square(matrix).sum(axis=(-2, -1))))

@@ -175,6 +175,7 @@ def _weights(columns: int, first: int) -> list[Fraction]:
     return found
 
 
+@np.errstate(over="ignore", invalid="ignore")  # a product that overflows has an infinite norm, or NaN
 def _factors(maps: list[NDArray[np.float64]]) -> list[float]:
     """Return by how much each map's error is magnified: norms of what is applied before and after it."""
     order = len(maps[0])
@@ -183,8 +184,14 @@ def _factors(maps: list[NDArray[np.float64]]) -> list[float]:
         product = np.eye(order)
         for matrix in sequence[:-1]:
             product = matrix @ product if left else product @ matrix
-            found.append(float(np.linalg.norm(product)))
+            found.append(_norm(product))
     return [b * a for b, a in zip(before, after[::-1], strict=True)]
+
+
+def _norm(matrix: NDArray[np.float64]) -> float:
+    """Return the Frobenius norm, also where squares of entries overflow."""
+    exponent = np.frexp(np.abs(matrix).max())[1]
+    return float(np.ldexp(np.linalg.norm(np.ldexp(matrix, -exponent)), exponent))
 
 
 def _fixed(matrix: NDArray[Any], bits: int, context: Any) -> NDArray[Any]:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.floquet.systems.classification import LogDiscs
+from floquetrod.floquet.systems.spectra import log_distances, touching
 from floquetrod.floquet.systems.symplectic import symplectic_unit
 
 _LEAST_SINE = 1e-6  # of the angle between a state and those before it, below which it is one of them (a choice)
@@ -61,24 +62,13 @@ def principal(logs: NDArray[np.complex128]) -> NDArray[np.complex128]:
     return np.asarray(logs.real + 1j * (math.pi - np.remainder(math.pi - logs.imag, 2.0 * math.pi)))
 
 
-def distances(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Return distances of logarithms from each other, multiples of 2 pi i aside."""
-    gap = one[:, None] - other[None, :]
-    turned = np.remainder(gap.imag + math.pi, 2.0 * math.pi) - math.pi
-    return np.asarray(np.hypot(gap.real, turned))
-
-
 def log_discs(solutions: Solutions, shift: float) -> LogDiscs:
     """Return discs about logarithms less ``shift``, those that touch in clusters.
 
     A multiplier of a real system whose disc meets the real axis and no other disc is real.
     """
-    from scipy.sparse.csgraph import connected_components
-
     logs, radii = solutions.logs, solutions.radii
-    near = distances(logs, logs) <= radii[:, None] + radii[None, :]
-    count, labels = connected_components(near, directed=False)
-    clusters = tuple(np.flatnonzero(labels == label) for label in range(count))
+    clusters = touching(log_distances(logs, logs), radii)
     values = logs - shift
     for i in (int(cluster[0]) for cluster in clusters if len(cluster) == 1):
         if abs(logs[i].imag) <= radii[i]:
@@ -96,7 +86,7 @@ def krein_sign(solutions: Solutions, cluster: NDArray[np.intp]) -> int:
     others = np.setdiff1d(np.arange(len(logs)), cluster)
     slack = _ROUNDING
     if len(others):
-        gap = float(distances(logs[cluster], logs[others]).min())
+        gap = float(log_distances(logs[cluster], logs[others]).min())
         error = float((radii / conditions).max())
         size = math.sqrt(len(cluster)) * float(np.linalg.norm(left[cluster]) * np.linalg.norm(left[others]))
         slack += 2.0 * size * error / max(gap, 5e-324)

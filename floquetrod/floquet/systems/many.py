@@ -10,6 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import inverses, norms
+from floquetrod.floquet.systems.spectra import pair_log_errors
+
 _EPS = 2.220446049250313e-16
 
 STABLE, UNSTABLE, UNDECIDED = 1, 0, -1
@@ -30,33 +33,25 @@ class ManyVerdicts(NamedTuple):
     growth: NDArray[np.float64]
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what overflows has infinite radii, or NaN
 def many_discs(matrices: NDArray[Any], errors: NDArray[np.float64]) -> ManyDiscs:
     """Return discs as `spectra.eigenvalue_discs` does, all of them before they shrink."""
     n = matrices.shape[-1]
     finite = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(errors)
     values, right = np.linalg.eig(np.where(finite[:, None, None], matrices, np.eye(n)))
-    try:
-        left = np.linalg.inv(right)
-    except np.linalg.LinAlgError:  # one of them is singular: it spoils no other
-        left = np.array([_inverse(one) for one in right])
+    left = inverses(right)
     conditions = np.linalg.norm(left, axis=-1)
     doubt = n * _EPS * np.sqrt(np.square(conditions).sum(axis=-1))
-    total = errors + 4.0 * n * _EPS * np.sqrt(np.square(np.abs(matrices)).sum(axis=(1, 2)))
+    total = errors + 4.0 * n * _EPS * norms(matrices)
     usable = finite & (doubt < 0.1)
     radii = np.where(usable[:, None], n * conditions * (total * (1.0 + 2.0 * doubt))[:, None], np.inf)
     return ManyDiscs(values.astype(np.complex128), radii, _apart(values, radii))
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def pair_discs(values: NDArray[np.complex128], radii: NDArray[np.float64]) -> ManyDiscs:
     """Return discs of given radii."""
     return ManyDiscs(values, radii, _apart(values, radii))
-
-
-def _inverse(matrix: NDArray[Any]) -> NDArray[Any]:
-    try:
-        return np.asarray(np.linalg.inv(matrix))
-    except np.linalg.LinAlgError:
-        return np.full(matrix.shape, np.inf)
 
 
 def _apart(values: NDArray[Any], radii: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -68,6 +63,7 @@ def _apart(values: NDArray[Any], radii: NDArray[np.float64]) -> NDArray[np.bool_
     return apart
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def pair_verdicts(discs: ManyDiscs, period: NDArray[np.float64], damping: float) -> ManyVerdicts:
     """Return verdicts from y = (mu + 1/mu - 2) / 4 of the pairs of systems freed of uniform damping."""
     y, radii, apart = discs
@@ -81,14 +77,14 @@ def pair_verdicts(discs: ManyDiscs, period: NDArray[np.float64], damping: float)
         unstable, stable = _reduce(np.logical_or, grows), _reduce(np.logical_and, bounded)
     else:
         limit = (damping * period)[:, None]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            doubt = 2.0 * radii / np.sqrt(np.abs(y) * np.abs(1.0 + y))
+        doubt = pair_log_errors(y, 1.0 + y, radii)
         known = apart & (radii <= 0.5 * np.minimum(np.abs(y), np.abs(1.0 + y)))
         unstable = _reduce(np.logical_or, known & (growth - doubt > limit))
         stable = _reduce(np.logical_and, bounded | (known & (growth + doubt < limit)))
     return _verdicts(stable, unstable, _reduce(np.maximum, growth) / period - damping)
 
 
+@np.errstate(over="ignore", invalid="ignore")
 def multiplier_verdicts(discs: ManyDiscs, period: NDArray[np.float64], *, paired: bool, damping: float) -> ManyVerdicts:
     """Return verdicts from the multipliers themselves, of systems freed of uniform damping where they are paired."""
     values, radii, apart = discs

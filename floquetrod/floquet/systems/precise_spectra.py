@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.floquet.systems.spectra import Discs
+from floquetrod.floquet.systems.spectra import Discs, touching
 from floquetrod.floquet.systems.symplectic import symplectic_unit
 
 
@@ -45,7 +45,7 @@ class PreciseDiscs(NamedTuple):
 def eigenvalue_discs(matrix: NDArray[Any], error: float, context: Any) -> PreciseDiscs | None:
     """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``; None where eigenvectors fail."""
     n = len(matrix)
-    size = math.sqrt(sum(float(abs(v)) ** 2 for v in matrix.flat))
+    size = math.hypot(*(float(abs(v)) for v in matrix.flat))
     total = 1.001 * error + math.ldexp(64.0 * n * n * (size + 1e-300), -context.prec)
     if not math.isfinite(total):
         return None
@@ -55,16 +55,16 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float, context: Any) -> Precis
         lengths = [context.sqrt(sum(abs(v) ** 2 for v in column)) for column in right.T]
         right = right / np.array(lengths, dtype=object)
         left = _array(context.inverse(context.matrix(right.tolist())))
-    except (ZeroDivisionError, RuntimeError):  # eigenvectors in one direction; an iteration that does not converge
+        conditions = np.array([_norm(row) for row in left])
+    except (ZeroDivisionError, OverflowError, RuntimeError):  # eigenvectors in one direction; no convergence
         return None
     values = np.array(list(found), dtype=object)
-    conditions = np.array([_norm(row) for row in left])
     doubt = math.ldexp(n * n * _norm(left.ravel()), -context.prec)
     if not doubt < 0.1:
         return None
     radii = n * conditions * total * (1.0 + 2.0 * doubt)
     gaps = np.array([[float(abs(a - b)) for b in values] for a in values]).reshape(n, n)
-    clusters = _touching(gaps, radii)
+    clusters = touching(gaps, radii)
     for cluster in clusters:
         if len(cluster) == 1 and n > 1:
             i, others = cluster[0], np.arange(n) != cluster[0]
@@ -121,14 +121,6 @@ def _subspace_error(discs: PreciseDiscs, members: NDArray[np.intp]) -> float:
     gap = min(float(abs(discs.values[i] - discs.values[j])) for i in members for j in others)
     size = _norm(discs.left[members].ravel()) * math.sqrt(len(members)) * _norm(discs.left[others].ravel())
     return size * discs.error / gap if gap > 0.0 else math.inf
-
-
-def _touching(gaps: NDArray[np.float64], radii: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
-    """Return the connected sets of discs."""
-    from scipy.sparse.csgraph import connected_components
-
-    count, labels = connected_components(gaps <= radii[:, None] + radii[None, :], directed=False)
-    return tuple(np.flatnonzero(labels == label) for label in range(count))
 
 
 def _norm(numbers: NDArray[Any]) -> float:

@@ -6,6 +6,7 @@ k_i is the norm of row i of V^-1, the condition number of z_i.  A disc apart fro
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -47,6 +48,7 @@ class Discs(NamedTuple):
     spread: float
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what overflows is then not finite
 def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
     """Return discs for the eigenvalues of all matrices within ``error`` of ``matrix``; None where eigenvectors fail."""
     n = len(matrix)
@@ -57,18 +59,17 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
         left = np.linalg.inv(right)
     except np.linalg.LinAlgError:
         return None
-    total = error + 4.0 * n * _EPS * float(np.linalg.norm(matrix, 2))
-    with np.errstate(over="ignore", invalid="ignore"):
-        conditions = np.linalg.norm(left, axis=1)
-        doubt = n * _EPS * float(np.linalg.norm(conditions))
-    if not doubt < 0.1:  # the inverse is not one
+    total = error + 4.0 * n * _EPS * spectral_norm(matrix)
+    conditions = np.linalg.norm(left, axis=1)
+    doubt = n * _EPS * float(np.linalg.norm(conditions))
+    if not doubt < 0.1 or not np.isfinite(total):  # the inverse is not one
         return None
     whole = n * conditions * total * (1.0 + 2.0 * doubt)
     values = values.astype(np.complex128)
-    clusters = _touching(values, whole)
-    radii = whole.copy()
     gaps = np.abs(values[:, None] - values[None, :])
-    spread = float(np.linalg.norm(left, 2))
+    clusters = touching(gaps, whole)
+    radii = whole.copy()
+    spread = spectral_norm(left)
     for i in (cluster[0] for cluster in clusters if len(cluster) == 1):
         others = np.arange(n) != i
         room = gaps[i, others] - whole[others] - whole[i]
@@ -80,10 +81,17 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
     )
 
 
-def _touching(values: NDArray[np.complex128], radii: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
-    """Return the connected sets of discs."""
-    n = len(values)
-    near = np.abs(values[:, None] - values[None, :]) <= radii[:, None] + radii[None, :]
+def spectral_norm(matrix: NDArray[Any]) -> float:
+    """Return the 2-norm, as numpy's ``norm`` does, which takes as long again to find its way to the singular values."""
+    return float(np.linalg.svd(matrix, compute_uv=False)[0])
+
+
+def touching(distances: NDArray[np.float64], radii: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
+    """Return the sets of discs that touch, directly or by others between them, from their centres' distances (n, n)."""
+    n = len(radii)
+    near = distances <= radii[:, None] + radii[None, :]
+    if np.count_nonzero(near) == np.count_nonzero(near.diagonal()):
+        return tuple(np.arange(n)[:, None])
     left, found = set(range(n)), []
     while left:
         members, fresh = set(), {min(left)}
@@ -95,6 +103,21 @@ def _touching(values: NDArray[np.complex128], radii: NDArray[np.float64]) -> tup
     return tuple(found)
 
 
+def log_distances(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> NDArray[np.float64]:
+    """Return distances (m, n) of logarithms from each other, multiples of 2 pi i aside."""
+    gap = one[:, None] - other[None, :]
+    turned = np.remainder(gap.imag + math.pi, 2.0 * math.pi) - math.pi
+    return np.asarray(np.hypot(gap.real, turned))
+
+
+def pair_log_errors(y: NDArray[Any], above: NDArray[Any], radii: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return by how much s = 2 asinh(sqrt y) changes with y, to first order: ds = dy / sqrt(y (1 + y)), 1 + y given."""
+    y, above = np.abs(y), np.abs(above)
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        product = y * above
+        return np.asarray(2.0 * radii / np.where(np.isinf(product), np.sqrt(y) * np.sqrt(above), np.sqrt(product)))
+
+
 def basis_of(discs: Discs, cluster: NDArray[np.intp]) -> NDArray[np.complex128]:
     """Return an orthonormal basis of a cluster's invariant subspace."""
     return np.asarray(np.linalg.qr(discs.right[:, cluster])[0])
@@ -102,11 +125,12 @@ def basis_of(discs: Discs, cluster: NDArray[np.intp]) -> NDArray[np.complex128]:
 
 def subspace_error(discs: Discs, cluster: NDArray[np.intp]) -> float:
     """Return about how far, as an angle, the true invariant subspace of a cluster may be from the computed one."""
-    others = np.setdiff1d(np.arange(len(discs.values)), cluster)
-    if not len(others):
+    others = np.ones(len(discs.values), dtype=np.bool_)
+    others[cluster] = False
+    if not others.any():
         return 0.0
     gap = float(np.abs(discs.values[cluster][:, None] - discs.values[others][None, :]).min())
-    size = float(np.linalg.norm(discs.left[cluster], 2) * np.linalg.norm(discs.right[:, cluster], 2))
+    size = spectral_norm(discs.left[cluster]) * spectral_norm(discs.right[:, cluster])
     return 2.0 * size * discs.spread * discs.error / max(gap, 5e-324)
 
 
@@ -118,11 +142,12 @@ def definiteness(discs: Discs, cluster: NDArray[np.intp], form: NDArray[Any], si
     return 1 if values[0] > slack else -1 if values[-1] < -slack else 0
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what overflows has an error that is not finite
 def discriminant(discs: Discs, cluster: NDArray[np.intp]) -> tuple[float, float]:
     """Return ((z1 - z2) / 2)^2 of a real matrix's cluster of two, and its error, far smaller than that of z1 and z2."""
     basis = basis_of(discs, cluster)
     block = basis.conj().T @ discs.matrix @ basis
-    projector = float(np.linalg.norm(discs.right[:, cluster] @ discs.left[cluster], 2))
+    projector = spectral_norm(discs.right[:, cluster] @ discs.left[cluster])
     error = 4.0 * projector * discs.error
     half = 0.5 * (block[0, 0] - block[1, 1])
     value = half * half + block[0, 1] * block[1, 0]

@@ -22,6 +22,7 @@ def symplectic_unit(n: int) -> NDArray[np.float64]:
     return np.block([[np.zeros((n, n)), np.eye(n)], [-np.eye(n), np.zeros((n, n))]])
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of maps that overflow
 def pair_matrix(full: NDArray[Any], error: float) -> tuple[NDArray[Any], float]:
     """Return an n x n matrix whose eigenvalues are y = (mu + 1/mu - 2) / 4 of a symplectic map of order 2 n.
 
@@ -61,7 +62,7 @@ def _slip(block: NDArray[Any], coupling: NDArray[Any], error: float) -> float:
     coupled = np.abs(left @ np.array(coupling / (reach or 1.0), dtype=float) @ left.T)
     np.fill_diagonal(coupled, 0.0)
     moved = error * float(np.linalg.norm(right, 2)) ** 2
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+    with np.errstate(divide="ignore"):
         slips = np.fmin(coupled * reach / gaps * moved, np.sqrt(coupled * reach) * np.sqrt(moved))
     return 2.0 * float(np.linalg.norm(slips))
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import norms
 from floquetrod.kernels.system_maps import product, segment_maps
 
 
@@ -33,6 +34,7 @@ def seconds_needed(mean: Any, harmonics: Any, period: Any) -> NDArray[np.float64
     return np.asarray(phase * (1e-5 + 1e-6 * n * n))
 
 
+@np.errstate(over="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def period_maps(
     mean: Any, harmonics: Any, period: Any, doubt: Any, rtol: float, *, paired: bool, workers: int | None = 1
 ) -> PeriodMaps:
@@ -51,9 +53,10 @@ def period_maps(
     else:
         matrix = matrix * inner[:, None, :] / inner[:, :, None]
         scaling = inner
-    size = np.sqrt(np.square(matrix).sum(axis=(-2, -1)))
+    size = norms(matrix)
     stretch = scaling.max(axis=-1) / scaling.min(axis=-1)
-    return PeriodMaps(matrix, error + period * np.asarray(doubt) * n * stretch * np.maximum(size, 1.0) ** 2, scaling)
+    moved = np.where(doubt > 0.0, period * doubt * n * stretch * np.maximum(size, 1.0) ** 2, 0.0)
+    return PeriodMaps(matrix, error + moved, scaling)
 
 
 def _paired_scaling(mean: NDArray[np.float64], harmonics: NDArray[np.complex128]) -> NDArray[np.float64]:

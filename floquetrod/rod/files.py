@@ -1,0 +1,84 @@
+"""Rod files: TOML tables of the parameters of a rod, with units."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import MISSING, fields
+from pathlib import Path
+from typing import Any, TypeVar
+
+from floquetrod import units
+from floquetrod._util import validate
+from floquetrod._util.tables import require_known
+
+T = TypeVar("T")
+
+_LARGEST = 1 << 20  # bytes that are read (a choice)
+_OF_A_PIPE = ("catalogue", "bore")
+_FROM_THE_PIPE = ("youngs_modulus", "density", "radius")
+_HOLE = ("channel_radius", "channel_diameter")
+
+
+def read_rod(path: str | Path, kind: type[T], instead: Mapping[str, str]) -> T:
+    """Return the rod that a TOML file describes.
+
+    Parameters
+    ----------
+    path : str or path
+    kind : type
+        Dataclass of rods: its fields are the keys, those without a default are needed.
+    instead : mapping of str to str
+        Further keys, each with the field it stands for.
+
+    Raises
+    ------
+    ValueError
+        Naming file and key: for files that cannot be read, for unknown and missing keys, for quantities that are none
+        and for what the rod refuses.
+    """
+    path = validate.path("path", path)
+    try:
+        table = tomllib.loads(_content(path).decode("utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise ValueError(f"rod file {path} cannot be read: {error}") from None
+    needed = {f.name: f.default is MISSING for f in fields(kind)}  # type: ignore[arg-type]  # a dataclass
+    try:
+        _require_keys(table, needed, instead)
+        given = {key: _value(key, value) for key, value in table.items()}
+        if "catalogue" not in given:
+            return kind(**given)
+        return kind.catalogue(given.pop("catalogue"), **given)  # type: ignore[attr-defined,no-any-return]
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"rod file {path}: {error}") from None
+
+
+def _content(path: Path) -> bytes:
+    """Return the content of a file, a pipe or a device; ValueError for more than is read."""
+    with path.open("rb") as file:
+        content = file.read(_LARGEST + 1)
+    if len(content) > _LARGEST:
+        raise ValueError(f"it has more than {_LARGEST:,} bytes")
+    return content
+
+
+def _require_keys(table: Mapping[str, Any], needed: Mapping[str, bool], instead: Mapping[str, str]) -> None:
+    """Raise ValueError for keys that are unknown, or missing."""
+    if "catalogue" in table:
+        known = [key for key in (*_OF_A_PIPE, *needed, *instead) if key not in _HOLE]
+        least = ["bore", *(key for key, need in needed.items() if need and key not in (*_HOLE, *_FROM_THE_PIPE))]
+        if any(key in table for key in _HOLE):
+            raise ValueError("bore is the key for the hole of a pipe of the catalogue, in place of a channel")
+    else:
+        known = [*needed, *instead, "catalogue"]
+        least = [key for key, need in needed.items() if need]
+    require_known(table, known)
+    given = {*table, *(instead[key] for key in table if key in instead)}
+    missing = [f"missing key {key!r}" for key in least if key not in given]
+    if missing:
+        raise ValueError(f"{', '.join(missing)}; the keys are {', '.join(known)}")
+
+
+def _value(key: str, value: Any) -> Any:
+    """Return a quantity in SI units; what is no quantity, such as a word, as it is."""
+    return units.quantity(value, key, units.ROD_KINDS[key]) if key in units.ROD_KINDS else value
