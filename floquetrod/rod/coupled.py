@@ -11,6 +11,7 @@ Ritz's method: what is left out of the series only ever stiffens the rod.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -32,7 +33,7 @@ Floats = NDArray[np.float64]
 
 MOST_COUPLED = 2000  # modes of a system: half a minute each verdict (a choice)
 LEAST_COUPLED = 8  # modes at least (a choice)
-_SEEN = 64  # frequencies at which the largest force along the rod is looked for (a choice)
+_GROUPS = 16  # of loads by frequency, each with its own number of modes (a choice)
 _AT_ONCE = 1 << 22  # numbers in the matrices of systems that are held at once (a choice: 32 megabytes)
 
 
@@ -70,14 +71,13 @@ class RodNumbers(NamedTuple):
         """
         s = np.linspace(0.0, self.length, 257)
         frequencies = np.unique(loads.frequency)
-        frequencies = frequencies[:: max(1, len(frequencies) // _SEEN)] if len(frequencies) > _SEEN else frequencies
         largest = max(
             sum(
                 abs(h) * float(np.abs(like.profile(self.wave_speed, self.length, s, k * frequency)).max())
                 for k, h in enumerate(like.harmonics.tolist(), start=1)
                 if h
             )
-            for frequency in frequencies.tolist()
+            for frequency in (frequencies[:1] if like.is_uniform else frequencies).tolist()
         )
         mean = float(loads.mean.max()) + max(self.added_mean(like, 0.0), self.added_mean(like, 1.0))
         fastest = float(loads.frequency.max()) * len(like.harmonics)
@@ -214,6 +214,51 @@ class CoupledModes:
         each = self.size**2 * (1 + 2 * len(self.like.harmonics))
         step = max(1, _AT_ONCE // each)
         return [slice(i, min(i + step, loads.size)) for i in range(0, loads.size, step)]
+
+
+@dataclass(frozen=True, eq=False)
+class CoupledLoads:
+    """A rod under many loads of one kind, with as many modes as each frequency needs.
+
+    Attributes
+    ----------
+    numbers : RodNumbers
+    like : Load
+        What the loads have in common.
+    loads : Loads
+    growth_tolerance : float
+        Growth in 1/s up to which a mode counts as stable.
+    """
+
+    numbers: RodNumbers
+    like: Load
+    loads: Loads
+    growth_tolerance: float = 0.0
+
+    def verdicts(self, workers: int | None = None) -> NDArray[np.int8]:
+        """Return 1 where nothing grows faster than the tolerance, 0 where something does, -1 where undecided."""
+        found = np.empty(self.loads.size, dtype=np.int8)
+        for chosen, modes, loads in self._groups():
+            found[chosen] = modes.verdicts(loads, self.growth_tolerance, workers)
+        return found
+
+    def growth(self, workers: int | None = None) -> Floats:
+        """Return the growth rate of the fastest solution in 1/s."""
+        found = np.empty(self.loads.size)
+        for chosen, modes, loads in self._groups():
+            found[chosen] = modes.growth(loads, workers)
+        return found
+
+    def _groups(self) -> Iterator[tuple[NDArray[np.intp], CoupledModes, Loads]]:
+        """Yield loads of neighbouring frequencies, by their indices, with their modes."""
+        order = np.argsort(self.loads.frequency, kind="stable")
+        edges = np.searchsorted(self.loads.frequency[order], np.unique(self.loads.frequency))
+        edges = edges[:: max(1, -(-len(edges) // _GROUPS))]
+        for chosen in np.split(order, edges[1:]):
+            if chosen.size:
+                loads = Loads((chosen.size,), *(values[chosen] for values in self.loads.flat))
+                count = self.numbers.modes_needed(loads, self.like, self.growth_tolerance)
+                yield chosen, CoupledModes(self.numbers, self.like, count), loads
 
 
 def chosen_count(modes: Any) -> int:

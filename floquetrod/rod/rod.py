@@ -14,7 +14,7 @@ from floquetrod._util.arrays import shaped
 from floquetrod.friction.fate_of_kicks import UndecidedWarning
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.constants import HAIRLINE_GROWTH
-from floquetrod.rod.coupled import CoupledModes, chosen_count
+from floquetrod.rod.coupled import CoupledLoads, chosen_count
 from floquetrod.rod.coupled_stability import CoupledRodStability, classify_coupled
 from floquetrod.rod.data import RodData
 from floquetrod.rod.friction import (
@@ -388,8 +388,8 @@ class Rod(RodData):
             for name, given in (("friction", rubbing), ("criterion", criterion)):
                 if given is not None:
                     raise self._refusal(name, kind(like))
-            loads, modes = self._coupled(like, mean, amplitude, frequency, tolerance)
-            found = modes.verdicts(loads, tolerance, workers)
+            loads = Loads.of(mean, amplitude, frequency)
+            found = CoupledLoads(self.coupled_numbers, kind(like), loads, tolerance).verdicts(workers)
             return shaped(found, loads.shape)
         systems = self.modal_systems(mean, amplitude, frequency)
         if rubbing is not None:
@@ -414,21 +414,13 @@ class Rod(RodData):
         Where modes are coupled their number is -1: `stability` names them.
         """
         if not self.coupled_numbers.has_mathieu_modes(kind(like)):
-            loads, modes = self._coupled(like, mean, amplitude, frequency, 0.0)
-            growth = modes.growth(loads, workers)
+            loads = Loads.of(mean, amplitude, frequency)
+            growth = CoupledLoads(self.coupled_numbers, kind(like), loads).growth(workers)
             mode = np.where(growth > 0.0, -1, 0)
             return shaped(growth, loads.shape), shaped(mode, loads.shape)
         systems = self.modal_systems(mean, amplitude, frequency)
         growth, mode = systems.fastest(workers)
         return shaped(growth, systems.loads.shape), shaped(mode, systems.loads.shape)
-
-    def _coupled(
-        self, like: Load | None, mean: Any, amplitude: Any, frequency: Any, growth_tolerance: float
-    ) -> tuple[Loads, CoupledModes]:
-        """Return loads, checked, and the coupled modes that they need."""
-        loads = Loads.of(mean, amplitude, frequency)
-        count = self.coupled_numbers.modes_needed(loads, kind(like), growth_tolerance)
-        return loads, CoupledModes(self.coupled_numbers, kind(like), count)
 
     def _refusal(self, name: str, load: Load) -> ValueError:
         return ValueError(

@@ -51,14 +51,14 @@ def unstable_parts(
         stable[part] = _stable(varied, modes, load, places[part], tolerance)
         if progress is not None:
             progress(min(start + _AT_ONCE, places.size), places.size)
-    inside, outside = _changes(varied, modes, load, places, stable, tolerance)
-    ends = dict(zip(np.flatnonzero(stable[1:] != stable[:-1]).tolist(), zip(inside, outside, strict=True), strict=True))
+    inside, _ = _changes(varied, modes, load, places, stable, tolerance)
+    ends = dict(zip(np.flatnonzero(stable[1:] != stable[:-1]).tolist(), inside.tolist(), strict=True))
     parts: list[UnstablePart] = []
     runs = np.flatnonzero(np.diff(np.concatenate([[True], stable, [True]]).astype(np.int8)))
     for first, after in zip(runs[::2].tolist(), runs[1::2].tolist(), strict=True):
-        low, into = ends.get(first - 1, (bounds[0], None))
-        high, back = ends.get(after - 1, (bounds[1], None))
-        causes = (None if at is None else _cause(varied, modes, load, float(at)) for at in (into, back))
+        low, high = ends.get(first - 1, bounds[0]), ends.get(after - 1, bounds[1])
+        # Named where something is sure to grow: at the samples next to the ends.
+        causes = (_cause(varied, modes, load, float(places[i])) for i in (first, after - 1))
         parts.append(UnstablePart(float(low), float(high), *causes))
     return parts, float(places[1] - places[0])
 
