@@ -104,11 +104,35 @@ def wave(
 # --- along the rod ---
 
 
-def _matrices(model: Model, cells: int) -> tuple[Array, Array, Array]:
-    """Return nodes that move, their masses, and the stiffness of bending, bed, mean force and waves on a grid.
+class _Grid(NamedTuple):
+    """A rod on a uniform grid, in coordinates of unit mass: nodes that move, the roots of their masses, and factors.
 
-    The stiffness matrices are stacked: the mean, then a cosine and a sine for each wave, divided by root masses.
+    Curvatures are ``bend`` times the coordinates and slopes ``turn`` times them, both weighted for energies; ``forces``
+    are halfway between nodes, the mean and then a cosine and a sine for each wave.
     """
+
+    node: Array
+    root: Array
+    bed: float
+    bend: Array
+    turn: Array
+    forces: Array
+
+    def mean_stiffness(self) -> Array:
+        """Return the matrix of the mean stiffness."""
+        pushed = (self.turn.T * self.forces[0]) @ self.turn
+        return self.bend.T @ self.bend + self.bed * np.eye(len(self.node)) - pushed
+
+    def in_shapes(self, basis: Array) -> Array:
+        """Return the stacked stiffness matrices in orthonormal shapes, accurate where those are smooth."""
+        bent, turned = self.bend @ basis, self.turn @ basis
+        found = -np.swapaxes(turned[None] * self.forces[..., None], 1, 2) @ turned
+        found[0] += bent.T @ bent + self.bed * (basis.T @ basis)
+        return found
+
+
+def _grid(model: Model, cells: int) -> _Grid:
+    """Return a rod on a grid."""
     h = model.length / cells
     node, half = np.arange(cells + 1) * h, (np.arange(cells) + 0.5) * h
     share = np.full(cells + 1, h)
@@ -120,36 +144,30 @@ def _matrices(model: Model, cells: int) -> tuple[Array, Array, Array]:
     for end, kind in zip((0, cells), model.ends, strict=True):
         if kind in ("clamped", "guided"):  # reflected at the end, where the slope is zero
             curvature[end, end], curvature[end, abs(end - 1)] = -2.0, 2.0
-    curvature /= h * h
-    slope = (np.eye(cells + 1)[1:] - np.eye(cells + 1)[:-1]) / h
+    slope = np.eye(cells + 1)[1:] - np.eye(cells + 1)[:-1]
     moves = np.ones(cells + 1, dtype=bool)
     moves[[0, -1]] = [kind in ("guided", "free") for kind in model.ends]
-
-    def pushed(force: Array) -> Array:
-        return -h * (slope.T * force) @ slope
-
-    stiffness = [model.rigidity * (curvature.T * share) @ curvature + model.bed * np.diag(share)]
-    stiffness[0] += pushed(np.real(model.mean(half)))
+    root = np.sqrt(model.inertia * share[moves])
+    forces = [np.real(model.mean(half))]
     for profile in model.waves:
         force = np.asarray(profile(half), dtype=complex)
-        stiffness += [pushed(force.real), pushed(-force.imag)]
-    mass = model.inertia * share[moves]
-    root = np.sqrt(mass)
-    return node[moves], mass, np.array(stiffness)[:, moves][:, :, moves] / np.outer(root, root)
+        forces += [force.real, -force.imag]
+    bend = np.sqrt(model.rigidity * share)[:, None] * curvature[:, moves] / (h * h * root)
+    turn = slope[:, moves] / (math.sqrt(h) * root)
+    return _Grid(node[moves], root, model.bed / model.inertia, bend, turn, np.array(forces))
 
 
 def _extrapolated(model: Model, cells: int, shapes: int) -> tuple[Array, Array]:
     """Return the stiffness matrices in the lowest natural shapes, extrapolated from three grids and from four."""
-    from scipy.linalg import eigh
-
     found, samples = [], []
     for times in GRIDS:
-        node, mass, stiffness = _matrices(model, times * cells)
-        _, basis = eigh(stiffness[0], subset_by_index=(0, shapes - 1))
-        basis = np.hstack([basis, _bent_statically(model, node, mass, stiffness[0], basis)])
-        basis = basis @ np.linalg.eigh(basis.T @ stiffness[0] @ basis)[1]
-        found.append(basis.T @ stiffness @ basis)
-        common = np.rint(node * times * cells / model.length).astype(int) % times == 0
+        grid = _grid(model, times * cells)
+        stiffness = grid.mean_stiffness()
+        basis = _lowest(stiffness, shapes)
+        basis = np.hstack([basis, _bent_statically(model, grid, stiffness, basis)])
+        basis = basis @ np.linalg.eigh(grid.in_shapes(basis)[0])[1]
+        found.append(grid.in_shapes(basis))
+        common = np.rint(grid.node * times * cells / model.length).astype(int) % times == 0
         # Values of the shapes at the nodes that all grids share, weighted as the coarsest grid weights them.
         samples.append(basis[common] * math.sqrt(times))
     groups = _close(found[-1][0].diagonal(), model.bed / model.inertia)
@@ -178,12 +196,19 @@ def _close(values: Array, scale: float) -> list[slice]:
     return [slice(low, high) for low, high in pairwise(edges)]
 
 
-def _bent_statically(model: Model, node: Array, mass: Array, stiffness: Array, basis: Array) -> Array:
+def _lowest(stiffness: Array, count: int) -> Array:
+    """Return the shapes of least stiffness."""
+    from scipy.linalg import eigh
+
+    return np.asarray(eigh(stiffness, subset_by_index=(0, min(count, len(stiffness)) - 1))[1])
+
+
+def _bent_statically(model: Model, grid: _Grid, stiffness: Array, basis: Array) -> Array:
     """Return what static shapes under smooth loads and under forces at free ends add to the natural ones.
 
     A series of natural shapes converges slowly where the force that varies does not vanish at an end.
     """
-    root = np.sqrt(mass)
+    node, root = grid.node, grid.root
     loads = [root * (2.0 * node / model.length - 1.0) ** power for power in range(4)]
     loads += [
         np.eye(len(node))[end] / root[end] for end, kind in zip((0, -1), model.ends, strict=True) if kind == "free"
@@ -201,7 +226,12 @@ def _bent_statically(model: Model, node: Array, mass: Array, stiffness: Array, b
 
 def least_stiffness(model: Model, count: int = 1, cells: int = 20) -> Array:
     """Return the least eigenvalues of the mean stiffness over the inertia, in 1/s^2, increasing."""
-    return _limit([np.linalg.eigvalsh(_matrices(model, times * cells)[2][0])[:count] for times in GRIDS])
+    found = []
+    for times in GRIDS:
+        grid = _grid(model, times * cells)
+        stiffness = grid.in_shapes(_lowest(grid.mean_stiffness(), count + 6))[0]
+        found.append(np.linalg.eigvalsh(stiffness)[:count])
+    return _limit(found)
 
 
 # --- in time ---
