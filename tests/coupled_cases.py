@@ -65,7 +65,8 @@ def known() -> dict[str, Known]:
     push = TUBING.critical_force
     tubing = {
         (60.0, 4.0): ("1.51964360", "1.32070245", "1.02622896"),
-        (120.0, 3.0): ("1.52839898", "1.32920967", "1.03344613"),
+        # The last of these was first computed as 1.03344613; finite differences have 1.033446146 +- 5e-9.
+        (120.0, 3.0): ("1.52839898", "1.32920967", "1.03344615"),
     }
     for (length, hertz), growths in tubing.items():
         tool = fr.AxialWave.hertz(0.5 * push, 0.3 * push, hertz, far_end="held")

@@ -57,7 +57,11 @@ def test_growth_is_as_known(name: str) -> None:
     rod, load, _ = known = KNOWN[name]
     found = rod.stability(load)
     assert found.status == "unstable"
-    assert found.growth_rate == pytest.approx(known.rate, rel=0.0, abs=1.02 * known.slack)
+    assert found.error < 1e-4
+    assert found.growth_rate == pytest.approx(known.rate, rel=0.0, abs=known.slack + found.error)
+    # Half as many modes again give every digit.
+    finer = rod.stability(load, modes=range(1, found.modes_checked * 3 // 2 + 1))
+    assert finer.growth_rate == pytest.approx(known.rate, rel=0.0, abs=1.02 * known.slack)
 
 
 @pytest.mark.parametrize("ends", COUPLED)
@@ -97,13 +101,14 @@ def test_a_beam_buckles_where_it_should(ends: str) -> None:
 
 
 def close(rod: fr.Rod, load: Any) -> None:
-    """Compare growth with finite differences, to six digits and the error that they state."""
+    """Compare growth with finite differences, within the errors that both state, and to four digits."""
     found = rod.stability(load)
     rate, error = fd.growth(cases.model(rod, load))
     assert error < 1e-5 * (1.0 + abs(rate)), "finite differences have not converged"
     assert rate > 0.05, "nothing grows here: the comparison would show nothing"
     assert found.status == "unstable"
-    assert found.growth_rate == pytest.approx(rate, rel=2e-6, abs=3.0 * error)
+    assert found.growth_rate == pytest.approx(rate, rel=1e-9, abs=3.0 * error + found.error)
+    assert found.growth_rate == pytest.approx(rate, rel=1e-4)
 
 
 @pytest.mark.parametrize("name", [name for name in KNOWN if "120" not in name])
@@ -246,15 +251,18 @@ def test_a_load_half_a_period_later_grows_alike() -> None:
 @pytest.mark.parametrize("ends", ["hinged", "clamped", "clamped-free"])
 def test_growth_converges_in_modes(ends: str) -> None:
     rod = WIRE.replace(ends=ends, inclination=math.radians(60.0))
-    load = fr.AxialLoad(0.2 * FORCE, 0.2 * FORCE, 150.0)
+    load = growing(rod, "even")
+    rate, error = fd.growth(cases.model(rod, load))
+    assert error < 1e-5 < rate
     best = rod.stability(load)
-    rates = [rod.stability(load, modes=range(1, n + 1)).growth_rate for n in (10, 14, 20, 30)]
-    errors = np.abs(np.array(rates) - best.growth_rate)
-    assert errors[-1] < 1e-6
-    assert errors[-1] <= errors[0]
-    shown = [growth for _, growth in best.convergence]
-    assert [n for n, _ in best.convergence] == sorted(n for n, _ in best.convergence)
-    assert shown[-1] == pytest.approx(best.growth_rate, rel=1e-6)
+    assert best.growth_rate == pytest.approx(rate, rel=0.0, abs=best.error + error)
+    errors = [abs(rod.stability(load, modes=range(1, n + 1)).growth_rate - rate) for n in (10, 14, 20, 30)]
+    assert max(errors[2:]) < 0.2 * errors[0]
+    assert errors[3] < 1e-6 + 2.0 * error
+    numbers, shown = zip(*best.convergence, strict=True)
+    assert numbers == tuple(sorted(numbers))
+    assert numbers[-1] == best.modes_checked
+    assert shown[-1] == best.growth_rate
 
 
 def test_what_a_coupled_verdict_tells() -> None:
