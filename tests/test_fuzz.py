@@ -32,6 +32,7 @@ from fuzz import (
     kills,
     oracle,
     ranges,
+    real_rods,
     rods,
     runs,
     systems,
@@ -223,6 +224,21 @@ def test_systems_can_fail() -> None:
     assert "is no multiplier" in systems.against_scipy(system, moved)[0]
     assert "more than their errors" in systems.between({"one": right, "other": moved})[0]
     assert systems.sound(dataclasses.replace(right, status="undecided", note="")) == ["undecided without a reason"]
+
+
+def test_real_rods_can_fail() -> None:
+    rod = ROD.replace(inclination=math.radians(60.0))
+    load = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)
+    question = real_rods.Question(rod, load, 0.0)
+    right = rod.stability(load)
+    assert real_rods.sound(question, right) == real_rods.against_finite_differences(question, right) == []
+    stable = dataclasses.replace(right, status="stable")
+    assert "finite differences have 2.8163" in real_rods.against_finite_differences(question, stable)[0]
+    assert "stable, growth" in real_rods.sound(question, stable)[0]
+    rate, error = right.growth_rate, right.error
+    faster = dataclasses.replace(right, growth_rate=rate + 1e-5 + 3.0 * error)
+    assert "unstable, growth" in real_rods.against_finite_differences(question, faster)[0]
+    assert "unstable, finite" in real_rods.compared(question._replace(tolerance=3.0), right, rate, 1e-6)[0]
 
 
 def test_kicks_can_fail(rng: np.random.Generator) -> None:

@@ -25,6 +25,7 @@ ATTACKS = (
     "ranges",
     "verdicts",
     "systems",
+    "real_rods",
     "kicks",
     "consistency",
     "concurrency",

@@ -1,0 +1,325 @@
+"""Rods whose modes are coupled: known growth, beams, buckling, finite differences, limits, symmetry, bad input."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import coupled_cases as cases
+import finite_differences as fd
+import floquetrod as fr
+from coupled_cases import ENDS, FORCE, TUBING, WIRE
+
+KNOWN = cases.known()
+COUPLED = tuple(ends for ends in ENDS if ends != "hinged-hinged")
+BEAM = fr.Rod(207e9, 7850.0, 0.01, 2.0, 0.5, gravity=1e-3)
+"""A rod whose bed hardly matters beside its bending."""
+
+SHORT = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05)
+"""A rod of few modes, m_cr = 2.4."""
+
+
+WAYS = ("even", "two harmonics", "held", "free", "driven")
+
+
+def growing(rod: fr.Rod, way: str) -> Any:
+    """Return a load at twice the frequency of the slowest free vibration, so that the rod grows."""
+    unit, swing = rod.critical_force, rod.pendulum_frequency
+    mean, amplitude = 0.2 * unit, 0.5 * unit
+    least = float(fd.least_stiffness(cases.model(rod, fr.AxialLoad(mean, 0.0, swing)))[0])
+    numbers = mean, amplitude, 2.0 * max(math.sqrt(max(least, 0.0)), 0.5 * swing)
+    if way == "even":
+        return fr.AxialLoad(*numbers)
+    if way == "two harmonics":
+        return fr.AxialLoad(*numbers, waveform=(0.7 - 0.4j, 0.5 + 0.3j), mean_at=0.4)
+    if way == "held":
+        return fr.AxialWave(*numbers, far_end="held", axial_damping=0.3 * swing)
+    if way == "free":
+        return fr.AxialWave(*numbers, far_end="free", axial_damping=20.0 * swing, mean_at=0.6)
+    return fr.AxialWave(*numbers, far_end="driven", waveform=(-1j, 0.4), mean_at=None)
+
+
+def mean_stiffness(rod: fr.Rod, mean: float) -> np.ndarray:
+    """Return the mean stiffness less that of the bed, in 1/s^2."""
+    system = rod.modal_system(fr.AxialLoad(mean, 0.0, 100.0), range(1, 25))
+    bed = rod.weight_per_length * math.sin(rod.inclination) / (rod.radial_clearance * rod.mass_per_length)
+    return np.asarray(system.stiffness) - bed * np.eye(len(system.stiffness))
+
+
+# --- what is known ---
+
+
+@pytest.mark.parametrize("name", KNOWN)
+def test_growth_is_as_known(name: str) -> None:
+    rod, load, _ = known = KNOWN[name]
+    found = rod.stability(load)
+    assert found.status == "unstable"
+    assert found.error < 1e-4
+    assert found.growth_rate == pytest.approx(known.rate, rel=0.0, abs=known.slack + found.error)
+    # Half as many modes again give every digit.
+    finer = rod.stability(load, modes=range(1, found.modes_checked * 3 // 2 + 1))
+    assert finer.growth_rate == pytest.approx(known.rate, rel=0.0, abs=1.02 * known.slack)
+
+
+@pytest.mark.parametrize("ends", COUPLED)
+def test_free_vibration_is_that_of_a_beam(ends: str) -> None:
+    unit = BEAM.flexural_rigidity / (BEAM.mass_per_length * BEAM.length**4)
+    found = np.linalg.eigvalsh(mean_stiffness(BEAM.replace(ends=ends), 0.0)) / unit
+    rigid = cases.rigid_motions(ends)
+    assert np.abs(found[:rigid]).max(initial=0.0) < 1e-6
+    assert np.sqrt(found[rigid : rigid + 4]) == pytest.approx(np.square(cases.beam_wavenumbers(ends)), rel=1e-8)
+
+
+def test_textbook_numbers_of_beams() -> None:
+    shown = {"clamped-clamped": 22.3733, "clamped-hinged": 15.4182, "clamped-free": 3.5160, "clamped-guided": 5.5933}
+    for ends, value in shown.items():
+        assert cases.beam_wavenumbers(ends)[0] ** 2 == pytest.approx(value, abs=5e-5)
+    assert cases.buckling_load("clamped-hinged") == pytest.approx(20.190729, abs=5e-7)
+
+
+@pytest.mark.parametrize("ends", COUPLED)
+def test_a_beam_buckles_where_it_should(ends: str) -> None:
+    from scipy.linalg import eigh
+
+    rod = BEAM.replace(ends=ends)
+    unit = rod.flexural_rigidity / rod.length**2
+    scale = rod.mass_per_length * rod.length**4 / rod.flexural_rigidity
+    bent = scale * mean_stiffness(rod, 0.0)
+    push = bent - scale * mean_stiffness(rod, unit)
+    # bent v = load push v, written as push v = (bent + push) v / (1 + load), with what moves under neither held.
+    both = bent + push
+    values, vectors = np.linalg.eigh(both)
+    shift = vectors[:, values < 1e-6]
+    share = eigh(push, both + shift @ shift.T, eigvals_only=True)[-1]
+    assert 1.0 / share - 1.0 == pytest.approx(cases.buckling_load(ends), rel=1e-8, abs=1e-8)
+
+
+# --- against finite differences ---
+
+
+def close(rod: fr.Rod, load: Any) -> None:
+    """Compare growth with finite differences, within the errors that both state, and to four digits."""
+    found = rod.stability(load)
+    rate, error = fd.growth(cases.model(rod, load))
+    assert error < 1e-5 * (1.0 + abs(rate)), "finite differences have not converged"
+    assert rate > 0.05, "nothing grows here: the comparison would show nothing"
+    assert found.status == "unstable"
+    assert found.growth_rate == pytest.approx(rate, rel=1e-9, abs=3.0 * error + found.error)
+    assert found.growth_rate == pytest.approx(rate, rel=1e-4)
+
+
+@pytest.mark.parametrize("name", [name for name in KNOWN if "120" not in name])
+def test_finite_differences_grow_as_known(name: str) -> None:
+    known = KNOWN[name]
+    rate, error = fd.growth(cases.model(known.rod, known.load))
+    assert error < 1e-7
+    assert rate == pytest.approx(known.rate, rel=0.0, abs=known.slack + error)
+
+
+@pytest.mark.parametrize("ends", [ends for ends in ENDS if ends.split("-") <= ends.split("-")[::-1]])
+def test_finite_differences_know_beams(ends: str) -> None:
+    rigid = cases.rigid_motions(ends)
+    model = fd.Model(1.0, 1.0, 0.0, 1.0, tuple(ends.split("-")), fd.even(0.0))  # type: ignore[arg-type]
+    free = fd.least_stiffness(model, rigid + 3)
+    assert np.sqrt(free[rigid:]) == pytest.approx(np.square(cases.beam_wavenumbers(ends, 3)), rel=1e-7)
+    pushed = model._replace(mean=fd.even(cases.buckling_load(ends)))
+    assert np.abs(fd.least_stiffness(pushed, max(1, rigid))).max() < 1e-6
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("ends", ["clamped", "clamped-hinged", "hinged-clamped", "clamped-guided", "guided-free"])
+def test_growth_is_that_of_finite_differences(ends: str, way: str) -> None:
+    rod = SHORT.replace(ends=ends, inclination=math.radians(70.0), damping_rate=0.005 * SHORT.pendulum_frequency)
+    close(rod, growing(rod, way))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("ends", ENDS)
+def test_growth_is_that_of_finite_differences_for_all_ends(ends: str, way: str) -> None:
+    rod = SHORT.replace(ends=ends, inclination=math.radians(50.0))
+    close(rod, growing(rod, way))
+
+
+# --- limits ---
+
+
+def test_independent_modes_are_what_they_were() -> None:
+    even = fr.AxialLoad(0.2 * FORCE, 0.2 * FORCE, 150.0)
+    for load in (
+        even,
+        fr.AxialLoad(*cases.numbers(even), mean_at=None),
+        fr.AxialLoad(*cases.numbers(even), mean_at=0.0),
+    ):
+        found = WIRE.stability(load)
+        assert found.unstable_modes == (7,)
+        alone = max(fr.stability(equation).growth_rate for equation in found.mode_equations)
+        assert found.growth_rate == pytest.approx(150.0 * alone, rel=1e-12)
+        assert found.growth_rate == WIRE.replace(ends="hinged-hinged").stability(load).growth_rate
+    inclined = WIRE.replace(inclination=math.radians(60.0))
+    light = inclined.stability(fr.AxialLoad(*cases.numbers(even), mean_at=None))
+    assert light.unstable_modes == (7,)
+    assert light.growth_rate == pytest.approx(inclined.growth_rate(*cases.numbers(even), like=light.load), rel=1e-9)
+
+
+def test_coupled_modes_tend_to_independent_ones() -> None:
+    even = fr.AxialLoad(0.2 * FORCE, 0.2 * FORCE, 150.0)
+    level = WIRE.stability(even).growth_rate
+    hardly = WIRE.replace(inclination=math.pi / 2 - 1e-6).stability(even)
+    assert hardly.growth_rate == pytest.approx(level, abs=1e-8)
+    # Inertia is that of the fluid, so axial waves in the light wall are fast: 2.6e8 m/s.
+    fast = fr.Rod(68e9, 1e-6, 0.8e-3, 3.1, 4.7e-3, inner_radius=0.4e-3, fluid_inside=26000.0)
+    load = fr.AxialLoad(0.2 * fast.critical_force, 0.2 * fast.critical_force, 3.0 * fast.pendulum_frequency)
+    same = fast.stability(load).growth_rate
+    assert same > 0.1
+    for far_end in ("held", "driven"):
+        wave = fr.AxialWave(*cases.numbers(load), far_end=far_end)
+        assert fast.stability(wave).growth_rate == pytest.approx(same, abs=1e-8)
+
+
+def test_a_weak_inclination_changes_growth_smoothly() -> None:
+    rates = []
+    for degrees in (90.0, 89.0, 88.0, 86.0):
+        rod = WIRE.replace(inclination=math.radians(degrees))
+        load = fr.AxialLoad(0.2 * FORCE, 0.2 * FORCE, 150.0)
+        even = fr.AxialLoad(*cases.numbers(load), mean_at=None)
+        rates.append(rod.stability(load).growth_rate - rod.stability(even).growth_rate)
+    # Mean in the middle: the effect is of second order in the weight along the rod.
+    assert rates[0] == 0.0
+    assert rates[2] / rates[1] == pytest.approx(4.0, abs=0.3)
+    assert rates[3] / rates[2] == pytest.approx(4.0, abs=0.6)
+
+
+@pytest.mark.parametrize("ends", ["hinged", "clamped", "clamped-free"])
+def test_a_tube_is_the_solid_rod_of_the_same_stiffness_inertia_and_weight(ends: str) -> None:
+    tube = TUBING.replace(length=40.0, inclination=math.radians(70.0), damping_rate=0.05, ends=ends)
+    radius = 0.02
+    area, second = math.pi * radius**2, 0.25 * math.pi * radius**4
+    solid = fr.Rod(
+        tube.flexural_rigidity / second,
+        tube.mass_per_length / area,
+        radius,
+        tube.length,
+        radius + tube.radial_clearance,
+        tube.weight_per_length / tube.mass_per_length,
+        tube.damping_rate,
+        inclination=tube.inclination,
+        ends=ends,
+    )
+    load = fr.AxialLoad(0.3 * tube.critical_force, 0.4 * tube.critical_force, 2.2 * tube.pendulum_frequency)
+    one, other = tube.stability(load), solid.stability(load)
+    assert one.growth_rate > 0.05
+    assert one.status == other.status == "unstable"
+    assert one.growth_rate == pytest.approx(other.growth_rate, rel=1e-8)
+
+
+# --- symmetry ---
+
+
+@pytest.mark.parametrize("ends", ["clamped-hinged", "clamped-guided", "free-clamped", "hinged-guided"])
+def test_a_rod_turned_round_grows_alike(ends: str) -> None:
+    upper, lower = ends.split("-")
+    one, other = SHORT.replace(ends=ends), SHORT.replace(ends=f"{lower}-{upper}")
+    for way in ("even", "driven"):
+        load = growing(one, way)
+        rates = one.stability(load).growth_rate, other.stability(load).growth_rate
+        assert rates[0] > 0.05, "nothing grows here: the comparison would show nothing"
+        assert rates[0] == pytest.approx(rates[1], rel=1e-7)
+
+
+def test_finite_differences_turned_round_grow_alike() -> None:
+    rod = SHORT.replace(ends="clamped-free", inclination=1.0)
+    model = cases.model(rod, growing(rod, "free"))
+    waves = [lambda s, wave=wave: wave(model.length - s) for wave in model.waves]
+    turned = model._replace(ends=("free", "clamped"), mean=lambda s: model.mean(model.length - s), waves=waves)
+    assert fd.growth(turned).rate == pytest.approx(fd.growth(model).rate, rel=1e-8)
+
+
+def test_a_load_half_a_period_later_grows_alike() -> None:
+    rod = SHORT.replace(ends="clamped")
+    load = growing(rod, "two harmonics")
+    later = fr.AxialLoad(*cases.numbers(load), waveform=(-load.waveform[0], load.waveform[1]), mean_at=load.mean_at)
+    assert rod.stability(later).growth_rate == pytest.approx(rod.stability(load).growth_rate, rel=1e-7)
+
+
+# --- modes ---
+
+
+@pytest.mark.parametrize("ends", ["hinged", "clamped", "clamped-free"])
+def test_growth_converges_in_modes(ends: str) -> None:
+    rod = WIRE.replace(ends=ends, inclination=math.radians(60.0))
+    load = growing(rod, "even")
+    rate, error = fd.growth(cases.model(rod, load))
+    assert error < 1e-5 < rate
+    best = rod.stability(load)
+    assert best.growth_rate == pytest.approx(rate, rel=0.0, abs=best.error + error)
+    errors = [abs(rod.stability(load, modes=range(1, n + 1)).growth_rate - rate) for n in (10, 14, 20, 30)]
+    assert max(errors[2:]) < 0.2 * errors[0]
+    assert errors[3] < 1e-6 + 2.0 * error
+    numbers, shown = zip(*best.convergence, strict=True)
+    assert numbers == tuple(sorted(numbers))
+    assert numbers[-1] == best.modes_checked
+    assert shown[-1] == best.growth_rate
+
+
+def test_what_a_coupled_verdict_tells() -> None:
+    rod = WIRE.replace(inclination=math.radians(60.0))
+    load = fr.AxialLoad(0.2 * FORCE, 0.2 * FORCE, 150.0)
+    found = rod.stability(load)
+    assert found.load == load
+    assert found.fastest_mode in found.unstable_modes
+    assert found.time_to_grow(10.0) == pytest.approx(math.log(10.0) / found.growth_rate)
+    assert isinstance(found.system, fr.HillSystem)
+    assert rod.growth_rate(*cases.numbers(load), like=load) == pytest.approx(found.growth_rate, rel=1e-6)
+    assert not rod.is_stable(*cases.numbers(load), like=load)
+    damped = rod.replace(damping_rate=found.damping_to_stabilise * 1.001).stability(load)
+    assert damped.status == "stable"
+    assert rod.replace(damping_rate=0.99 * found.damping_to_stabilise).stability(load).status == "unstable"
+
+
+# --- bad input ---
+
+
+@pytest.mark.parametrize("ends", ["fixed", "clamped-", "clamped-hinged-free", "", "-", None, 3, ("clamped", "hinged")])
+def test_unknown_ends_are_refused(ends: Any) -> None:
+    with pytest.raises((TypeError, ValueError), match=r"^ends must"):
+        WIRE.replace(ends=ends)
+
+
+@pytest.mark.parametrize("value", [math.nan, math.inf, -0.1, 1.1, "top", True, 1j])
+def test_the_mean_has_its_place_on_the_rod(value: Any) -> None:
+    for kind in (fr.AxialLoad, fr.AxialWave):
+        with pytest.raises((TypeError, ValueError), match=r"^mean_at must"):
+            kind(0.3, 0.3, 150.0, mean_at=value)
+
+
+@pytest.mark.parametrize("value", ["open", "", None, 1, "HELD "])
+def test_unknown_far_ends_are_refused(value: Any) -> None:
+    with pytest.raises((TypeError, ValueError), match=r"^far_end must"):
+        fr.AxialWave(0.3, 0.3, 150.0, far_end=value)
+
+
+@pytest.mark.parametrize("value", [-1e-9, math.nan, math.inf, None, "0.1", True])
+def test_axial_damping_is_a_decay_rate(value: Any) -> None:
+    with pytest.raises((TypeError, ValueError), match=r"^axial_damping must"):
+        fr.AxialWave(0.3, 0.3, 150.0, axial_damping=value)
+
+
+@pytest.mark.parametrize("value", ["sawtooth", (), (0.0,), (math.nan,), (1.0, math.inf), None, 3.0, ("a",), [[1.0]]])
+def test_waveforms_are_words_or_harmonics(value: Any) -> None:
+    with pytest.raises((TypeError, ValueError), match=r"^waveform must"):
+        fr.AxialLoad(0.3, 0.3, 150.0, waveform=value)
+
+
+@pytest.mark.parametrize(("far_end", "quarters"), [("held", 1), ("held", 3), ("free", 2), ("driven", 2)])
+def test_resonance_of_an_undamped_wave_is_refused(far_end: str, quarters: int) -> None:
+    frequency = 0.5 * math.pi * quarters * TUBING.wave_speed / TUBING.length
+    wave = fr.AxialWave(6e3, 1e3, frequency, far_end=far_end)
+    with pytest.raises(ValueError, match="axial_damping"):
+        TUBING.stability(wave)
+    damped = fr.AxialWave(6e3, 1.0, frequency, far_end=far_end, axial_damping=50.0)
+    system = TUBING.modal_system(damped)
+    assert np.isfinite(np.asarray(system.cosines)).all()
