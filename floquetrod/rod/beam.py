@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 _ASYMPTOTIC = 40.0  # wavenumber from which the ends no longer feel each other: e^-40 is below rounding
 _ENRICHED_UP_TO = 64  # functions to which polynomials are added; beyond, n^-3 is small enough (a choice)
-_POLYNOMIALS = 6  # added (a choice: enough for 1e-9 with 10 functions)
+_POLYNOMIALS = 4  # added (a choice: more would raise the highest frequency further, for little)
 _SAME = 1e-7  # length of what is left of a polynomial beside the beam functions below which it adds nothing
 _POINTS = 24  # of Gauss-Legendre quadrature in a panel, exact to rounding for 6 half waves of a product
 _PER_PANEL = 12.0  # largest wavenumber times length of a panel

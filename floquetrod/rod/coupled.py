@@ -32,7 +32,7 @@ from floquetrod.systems.arrays import growth_rate, verdicts
 Floats = NDArray[np.float64]
 
 MOST_COUPLED = 2000  # modes of a system: half a minute each verdict (a choice)
-LEAST_COUPLED = 8  # modes at least (a choice)
+LEAST_COUPLED = 10  # modes at least, beside one and a half times the critical mode (a choice)
 _GROUPS = 16  # of loads by frequency, each with its own number of modes (a choice)
 _AT_ONCE = 1 << 22  # numbers in the matrices of systems that are held at once (a choice: 32 megabytes)
 
@@ -57,6 +57,13 @@ class RodNumbers(NamedTuple):
     weight_along: float
     wave_speed: float
 
+    @property
+    def critical_mode(self) -> float:
+        """The mode, not rounded, that the critical force of a long rod buckles."""
+        constants = self.constants
+        stiffness = constants.rigidity / constants.mass_per_length
+        return self.length / math.pi * math.sqrt(constants.pendulum_frequency / math.sqrt(stiffness))
+
     def has_mathieu_modes(self, load: Load) -> bool:
         """Return whether each mode obeys an equation of Mathieu's: hinged ends, a uniform force that is a pure sine."""
         if load.waveform != "sine":
@@ -67,7 +74,7 @@ class RodNumbers(NamedTuple):
         """Return how many modes to take for loads of a kind: as many as the largest force along the rod would need.
 
         An estimate: that force is taken as uniform, and modes beyond are expected to grow at less than 1e-6 per second,
-        or the tolerance, if larger.
+        or the tolerance, if larger.  At least ten more than one and a half times the critical mode, for accuracy.
         """
         s = np.linspace(0.0, self.length, 257)
         frequencies = np.unique(loads.frequency)
@@ -89,7 +96,7 @@ class RodNumbers(NamedTuple):
                 "below the frequency; give the rod its damping_rate, a growth_tolerance, a shorter length, or choose "
                 "the number of modes"
             )
-        return max(LEAST_COUPLED, needed + 2)
+        return max(math.ceil(1.5 * self.critical_mode) + LEAST_COUPLED, needed + 2)
 
     def added_mean(self, like: Load, x: Any) -> Any:
         """Return what the weight along the rod adds to the mean force at x = s / L, in N."""

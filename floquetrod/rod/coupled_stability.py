@@ -192,31 +192,24 @@ def classify_coupled(rod: RodData, load: Load, count: int | None, growth_toleran
     """Classify a rod with as many modes as two numbers of them agree upon, or with ``count`` of them."""
     if count is None:
         last = rod.coupled_numbers.modes_needed(Loads.single(load), load, growth_tolerance)
-        counts = [last - max(2, last // 8), last]
+        counts = [last - max(2, last // 6), last]
     else:
         counts = [count]
-    found = [_classified(rod, load, n) for n in counts]
-    while count is None and _differ(found[-2][1], found[-1][1], growth_tolerance):
-        larger = math.ceil(1.25 * found[-1][0].count)
-        if len(found) == 2 + _ENLARGEMENTS or larger > MOST_COUPLED:
+    found = [_Trial.of(rod, load, n) for n in counts]
+    while len(found) > 1 and found[-1].concluded(found[-2], growth_tolerance)[0] == "undecided":
+        larger = math.ceil(1.25 * found[-1].modes.count)
+        if len(found) == 2 + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
             break
-        found.append(_classified(rod, load, larger))
-    modes, whole = found[-1]
-    error = whole.error / whole.period
-    if len(found) > 1:
-        error += abs(whole.growth_rate - found[-2][1].growth_rate)
-    status, note = _status(whole, error, growth_tolerance), whole.note
-    if len(found) > 1 and _differ(found[-2][1], whole, growth_tolerance):
-        status, note = (
-            "undecided",
-            f"{found[-2][0].count} modes say {found[-2][1].status}, {modes.count} {whole.status}",
-        )
+        found.append(_Trial.of(rod, load, larger))
+    final = found[-1]
+    status, error, note = final.concluded(found[-2] if len(found) > 1 else None, growth_tolerance)
+    whole = final.whole
     return CoupledRodStability(
         rod=rod,
-        coupled=modes,
+        coupled=final.modes,
         whole=whole,
-        convergence=tuple((m.count, w.growth_rate) for m, w in found),
-        resonances=modes.named(modes.system(Loads.single(load)), whole.resonances),
+        convergence=tuple((trial.modes.count, trial.whole.growth_rate) for trial in found),
+        resonances=final.modes.named(final.modes.system(Loads.single(load)), whole.resonances),
         growth_tolerance=growth_tolerance,
         status=status,
         growth_rate=whole.growth_rate,
@@ -229,22 +222,51 @@ def classify_coupled(rod: RodData, load: Load, count: int | None, growth_toleran
     )
 
 
-def _classified(rod: RodData, load: Load, count: int) -> tuple[CoupledModes, SystemStability]:
-    modes = CoupledModes(rod.coupled_numbers, load, count)
-    return modes, stability(modes.system(Loads.single(load)))
+class _Trial(NamedTuple):
+    """The verdict with one number of modes, and between what the rate of the fastest solution lies, in 1/s."""
 
+    modes: CoupledModes
+    whole: SystemStability
+    least: float
+    most: float
 
-def _status(whole: SystemStability, error: float, tolerance: float) -> Status:
-    """Return the verdict with a tolerance: undecided where the error of the growth rate covers it."""
-    if tolerance == 0.0 or whole.status == "stable":
-        return whole.status
-    if whole.growth_rate - error > tolerance and whole.status == "unstable":
-        return "unstable"
-    return "stable" if whole.growth_rate + error <= tolerance else "undecided"
+    @classmethod
+    def of(cls, rod: RodData, load: Load, count: int) -> _Trial:
+        """Return the verdict with ``count`` modes."""
+        modes = CoupledModes(rod.coupled_numbers, load, count)
+        whole = stability(modes.system(Loads.single(load)))
+        rates = np.array([exponent.real for exponent in whole.exponents])
+        errors = np.array(whole.exponent_errors)
+        if not rates.size:
+            return cls(modes, whole, -math.inf, math.inf)
+        return cls(modes, whole, float((rates - errors).max()), float((rates + errors).max()))
 
+    @property
+    def rate(self) -> float:
+        """Rate of the fastest solution in 1/s, negative where it decays."""
+        return self.whole.exponents[0].real if self.whole.exponents else math.nan
 
-def _differ(one: SystemStability, other: SystemStability, tolerance: float) -> bool:
-    """Return whether two numbers of modes lead to different verdicts."""
-    if tolerance > 0.0:
-        return (one.growth_rate > tolerance) != (other.growth_rate > tolerance)
-    return one.status != other.status
+    @property
+    def is_sharp(self) -> bool:
+        """Whether rounding leaves room for a verdict that more modes could change."""
+        return self.whole.status != "undecided"
+
+    def concluded(self, fewer: _Trial | None, tolerance: float) -> tuple[Status, float, str]:
+        """Return verdict, error of the growth rate in 1/s and note, given another trial with fewer modes."""
+        change = 0.0 if fewer is None else abs(self.rate - fewer.rate)
+        error = max(self.most - self.rate, self.rate - self.least) + change
+        if not error < math.inf:
+            return "undecided", math.inf, self.whole.note or "multipliers could not be computed"
+        if tolerance > 0.0:
+            if self.least - change > tolerance:
+                return "unstable", error, self.whole.note
+            if self.most + change <= tolerance:
+                return "stable", error, self.whole.note
+            return "undecided", error, f"growth {self.rate:.3g} 1/s is within its error {error:.1g} of the tolerance"
+        if fewer is not None and fewer.whole.status != self.whole.status:
+            counts = f"{fewer.modes.count} modes say {fewer.whole.status}, {self.modes.count} {self.whole.status}"
+            return "undecided", error, counts
+        # Without damping stable rates are zero, and as sure as the multipliers' verdict; all others may change sign.
+        if abs(self.rate) <= change and change > self.most - self.rate:
+            return "undecided", error, f"growth {self.rate:.3g} 1/s with {self.modes.count} modes is within its error"
+        return self.whole.status, error, self.whole.note

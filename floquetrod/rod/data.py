@@ -446,12 +446,13 @@ class RodData:
         last, left_out = constants.modes_needed(load, 0.0)
         return ModalSystem(constants, load, tuple(range(1, last + 1)), left_out)
 
-    def modal_systems(self, mean: Any, amplitude: Any, frequency: Any) -> ModalSystems:
-        """Return the modal systems over arrays of loads (N, N, rad/s) that broadcast.
+    def modal_systems(self, mean: Any, amplitude: Any, frequency: Any, *, like: Load | None = None) -> ModalSystems:
+        """Return the modal systems over arrays of loads (N, N, rad/s) that broadcast; all else is that of ``like``.
 
-        Raises ValueError for loads that need more than 20,000 modes, or too large coefficients.
+        Raises ValueError where modes are coupled, and for loads that need more than 20,000 modes, or too large
+        coefficients.
         """
-        if not self.coupled_numbers.has_mathieu_modes(kind(None)):
+        if not self.coupled_numbers.has_mathieu_modes(kind(like)):
             raise ValueError(
                 f"modal_systems is for rods whose modes are independent, got ends={self.ends!r} and inclination = "
                 f"{self.inclination:g}; use modal_system, one load at a time"

@@ -192,12 +192,13 @@ class Rod(RodData):
         *,
         friction: float,
         growth_tolerance: float = 0.0,
+        like: Load | None = None,
         workers: int | None = None,
     ) -> CriticalKick:
         """Return what `critical_kick` does over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
         friction = friction_coefficient(friction)
         tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-        systems = self.modal_systems(mean, amplitude, frequency)
+        systems = self.modal_systems(mean, amplitude, frequency, like=like)
         found = critical_kicks(self, systems, friction, tolerance, workers)
         return CriticalKick(*(shaped(part, systems.loads.shape) for part in found))
 
@@ -391,7 +392,7 @@ class Rod(RodData):
             loads = Loads.of(mean, amplitude, frequency)
             found = CoupledLoads(self.coupled_numbers, kind(like), loads, tolerance).verdicts(workers)
             return shaped(found, loads.shape)
-        systems = self.modal_systems(mean, amplitude, frequency)
+        systems = self.modal_systems(mean, amplitude, frequency, like=like)
         if rubbing is not None:
             found = kicked_loads(self, systems, *rubbing, tolerance, workers)
         elif criterion is not None:
@@ -418,7 +419,7 @@ class Rod(RodData):
             growth = CoupledLoads(self.coupled_numbers, kind(like), loads).growth(workers)
             mode = np.where(growth > 0.0, -1, 0)
             return shaped(growth, loads.shape), shaped(mode, loads.shape)
-        systems = self.modal_systems(mean, amplitude, frequency)
+        systems = self.modal_systems(mean, amplitude, frequency, like=like)
         growth, mode = systems.fastest(workers)
         return shaped(growth, systems.loads.shape), shaped(mode, systems.loads.shape)
 
