@@ -360,9 +360,9 @@ def test_a_rod_is_its_parts() -> None:
     assert rod.material == Material(rod.youngs_modulus, rod.density)
     assert rod.section == Section(rod.radius)
     assert rod.channel == Channel(rod.channel_radius, rod.gravity)
-    assert rod.ends == Ends()
+    assert rod.end_conditions == Ends()
     assert rod.flexural_rigidity == rod.material.youngs_modulus * rod.section.second_moment
-    assert rod.wavenumber(3) == 3.0 * rod.ends.first_wavenumber(rod.length)
+    assert rod.wavenumber(3) == 3.0 * rod.end_conditions.first_wavenumber(rod.length)
     assert rod.replace(radius=1e-3).section.area == math.pi * 1e-6
 
 
