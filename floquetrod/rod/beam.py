@@ -229,7 +229,7 @@ def _polynomials(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:
     from numpy.polynomial import Legendre
 
     needed = [(at, d) for at, end in ((0.0, ends.upper), (1.0, ends.lower)) for d in _ESSENTIAL[end]]
-    degrees = _POLYNOMIALS + len(needed)
+    degrees = _POLYNOMIALS + _rigid(ends) + len(needed)  # rigid motions are polynomials too
     whole = [Legendre.basis(j, domain=[0.0, 1.0]) for j in range(degrees)]
     if needed:
         conditions = np.array([[p.deriv(d)(at) if d else p(at) for p in whole] for at, d in needed])

@@ -14,6 +14,7 @@ from floquetrod.floquet.systems import ladders, spectra
 from floquetrod.floquet.systems.classification import classify_multipliers, declined, undamped_pairs
 from floquetrod.floquet.systems.ladders import Solutions
 from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.systems.whole import error_stretch
 from floquetrod.floquet.verdict import Cost
 from floquetrod.kernels.system_maps import segment_maps
 
@@ -95,7 +96,8 @@ def _segments(
     found = segment_maps(system.mean[None], system.harmonics[None], [period], rtol, count)
     scales = found.scaling[0]
     ratio = scales[None, :] / scales[:, None]
-    doubt = system.coefficient_error * system.order * float(ratio.max()) * period / count
+    stretch = float(error_stretch(system.mean[None], scales[None])[0])
+    doubt = system.coefficient_error * system.order * stretch * period / count
     with np.errstate(over="ignore", invalid="ignore"):  # of maps that overflow
         maps = found.maps[0] * ratio
         return maps, found.errors[0] + doubt * norms(maps), scales

@@ -42,7 +42,7 @@ def period_maps(
 
     Where ``paired``, positions and velocities are scaled by inverse factors: the map stays symplectic or reversible.
     """
-    n = mean.shape[-1]
+    n, plain = mean.shape[-1], mean
     scaling = _paired_scaling(mean, harmonics) if paired else np.ones(mean.shape[:-1])
     harmonics = harmonics * scaling[:, None, None, :] / scaling[:, None, :, None]
     mean = mean * scaling[:, None, :] / scaling[:, :, None]
@@ -54,9 +54,23 @@ def period_maps(
         matrix = matrix * inner[:, None, :] / inner[:, :, None]
         scaling = inner
     size = norms(matrix)
-    stretch = scaling.max(axis=-1) / scaling.min(axis=-1)
+    stretch = error_stretch(plain, scaling)
     moved = np.where(doubt > 0.0, period * doubt * n * stretch * np.maximum(size, 1.0) ** 2, 0.0)
     return PeriodMaps(matrix, error + moved, scaling)
+
+
+def error_stretch(mean: NDArray[np.float64], scaling: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return how much larger errors of the coefficients may be in coordinates x / scaling.
+
+    Where positions change at the rate of velocities, [0, 1] in the upper half of the mean (b, 2n, 2n), nothing is in
+    error there, nor in a lower right block that is zero.
+    """
+    n = mean.shape[-1] // 2
+    every = scaling.max(axis=-1) / scaling.min(axis=-1)
+    if mean.shape[-1] % 2 or not ((mean[:, :n, n:] == np.eye(n)).all() and not mean[:, :n, :n].any()):
+        return np.asarray(every)
+    columns = scaling if mean[:, n:, n:].any() else scaling[:, :n]
+    return np.asarray(columns.max(axis=-1) / scaling[:, n:].min(axis=-1))
 
 
 def _paired_scaling(mean: NDArray[np.float64], harmonics: NDArray[np.complex128]) -> NDArray[np.float64]:
