@@ -14,6 +14,7 @@ from floquetrod._util.roots import bisected
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems.result import Resonance, SystemStability
+from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.assumptions import assumptions
 from floquetrod.rod.coupled import MOST_COUPLED, CoupledModes
@@ -149,21 +150,25 @@ class CoupledRodStability(RodVerdict):
         """Where along the rod the fastest solution moves most, growing or not."""
         from scipy.integrate import solve_ivp
 
-        first = self.system.as_periodic_system()
-        n, period = self.coupled.size, self.period
-
-        def slope(t: float, y: NDArray[Any]) -> Any:
-            block = y.reshape(2 * n, -1)
-            return (first.coefficient(t) @ block).ravel()
-
-        whole = solve_ivp(slope, (0.0, period), np.eye(2 * n).ravel(), method="DOP853", rtol=1e-8, atol=1e-10)
-        values, vectors = np.linalg.eig(whole.y[:, -1].reshape(2 * n, 2 * n))
+        system = self.system
+        undamped, _ = system.undamped or (system, 0.0)  # the factor of damping changes no shape
+        first, n, period = undamped.as_periodic_system(), self.coupled.size, self.period
+        maps = period_maps(first.mean[None], first.harmonics[None], np.array([period]), 0.0, 1e-10, paired=True)
+        values, vectors = np.linalg.eig(maps.matrix[0])
         fastest = int(np.abs(values).argmax())
-        exponent = complex(np.log(values[fastest])) / period
+        rate = math.log(abs(values[fastest])) / period
+        start = (vectors[:, fastest] * maps.scaling[0]).astype(complex)
+        series = np.concatenate([first.mean[None], first.harmonics])
+
+        def slope(t: float, state: NDArray[np.complex128]) -> NDArray[np.complex128]:
+            found = series[0] @ state
+            for k, matrix in enumerate(series[1:], start=1):
+                found = found + (matrix * np.exp(2j * math.pi * k * t / period)).real @ state
+            return np.asarray(found)
+
         times = np.linspace(0.0, period, _SHAPE_INSTANTS + 1)
-        start = vectors[:, fastest].astype(complex)
-        path = solve_ivp(slope, (0.0, period), start, method="DOP853", t_eval=times, rtol=1e-8, atol=1e-10).y[:n]
-        path = path * np.exp(-exponent.real * times)
+        path = solve_ivp(slope, (0.0, period), start, method="DOP853", t_eval=times, rtol=1e-8, atol=1e-12).y[:n]
+        path = path * np.exp(-rate * times)
         x = np.linspace(0.0, 1.0, _SHAPE_POINTS)
         moving = self.coupled.basis.shapes(x).T @ path  # complex: its real part at any phase is a solution
         envelope = np.abs(moving).max(axis=1)
