@@ -25,7 +25,7 @@ from floquetrod.rod.verdict import RodVerdict
 
 _LEFT_OUT = 3.0  # error over the change from five sixths of the modes: 2.3 where it falls as n^-2, less where faster
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
-_SHAPE_POINTS, _SHAPE_INSTANTS = 401, 48  # along the rod and in a period
+_SHAPE_POINTS, _SHAPE_INSTANTS = 12, 48  # for each mode, and in a period
 
 
 class Shape(NamedTuple):
@@ -169,7 +169,7 @@ class CoupledRodStability(RodVerdict):
         times = np.linspace(0.0, period, _SHAPE_INSTANTS + 1)
         path = solve_ivp(slope, (0.0, period), start, method="DOP853", t_eval=times, rtol=1e-8, atol=1e-12).y[:n]
         path = path * np.exp(-rate * times)
-        x = np.linspace(0.0, 1.0, _SHAPE_POINTS)
+        x = np.linspace(0.0, 1.0, _SHAPE_POINTS * self.coupled.size + 1)
         moving = self.coupled.basis.shapes(x).T @ path  # complex: its real part at any phase is a solution
         envelope = np.abs(moving).max(axis=1)
         size = float(envelope.max())
