@@ -3,13 +3,26 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.kernels.system_even_steps import balance, cut_harmonics, plan
-from floquetrod.kernels.system_large import Stop, applied, chain, crossing, joined, norm_bound, stop_rule, tail
-from floquetrod.kernels.system_series import coefficient_bound
+from floquetrod.kernels.system_large import (
+    LEVELS,
+    Matrix,
+    Stop,
+    applied,
+    chain,
+    crossing,
+    joined,
+    norm_bound,
+    split,
+    stop_rule,
+    tail,
+)
+from floquetrod.kernels.system_series import ROUNDING, coefficient_bound
 
 Floats = NDArray[np.float64]
 
@@ -32,7 +45,11 @@ def half_period_large(
     stop = stop_rule(n, h * h * size, h * h * norms, first, omega * h, (slow * h, fast * h), max(accuracy, noise))
     harmonics = np.arange(first, first + len(f))
     signs = (-1.0) ** harmonics
-    other = (f if symmetric else f.swapaxes(-1, -2)) * signs[:, None, None]
+    blocks: list[Matrix] = list(f)
+    if symmetric:
+        blocks = [split(matrix, ROUNDING * norm) for matrix, norm in zip(f, norms, strict=True)]
+        noise += LEVELS * ROUNDING * float(norms.sum()) / slow * h
+    transposed = blocks if symmetric else list(f.swapaxes(-1, -2))
     scale = g[:, None] / g[None, :]
     rate = h * g[:, None] * g[None, :]
 
@@ -42,8 +59,8 @@ def half_period_large(
         np.hstack([np.ones((len(f), 1)), -(angles**2) / ((2.0 * index[1:] - 1.0) * (2.0 * index[1:]))]), axis=1
     ).astype(float)
     maps, errors = [], []
-    for end, matrices in enumerate((f, other)):
-        value, slope, rest = _even_sums(s, matrices, even, most, first, h, terms, ratio, stop)
+    for end, (matrices, weights) in enumerate(((blocks, even), (transposed, signs[:, None] * even))):
+        value, slope, rest = _even_sums(s, matrices, weights, most, h, terms, ratio, stop, constant=first == 0)
         a, b = value[:, :n] * scale, value[:, n:] * rate
         c, d = slope[:, :n] / rate, (slope[:, n:] + value[:, n:]) / scale
         maps.append(np.block([[a, b], [c, d]] if end == 0 else [[d.T, b.T], [c.T, a.T]]))
@@ -55,7 +72,7 @@ def half_period_large(
     for segment in range(1, segments):
         centre = math.pi * (harmonics * segment % (2 * segments)) / segments
         mixed = np.cos(centre[:, None] + 0.5 * math.pi * index) * angles**index / factorials
-        forth, back, rest = crossing(s, f, mixed, 2 * most + 1, first == 0, h, order, ratio, stop)
+        forth, back, rest = crossing(s, blocks, mixed, 2 * most + 1, h, order, ratio, stop, constant=first == 0)
         matrix, wrong = joined(forth, back, noise + rest, g, h, symmetric=symmetric)
         maps.insert(-1, matrix)
         errors.insert(-1, wrong)
@@ -64,8 +81,9 @@ def half_period_large(
 
 
 def _even_sums(
-    s: Floats, matrices: Floats, c: Floats, most: int, first: int, h: float, terms: int, ratio: float, stop: Stop
-) -> tuple[Floats, Floats, float]:
+    s: Floats, matrices: Sequence[Matrix], c: Floats, most: int, h: float, terms: int, ratio: float, stop: Stop,
+    *, constant: bool,
+) -> tuple[Floats, Floats, float]:  # fmt: skip
     """Return values and slopes at h of the even solutions and, over h, of the odd ones, and what is left out."""
     n = len(s)
     divisors = np.repeat([[1.0], [2.0]], n, axis=1).ravel()
@@ -74,7 +92,7 @@ def _even_sums(
     sizes = np.zeros(2 * terms - 1)
     sizes[0] = math.sqrt(2.0 * n)
     for i in range(terms - 1):
-        out = applied(x, i, c, most, s, matrices, constant=first == 0)
+        out = applied(x, i, c, most, s, matrices, constant=constant)
         np.multiply(out, -h * h / ((2.0 * i + divisors) * (2.0 * i + 1.0 + divisors)), out=x[i + 1])
         sizes[2 * i + 2] = math.sqrt(float(np.vdot(x[i + 1], x[i + 1])))
         rest = stop.left_out(sizes[: 2 * i + 3])

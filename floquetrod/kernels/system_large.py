@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,17 +16,73 @@ Floats = NDArray[np.float64]
 _WORTH_STOPPING = 50
 """Equations from which on a product of matrices takes longer than bounding what is left of a series (heuristic)."""
 _BEYOND = 40  # terms that a bound follows one by one before it ends in a geometric series
+_SMALLEST_BLOCK = 100  # rows below which a matrix is not split (heuristic)
+LEVELS = 6
+"""Levels of a `split` matrix of at most 2,000 rows, the blocks at its ends included."""
 _FARTHEST = 500  # terms that it follows at most
 
 
-def applied(x: Floats, i: int, c: Floats, most: int, s: Floats, matrices: Any, constant: bool) -> Floats:
-    """Return s x_i + sum_k F_k sum_l c_kl x_(i-l); ``constant``: c_0l is 0 but for l = 0."""
-    out: Floats = s[:, None] * x[i]
-    start = max(0, i - most)
-    flat = x[start : i + 1].reshape(i + 1 - start, -1)
+class Split(NamedTuple):
+    """A symmetric matrix [[A, U V], [(U V)^T, D]]; its blocks A and D are matrices or of this form again."""
+
+    upper: Matrix
+    left: Floats
+    right: Floats
+    lower: Matrix
+
+
+Matrix = Floats | Split
+
+
+def split(matrix: Floats, tolerance: float) -> Matrix:
+    """Return a large symmetric matrix with off-diagonal blocks of low rank as far as that makes products cheaper.
+
+    What is dropped is below ``tolerance`` in the 2-norm at each of at most `LEVELS` levels.
+    """
+    n = len(matrix)
+    half = n // 2
+    if half < _SMALLEST_BLOCK:
+        return matrix
+    left, sizes, right = np.linalg.svd(matrix[:half, half:], full_matrices=False)
+    rank = int((sizes > tolerance).sum())
+    if rank > n // 8:
+        return matrix
+    upper, lower = split(matrix[:half, :half].copy(), tolerance), split(matrix[half:, half:].copy(), tolerance)
+    return Split(upper, left[:, :rank] * sizes[:rank], right[:rank], lower)
+
+
+def add_product(matrix: Matrix, x: Floats, out: Floats) -> None:
+    """Add matrix @ x to ``out``."""
+    if not isinstance(matrix, Split):
+        out += matrix @ x
+        return
+    half = len(matrix.left)
+    add_product(matrix.upper, x[:half], out[:half])
+    out[:half] += matrix.left @ (matrix.right @ x[half:])
+    add_product(matrix.lower, x[half:], out[half:])
+    out[half:] += matrix.right.T @ (matrix.left.T @ x[:half])
+
+
+def applied(
+    x: Floats, i: int, c: Floats, most: int, s: Floats, matrices: Sequence[Matrix], *, constant: bool
+) -> Floats:
+    """Return s x_i + sum_k F_k sum_l c_kl x_(i-l), l up to ``most``; x_j is row j of x modulo its length.
+
+    ``constant``: c_0l is 0 but for l = 0.
+    """
+    rows = len(x)
+    current = x[i % rows]
+    out: Floats = s[:, None] * current
+    lags = np.arange(min(i, most) + 1)
+    flat = x[: i + 1].reshape(min(i + 1, rows), -1)
     for k, matrix in enumerate(matrices):
-        mixed = x[i] if constant and k == 0 else (c[k, i - start :: -1][: len(flat)] @ flat).reshape(out.shape)
-        out += matrix @ mixed
+        if constant and k == 0:
+            mixed = current
+        else:
+            weights = np.zeros(len(flat))
+            weights[(i - lags) % rows] = c[k, : len(lags)]
+            mixed = (weights @ flat).reshape(out.shape)
+        add_product(matrix, mixed, out)
     return out
 
 
@@ -99,35 +156,35 @@ def stop_rule(
 
 
 def crossing(
-    s: Floats, matrices: Any, c: Floats, most: int, constant: bool, h: float, order: int, ratio: float, stop: Stop
-) -> tuple[Floats, Floats, float]:
+    s: Floats, matrices: Sequence[Matrix], c: Floats, most: int, h: float, order: int, ratio: float, stop: Stop,
+    *, constant: bool,
+) -> tuple[Floats, Floats, float]:  # fmt: skip
     """Return the maps of (u, h u') from a centre to h after and before it (2 n, 2 n), and what is left out of them.
 
     ``c`` are the Taylor coefficients in units of h of the factors of the matrices, of which ``most`` + 1 are used.  The
     series has powers up to ``order``, if it is not stopped.
     """
     n = len(s)
-    x = np.empty((order + 1, n, 2 * n))
-    x[:2] = 0.0
+    x = np.zeros((min(order + 1, most + 2), n, 2 * n))
     x[0, :, :n] = x[1, :, n:] = np.eye(n)
     sizes = np.zeros(order + 1)
     sizes[:2] = math.sqrt(n)
+    sums = np.zeros((2, 2 * n, 2 * n))  # of even and odd powers
+    sums[0, :n], sums[1, :n], sums[0, n:] = x[0], x[1], x[1]
     for i in range(order - 1):
-        out = applied(x, i, c, most, s, matrices, constant)
-        np.multiply(out, -h * h / ((i + 1.0) * (i + 2.0)), out=x[i + 2])
-        sizes[i + 2] = math.sqrt(float(np.vdot(x[i + 2], x[i + 2])))
+        out = applied(x, i, c, most, s, matrices, constant=constant)
+        out *= -h * h / ((i + 1.0) * (i + 2.0))
+        x[(i + 2) % len(x)] = out
+        sizes[i + 2] = math.sqrt(float(np.vdot(out, out)))
+        sums[i % 2, :n] += out
+        out *= i + 2.0
+        sums[1 - i % 2, n:] += out  # the slope is odd where the value is even
         rest = stop.left_out(sizes[: i + 3]) if i % 2 else math.inf
         if rest < stop.tolerance:
-            x = x[: i + 3]
             break
     else:
         rest = stop.factor(order) * tail(sizes, ratio**-2.0) / (1.0 - 1.0 / ratio) ** 2
-    sums = np.zeros((2, 2 * n, 2 * n))  # of even and odd powers
-    for i in range(len(x) - 1, -1, -1):
-        sums[i % 2, :n] += x[i]
-        sums[1 - i % 2, n:] += float(i) * x[i]  # the slope is odd where the value is even
-    back = sums[0] - sums[1]
-    return sums[0] + sums[1], back, rest
+    return sums[0] + sums[1], sums[0] - sums[1], rest
 
 
 def joined(forth: Floats, back: Floats, error: float, g: Floats, h: float, *, symmetric: bool) -> tuple[Floats, float]:
@@ -138,7 +195,7 @@ def joined(forth: Floats, back: Floats, error: float, g: Floats, h: float, *, sy
     if symmetric:
         back = np.block([[back[n:, n:].T, -back[:n, n:].T], [-back[n:, :n].T, back[:n, :n].T]])
     else:
-        back = np.linalg.inv(back)
+        back = np.asarray(np.linalg.inv(back))
     one, two = norm_bound(forth), norm_bound(back)
     wrong = error * (one + two + error) + ROUNDING * (2.0 * n + 2.0) * one * two
     if not symmetric:

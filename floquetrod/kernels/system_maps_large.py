@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.kernels.system_even_steps import balance
-from floquetrod.kernels.system_large import chain, crossing, joined, norm_bound, stop_rule
+from floquetrod.kernels.system_large import LEVELS, chain, crossing, joined, norm_bound, split, stop_rule
 from floquetrod.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_bound, plan_segments, reach
 
 Floats = NDArray[np.float64]
@@ -44,9 +44,8 @@ def period_map_large(
     map : ndarray, (2 n, 2 n)
         Symplectic: of (v, p), u = basis v and u' = basis^-T p, basis eigenvectors of S over the roots of rates.
     error : float
-        Bound of its Frobenius norm, absolute: truncation bounded from the computed terms, rounding and the effect of ``doubt``
-        estimated.
-        Infinite where the period holds too many waves.
+        Bound of its Frobenius norm, absolute: truncation bounded from the computed terms, rounding and the effect of
+        ``doubt`` estimated.  Infinite where the period holds too many waves.
     """
     n, omega = len(stiffness), 2.0 * math.pi / period
     if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):
@@ -74,17 +73,22 @@ def period_map_large(
     largest = coefficient_bound(size, norms, 1, omega * h)
     forcing = (largest - size) / largest if largest > 0.0 else 0.0
     noise = ROUNDING * (1.0 + 0.5 * phase) * (4.0 + forcing * (n + 6.0)) * math.cosh(phase)
-    noise += slack * bound * bound / slow * h
-    stop = stop_rule(n, h * h * size, h * h * norms, 1, omega * h, (slow * h, fast * h), max(accuracy, noise))
     index = np.arange(order + 1)
     orders = np.array([k for k, _, _ in parts], dtype=int)
     turns = np.array([turn for _, turn, _ in parts])
     powers = (orders[:, None] * (omega * h)) ** index / np.cumprod(np.maximum(index, 1.0))
+    # Powers of the factors too small to matter are left out.
+    ends = np.cumsum((norms[orders - 1] @ powers)[::-1])[::-1] * 2.0 * h / slow
+    most = max(int((ends > 0.1 * noise).sum()) - 1, 0)
+    noise += slack * bound * bound / slow * h + (float(ends[most + 1]) if most < order else 0.0)
+    noise += LEVELS * ROUNDING * float(norms.sum()) / slow * h
+    stop = stop_rule(n, h * h * size, h * h * norms, 1, omega * h, (slow * h, fast * h), max(accuracy, noise))
+    blocks = [split(matrix, ROUNDING * norm_bound(matrix)) for matrix in matrices]
     maps, errors = [], []
     for segment in range(segments):
         place = orders * (2 * segment + 1) % (2 * segments) / segments  # of the centre, in half turns
         factors = np.cos(math.pi * (place + turns)[:, None] + 0.5 * math.pi * index) * powers
-        forth, back, rest = crossing(s, matrices, factors, order, False, h, order, ratio, stop)
+        forth, back, rest = crossing(s, blocks, factors, most, h, order, ratio, stop, constant=False)
         matrix, wrong = joined(forth, back, noise + rest, g, h, symmetric=True)
         maps.append(matrix)
         errors.append(wrong)

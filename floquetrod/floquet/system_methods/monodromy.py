@@ -28,8 +28,8 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
 
     Where multipliers come in mu, 1 / mu, the numbers mu + 1/mu are computed, each once, which keeps digits where
     multipliers meet at 1 or -1: of a symplectic map S by reducing S + S^-1 to block triangular form, of a reversible
-    one as those of a block.  Of 100 equations q'' + K(t) q = 0 or more, K symmetric, the multipliers themselves are: the
-    reduction would take longer than all else.
+    one as those of a block.  Of 100 equations q'' + K(t) q = 0 or more, K symmetric, the multipliers themselves are:
+    the reduction would take longer than all else.
 
     Parameters
     ----------

@@ -218,7 +218,7 @@ def logarithms(discs: Discs, shift: float = 0.0) -> LogDiscs:
         high = np.log(sizes + discs.radii)
         values = np.log(np.where(sizes > 0.0, discs.values, 5e-324))
         radii = np.where(discs.radii < sizes, values.real - low, math.inf)
-    return LogDiscs(values - shift, low - shift, high - shift, radii, discs.clusters)
+    return LogDiscs(np.asarray(values - shift), low - shift, high - shift, radii, discs.clusters)
 
 
 def classify_multipliers(

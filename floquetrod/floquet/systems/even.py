@@ -71,7 +71,7 @@ def pair_matrices(
 def _whole(half: HalfPeriodMap, period: Any, doubt: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return maps (b, 2 n, 2 n) over half a period, and their errors, those of the coefficients included."""
     whole = np.concatenate([np.concatenate([half.a, half.b], -1), np.concatenate([half.c, half.d], -1)], -2)
-    return whole, half.error + 0.5 * period * doubt * (norms(half.basis) * norms(whole)) ** 2
+    return whole, half.error + 0.5 * period * doubt * (_sizes(half.basis) * _sizes(whole)) ** 2
 
 
 def _sizes(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
