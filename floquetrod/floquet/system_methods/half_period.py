@@ -55,9 +55,10 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
     if discs is None or not found.symmetric:
         return classify_pairs(system, "half_period", discs, cost=Cost(1, "half period"))
 
-    size = spectra.spectral_norm(found.form[0])
+    form = -found.form[0]
 
-    def krein(cluster: NDArray[np.intp]) -> int:
-        return -spectra.definiteness(discs, cluster, found.form[0], size, float(found.form_error[0]))
+    def times(vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        return np.asarray(form @ vectors.real + 1j * (form @ vectors.imag))  # no complex copy of the form
 
+    krein = spectra.signs(discs, times, spectra.spectral_norm(form), float(found.form_error[0]))
     return classify_pairs(system, "half_period", discs, krein=krein, cost=Cost(1, "half period"))

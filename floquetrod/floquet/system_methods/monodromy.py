@@ -17,8 +17,10 @@ from floquetrod.floquet.systems.classification import (
 )
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
+from floquetrod.kernels.system_maps_large import large_seconds, period_map_large
 
 _COST = Cost(1, "period")
+_MANY = 100  # equations from which on a map's own eigenvalues are computed, not the numbers of its pairs (a choice)
 
 
 def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> SystemStability:
@@ -26,7 +28,8 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
 
     Where multipliers come in mu, 1 / mu, the numbers mu + 1/mu are computed, each once, which keeps digits where
     multipliers meet at 1 or -1: of a symplectic map S by reducing S + S^-1 to block triangular form, of a reversible
-    one as those of a block.
+    one as those of a block.  Of 100 equations q'' + K(t) q = 0 or more, K symmetric, the multipliers themselves are:
+    the reduction would take longer than all else.
 
     Parameters
     ----------
@@ -53,6 +56,8 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         harmonics = harmonics * np.exp(1j * phase * np.arange(1, len(harmonics) + 1))[:, None, None]
     arrays = first.mean[None], harmonics[None], np.array([float(system.period)])
     paired = pairs is not None
+    if pairs and first.order >= 2 * _MANY and whole.is_oscillators(first.mean, harmonics):
+        return _many(system, first, pairs[1], rtol)
     refused = too_long(system, "monodromy", float(whole.seconds_needed(*arrays)[0]))
     if refused is not None:
         return refused
@@ -70,3 +75,17 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         return symplectic.krein_sign(discs, found, cluster) if discs and found else 0
 
     return classify_pairs(system, "monodromy", found, krein=krein, cost=_COST)
+
+
+def _many(system: HillSystem | PeriodicSystem, first: PeriodicSystem, damping: float, rtol: float) -> SystemStability:
+    """Classify many equations, freed of damping q'' + K(t) q = 0 with K symmetric, by the eigenvalues of their map."""
+    n, period = first.order // 2, float(first.period)
+    stiffness, harmonics = -first.mean[n:, :n], -first.harmonics[:, n:, :n]
+    refused = too_long(system, "monodromy", large_seconds(stiffness, harmonics, period))
+    if refused is not None:
+        return refused
+    discs = spectra.eigenvalue_discs(*period_map_large(stiffness, harmonics, period, n * first.coefficient_error, rtol))
+    if discs is None:
+        return classify_multipliers(system, "monodromy", None, cost=_COST)
+    krein = spectra.signs(discs, symplectic.krein_form, 1.0, 0.0)
+    return classify_multipliers(system, "monodromy", logarithms(discs, damping * period), krein=krein, cost=_COST)

@@ -30,6 +30,7 @@ from floquetrod.floquet.verdict import Cost
 
 _MOST_DIGITS = 120  # to which digits are raised while the verdict is open
 _LARGEST_WORK = 5e7  # products of entries, times their cost: about ten seconds (measured)
+_FEWEST_PRODUCTS = 10  # of matrices of the order of the system in first order, that a map takes at least
 _SETTLED = 1e-13  # relative error of the multipliers: more digits than a double's are of no use
 _MOST_TRIES = 4  # of a number of steps
 
@@ -100,6 +101,8 @@ def _attempt(
     system: HillSystem | PeriodicSystem, context: Any, digits: int, before: int
 ) -> tuple[SystemStability | None, int, bool]:
     """Return the verdict (None: too much work), evaluations, and whether more digits would make the error smaller."""
+    if _FEWEST_PRODUCTS * _first_order_of(system) ** 3 > _LARGEST_WORK:
+        return None, 0, True
     context.dps = 2 * digits + 40
     problem = _problem(system, context)
     rate, total = 1.0, 0
@@ -120,6 +123,10 @@ def _attempt(
     cost = Cost(before + total, "evaluations")
     result = _classified(system, problem, found, float(found.error) + doubt, context, cost)
     return result, total, doubt < float(found.error)
+
+
+def _first_order_of(system: HillSystem | PeriodicSystem) -> int:
+    return 2 * system.order if isinstance(system, HillSystem) else system.order
 
 
 def _work(problem: _Problem, planned: Plan) -> float:

@@ -52,6 +52,8 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     freed = undamped_pairs(system)
     subject, damping = freed if freed else (system, 0.0)
     first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    if first.order * _FEWEST > _MOST_ROWS:
+        return _too_large(system, _FEWEST)
     if _phase(first) > _LARGEST_PHASE:
         return declined(system, "segmented", Cost(0, "segments"), "the period holds more waves than can be followed")
     count, solutions = _FEWEST, None
@@ -67,8 +69,7 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
             break
         count = math.ceil(1.1 * excess * count)
     else:
-        note = f"needs cyclic matrices of more than {_MOST_ROWS} rows"
-        return declined(system, "segmented", Cost(count, "segments"), note)
+        return _too_large(system, count)
     cost = Cost(count, "segments")
     if solutions is None:
         return declined(system, "segmented", cost, "the eigenvectors cannot be computed accurately enough")
@@ -79,6 +80,11 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
 
     hamiltonian = freed is not None and first.structure == "hamiltonian"
     return classify_multipliers(system, "segmented", logs, krein=krein if hamiltonian else None, cost=cost)
+
+
+def _too_large(system: HillSystem | PeriodicSystem, count: int) -> SystemStability:
+    note = f"needs cyclic matrices of more than {_MOST_ROWS} rows"
+    return declined(system, "segmented", Cost(count, "segments"), note)
 
 
 def _phase(system: PeriodicSystem) -> float:

@@ -20,7 +20,7 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.systems import resonances, spectra
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.spectra import Discs
-from floquetrod.floquet.systems.symplectic import symplectic_unit
+from floquetrod.floquet.systems.symplectic import krein_form
 from floquetrod.floquet.verdict import Cost, Status
 
 System = HillSystem | PeriodicSystem
@@ -210,15 +210,15 @@ class LogDiscs(NamedTuple):
     clusters: tuple[NDArray[np.intp], ...]
 
 
-def logarithms(discs: Discs) -> LogDiscs:
-    """Return the logarithms of multipliers given in discs."""
+def logarithms(discs: Discs, shift: float = 0.0) -> LogDiscs:
+    """Return the logarithms of multipliers given in discs, less ``shift``."""
     sizes = np.abs(discs.values)
     with np.errstate(divide="ignore"):
         low = np.log(np.maximum(sizes - discs.radii, 0.0))
         high = np.log(sizes + discs.radii)
         values = np.log(np.where(sizes > 0.0, discs.values, 5e-324))
         radii = np.where(discs.radii < sizes, values.real - low, math.inf)
-    return LogDiscs(values, low, high, radii, discs.clusters)
+    return LogDiscs(np.asarray(values - shift), low - shift, high - shift, radii, discs.clusters)
 
 
 def classify_multipliers(
@@ -366,11 +366,9 @@ def _without_variation(system: System) -> Status | None:
     if (reach + discs.radii < 0.0).all():
         return "stable"
     if mean.structure == "hamiltonian":
-        half = mean.order // 2
-        form = 1j * symplectic_unit(half)
         for cluster in discs.clusters:
             alone = len(cluster) == 1 and abs(discs.values[cluster[0]].imag) > discs.radii[cluster[0]]
-            if not alone and not spectra.definiteness(discs, cluster, form, 1.0, 0.0):
+            if not alone and not spectra.definiteness(discs, cluster, krein_form, 1.0, 0.0):
                 return None
         return "stable"
     return None

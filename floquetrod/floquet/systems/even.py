@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import inverses, norms
+from floquetrod.floquet.systems import spectra
 from floquetrod.kernels.system_even import HalfPeriodMap, half_period_map
 
 _EPS = 2.220446049250313e-16
@@ -70,7 +71,14 @@ def pair_matrices(
 def _whole(half: HalfPeriodMap, period: Any, doubt: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return maps (b, 2 n, 2 n) over half a period, and their errors, those of the coefficients included."""
     whole = np.concatenate([np.concatenate([half.a, half.b], -1), np.concatenate([half.c, half.d], -1)], -2)
-    return whole, half.error + 0.5 * period * doubt * (norms(half.basis) * norms(whole)) ** 2
+    return whole, half.error + 0.5 * period * doubt * (_sizes(half.basis) * _sizes(whole)) ** 2
+
+
+def _sizes(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Bound the 2-norms of matrices (b, n, n); where n is large those of nearly diagonal ones are far below `norms`."""
+    if matrices.shape[-1] < spectra.LARGE:
+        return norms(matrices)
+    return np.array([spectra.spectral_norm(matrix) for matrix in matrices])
 
 
 def _numbers(
@@ -78,8 +86,7 @@ def _numbers(
 ) -> PairMatrices:
     """Return the matrices that follow from maps over half a period and the upper right blocks of their inverses."""
     n = half.a.shape[-1]
-    small, large = norms(left), norms(half.c)
-    upper = norms(half.a)
+    small, large, upper = _sizes(left), _sizes(half.c), _sizes(half.a)
     form = np.swapaxes(half.a, -1, -2) @ half.c
     slip = small * error + large * left_error + error * left_error + n * _EPS * small * large
     form_slip = (upper + large) * error + error**2 + n * _EPS * upper * large

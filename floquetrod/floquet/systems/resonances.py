@@ -21,7 +21,8 @@ _NOTHING = 1e-9
 
 def name(system: HillSystem | PeriodicSystem, exponents: tuple[complex, ...]) -> tuple[Resonance, ...]:
     """Return the names of the growing solutions, the fastest first, each name once."""
-    modes = _mean_modes(system)
+    equations = system.order if isinstance(system, HillSystem) else 0.5 * system.order
+    modes = _mean_modes(system) if equations <= _MOST_MODES else None
     if modes is None or len(modes.poles) > _MOST_MODES:
         return ()
     differences = not isinstance(system, HillSystem) or system.gyroscopic is not None or not system.is_symmetric

@@ -1,18 +1,25 @@
 """Eigenvalues with errors: discs that hold those of every matrix within a distance of the one computed.
 
 For A = V diag(z) V^-1 with unit columns in V, V^-1 (A + E) V has Gershgorin discs of radius n k_i |E| about z_i, where
-k_i is the norm of row i of V^-1, the condition number of z_i.  A disc apart from all others shrinks to about k_i |E|.
+k_i is the norm of row i of V^-1, the condition number of z_i; or sqrt(n) |V| k_i |E|, less where n is large.  A disc
+apart from all others shrinks to about k_i |E|.
 """
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+Form = Callable[[NDArray[Any]], NDArray[Any]]
+
 _EPS = 2.220446049250313e-16
+LARGE = 200
+"""Rows from which on 2-norms are bounded, not computed: a decomposition takes seconds (a choice)."""
 
 
 class Discs(NamedTuple):
@@ -56,7 +63,7 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
         return None
     try:
         values, right = np.linalg.eig(matrix)
-        left = np.linalg.inv(right)
+        left = _inverse(values, right)
     except np.linalg.LinAlgError:
         return None
     total = error + 4.0 * n * _EPS * spectral_norm(matrix)
@@ -64,7 +71,8 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
     doubt = n * _EPS * float(np.linalg.norm(conditions))
     if not doubt < 0.1 or not np.isfinite(total):  # the inverse is not one
         return None
-    whole = n * conditions * total * (1.0 + 2.0 * doubt)
+    many = float(n) if n < LARGE else min(n, math.sqrt(n) * spectral_norm(right))
+    whole = many * conditions * total * (1.0 + 2.0 * doubt)
     values = values.astype(np.complex128)
     gaps = np.abs(values[:, None] - values[None, :])
     clusters = touching(gaps, whole)
@@ -75,15 +83,31 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
         room = gaps[i, others] - whole[others] - whole[i]
         share = float((conditions[others] * total / room).max(initial=0.0))
         if share < 1.0:  # row i may be divided by it: the other discs still do not reach this one
-            radii[i] = conditions[i] * total * (1.0 + (n - 1) * share) * (1.0 + 2.0 * doubt)
+            radii[i] = conditions[i] * total * (1.0 + (many - 1.0) * share) * (1.0 + 2.0 * doubt)
     return Discs(
         values, radii, clusters, right.astype(np.complex128), left.astype(np.complex128), total, matrix, spread
     )
 
 
 def spectral_norm(matrix: NDArray[Any]) -> float:
-    """Return the 2-norm, as numpy's ``norm`` does, which takes as long again to find its way to the singular values."""
+    """Return the 2-norm as numpy's ``norm`` does, which spends as long on checks; of many rows a bound of it."""
+    if min(matrix.shape) >= LARGE:
+        sizes = np.abs(matrix)
+        return math.sqrt(min(np.square(sizes).sum(), sizes.sum(axis=0).max() * sizes.sum(axis=1).max()))
     return float(np.linalg.svd(matrix, compute_uv=False)[0])
+
+
+def _inverse(values: NDArray[Any], vectors: NDArray[Any]) -> NDArray[Any]:
+    """Return the inverse of eigenvectors; of a large real matrix from the real and imaginary parts of its pairs."""
+    upper = np.flatnonzero(values.imag > 0.0)
+    if len(values) < LARGE or not np.array_equal(values[upper].conj(), values[np.minimum(upper + 1, len(values) - 1)]):
+        return np.asarray(np.linalg.inv(vectors))
+    parts = vectors.real.copy()
+    parts[:, upper + 1] = vectors[:, upper].imag
+    rows = np.linalg.inv(parts).astype(np.complex128)
+    one, other = rows[upper], rows[upper + 1]
+    rows[upper], rows[upper + 1] = 0.5 * (one - 1j * other), 0.5 * (one + 1j * other)
+    return rows
 
 
 def touching(distances: NDArray[np.float64], radii: NDArray[np.float64]) -> tuple[NDArray[np.intp], ...]:
@@ -134,12 +158,35 @@ def subspace_error(discs: Discs, cluster: NDArray[np.intp]) -> float:
     return 2.0 * size * discs.spread * discs.error / max(gap, 5e-324)
 
 
-def definiteness(discs: Discs, cluster: NDArray[np.intp], form: NDArray[Any], size: float, form_error: float) -> int:
-    """Return +1 or -1 where a Hermitian form of norm ``size`` is definite on a cluster, beyond errors, else 0."""
+def definiteness(discs: Discs, cluster: NDArray[np.intp], form: Form, size: float, form_error: float) -> int:
+    """Return +1 or -1 where a Hermitian form of norm ``size`` is definite on a cluster, beyond errors, else 0.
+
+    ``form`` multiplies vectors, the columns of a matrix, by the form's matrix.
+    """
     basis = basis_of(discs, cluster)
-    values = np.linalg.eigvalsh(basis.conj().T @ form @ basis)
+    values = np.linalg.eigvalsh(basis.conj().T @ form(basis))
     slack = form_error + 2.0 * size * subspace_error(discs, cluster)
     return 1 if values[0] > slack else -1 if values[-1] < -slack else 0
+
+
+def signs(discs: Discs, form: Form, size: float, form_error: float) -> Callable[[NDArray[np.intp]], int]:
+    """Return `definiteness` as a function of the cluster, which finds that of single eigenvalues all at once."""
+
+    @functools.cache
+    def singles() -> NDArray[np.int_]:
+        values = np.einsum("ij,ij->j", discs.right.conj(), form(discs.right)).real
+        gaps = np.abs(discs.values[:, None] - discs.values[None, :])
+        np.fill_diagonal(gaps, math.inf)
+        conditions = np.linalg.norm(discs.left, axis=1)
+        angles = 2.0 * conditions * discs.spread * discs.error / np.maximum(gaps.min(axis=1), 5e-324)
+        return np.where(np.abs(values) > form_error + 2.0 * size * angles, np.sign(values), 0.0).astype(int)
+
+    def sign(cluster: NDArray[np.intp]) -> int:
+        if len(cluster) == 1:
+            return int(singles()[cluster[0]])
+        return definiteness(discs, cluster, form, size, form_error)
+
+    return sign
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows has an error that is not finite
@@ -147,7 +194,8 @@ def discriminant(discs: Discs, cluster: NDArray[np.intp]) -> tuple[float, float]
     """Return ((z1 - z2) / 2)^2 of a real matrix's cluster of two, and its error, far smaller than that of z1 and z2."""
     basis = basis_of(discs, cluster)
     block = basis.conj().T @ discs.matrix @ basis
-    projector = spectral_norm(discs.right[:, cluster] @ discs.left[cluster])
+    columns, rows = (np.linalg.qr(part)[1] for part in (discs.right[:, cluster], discs.left[cluster].conj().T))
+    projector = spectral_norm(columns @ rows.conj().T)
     error = 4.0 * projector * discs.error
     half = 0.5 * (block[0, 0] - block[1, 1])
     value = half * half + block[0, 1] * block[1, 0]

@@ -111,7 +111,6 @@ def krein_sign(full: Discs, pairs: Discs, cluster: NDArray[np.intp]) -> int:
 
     +1 for a natural oscillator that turns by less than half a turn in a period; 0 where signs are mixed or unknown.
     """
-    n = len(pairs.values)
     with np.errstate(divide="ignore", invalid="ignore"):
         y = 0.25 * (full.values + 1.0 / full.values - 2.0)
     distance = np.abs(y[:, None] - pairs.values[None, :])
@@ -120,4 +119,10 @@ def krein_sign(full: Discs, pairs: Discs, cluster: NDArray[np.intp]) -> int:
     members = np.flatnonzero(np.isin(owner, cluster) & (full.values.imag > 0.0))
     if len(members) != len(cluster):
         return 0
-    return spectra.definiteness(full, members, -1j * symplectic_unit(n), 1.0, 0.0)
+    return spectra.definiteness(full, members, krein_form, 1.0, 0.0)
+
+
+def krein_form(vectors: NDArray[Any]) -> NDArray[np.complex128]:
+    """Return -i J times vectors."""
+    n = len(vectors) // 2
+    return np.asarray(-1j * np.concatenate([vectors[n:], -vectors[:n]]))

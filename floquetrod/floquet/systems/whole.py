@@ -19,6 +19,15 @@ class PeriodMaps(NamedTuple):
     scaling: NDArray[np.float64]
 
 
+def is_oscillators(mean: NDArray[np.float64], harmonics: NDArray[np.complex128]) -> bool:
+    """Return whether x' = A(t) x is q'' + K(t) q = 0, K symmetric to the bit, as it stands."""
+    n = len(mean) // 2
+    lower = np.concatenate([mean[None, n:, :n], harmonics[:, n:, :n]])
+    velocities = not mean[:n, :n].any() and not mean[n:, n:].any() and np.array_equal(mean[:n, n:], np.eye(n))
+    rest = harmonics[:, :n].any() or harmonics[:, n:, n:].any()
+    return bool(velocities and not rest and (lower == lower.swapaxes(-1, -2)).all())
+
+
 def seconds_needed(mean: Any, harmonics: Any, period: Any) -> NDArray[np.float64]:
     """Return about how long the map of each system takes (b,), in seconds: measured on one core of 2024."""
     n = mean.shape[-1]
