@@ -76,6 +76,18 @@ class RodNumbers(NamedTuple):
         An estimate: that force is taken as uniform, and modes beyond are expected to grow at less than 1e-6 per second,
         or the tolerance, if larger.  At least ten more than one and a half times the critical mode, for accuracy.
         """
+        uniform = self.largest_uniform(loads, like)
+        needed, _ = self.constants.modes_needed(uniform, max(growth_tolerance, HAIRLINE_GROWTH))
+        if needed > MOST_COUPLED:
+            raise ValueError(
+                f"load needs {needed} coupled modes, more than {MOST_COUPLED}: so long a rod has that many resonances "
+                "below the frequency; give the rod its damping_rate, a growth_tolerance, a shorter length, or choose "
+                "the number of modes"
+            )
+        return max(math.ceil(1.5 * self.critical_mode) + LEAST_COUPLED, needed + 2)
+
+    def largest_uniform(self, loads: Loads, like: Load) -> AxialLoad:
+        """Return a sine, uniform along the rod, as strong and as fast as any part of any of the loads."""
         s = np.linspace(0.0, self.length, 257)
         frequencies = np.unique(loads.frequency)
         largest = max(
@@ -88,15 +100,7 @@ class RodNumbers(NamedTuple):
         )
         mean = float(loads.mean.max()) + max(self.added_mean(like, 0.0), self.added_mean(like, 1.0))
         fastest = float(loads.frequency.max()) * len(like.harmonics)
-        uniform = AxialLoad(mean, float(loads.amplitude.max()) * largest, fastest)
-        needed, _ = self.constants.modes_needed(uniform, max(growth_tolerance, HAIRLINE_GROWTH))
-        if needed > MOST_COUPLED:
-            raise ValueError(
-                f"load needs {needed} coupled modes, more than {MOST_COUPLED}: so long a rod has that many resonances "
-                "below the frequency; give the rod its damping_rate, a growth_tolerance, a shorter length, or choose "
-                "the number of modes"
-            )
-        return max(math.ceil(1.5 * self.critical_mode) + LEAST_COUPLED, needed + 2)
+        return AxialLoad(mean, float(loads.amplitude.max()) * largest, fastest)
 
     def added_mean(self, like: Load, x: Any) -> Any:
         """Return what the weight along the rod adds to the mean force at x = s / L, in N."""

@@ -20,10 +20,12 @@ from floquetrod.rod.assumptions import assumptions
 from floquetrod.rod.coupled import MOST_COUPLED, CoupledModes
 from floquetrod.rod.data import RodData
 from floquetrod.rod.load import Load, Loads, Quantity
+from floquetrod.rod.modes import ModalSystems
 from floquetrod.rod.sampled import first_change
 from floquetrod.rod.verdict import RodVerdict
 
-_LEFT_OUT = 3.0  # error over the change from five sixths of the modes: 2.3 where it falls as n^-2, less where faster
+_LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4.3 where it falls as n^-2 (an estimate)
+_LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter (a choice)
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
 _SHAPE_POINTS, _SHAPE_INSTANTS = 12, 48  # for each mode, and in a period
 
@@ -197,8 +199,8 @@ class CoupledRodStability(RodVerdict):
 def classify_coupled(rod: RodData, load: Load, count: int | None, growth_tolerance: float) -> CoupledRodStability:
     """Classify a rod with as many modes as two numbers of them agree upon, or with ``count`` of them."""
     if count is None:
-        last = rod.coupled_numbers.modes_needed(Loads.single(load), load, growth_tolerance)
-        counts = [last - max(2, last // 6), last]
+        last = _modes_to_begin_with(rod, load, growth_tolerance)
+        counts = [last - max(2, last // (6 if last <= _LONG else 10)), last]
     else:
         counts = [count]
     found = [_Trial.of(rod, load, n) for n in counts]
@@ -207,6 +209,11 @@ def classify_coupled(rod: RodData, load: Load, count: int | None, growth_toleran
         if len(found) == 2 + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
             break
         found.append(_Trial.of(rod, load, larger))
+    if count is None and found[-1].modes.count < MOST_COUPLED:
+        slowest = max(growth_tolerance, 0.5 * found[-1].whole.growth_rate)
+        needed = rod.coupled_numbers.modes_needed(Loads.single(load), load, slowest)
+        if needed > found[-1].modes.count:  # modes left out may grow faster than what was found
+            found.append(_Trial.of(rod, load, needed))
     final = found[-1]
     status, error, note = final.concluded(found[-2] if len(found) > 1 else None, growth_tolerance)
     whole = final.whole
@@ -226,6 +233,15 @@ def classify_coupled(rod: RodData, load: Load, count: int | None, growth_toleran
         note=note,
         assumptions=assumptions(rod, load),
     )
+
+
+def _modes_to_begin_with(rod: RodData, load: Load, growth_tolerance: float) -> int:
+    """Return how many modes to take; of long strings only those that may grow a quarter as fast as the fastest."""
+    numbers, loads = rod.coupled_numbers, Loads.single(load)
+    uniform = Loads.single(numbers.largest_uniform(loads, load))
+    fastest = float(ModalSystems(numbers.constants, uniform).fastest(1)[0][0])
+    few = numbers.modes_needed(loads, load, max(growth_tolerance, 0.25 * fastest))
+    return few if few > _LONG else numbers.modes_needed(loads, load, growth_tolerance)
 
 
 class _Trial(NamedTuple):
