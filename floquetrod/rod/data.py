@@ -20,7 +20,7 @@ from floquetrod.rod.catalogue import pipe_in_a_hole
 from floquetrod.rod.constants import HAIRLINE_GROWTH, MOST_MODES, ModeConstants
 from floquetrod.rod.coupled import CoupledModes, RodNumbers, chosen_count
 from floquetrod.rod.files import read_rod
-from floquetrod.rod.load import Load, Loads, kind, require_load
+from floquetrod.rod.load import AnyLoad, Load, Loads, kind, require_load
 from floquetrod.rod.lock_up import LockUp
 from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.parts import (
@@ -395,12 +395,12 @@ class RodData:
         """What coupled modes need of the rod."""
         return RodNumbers(self.mode_constants, self.end_conditions, self.length, self.weight_along, self.wave_speed)
 
-    def modal_system(self, load: Load, modes: Iterable[int] | None = None) -> ModalSystem | HillSystem:
+    def modal_system(self, load: AnyLoad, modes: Iterable[int] | None = None) -> ModalSystem | HillSystem:
         """Return the equations of the rod's modes under a load.
 
         Parameters
         ----------
-        load : AxialLoad or AxialWave
+        load : AxialLoad, AxialWave or ForceRecord
         modes : iterable of int, optional
             Mode numbers, 1 to 20,000; by default all that can matter, see `modes_needed`.  Of coupled modes 1 to n.
 
@@ -426,7 +426,7 @@ class RodData:
         >>> rod.replace(ends="clamped").modal_system(load).structure
         'hamiltonian'
         """
-        require_load("load", load)
+        load = require_load("load", load)
         if not self.coupled_numbers.has_mathieu_modes(load):
             count = (
                 self.coupled_numbers.modes_needed(Loads.single(load), load, 0.0)
@@ -446,7 +446,7 @@ class RodData:
         last, left_out = constants.modes_needed(load, 0.0)
         return ModalSystem(constants, load, tuple(range(1, last + 1)), left_out)
 
-    def modal_systems(self, mean: Any, amplitude: Any, frequency: Any, *, like: Load | None = None) -> ModalSystems:
+    def modal_systems(self, mean: Any, amplitude: Any, frequency: Any, *, like: AnyLoad | None = None) -> ModalSystems:
         """Return the modal systems over arrays of loads (N, N, rad/s) that broadcast; all else is that of ``like``.
 
         Raises ValueError where modes are coupled, and for loads that need more than 20,000 modes, or too large
@@ -461,7 +461,7 @@ class RodData:
         self.mode_constants.require_in_reach(loads)
         return ModalSystems(self.mode_constants, loads)
 
-    def modes_needed(self, load: Load, growth_tolerance: float = 0.0) -> tuple[int, float]:
+    def modes_needed(self, load: AnyLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
 
         High modes sit in resonance tongues that grow, but exponentially slowly: the bound is that of
@@ -473,7 +473,7 @@ class RodData:
         a, q and c^2 go like 1 / omega^2, so a higher frequency leaves fewer evanescent factors q / (a - k^2 - q), each
         larger, before a rate that in 1/s does not depend on it.
         """
-        require_load("load", load)
+        load = require_load("load", load)
         if not self.coupled_numbers.has_mathieu_modes(load):
             tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
             count = self.coupled_numbers.modes_needed(Loads.single(load), load, tolerance)

@@ -209,14 +209,29 @@ class AxialLoad(Load):
         return True
 
 
+class LoadSource(ABC):
+    """What a load can be made of, and stands for it as an argument."""
+
+    @property
+    @abstractmethod
+    def load(self) -> Load:
+        """The load."""
+
+
+AnyLoad: TypeAlias = Load | LoadSource
+"""An argument that is a load or stands for one."""
+
+
 def require_load(name: str, value: Any) -> Load:
-    """Return an argument that is a load; TypeError for anything else."""
+    """Return an argument that is a load, or what it stands for; TypeError for anything else."""
+    if isinstance(value, LoadSource):
+        return value.load
     if isinstance(value, Load):
         return value
-    raise TypeError(f"{name} must be an AxialLoad or AxialWave, got {validate.short(value)}")
+    raise TypeError(f"{name} must be an AxialLoad, AxialWave or ForceRecord, got {validate.short(value)}")
 
 
-def kind(like: Load | None) -> Load:
+def kind(like: AnyLoad | None) -> Load:
     """Return the argument ``like``, by default a sine."""
     return AxialLoad(0.0, 0.0, 1.0) if like is None else require_load("like", like)
 

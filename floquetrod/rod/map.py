@@ -11,7 +11,7 @@ from floquetrod._util import validate
 from floquetrod._util.version import __version__
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
-from floquetrod.rod.load import LIMITS, Load, Quantity
+from floquetrod.rod.load import LIMITS, AnyLoad, Quantity
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.rod import Rod
 
@@ -35,7 +35,7 @@ def stability_map(
     criterion: FiniteTimeCriterion | None = None,
     friction: float | None = None,
     kick: float | None = None,
-    like: Load | None = None,
+    like: AnyLoad | None = None,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Chart:
@@ -57,7 +57,7 @@ def stability_map(
     friction, kick : float, optional
         Coefficient of friction, and the transverse velocity in m/s that every mode is given; not together with
         ``growth``, which is that without friction.
-    like : AxialLoad or AxialWave, optional
+    like : AxialLoad, AxialWave or ForceRecord, optional
         What everything else of the loads is taken from; by default a sine, uniform but for the weight along the rod.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.

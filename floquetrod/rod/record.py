@@ -15,7 +15,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.content import ByContent
-from floquetrod.rod.load import LIMITS, load_number
+from floquetrod.rod.load import LIMITS, AxialLoad, LoadSource, load_number
 from floquetrod.rod.record_file import column_argument, delimiter_argument, read_columns
 from floquetrod.rod.record_fit import Samples, series
 from floquetrod.rod.record_period import Found, find, power_spectrum
@@ -26,8 +26,10 @@ _MOST_HARMONICS = 1000  # that may be asked for (a choice)
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class ForceRecord(ByContent):
+class ForceRecord(LoadSource, ByContent):
     """Force measured over time, noisy and no whole number of periods long, fitted by a mean and a Fourier series.
+
+    It stands for its `load` wherever a rod takes one.
 
     F(t) = mean + Re sum of c_h exp(i h frequency t), by least squares for the frequency and all coefficients together.
     The samples may be uneven and have gaps.  A linear trend is fitted along where there is one; it is no part of the
@@ -189,6 +191,11 @@ class ForceRecord(ByContent):
     def periods(self) -> float:
         """Number of periods in the record."""
         return float(self.time[-1] - self.time[0]) / self.period
+
+    @property
+    def load(self) -> AxialLoad:
+        """The fitted force as a load, the same all along a rod; its harmonics are the waveform."""
+        return AxialLoad(self.mean, self.amplitude, self.frequency, waveform=self.waveform)
 
     @cached_property
     def kept(self) -> tuple[int, ...]:

@@ -25,7 +25,7 @@ from floquetrod.rod.friction import (
     critical_kicks,
     kicked_loads,
 )
-from floquetrod.rod.load import Load, Loads, Progress, kind, load_bounds, require_load
+from floquetrod.rod.load import AnyLoad, Load, Loads, Progress, kind, load_bounds, require_load
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.ranges import StabilityIntervals, first_unstable, stability_intervals
@@ -92,7 +92,7 @@ class Rod(RodData):
     @overload
     def stability(
         self,
-        load: Load,
+        load: AnyLoad,
         modes: Iterable[int] | None = None,
         *,
         growth_tolerance: float = 0.0,
@@ -103,7 +103,7 @@ class Rod(RodData):
     @overload
     def stability(
         self,
-        load: Load,
+        load: AnyLoad,
         modes: Iterable[int] | None = None,
         *,
         growth_tolerance: float = 0.0,
@@ -113,7 +113,7 @@ class Rod(RodData):
 
     def stability(
         self,
-        load: Load,
+        load: AnyLoad,
         modes: Iterable[int] | None = None,
         *,
         growth_tolerance: float = 0.0,
@@ -124,7 +124,7 @@ class Rod(RodData):
 
         Parameters
         ----------
-        load : AxialLoad or AxialWave
+        load : AxialLoad, AxialWave or ForceRecord
         modes : iterable of int, optional
             Modes to look at; by default all that can matter, see `modes_needed`.  Where modes are coupled, 1 to n.
         growth_tolerance : float
@@ -152,7 +152,7 @@ class Rod(RodData):
         >>> rod.stability(load).unstable_modes
         (7,)
         """
-        require_load("load", load)
+        load = require_load("load", load)
         rubbing = friction_and_kick(friction, kick)
         growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
         self._warn_unless_uniform(load)
@@ -164,7 +164,7 @@ class Rod(RodData):
         linear = classify_modes(self, self.independent_modes(load, modes), growth_tolerance)
         return linear if rubbing is None else classify_kick(linear, *rubbing)
 
-    def critical_kick(self, load: Load, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
+    def critical_kick(self, load: AnyLoad, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
         """Return the smallest kick, a transverse velocity in m/s, found to buckle the rod against friction.
 
         Every mode is taken to be kicked alike; infinite where nothing grows even without friction.  Beside it stand the
@@ -181,7 +181,7 @@ class Rod(RodData):
         friction = friction_coefficient(friction)
         linear = self.stability(load, growth_tolerance=growth_tolerance)
         if not isinstance(linear, RodStability):
-            raise self._refusal("friction", load)
+            raise self._refusal("friction", linear.load)
         return critical_kick(linear, friction)
 
     def critical_kicks(
@@ -192,7 +192,7 @@ class Rod(RodData):
         *,
         friction: float,
         growth_tolerance: float = 0.0,
-        like: Load | None = None,
+        like: AnyLoad | None = None,
         workers: int | None = None,
     ) -> CriticalKick:
         """Return what `critical_kick` does over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
@@ -209,7 +209,7 @@ class Rod(RodData):
         bounds: tuple[float, float] | None = None,
         *,
         growth_tolerance: float = HAIRLINE_GROWTH,
-        like: Load | None = None,
+        like: AnyLoad | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
         """Return all stability intervals of the mean force.
@@ -227,7 +227,7 @@ class Rod(RodData):
             Growth rate in 1/s up to which a mode counts as stable.  The default leaves out, and counts, the hairlines
             in which nothing grows tenfold within a month; with 0 every tongue is resolved, which takes long where
             there are thousands, at low frequencies.
-        like : AxialLoad or AxialWave, optional
+        like : AxialLoad, AxialWave or ForceRecord, optional
             What everything else of the load is taken from; by default a sine, uniform but for the weight along the rod.
             Where modes are coupled loads are sampled, and the ``resolution`` of the result says what may be missed.
         progress : callable, optional
@@ -251,7 +251,7 @@ class Rod(RodData):
         bounds: tuple[float, float] | None = None,
         *,
         growth_tolerance: float = HAIRLINE_GROWTH,
-        like: Load | None = None,
+        like: AnyLoad | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
         """Return all stability intervals of the amplitude within ``bounds`` (N; by default 0 to one critical force).
@@ -271,7 +271,7 @@ class Rod(RodData):
         bounds: tuple[float, float],
         *,
         growth_tolerance: float = HAIRLINE_GROWTH,
-        like: Load | None = None,
+        like: AnyLoad | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
         """Return all stability intervals of the frequency within ``bounds`` (rad/s).
@@ -292,7 +292,7 @@ class Rod(RodData):
         frequency: float,
         *,
         growth_tolerance: float = HAIRLINE_GROWTH,
-        like: Load | None = None,
+        like: AnyLoad | None = None,
     ) -> float:
         """Return the smallest mean force from 0 up, in N, at which a mode grows faster than ``growth_tolerance``.
 
@@ -307,7 +307,7 @@ class Rod(RodData):
         frequency: float,
         *,
         growth_tolerance: float = HAIRLINE_GROWTH,
-        like: Load | None = None,
+        like: AnyLoad | None = None,
     ) -> float:
         """Return the smallest amplitude in N at which a mode grows faster than ``growth_tolerance``.
 
@@ -326,7 +326,7 @@ class Rod(RodData):
         criterion: FiniteTimeCriterion | None = None,
         friction: float | None = None,
         kick: float | None = None,
-        like: Load | None = None,
+        like: AnyLoad | None = None,
         workers: int | None = None,
     ) -> Any:
         """Return whether the rod is stable, over arrays of loads (N, N, rad/s) that broadcast, all relevant modes.
@@ -369,7 +369,7 @@ class Rod(RodData):
         criterion: FiniteTimeCriterion | None = None,
         friction: float | None = None,
         kick: float | None = None,
-        like: Load | None = None,
+        like: AnyLoad | None = None,
         workers: int | None = None,
     ) -> Any:
         """Return 1 where the rod is stable, 0 where it is not and -1 where that cannot be decided, as int8.
@@ -402,13 +402,13 @@ class Rod(RodData):
         return shaped(found, systems.loads.shape)
 
     def growth_rate(
-        self, mean: Any, amplitude: Any, frequency: Any, *, like: Load | None = None, workers: int | None = None
+        self, mean: Any, amplitude: Any, frequency: Any, *, like: AnyLoad | None = None, workers: int | None = None
     ) -> Any:
         """Return the growth rate in 1/s of the fastest mode over arrays of loads; 0 where stable."""
         return self.fastest(mean, amplitude, frequency, like=like, workers=workers)[0]
 
     def fastest(
-        self, mean: Any, amplitude: Any, frequency: Any, *, like: Load | None = None, workers: int | None = None
+        self, mean: Any, amplitude: Any, frequency: Any, *, like: AnyLoad | None = None, workers: int | None = None
     ) -> tuple[Any, Any]:
         """Return the growth rate in 1/s and the number of the fastest mode over arrays of loads; 0, 0 where stable.
 
