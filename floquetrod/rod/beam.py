@@ -91,22 +91,27 @@ def basis(ends: Ends, count: int) -> Basis:
     weights = np.tile(0.5 * weights / panels, panels)
     values, slopes, curvatures = _all_functions(ends, count, nodes)
     root = np.sqrt(weights)
-    transform = _orthonormal(values * root, count)
+    transform = _orthogonal(values * root, count)
     kept = len(transform)
     if kept > count:
-        curved = (transform @ curvatures) * root
+        parts = [transform @ part for part in (values, slopes, curvatures)]
+        # Combinations that nearly cancel have lost digits: they are made orthonormal at the nodes, where they are used.
+        size = np.linalg.cholesky((parts[0] * weights) @ parts[0].T)
+        transform, values, slopes, curvatures = (np.linalg.solve(size, part) for part in (transform, *parts))
+        curved = curvatures * root
         bending = curved @ curved.T
         bending = 0.5 * (bending + bending.T)
     else:
+        values, slopes = transform @ values, transform @ slopes
         bending = np.zeros((kept, kept))
     bending[np.arange(count), np.arange(count)] = waves**4
-    for part in (nodes, weights, bending):
+    for part in (nodes, weights, bending, values, slopes, transform):
         part.flags.writeable = False
-    return Basis(ends, count, bending, nodes, weights, transform @ values, transform @ slopes, transform)
+    return Basis(ends, count, bending, nodes, weights, values, slopes, transform)
 
 
-def _orthonormal(rows: Floats, count: int) -> Floats:
-    """Return combinations of rows that are orthonormal; the first ``count`` are so but for their sizes."""
+def _orthogonal(rows: Floats, count: int) -> Floats:
+    """Return combinations of rows that are orthonormal, nearly; the first ``count`` are so but for their sizes."""
     found = np.zeros((len(rows), len(rows)))
     np.fill_diagonal(found[:count, :count], 1.0 / np.linalg.norm(rows[:count], axis=1))
     kept = count
@@ -119,10 +124,7 @@ def _orthonormal(rows: Floats, count: int) -> Floats:
         if left > _SAME:
             found[kept] = unit / left
             kept += 1
-    if kept == count:
-        return found[:kept]
-    orthogonal = found[:kept] @ rows
-    return np.asarray(np.linalg.solve(np.linalg.cholesky(orthogonal @ orthogonal.T), found[:kept]))
+    return found[:kept]
 
 
 def wavenumbers(ends: Ends, count: int) -> Floats:
