@@ -10,10 +10,12 @@ from __future__ import annotations
 import functools
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.roots import roots
 from floquetrod.rod.parts import Ends
 
 Floats = NDArray[np.float64]
@@ -89,22 +91,27 @@ def basis(ends: Ends, count: int) -> Basis:
     weights = np.tile(0.5 * weights / panels, panels)
     values, slopes, curvatures = _all_functions(ends, count, nodes)
     root = np.sqrt(weights)
-    transform = _orthonormal(values * root, count)
+    transform = _orthogonal(values * root, count)
     kept = len(transform)
     if kept > count:
-        curved = (transform @ curvatures) * root
+        parts = [transform @ part for part in (values, slopes, curvatures)]
+        # Combinations that nearly cancel have lost digits: they are made orthonormal at the nodes, where they are used.
+        size = np.linalg.cholesky((parts[0] * weights) @ parts[0].T)
+        transform, values, slopes, curvatures = (np.linalg.solve(size, part) for part in (transform, *parts))
+        curved = curvatures * root
         bending = curved @ curved.T
         bending = 0.5 * (bending + bending.T)
     else:
+        values, slopes = transform @ values, transform @ slopes
         bending = np.zeros((kept, kept))
     bending[np.arange(count), np.arange(count)] = waves**4
-    for part in (nodes, weights, bending):
+    for part in (nodes, weights, bending, values, slopes, transform):
         part.flags.writeable = False
-    return Basis(ends, count, bending, nodes, weights, transform @ values, transform @ slopes, transform)
+    return Basis(ends, count, bending, nodes, weights, values, slopes, transform)
 
 
-def _orthonormal(rows: Floats, count: int) -> Floats:
-    """Return combinations of rows that are orthonormal; the first ``count`` are so but for their sizes."""
+def _orthogonal(rows: Floats, count: int) -> Floats:
+    """Return combinations of rows that are orthonormal, nearly; the first ``count`` are so but for their sizes."""
     found = np.zeros((len(rows), len(rows)))
     np.fill_diagonal(found[:count, :count], 1.0 / np.linalg.norm(rows[:count], axis=1))
     kept = count
@@ -117,46 +124,33 @@ def _orthonormal(rows: Floats, count: int) -> Floats:
         if left > _SAME:
             found[kept] = unit / left
             kept += 1
-    if kept == count:
-        return found[:kept]
-    orthogonal = found[:kept] @ rows
-    return np.asarray(np.linalg.solve(np.linalg.cholesky(orthogonal @ orthogonal.T), found[:kept]))
+    return found[:kept]
 
 
 def wavenumbers(ends: Ends, count: int) -> Floats:
     """Return k of the first ``count`` beam functions, for a length of 1; 0 for rigid motions."""
-    rigid = _rigid(ends)
-    phase = _PHASES[ends.upper] + _PHASES[ends.lower]
-    found = [0.0] * min(rigid, count)
-    order = 0
-    while len(found) < count:
-        near = order * math.pi + phase
-        order += 1
-        if near < 0.3:
-            continue
-        if near < _ASYMPTOTIC:
-            root = _root(ends, near)
-            if root is not None:
-                found.append(root)
-        else:
-            found.append(near)
-    return np.array(found)
+    near = np.arange(count + 3) * math.pi + (_PHASES[ends.upper] + _PHASES[ends.lower])
+    near = near[near > 0.3]
+    if not _are_trigonometric(ends):
+        near = np.concatenate([_roots(ends, near[near < _ASYMPTOTIC]), near[near >= _ASYMPTOTIC]])
+    return np.concatenate([np.zeros(_rigid(ends)), near])[:count]
 
 
-def _root(ends: Ends, near: float) -> float | None:
-    """Return the wavenumber within 0.6 of its asymptotic value; None where there is none."""
-    from scipy.optimize import brentq
+def _roots(ends: Ends, near: Floats) -> Floats:
+    """Return the wavenumbers within 0.6 of asymptotic values, of which the lowest may have none."""
 
-    if {ends.upper, ends.lower} <= {"hinged", "guided"}:
-        return near
+    def determinant(k: Floats, _: Any = None) -> Floats:
+        return np.asarray(np.linalg.det(_conditions(ends, k)))
 
-    def determinant(k: float) -> float:
-        return float(np.linalg.det(_conditions(ends, np.array([k]))[0]))
+    low, high = np.maximum(near - 0.6, 0.2), near + 0.6
+    at_low, at_high = determinant(low), determinant(high)
+    found = at_low * at_high <= 0.0
+    return roots(determinant, low[found], high[found], at_low[found], at_high[found])
 
-    low, high = max(near - 0.6, 0.2), near + 0.6
-    if determinant(low) * determinant(high) > 0.0:
-        return None
-    return float(brentq(determinant, low, high, xtol=1e-15, rtol=1e-15))
+
+def _are_trigonometric(ends: Ends) -> bool:
+    """Return whether the beam functions are sines and cosines alone."""
+    return {ends.upper, ends.lower} <= {"hinged", "guided"}
 
 
 def _rigid(ends: Ends) -> int:
@@ -194,8 +188,7 @@ def _all_functions(ends: Ends, count: int, x: Floats) -> tuple[Floats, Floats, F
     rigid = min(_rigid(ends), count)
     beams = _beam_functions(ends, waves[rigid:], x)
     rows = [np.concatenate([_rigid_motions(ends, x)[d][:rigid], beams[d]]) for d in range(3)]
-    trigonometric = {ends.upper, ends.lower} <= {"hinged", "guided"}
-    if trigonometric or count > _ENRICHED_UP_TO:
+    if _are_trigonometric(ends) or count > _ENRICHED_UP_TO:
         return rows[0], rows[1], rows[2]
     added = _polynomials(ends, x)
     return tuple(np.concatenate([row, more]) for row, more in zip(rows, added, strict=True))  # type: ignore[return-value]

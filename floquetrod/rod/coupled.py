@@ -211,15 +211,15 @@ class CoupledModes:
 
     def named(self, system: HillSystem, resonances: tuple[Resonance, ...]) -> tuple[Resonance, ...]:
         """Return resonances whose modes are counted by frequency under the mean force, with their own numbers."""
-        from scipy.optimize import linear_sum_assignment
-
         if not resonances:
             return ()
-        _, vectors = np.linalg.eigh(system.stiffness)
-        function, place = linear_sum_assignment(-np.abs(vectors))
-        names = np.empty(len(place), dtype=np.int64)
-        names[place] = function + 1
-        return tuple(r._replace(modes=tuple(sorted(int(names[i - 1]) for i in r.modes))) for r in resonances)
+        left = np.abs(np.linalg.eigh(system.stiffness)[1])  # functions by modes
+        names = {}
+        for _ in range(len(left)):  # each mode is named after the function that it has most of, the clearest first
+            function, mode = np.unravel_index(left.argmax(), left.shape)
+            names[int(mode) + 1] = int(function) + 1
+            left[function, :] = left[:, mode] = -1.0
+        return tuple(r._replace(modes=tuple(sorted(names[i] for i in r.modes))) for r in resonances)
 
     def _parts(self, loads: Loads) -> list[slice]:
         each = self.size**2 * (1 + 2 * len(self.like.harmonics))

@@ -100,6 +100,7 @@ class Loads(NamedTuple):
 Waveform: TypeAlias = str | tuple[complex, ...]
 """"sine", or complex amplitudes h_1, h_2, ... of the harmonics."""
 
+_MOST_HARMONICS = 1000  # of a waveform (a choice)
 _RESONANT = 1e-6  # denominator of an axial wave below which it counts as resonant (a choice)
 
 
@@ -304,6 +305,8 @@ def _waveform(value: Any) -> Waveform:
     """Return a waveform, checked: "sine", or finite complex numbers, the last not zero."""
     if isinstance(value, str) and value == "sine":
         return value
+    if isinstance(value, np.ma.MaskedArray):
+        raise TypeError("waveform must not be a masked array: its mask would be lost; give waveform.filled(0)")
     try:
         numbers = np.asarray(value)
         known = numbers.ndim == 1 and numbers.size > 0 and numbers.dtype.kind in "iufc"
@@ -314,6 +317,8 @@ def _waveform(value: Any) -> Waveform:
             f"waveform must be 'sine' or a sequence of complex numbers h_1, h_2, ..., got {validate.short(value)}; a "
             "square wave has -4i/pi, 0, -4i/(3 pi), 0, ..., of which give as many as matter"
         )
+    if numbers.size > _MOST_HARMONICS:
+        raise ValueError(f"waveform must hold at most {_MOST_HARMONICS} harmonics, got {numbers.size}")
     if not np.isfinite(numbers).all() or np.abs(numbers).max() > 1e6:
         raise ValueError(f"waveform must hold finite numbers up to 1e6, got {validate.short(value)}")
     last = np.flatnonzero(numbers)

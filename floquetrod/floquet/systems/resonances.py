@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.systems.result import Resonance
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.intp]
 
 _HIGHEST_ORDER = 40  # of a resonance that is looked for
 _MOST_MODES = 60  # of a system whose resonances are named: their number grows with the square
@@ -21,18 +23,18 @@ _NOTHING = 1e-9
 
 def name(system: HillSystem | PeriodicSystem, exponents: tuple[complex, ...]) -> tuple[Resonance, ...]:
     """Return the names of the growing solutions, the fastest first, each name once."""
+    growing = [exponent for exponent in exponents if exponent.real > 0.0 and exponent.imag >= -_NOTHING]
     equations = system.order if isinstance(system, HillSystem) else 0.5 * system.order
-    modes = _mean_modes(system) if equations <= _MOST_MODES else None
+    modes = _mean_modes(system) if growing and equations <= _MOST_MODES else None
     if modes is None or len(modes.poles) > _MOST_MODES:
         return ()
     differences = not isinstance(system, HillSystem) or system.gyroscopic is not None or not system.is_symmetric
+    w = 2.0 * math.pi / float(system.period)
     found: dict[tuple[str, tuple[int, ...], int], Resonance] = {}
-    for exponent in exponents:
-        if exponent.real <= 0.0 or exponent.imag < -_NOTHING:
-            continue
-        candidates = list(_candidates(modes, exponent, 2.0 * math.pi / float(system.period), differences))
+    for exponent in growing:
+        candidates = [*_combinations(modes, exponent, w, differences), *_of_the_mean(modes, exponent, w)]
         if candidates:
-            _, best = min(candidates, key=lambda pair: pair[0])
+            best = min(candidates, key=lambda candidate: candidate[:3]).name
             found.setdefault((best.kind, best.modes, best.order), best)
     return tuple(found.values())
 
@@ -82,50 +84,85 @@ def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
     return _Modes(values[up], up, partners, coupling)
 
 
-def _candidates(modes: _Modes, exponent: complex, w: float, differences: bool) -> Iterator[tuple[float, Resonance]]:
-    """Yield names with a measure of how badly each fits: detuning and mismatch of the angle, over w, plus its order.
+class _Candidate(NamedTuple):
+    """A name, how badly it fits, and what decides between names that fit alike."""
+
+    misfit: float
+    rank: int
+    first: int
+    name: Resonance
+
+
+def _combinations(modes: _Modes, exponent: complex, w: float, differences: bool) -> list[_Candidate]:
+    """Return the best combination of modes with the forcing, by detuning and mismatch of the angle and the order.
 
     Without ``differences`` none of that kind: all modes have one Krein sign.
     """
+    f = modes.poles.imag
+    one, other = np.triu_indices(len(f))  # a mode with itself: a direct resonance
+    possible = ~_buckles(modes)[one]
+    one, other = one[possible], other[possible]
+    if not one.size:
+        return []
+    same = (one == other)[:, None]
+    angle = np.minimum(_off(exponent, f, w), _off(exponent, -f, w))
+    angles = (angle[one] + angle[other])[:, None]
+    orders, detuning, cost = _near(modes, f[one] + f[other], w, modes.up[one], modes.down[other])
+    misfits = detuning + np.where(same, 2.0 * _off(exponent, 0.5 * orders * w, w), angles) + cost
+    misfits += _PER_ORDER * orders
+    if differences:
+        more, detuning, cost = _near(modes, f[other] - f[one], w, modes.up[one], modes.up[other])
+        apart = np.where(same, math.inf, detuning + angles + cost + _PER_ORDER * more)
+        orders, misfits = np.hstack([orders, more]), np.hstack([misfits, apart])
+    # The first of the least, in the order of modes, kinds and orders.
+    pair, column = divmod(int(np.where(np.isnan(misfits), math.inf, misfits).argmin()), misfits.shape[1])
+    i, j, misfit = int(one[pair]), int(other[pair]), float(misfits[pair, column])
+    if not misfit < math.inf:
+        return []
+    kind: Literal["direct", "sum", "difference"] = "direct" if i == j else "sum" if column < 3 else "difference"
+    members = (i + 1,) if i == j else (i + 1, j + 1)
+    return [_Candidate(misfit, 0, i, Resonance(kind, members, int(orders[pair, column]), exponent.real))]
+
+
+def _near(modes: _Modes, total: Floats, w: float, one: Ints, other: Ints) -> tuple[Floats, Floats, Floats]:
+    """Return the three orders k next to total = k w, their detuning, infinite beyond all orders, and what they cost.
+
+    A harmonic that does not couple two exponents costs something: several harmonics together might.
+    """
+    orders = np.rint(np.minimum(total / w, 1e6))[:, None] + np.array([-1.0, 0.0, 1.0])
+    looked_for = (orders >= 1.0) & (orders <= _HIGHEST_ORDER)
+    detuning = np.where(looked_for, np.abs(total[:, None] - orders * w) / w, math.inf)
+    harmonics = len(modes.coupling)
+    known = looked_for & (orders <= harmonics)
+    cost = np.zeros(orders.shape)
+    if harmonics:
+        place = np.clip(orders, 1.0, harmonics).astype(np.intp) - 1
+        coupling = modes.coupling[place, one[:, None], other[:, None]]
+        cost = np.where(known & (coupling < _NOTHING), _UNCOUPLED, 0.0)
+    return orders, detuning, cost
+
+
+def _of_the_mean(modes: _Modes, exponent: complex, w: float) -> list[_Candidate]:
+    """Return what needs no forcing: buckling, and flutter, where two modes of the mean system have met."""
     poles, frequencies = modes.poles, modes.poles.imag
-
-    def off(angle: float) -> float:
-        """Distance of the exponent's frequency from an angle, modulo w."""
-        return abs((exponent.imag - angle + 0.5 * w) % w - 0.5 * w) / w
-
-    def uncoupled(order: int, one: int, other: int) -> float:
-        """Return what it costs that a harmonic does not couple two exponents: several harmonics together might."""
-        known = 1 <= order <= len(modes.coupling)
-        return _UNCOUPLED if known and modes.coupling[order - 1, one, other] < _NOTHING else 0.0
-
-    def entry(
-        misfit: float, kind: Literal["direct", "sum", "difference", "buckling"], members: tuple[int, ...], order: int
-    ) -> tuple[float, Resonance]:
-        return misfit + _PER_ORDER * order, Resonance(kind, tuple(i + 1 for i in members), order, exponent.real)
-
-    for i, fi in enumerate(frequencies):
-        if poles[i].real > 0.0 and fi == 0.0:
-            yield entry(off(0.0) + abs(poles[i].real - exponent.real) / w, "buckling", (i,), 0)
-            continue
-        for order in _orders(2.0 * fi, w):
-            misfit = abs(2.0 * fi - order * w) / w + 2.0 * off(0.5 * order * w)
-            yield entry(misfit + uncoupled(order, modes.up[i], modes.down[i]), "direct", (i,), order)
-        for j in range(i + 1, len(frequencies)):
-            fj = frequencies[j]
-            angles = min(off(fi), off(-fi)) + min(off(fj), off(-fj))
-            for order in _orders(fi + fj, w):
-                misfit = abs(fi + fj - order * w) / w + angles + uncoupled(order, modes.up[i], modes.down[j])
-                yield entry(misfit, "sum", (i, j), order)
-            for order in _orders(fj - fi, w) if differences else ():
-                misfit = abs(fj - fi - order * w) / w + angles + uncoupled(order, modes.up[i], modes.up[j])
-                yield entry(misfit, "difference", (i, j), order)
+    found = []
+    for i in np.flatnonzero(_buckles(modes)).tolist():
+        misfit = _off(exponent, 0.0, w) + abs(poles[i].real - exponent.real) / w
+        found.append(_Candidate(float(misfit), 0, i, Resonance("buckling", (i + 1,), 0, exponent.real)))
     for i, pole in enumerate(poles):
-        if pole.real > _NOTHING * abs(pole) and pole.imag > 0.0 and len(poles) > 1:  # two modes of the mean have met
+        if pole.real > _NOTHING * abs(pole) and pole.imag > 0.0 and len(poles) > 1:
             j = min((k for k in range(len(poles)) if k != i), key=lambda k: abs(frequencies[k] - pole.imag))
-            yield entry(off(pole.imag), "difference", (min(i, j), max(i, j)), 0)
+            members = (min(i, j) + 1, max(i, j) + 1)
+            misfit = _off(exponent, pole.imag, w)
+            found.append(_Candidate(float(misfit), 1, i, Resonance("difference", members, 0, exponent.real)))
+    return found
 
 
-def _orders(total: float, w: float) -> range:
-    """Return the orders k next to total = k w, from 1 on."""
-    nearest = round(min(total / w, 1e6))
-    return range(max(1, nearest - 1), min(nearest + 2, _HIGHEST_ORDER + 1))
+def _buckles(modes: _Modes) -> NDArray[np.bool_]:
+    """Return which modes of the mean system grow without oscillating."""
+    return np.asarray((modes.poles.real > 0.0) & (modes.poles.imag == 0.0))
+
+
+def _off(exponent: complex, angle: Any, w: float) -> Any:
+    """Return the distance of the exponent's frequency from an angle, modulo w, over w."""
+    return abs((exponent.imag - angle + 0.5 * w) % w - 0.5 * w) / w
