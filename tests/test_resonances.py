@@ -62,7 +62,7 @@ def test_every_growing_solution_is_named_once() -> None:
 
 
 def test_many_modes_are_left_unnamed() -> None:
-    n = 70
+    n = 210
     system = fr.HillSystem(np.diag(np.linspace(1.0, 2.0, n)), [np.diag([0.5] + [0.0] * (n - 1))], period=math.pi)
     result = fr.stability(system)
     assert result.status == "unstable"

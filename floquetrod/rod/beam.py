@@ -102,7 +102,8 @@ def basis(ends: Ends, count: int) -> Basis:
         bending = curved @ curved.T
         bending = 0.5 * (bending + bending.T)
     else:
-        values, slopes = transform @ values, transform @ slopes
+        sizes = np.diagonal(transform)[:, None]
+        values, slopes = sizes * values, sizes * slopes
         bending = np.zeros((kept, kept))
     bending[np.arange(count), np.arange(count)] = waves**4
     for part in (nodes, weights, bending, values, slopes, transform):
@@ -136,7 +137,7 @@ def wavenumbers(ends: Ends, count: int) -> Floats:
     return np.concatenate([np.zeros(_rigid(ends)), near])[:count]
 
 
-def _roots(ends: Ends, near: Floats) -> Floats:
+def _roots(ends: Ends, near: NDArray[Any]) -> Floats:
     """Return the wavenumbers within 0.6 of asymptotic values, of which the lowest may have none."""
 
     def determinant(k: Floats, _: Any = None) -> Floats:
@@ -212,9 +213,13 @@ def _beam_functions(ends: Ends, waves: Floats, x: Floats) -> tuple[Floats, Float
     largest = np.take_along_axis(mixture, np.abs(mixture[:, :2]).argmax(axis=1)[:, None], axis=1)
     mixture = mixture / largest
     k = waves[:, None]
-    functions = _functions(k, x[None, :])
-    values, slopes, curvatures = (np.einsum("mj,jmx->mx", mixture, part) for part in functions[:3])
-    return values, k * slopes, k * k * curvatures
+    a, b, c, d = (part[:, None] for part in mixture.T)
+    sine, cosine = np.sin(k * x), np.cos(k * x)
+    waving, turned = a * sine + b * cosine, a * cosine - b * sine
+    if _are_trigonometric(ends):
+        return waving, k * turned, -k * k * waving
+    first, last = c * np.exp(-k * x), d * np.exp(-k * (1.0 - x))
+    return waving + first + last, k * (turned - first + last), k * k * (first + last - waving)
 
 
 def _polynomials(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:

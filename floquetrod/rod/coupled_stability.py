@@ -59,8 +59,10 @@ class CoupledRodStability(RodVerdict):
     rod : Rod
     coupled : CoupledModes
         The functions along the rod in which its motion is written, and its kind of load.
+    system : HillSystem
+        The equations of motion, in seconds.
     whole : SystemStability
-        Verdict on the system of equations.
+        Verdict on them.
     convergence : tuple of (int, float)
         Numbers of modes and the growth rate in 1/s with each; the last one is the answer.
     resonances : tuple of Resonance
@@ -74,6 +76,7 @@ class CoupledRodStability(RodVerdict):
     """
 
     coupled: CoupledModes
+    system: HillSystem
     whole: SystemStability
     convergence: tuple[tuple[int, float], ...]
     resonances: tuple[Resonance, ...]
@@ -82,11 +85,6 @@ class CoupledRodStability(RodVerdict):
     def load(self) -> Load:
         """The load."""
         return self.coupled.like
-
-    @property
-    def system(self) -> HillSystem:
-        """The equations, in seconds."""
-        return self.coupled.system(Loads.single(self.load))
 
     @property
     def modes(self) -> tuple[int, ...]:
@@ -220,9 +218,10 @@ def classify_coupled(rod: RodData, load: Load, count: int | None, growth_toleran
     return CoupledRodStability(
         rod=rod,
         coupled=final.modes,
+        system=final.system,
         whole=whole,
         convergence=tuple((trial.modes.count, trial.whole.growth_rate) for trial in found),
-        resonances=final.modes.named(final.modes.system(Loads.single(load)), whole.resonances),
+        resonances=final.modes.named(final.system, whole.resonances),
         growth_tolerance=growth_tolerance,
         status=status,
         growth_rate=whole.growth_rate,
@@ -248,6 +247,7 @@ class _Trial(NamedTuple):
     """The verdict with one number of modes, and between what the rate of the fastest solution lies, in 1/s."""
 
     modes: CoupledModes
+    system: HillSystem
     whole: SystemStability
     least: float
     most: float
@@ -256,12 +256,13 @@ class _Trial(NamedTuple):
     def of(cls, rod: RodData, load: Load, count: int) -> _Trial:
         """Return the verdict with ``count`` modes."""
         modes = CoupledModes(rod.coupled_numbers, load, count)
-        whole = stability(modes.system(Loads.single(load)))
+        system = modes.system(Loads.single(load))
+        whole = stability(system)
         rates = np.array([exponent.real for exponent in whole.exponents])
         errors = np.array(whole.exponent_errors)
         if not rates.size:
-            return cls(modes, whole, -math.inf, math.inf)
-        return cls(modes, whole, float((rates - errors).max()), float((rates + errors).max()))
+            return cls(modes, system, whole, -math.inf, math.inf)
+        return cls(modes, system, whole, float((rates - errors).max()), float((rates + errors).max()))
 
     @property
     def rate(self) -> float:

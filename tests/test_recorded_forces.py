@@ -1,0 +1,85 @@
+"""Rods under measured forces: the verdict is that of the force without noise; records stand for loads everywhere."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+
+pytestmark = pytest.mark.kernels
+
+ROD = fr.Rod.nitinol().replace(damping_rate=0.3)
+FCR = ROD.critical_force
+
+
+def clean_load(rng: np.random.Generator) -> fr.AxialLoad:
+    """Return a load with three harmonics, in units of the rod's own force and frequency."""
+    sizes = np.array([1.0, rng.uniform(0.3, 1.0), rng.uniform(0.2, 0.6)])
+    waveform = tuple((sizes * np.exp(2j * math.pi * rng.random(3))).tolist())
+    mean, amplitude = rng.uniform(0.1, 0.5) * FCR, rng.uniform(0.02, 0.15) * FCR
+    return fr.AxialLoad(mean, amplitude, rng.uniform(80.0, 250.0), waveform=waveform)
+
+
+def force(load: fr.AxialLoad, t: np.ndarray) -> np.ndarray:
+    """Return the force of a load over time."""
+    waves = [h * np.exp(1j * k * load.frequency * t) for k, h in enumerate(load.waveform, start=1)]  # type: ignore[arg-type]
+    return np.asarray(load.mean + load.amplitude * np.sum(waves, axis=0).real)
+
+
+def recorded(load: fr.AxialLoad, rng: np.random.Generator) -> fr.ForceRecord:
+    """Return 7.3 periods of a load, sampled with 5 % noise."""
+    period = 2.0 * math.pi / load.frequency
+    t = np.arange(0.0, 7.3 * period, period / 128)
+    clean = force(load, t)
+    noise = 0.05 * np.std(clean) * rng.standard_normal(t.size)
+    return fr.ForceRecord(t, clean + noise)
+
+
+def test_verdicts_are_those_of_the_clean_force() -> None:
+    rng = np.random.default_rng(14)
+    looked_at = agreeing = unstable = 0
+    while looked_at < 100:
+        load = clean_load(rng)
+        # Away from boundaries: alike with one per cent more or less of everything.
+        near = [(1.0, 1.0, 1.0), (1.01, 1.01, 1.0), (0.99, 0.99, 1.0), (1.0, 1.0, 1.002), (1.0, 1.0, 0.998)]
+        loads = [(a * load.mean, b * load.amplitude, c * load.frequency) for a, b, c in near]
+        verdicts = {ROD.is_stable(*numbers, like=load) for numbers in loads}
+        if len(verdicts) != 1:
+            continue
+        looked_at += 1
+        (stable,) = verdicts
+        unstable += not stable
+        agreeing += ROD.stability(recorded(load, rng)).stable == stable
+    assert agreeing >= 99
+    assert 20 <= unstable <= 80
+
+
+def test_a_record_stands_for_its_load() -> None:
+    record = recorded(fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5)), np.random.default_rng(3))
+    load, numbers = record.load, (record.mean, record.amplitude, record.frequency)
+    assert ROD.stability(record) == ROD.stability(load)
+    assert ROD.is_stable(*numbers, like=record) == ROD.is_stable(*numbers, like=load) == ROD.stability(load).stable
+    found = ROD.stable_amplitudes(record.mean, record.frequency, like=record)
+    assert found.intervals == ROD.stable_amplitudes(record.mean, record.frequency, like=load).intervals
+    chart = fr.stability_map(
+        ROD, mean=(0.0, FCR, 3), amplitude=record.amplitude, frequency=(100.0, 200.0, 3), like=record
+    )
+    assert chart.stable.shape == (3, 3)
+    wave = fr.AxialWave(*numbers, waveform=record.waveform, far_end="driven")
+    assert ROD.stability(wave).growth_rate == pytest.approx(ROD.stability(load).growth_rate, rel=0.05)
+    with pytest.raises(ValueError, match="friction is for rods whose modes are independent"):
+        ROD.stability(record, friction=0.1, kick=0.05)
+    with pytest.raises(TypeError, match="load must be an AxialLoad, AxialWave or ForceRecord, got 3"):
+        ROD.stability(3)  # type: ignore[arg-type]
+
+
+def test_the_fit_is_the_force() -> None:
+    record = recorded(fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5)), np.random.default_rng(3))
+    t = np.linspace(0.0, record.period, 50)
+    assert record.force(t) == pytest.approx(force(record.load, t), abs=1e-12 * FCR)
+    still = replace(record.load, amplitude=0.0)
+    assert np.ptp(force(still, t)) == 0.0
