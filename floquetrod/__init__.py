@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.load import AxialLoad as AxialLoad
     from floquetrod.rod.map import stability_map as stability_map
     from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
+    from floquetrod.rod.record import ForceRecord as ForceRecord
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.rod import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.stability import RodStability as RodStability
@@ -55,6 +56,7 @@ _WHERE = {
     "CheckpointWarning": "simulation.checkpoints",
     "Comparison": "floquet.comparison",
     "Explorer": "explorer",
+    "ForceRecord": "rod.record",
     "FrictionalMathieu": "equations",
     "Hill": "equations",
     "HillSystem": "equations",
