@@ -11,7 +11,7 @@ from floquetrod import mathieu
 from floquetrod import units as known
 from floquetrod._util import validate
 from floquetrod.plotting.explorer import View, Window
-from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.load import AxialLoad, kind
 from floquetrod.rod.map import stability_map
 from floquetrod.rod.rod import Rod
 
@@ -40,6 +40,12 @@ class Explorer:
         The figure and its sliders.
     load : AxialLoad
         The load shown.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For rods and loads whose modes are coupled, by ends that are not hinged or by weight along the rod say, for
+        other loads than sines, and for loads and units out of reach.
     """
 
     def __init__(self, rod: Rod, load: AxialLoad | None = None, units: Mapping[str, str] | None = None) -> None:
@@ -47,6 +53,7 @@ class Explorer:
         validate.instance("rod", rod, Rod)
         if load is not None:
             validate.instance("load", load, AxialLoad)
+        _require_independent(rod, load)
         shown = _units(rod, {} if units is None else units)
         unit, pendulum = rod.critical_force, rod.pendulum_frequency
         self.rod = rod
@@ -89,6 +96,17 @@ class Explorer:
         rate, mode = self.rod.fastest(self.load.mean, self.load.amplitude, self.load.frequency)
         verdict = f"unstable: mode {mode} grows at {rate:.3g} 1/s" if rate > 0.0 else "stable"
         return View(quantities, self._unstable, chart, (0.0, right), (bottom, top), alpha, beta, growth, verdict)
+
+
+def _require_independent(rod: Rod, load: AxialLoad | None) -> None:
+    """Raise ValueError for a rod or a load whose modes the window cannot show."""
+    given = [kind(None)] if load is None else [kind(None), load]
+    found = dict.fromkeys(name for each in given for name in rod.coupled_numbers.departures(each))
+    if found:
+        raise ValueError(
+            f"rod must have independent modes to be explored, those of hinged ends under a sine that is uniform along "
+            f"the rod, got {', '.join(found)}; Rod.stability and stability_map take it"
+        )
 
 
 def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:

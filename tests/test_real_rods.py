@@ -349,7 +349,7 @@ def test_results_list_what_they_neglect() -> None:
 def test_the_simulator_refuses_what_it_cannot_take(change: dict[str, float]) -> None:
     rod, load = ROD.replace(**change), fr.AxialLoad(0.3, 0.3, 150.0)
     ((name, value),) = change.items()
-    message = f"^rod must be solid, horizontal and without fluids to be simulated, got {name} = {value:g};"
+    message = f"^rod must be solid, horizontal, hinged and without fluids to be simulated, got {name} = {value:g};"
     for call in (
         lambda: DiscreteRod(rod, 100),
         lambda: fr.SimulationProblem(rod, load),

@@ -15,11 +15,11 @@ from typing import Any, NamedTuple, NoReturn
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.files import writable
-from floquetrod.rod.data import RodData
-from floquetrod.rod.load import LIMITS, Load, Quantity
+from floquetrod.floquet.systems.result import Resonance
+from floquetrod.rod.load import LIMITS, Quantity
 from floquetrod.units import Unit
 
-_TINY, _HUGE = 1e-9, 1e12  # what the library takes, in SI units: a typing error lies beyond
+_TINY, LARGEST = 1e-9, 1e12  # what the library takes, in SI units: a typing error lies beyond
 
 KINDS: dict[Quantity, str] = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
 """Quantities of a load and their kind."""
@@ -97,13 +97,13 @@ def read_friction(options: argparse.Namespace) -> tuple[float, float] | None:
             "--friction needs --kick: friction holds every rod that nothing disturbs, so a verdict without a kick "
             "would say nothing; add the transverse speed each mode is disturbed with, such as --kick 50mm/s"
         )
-    return options.friction, units.quantity(options.kick, "--kick", "speed", least=_TINY, largest=_HUGE)
+    return options.friction, units.quantity(options.kick, "--kick", "speed", least=_TINY, largest=LARGEST)
 
 
 def read_tolerance(options: argparse.Namespace) -> float:
     """Return the growth tolerance in 1/s."""
     given = "0" if options.growth_tolerance is None else options.growth_tolerance
-    return units.quantity(given, "--growth-tolerance", "rate", least=0.0, largest=_HUGE)
+    return units.quantity(given, "--growth-tolerance", "rate", least=0.0, largest=LARGEST)
 
 
 def read_quantity(text: str, name: Quantity, rod: fr.Rod, given: str | None = None) -> float:
@@ -151,29 +151,6 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
     return found
 
 
-def read_load(options: argparse.Namespace, rod: fr.Rod) -> fr.AxialLoad:
-    """Return the load that the options describe."""
-    mean, amplitude, frequency = (read_quantity(getattr(options, name), name, rod) for name in KINDS)
-    return fr.AxialLoad(mean, amplitude, frequency)
-
-
-def describe_load(load: Load, shown: dict[str, Unit], rod: RodData) -> str:
-    """Return the load in the units asked for, each quantity followed by its value in a second unit."""
-    return ", ".join(
-        [
-            f"mean {_both(load.mean, shown['mean'], rod)}",
-            f"amplitude {_both(load.amplitude, shown['amplitude'], rod)}",
-            _both(load.frequency, shown["frequency"], rod),
-        ]
-    )
-
-
-def _both(value: float, shown: Unit, rod: RodData) -> str:
-    kind = units.kind_of(shown.name) or ""
-    other = {"Fcr": "N", "rad/s": "Hz", "1/s": "Hz"}.get(shown.name, "Fcr" if kind == "force" else "rad/s")
-    return f"{shown.show(value)} ({units.unit(other, other, kind, rod.critical_force).show(value, 4)})"
-
-
 def read_rod(options: argparse.Namespace) -> fr.Rod:
     """Return the rod that the options describe."""
     try:
@@ -181,7 +158,7 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
     except (ValueError, OSError) as error:
         raise ValueError(f"--rod must be nitinol or a TOML file: {error}") from None
     if options.damping_rate is not None:
-        rate = units.quantity(options.damping_rate, "--damping-rate", "rate", least=0.0, largest=_HUGE)
+        rate = units.quantity(options.damping_rate, "--damping-rate", "rate", least=0.0, largest=LARGEST)
         rod = rod.replace(damping_rate=rate)
     return rod
 
@@ -209,6 +186,17 @@ def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
 def number(value: float) -> float | None:
     """Return ``value``, or None where JSON has no number for it: infinite means never, or not within reach."""
     return value if math.isfinite(value) else None
+
+
+def resonance_record(resonance: Resonance, growth: str) -> dict[str, Any]:
+    """Return a resonance for JSON, its growth rate under the name ``growth``."""
+    return {
+        "name": str(resonance),
+        "kind": resonance.kind,
+        "modes": list(resonance.modes),
+        "order": resonance.order,
+        growth: resonance.growth_rate,
+    }
 
 
 @contextmanager

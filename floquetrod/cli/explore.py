@@ -15,11 +15,11 @@ from floquetrod.cli.common import (
     add_rod,
     add_units,
     check_out,
-    describe_load,
     read_quantity,
     read_rod,
     read_units,
 )
+from floquetrod.cli.loads import describe_load
 from floquetrod.plotting import charts
 
 _HELP = """\

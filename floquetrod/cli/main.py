@@ -27,7 +27,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             warnings.simplefilter("always", fr.UniformForceWarning)
             answer = options.run(options)
         for warning in caught:
-            print(f"floquetrod: warning: {warning.message}", file=sys.stderr)
+            print(f"floquetrod: warning: {_in_options(str(warning.message), options)}", file=sys.stderr)
         print(answer.text, flush=True)
     except BrokenPipeError:  # the reader, head say, has seen enough; keep the interpreter from writing more at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -46,12 +46,29 @@ def main(argv: Sequence[str] | None = None) -> int:
     return int(answer.status)
 
 
-_ARGUMENTS = {"load": "mean"}
+_ARGUMENTS = {"load": "mean", "criterion": "paper_criterion"}
 """Arguments of the library that an option of another name sets."""
+
+_WORDS = {
+    "mean_at=None": ("mean_at", "--mean-at none"),
+    "axial_damping": ("axial_damping", "--axial-damping"),
+    "AxialWave": ("wave", "--wave"),
+    "range(1, n + 1)": ("modes", "--modes 1-n"),
+}
+"""What remedies of the library name, with the option that a command has for it."""
+
+
+def _in_options(message: str, options: argparse.Namespace) -> str:
+    """Return a message of the library with options in place of what its remedies name, where the command has them."""
+    for words, (name, option) in _WORDS.items():
+        if name in vars(options):
+            message = message.replace(words, option)
+    return message
 
 
 def _naming_options(message: str, options: argparse.Namespace) -> str:
     """Return a message of the library with the option in place of the argument it begins with, and what was typed."""
+    message = _in_options(message, options)
     match = re.match(r"(\w+)(?:\[\d+\])? (?=must|needs)", message)
     name = match[1] if match else ""
     if name not in vars(options):

@@ -14,13 +14,16 @@ from floquetrod.cli.common import (
     add_command,
     add_rod,
     add_units,
-    read_range,
     read_rod,
     read_tolerance,
     read_units,
+    resonance_record,
 )
+from floquetrod.cli.loads import add_kind, read_kind, read_values, require_quantities
 from floquetrod.cli.waiting import waiting
+from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.constants import HAIRLINE_GROWTH
+from floquetrod.rod.ranges import Cause
 
 _HELP = """\
 List every stability interval of one quantity of the load: give the other two, and what to search.
@@ -29,10 +32,15 @@ examples:
   floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150 --mean 0:1.2Fcr
   floquetrod ranges --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 10Hz:60Hz --growth-tolerance 0.05
   floquetrod ranges --rod my_rod.toml --mean 12N --frequency 24Hz --amplitude 0:5N
+  floquetrod ranges --rod examples/wire.toml --amplitude 0.2Fcr --frequency 20Hz --mean 0:1Fcr
+  floquetrod ranges --rod examples/well.toml --mean 0.5Fcr --frequency 4Hz --amplitude 0:0.5Fcr --wave held
 
 The ends are those of resonance tongues, not points of a grid.  Tongues in which nothing grows faster than
 --growth-tolerance, by default 1e-6 1/s (tenfold in a month), are left out and counted; with 0 every one is listed.  The
 answer is in the unit of the range, or of --unit; --json is in N and rad/s.
+
+Where ends, weight along an inclined rod or axial waves (--wave) couple the modes, loads are sampled: the ends are those
+of resonances, and the answer says how narrow an unstable part may have been missed.
 """
 
 
@@ -43,23 +51,25 @@ def add(commands: Any) -> None:
     )
     add_rod(ranges)
     add_units(ranges)
+    add_kind(ranges)
     ranges.set_defaults(growth_tolerance=f"{HAIRLINE_GROWTH:g}")
-    ranges.add_argument("--mean", required=True, help="mean force, or a range such as 0:1.2Fcr")
-    ranges.add_argument("--amplitude", required=True, help="amplitude, or a range such as 0:0.5Fcr")
-    ranges.add_argument("--frequency", required=True, help="frequency, or a range such as 10Hz:60Hz")
+    ranges.add_argument("--mean", help="mean force, or a range such as 0:1.2Fcr")
+    ranges.add_argument("--amplitude", help="amplitude, or a range such as 0:0.5Fcr")
+    ranges.add_argument("--frequency", help="frequency, or a range such as 10Hz:60Hz")
 
 
 def _ranges(options: argparse.Namespace) -> Answer:
+    require_quantities(options)
     rod = read_rod(options)
-    texts = {name: getattr(options, name) for name in KINDS}
-    varied = [name for name, text in texts.items() if ":" in text]
+    varied = [name for name in KINDS if ":" in (getattr(options, name) or "")]
     if len(varied) != 1:
         raise ValueError(
             "exactly one of --mean, --amplitude, --frequency must be a range such as 0:1.2Fcr or 10Hz:60Hz, got "
             f"{len(varied)}"
         )
     tolerance = read_tolerance(options)
-    values = {name: read_range(text, name, rod) for name, text in texts.items()}
+    like = read_kind(options)
+    values = read_values(options, rod)
     shown = read_units(options, rod)
     bounds = tuple(values.pop(varied[0]))
     fixed: dict[str, Any] = {name: value for name, (value,) in values.items()}
@@ -68,8 +78,8 @@ def _ranges(options: argparse.Namespace) -> Answer:
         "amplitude": rod.stable_amplitudes,
         "frequency": rod.stable_frequencies,
     }
-    with waiting(f"searching every tongue along the {varied[0]}"):
-        found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance)
+    with waiting(f"searching along the {varied[0]}"):
+        found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance, like=like)
     if not options.json:
         return Answer(found.table(*shown[varied[0]]))
     unit = "N" if found.unit == "N" else "rad_per_s"
@@ -81,10 +91,20 @@ def _ranges(options: argparse.Namespace) -> Answer:
         "tongues_left_out": found.hairlines,
         f"parts_missed_up_to_{unit}": found.resolution,
         "stable": [
-            {f"low_{unit}": part.low, f"high_{unit}": part.high, "low_end": part.low_end, "high_end": part.high_end}
+            {
+                f"low_{unit}": part.low,
+                f"high_{unit}": part.high,
+                "low_end": _end(part.low_end),
+                "high_end": _end(part.high_end),
+            }
             for part in found
         ],
-        "ends_are": "[mode, tongue], or null at an end of the search",
+        "ends_are": "[mode, tongue], a resonance of coupled modes, or null at an end of the search",
         "version": fr.__version__,
     }
     return Answer(json.dumps(record, indent=2, allow_nan=False))
+
+
+def _end(end: Cause) -> Any:
+    """Return what closes an interval for JSON."""
+    return resonance_record(end, "growth_rate_per_s") if isinstance(end, Resonance) else end

@@ -25,12 +25,11 @@ from floquetrod.cli.common import (
     add_command,
     add_rod,
     add_units,
-    describe_load,
     number,
-    read_load,
     read_rod,
     read_units,
 )
+from floquetrod.cli.loads import describe_load, read_load
 from floquetrod.rod.stability import growth_of_modes
 from floquetrod.simulation.growth import GrowthFit
 from floquetrod.units import Unit
@@ -86,7 +85,7 @@ def add(commands: Any) -> None:
 
 def _simulate(options: argparse.Namespace) -> Answer:
     rod = read_rod(options)
-    load = read_load(options, rod)
+    load = read_load(options, rod, fr.AxialLoad(0.0, 0.0, 1.0))
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
     perturbation, shown = _perturbation(options), read_units(options, rod)

@@ -20,11 +20,11 @@ from floquetrod.cli.common import (
     check_out,
     read_friction,
     read_quantity,
-    read_range,
     read_rod,
     read_tolerance,
     read_units,
 )
+from floquetrod.cli.loads import add_kind, read_kind, read_values, require_quantities
 from floquetrod.rod.load import Quantity
 
 _HELP = """\
@@ -36,9 +36,14 @@ examples:
   floquetrod map --rod my_rod.toml --amplitude 2N --mean 0:12N --frequency 5Hz:60Hz --mark 6N,24Hz
   floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --paper-criterion exact --out m.png
   floquetrod map --rod nitinol --amplitude 0.7Fcr --mean 0:1.1Fcr --frequency 20:200 --friction 0.1 --kick 50mm/s
+  floquetrod map --rod examples/wire.toml --frequency 20Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --points 60x40
+  floquetrod map --rod examples/well.toml --frequency 4Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --wave free --points 40x30
 
 A .png, .pdf or .svg file is a figure, a .npz file all the numbers (floquetrod.Chart.load reads it); give --out twice
 for both.  Axes and caption are in the units of the ranges, or of --unit; a .npz file is in N and rad/s.
+
+Where ends, weight along an inclined rod or axial waves (--wave) couple the modes, a point takes a millisecond and more:
+begin with few of them.
 """
 
 _MOST_POINTS = 25_000_000  # half a gigabyte with growth rates (a choice)
@@ -50,8 +55,9 @@ def add(commands: Any) -> None:
     add_rod(chart)
     add_friction(chart)
     add_units(chart)
+    add_kind(chart)
     for name in KINDS:
-        chart.add_argument(f"--{name}", required=True, help="a range such as 0:1.1Fcr or 5Hz:60Hz, or one value")
+        chart.add_argument(f"--{name}", help="a range such as 0:1.1Fcr or 5Hz:60Hz, or one value")
     chart.add_argument("--points", default="400x300", help="columns x rows (default 400x300)")
     chart.add_argument("--growth", action="store_true", help="shade by growth rate")
     chart.add_argument(
@@ -68,12 +74,13 @@ def add(commands: Any) -> None:
 def _map(options: argparse.Namespace) -> Answer:
     from floquetrod.plotting import charts
 
+    require_quantities(options)
     rod = read_rod(options)
     paths = options.out or [Path("map.png")]
     for path in paths:
         check_out(path, (*charts.FIGURES, ".npz"))
     columns, rows = _points(options.points)
-    values = {name: read_range(getattr(options, name), name, rod) for name in KINDS}
+    values, like = read_values(options, rod), read_kind(options)
     tolerance, rubbing = read_tolerance(options), read_friction(options)
     shown = read_units(options, rod)
     varied = [name for name, ends in values.items() if len(ends) == 2]
@@ -94,6 +101,7 @@ def _map(options: argparse.Namespace) -> Answer:
         criterion=criterion,
         friction=None if rubbing is None else rubbing[0],
         kick=None if rubbing is None else rubbing[1],
+        like=like if like.departures else None,
         progress=Progress("points"),
     )
     drawn = chart.in_units(**{name: shown[name].name for name in ("kick", *KINDS)[rubbing is None :]})

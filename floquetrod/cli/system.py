@@ -8,7 +8,7 @@ import math
 from typing import Any
 
 import floquetrod as fr
-from floquetrod.cli.common import Answer, number
+from floquetrod.cli.common import Answer, number, resonance_record
 from floquetrod.cli.waiting import waiting
 from floquetrod.equations.system_files import read_system
 from floquetrod.floquet.systems.result import SystemStability
@@ -120,10 +120,7 @@ def _record(result: SystemStability) -> dict[str, Any]:
         "growth_rate_per_unit_time": number(result.growth_rate),
         "largest_multiplier_less_1": number(_largest(result)),
         "opposite_krein_signs_apart_rad": _opposite_signs_apart(result) if result.exponents else None,
-        "resonances": [
-            {"name": str(r), "kind": r.kind, "modes": list(r.modes), "order": r.order, "growth_rate": r.growth_rate}
-            for r in result.resonances
-        ],
+        "resonances": [resonance_record(r, "growth_rate") for r in result.resonances],
         "multipliers": [
             {
                 "real": number(mu.real),

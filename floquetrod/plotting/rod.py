@@ -187,5 +187,7 @@ def draw_shape(verdict: Any, ax: Any = None) -> Any:
     ax.plot(shape.s, shape.deflection, color="black", linewidth=1.0)
     ax.set(xlabel="position from the upper end $s$ / m", ylabel="deflection / largest", ylim=(-1.1, 1.1))
     ax.set_xlim(shape.s[0], shape.s[-1])
-    ax.set_title(f"{verdict.status}; line: one instant, shaded: over a period", fontsize="small")
+    growth = f"{verdict.status}, growth {verdict.growth_rate:.4g} 1/s"
+    name = f": {verdict.resonances[0]}" if verdict.resonances else ""
+    ax.set_title(f"{growth}{name}\nline: one instant, shaded: over a period", fontsize="small")
     return ax

@@ -66,9 +66,17 @@ class RodNumbers(NamedTuple):
 
     def has_mathieu_modes(self, load: Load) -> bool:
         """Return whether each mode obeys an equation of Mathieu's: hinged ends, a uniform force that is a pure sine."""
-        if load.waveform != "sine":
-            return False
-        return self.ends.are_hinged and load.is_uniform and (self.weight_along == 0.0 or load.mean_at is None)
+        return not self.departures(load)
+
+    def departures(self, load: Load) -> tuple[str, ...]:
+        """Return, in words, what keeps the modes from obeying an equation of Mathieu's each; empty where they do."""
+        every = (
+            (f"{self.ends} ends", not self.ends.are_hinged),
+            ("weight along the rod", self.weight_along > 0.0 and load.mean_at is not None),
+            ("axial waves", not load.is_uniform),
+            ("a waveform other than a sine", load.waveform != "sine"),
+        )
+        return tuple(name for name, present in every if present)
 
     def modes_needed(self, loads: Loads, like: Load, growth_tolerance: float) -> int:
         """Return how many modes to take for loads of a kind: as many as the largest force along the rod would need.

@@ -166,6 +166,25 @@ class Load(ABC):
         every = ((f, getattr(self, f.name)) for f in fields(self))
         return {f.name: value for f, value in every if f.default is MISSING or value != f.default}
 
+    @property
+    def departures(self) -> str:
+        """In words what this load has that a sine, uniform but for the weight along the rod, has not; "" if nothing."""
+        found = []
+        if self.waveform != "sine":
+            found.append(f"waveform of {len(self.harmonics)} harmonic{'s' * (len(self.harmonics) > 1)}")
+        if self.mean_at is None:
+            found.append("weight along the rod neglected")
+        elif self.mean_at != 0.5:
+            found.append(f"mean force at {self.mean_at:g} of the length")
+        return ", ".join(found)
+
+    def kind_as_dict(self) -> dict[str, Any]:
+        """Return everything but mean, amplitude and frequency, as words and numbers for a file."""
+        values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in LIMITS}
+        if self.waveform != "sine":
+            values["waveform"] = [[h.real, h.imag] for h in self.harmonics.tolist()]
+        return {"type": type(self).__name__, **values}
+
     def __repr__(self) -> str:
         """Return the constructor's call, without what has its default."""
         return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.as_dict().items())})"
@@ -299,6 +318,13 @@ class AxialWave(Load):
     def is_uniform(self) -> bool:
         """False."""
         return False
+
+    @property
+    def departures(self) -> str:
+        """In words what this load has that a sine, uniform but for the weight along the rod, has not."""
+        ends = "both ends driven" if self.far_end == "driven" else f"lower end {self.far_end}"
+        rate = f", axial damping {self.axial_damping:g} 1/s" if self.axial_damping else ""
+        return ", ".join(filter(None, [f"axial waves, {ends}{rate}", super().departures]))
 
 
 def _waveform(value: Any) -> Waveform:

@@ -11,7 +11,7 @@ from floquetrod._util import validate
 from floquetrod._util.version import __version__
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
-from floquetrod.rod.load import LIMITS, AnyLoad, Quantity
+from floquetrod.rod.load import LIMITS, AnyLoad, Quantity, require_load
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.rod import Rod
 
@@ -74,6 +74,8 @@ def stability_map(
     growth = validate.flag("growth", growth)
     if criterion is not None:
         validate.instance("criterion", criterion, FiniteTimeCriterion)
+    if like is not None:
+        like = require_load("like", like)
     rubbing = friction_and_kick(friction, kick)
     workers = validate.workers(workers)
     validate.progress(progress)
@@ -116,11 +118,10 @@ def stability_map(
     fixed_values: list[list[Any]] = [[name, value, unit], ["critical force", rod.critical_force, "N"]]
     if rubbing is not None:
         fixed_values += [["friction", rubbing[0], ""], ["kick", rubbing[1], "m/s"]]
-    subject = {
-        "kind": "rod",
-        "fixed": fixed_values,
-        "rod": rod.as_dict(),
-    }
+    subject: dict[str, Any] = {"kind": "rod", "fixed": fixed_values, "rod": rod.as_dict()}
+    if like is not None:
+        subject["load"] = like.kind_as_dict()
+        subject["kind"] = ", ".join(filter(None, ["rod", like.departures]))
     rate, mode = rest if growth else (None, None)
     words = "" if criterion is None else str(criterion)
     undecided = int((verdicts == -1).sum())

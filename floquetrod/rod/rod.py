@@ -424,9 +424,11 @@ class Rod(RodData):
         return shaped(growth, systems.loads.shape), shaped(mode, systems.loads.shape)
 
     def _refusal(self, name: str, load: Load) -> ValueError:
+        found = self.coupled_numbers.departures(load)
+        remedy = "; mean_at=None neglects the weight along the rod" if "weight along the rod" in found else ""
         return ValueError(
-            f"{name} is for rods whose modes are independent: hinged ends, and a sine that is uniform along the rod "
-            f"(mean_at=None neglects its weight), got ends={self.ends!r}, inclination = {self.inclination:g} and {load}"
+            f"{name} needs independent modes, those of hinged ends under a sine that is uniform along the rod, got "
+            f"{', '.join(found)}{remedy}"
         )
 
     def _warn_unless_uniform(self, load: Load) -> None:

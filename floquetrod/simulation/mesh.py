@@ -69,8 +69,8 @@ class DiscreteRod:
         rod, segments = self.rod, validate.integer("segments", self.segments, 4)
         if rod.departures:
             raise ValueError(
-                f"rod must be solid, horizontal and without fluids to be simulated, got {rod.departures}; its verdicts "
-                "need no simulation: Rod.stability"
+                f"rod must be solid, horizontal, hinged and without fluids to be simulated, got {rod.departures}; its "
+                "verdicts need no simulation: Rod.stability"
             )
         ratio = validate.finite("poisson_ratio", self.poisson_ratio)
         if not -1.0 < ratio <= 0.5:

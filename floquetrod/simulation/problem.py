@@ -97,7 +97,12 @@ class SimulationProblem:
     def __post_init__(self) -> None:
         """Check and clean the parameters; the derived numbers raise for what they cannot be computed from."""
         validate.instance("rod", self.rod, Rod)
-        validate.instance("load", self.load, AxialLoad)
+        validate.instance("load", self.load, AxialLoad, "axial waves cannot be simulated")
+        if self.load.waveform != "sine":
+            raise ValueError(
+                f"load must be a sine to be simulated, got a {self.load.departures}; its verdicts need no simulation: "
+                "Rod.stability"
+            )
         kick = Perturbation.random(1e-3, seed=1) if self.perturbation is None else self.perturbation
         validate.instance("perturbation", kick, Perturbation, "such as Perturbation.modes({8: 0.05})")
         cleaned: dict[str, Any] = {

@@ -1,0 +1,68 @@
+"""The answer of `floquetrod check` about a rod whose modes are coupled."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import floquetrod as fr
+from floquetrod.cli import verdicts
+from floquetrod.cli.common import number, resonance_record
+from floquetrod.rod.coupled_stability import CoupledRodStability
+from floquetrod.units import Unit
+
+_ROWS = 10
+"""Resonances listed; the others, which grow more slowly, are in the JSON."""
+
+
+def report(result: CoupledRodStability, shown: dict[str, Unit], searched: bool) -> list[str]:
+    """Return the lines, the verdict first; quantities of the load in the units ``shown``.
+
+    Margins only where they are to be ``searched``.
+    """
+    lines = [_headline(result), "", *verdicts.subject(result, shown)]
+    if result.growth_rate > 0.0:
+        time = f"tenfold in {result.time_to_grow(10.0):.4g} s"
+        lines.append(f"growth    {result.growth_rate:.6g} 1/s, {time}")
+    for i, resonance in enumerate(result.resonances[:_ROWS]):
+        lines.append(f"{'' if i else 'grows':<8}  {resonance}, {resonance.growth_rate:.6g} 1/s")
+    if len(result.resonances) > _ROWS:
+        lines.append(f"          and {len(result.resonances) - _ROWS} more, which grow more slowly (--json lists them)")
+    if searched:
+        found = verdicts.margins(result, shown, "stable at rates above {}, as far as tried")
+        lines += [*found[:3], "          found by sampling: changes close to each other may be passed over", *found[3:]]
+    else:
+        lines.append("margins   not searched, which takes hundreds of verdicts; --margins does")
+    lines += [
+        f"checked   {result.cutoff}",
+        f"method    {result.whole.method}, {result.cost}; growth good to {result.error:.0e} 1/s",
+    ]
+    if result.note:
+        lines.append(f"note      {result.note}")
+    return lines
+
+
+def _headline(result: CoupledRodStability) -> str:
+    if result.status == "unstable":
+        growing = [r for r in result.resonances if r.growth_rate > result.growth_tolerance]
+        name = str(growing[0]) if growing else f"grows at {result.growth_rate:.6g} 1/s"
+        return f"UNSTABLE: {name}" + (f", and {len(growing) - 1} more" if len(growing) > 1 else "")
+    if result.status == "undecided":
+        return "UNDECIDED: whether anything grows cannot be told within the error of the growth rate"
+    return "STABLE"
+
+
+def record(result: CoupledRodStability, searched: bool) -> dict[str, Any]:
+    """Return the same as numbers for JSON."""
+    return {
+        **verdicts.verdict_record(result, searched),
+        "growth_rate_error_per_s": number(result.error),
+        "convergence": [{"modes": modes, "growth_rate_per_s": number(rate)} for modes, rate in result.convergence],
+        "resonances": [resonance_record(r, "growth_rate_per_s") for r in result.resonances],
+        **verdicts.subject_record(result),
+        "load": result.load.kind_as_dict(),
+        "structure": result.whole.structure,
+        "method": result.whole.method,
+        "cost": str(result.cost),
+        "note": result.note,
+        "version": fr.__version__,
+    }

@@ -1,0 +1,107 @@
+"""The load in the terminal: its quantities, what kind of load it is, and how it is written in an answer."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TypeVar
+
+import floquetrod as fr
+from floquetrod import units
+from floquetrod.cli.common import KINDS, LARGEST, read_quantity, read_range
+from floquetrod.rod.data import RodData
+from floquetrod.rod.load import AxialWave, Load, Quantity
+from floquetrod.units import Unit
+
+_L = TypeVar("_L", bound=Load)
+
+LOAD_OPTIONS = ("mean_at", "wave", "axial_damping")
+"""What `add_kind` adds."""
+
+
+def add_kind(command: argparse.ArgumentParser) -> None:
+    """Add the options that say what kind of load it is."""
+    command.add_argument(
+        "--mean-at",
+        help="where along an inclined rod the mean force holds, from 0, the upper end, to 1 (default 0.5); none "
+        "neglects the weight along the rod",
+    )
+    command.add_argument(
+        "--wave",
+        choices=("held", "free", "driven"),
+        help="the force comes from the upper end as axial waves; the lower end is held, free, or driven alike",
+    )
+    command.add_argument("--axial-damping", help="decay rate of axial waves in 1/s (needs --wave; default 0)")
+
+
+def read_kind(options: argparse.Namespace) -> Load:
+    """Return a load of the kind that the options describe, its mean and amplitude zero."""
+    if options.axial_damping is not None and options.wave is None:
+        raise ValueError(
+            f"--axial-damping needs --wave, got {options.axial_damping!r} alone: without waves the force is the same "
+            "all along the rod; add --wave held, free or driven"
+        )
+    at = 0.5 if options.mean_at is None else _fraction(options.mean_at)
+    if options.wave is None:
+        return fr.AxialLoad(0.0, 0.0, 1.0, mean_at=at)
+    given = "0" if options.axial_damping is None else options.axial_damping
+    damping = units.quantity(given, "--axial-damping", "rate", least=0.0, largest=LARGEST)
+    return AxialWave(0.0, 0.0, 1.0, far_end=options.wave, axial_damping=damping, mean_at=at)
+
+
+def _fraction(text: str) -> float | None:
+    """Return a fraction of the length, None for the word none."""
+    if text.strip().lower() == "none":
+        return None
+    try:
+        return units.quantity(text, "--mean-at", "ratio", least=0.0, largest=1.0)
+    except ValueError:
+        raise ValueError(
+            "--mean-at must be a fraction of the length from 0, the upper end, to 1, the lower, or none, which "
+            f"neglects the weight along the rod; got {text!r}"
+        ) from None
+
+
+def require_quantities(options: argparse.Namespace) -> None:
+    """Raise ValueError where a quantity of the load is missing."""
+    missing = [f"--{name}" for name in KINDS if getattr(options, name) is None]
+    if missing:
+        raise ValueError(
+            f"the following arguments are required: {', '.join(missing)} (see floquetrod {options.command} --help)"
+        )
+
+
+def read_load(options: argparse.Namespace, rod: fr.Rod, like: _L) -> _L:
+    """Return the load that the options describe, of the kind of ``like``."""
+    numbers = {name: read_quantity(getattr(options, name), name, rod) for name in KINDS}
+    return like.with_numbers(**numbers)
+
+
+def read_values(options: argparse.Namespace, rod: fr.Rod) -> dict[Quantity, list[float]]:
+    """Return every quantity of the load, one value or both ends of a range."""
+    return {name: read_range(getattr(options, name), name, rod) for name in KINDS}
+
+
+def describe_load(load: Load, shown: dict[str, Unit], rod: RodData) -> str:
+    """Return the load in the units asked for, each quantity followed by its value in a second unit."""
+    return ", ".join(
+        [
+            f"mean {_both(load.mean, shown['mean'], rod)}",
+            f"amplitude {_both(load.amplitude, shown['amplitude'], rod)}",
+            _both(load.frequency, shown["frequency"], rod),
+        ]
+    )
+
+
+def describe_kind(load: Load, shown: dict[str, Unit], rod: RodData) -> list[str]:
+    """Return lines about what varies along the rod, and about the waveform."""
+    lines = [load.departures] if load.departures else []
+    if rod.weight_along > 0.0 and load.mean_at is not None:
+        upper, lower = (shown["mean"].show(load.mean + rod.coupled_numbers.added_mean(load, x)) for x in (0.0, 1.0))
+        lines.append(f"mean force {upper} at the upper end, {lower} at the lower")
+    return lines
+
+
+def _both(value: float, shown: Unit, rod: RodData) -> str:
+    kind = units.kind_of(shown.name) or ""
+    other = {"Fcr": "N", "rad/s": "Hz", "1/s": "Hz"}.get(shown.name, "Fcr" if kind == "force" else "rad/s")
+    return f"{shown.show(value)} ({units.unit(other, other, kind, rod.critical_force).show(value, 4)})"

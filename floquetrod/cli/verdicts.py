@@ -1,0 +1,107 @@
+"""What reports of verdicts on rods share, whatever couples their modes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from floquetrod.cli.common import number
+from floquetrod.cli.loads import describe_kind, describe_load
+from floquetrod.rod.verdict import Margin, RodVerdict
+from floquetrod.units import Unit
+
+
+def subject(result: RodVerdict, shown: dict[str, Unit]) -> list[str]:
+    """Return lines about the rod and the load, and what is taken for granted where that is more than the study does."""
+    rod, load = result.rod, result.load
+    lines = [f"rod       critical force {rod.critical_force:.4g} N, critical mode {rod.critical_mode:.3g}"]
+    if rod.departures:
+        lines += [
+            f"          {rod.departures}; SI units",
+            f"          inertia {rod.mass_per_length:.4g} kg/m, weight in fluid {rod.weight_per_length:.4g} N/m, "
+            f"E I {rod.flexural_rigidity:.4g} N m^2, half wave {rod.critical_half_wave:.4g} m",
+        ]
+    lines.append(f"load      {describe_load(load, shown, rod)}")
+    lines += [f"          {text}" for text in describe_kind(load, shown, rod)]
+    if rod.departures or load.departures:
+        lines.append(f"assumed   {'; '.join(result.assumptions)}")
+    return lines
+
+
+def margins(result: RodVerdict, shown: dict[str, Unit], enough: str) -> list[str]:
+    """Return how far the load is from a change of the verdict, in the units asked for, and the damping it would take.
+
+    ``enough`` says which damping rates are, with {} for the least.
+    """
+    change = {"stable": "unstable", "unstable": "stable"}.get(result.status, "decided")
+    lines: list[str] = []
+    for name, margin in _all_margins(result).items():
+        sides = [(margin.below, "lower"), (margin.above, "higher")]
+        known = [f"{shown[name].show(value, 4)} {way}" for value, way in sides if math.isfinite(value)]
+        words = f"{change} {' or '.join(known)}" if known else f"no change {_REACH[name]}"
+        lines.append(f"{'' if lines else 'margins':<8}  {_WORDS[name]:<11} {words}")
+    damping = result.damping_to_stabilise
+    if damping > 0.0:
+        none = "no damping suffices: the mean force alone buckles a mode"
+        lines.append(f"damping   {none if math.isinf(damping) else enough.format(f'{damping:.6g} 1/s')}")
+    return lines
+
+
+_WORDS = {"mean": "mean force", "amplitude": "amplitude", "frequency": "frequency"}
+_REACH = {
+    "mean": "within 8 Fcr either way",
+    "amplitude": "from zero to 2 Fcr above",
+    "frequency": "from a ninth to nine times this frequency",
+}
+
+
+def _all_margins(result: RodVerdict) -> dict[str, Margin]:
+    """Return the margins of a load by quantity."""
+    return {
+        "mean": result.mean_force_margin,
+        "amplitude": result.amplitude_margin,
+        "frequency": result.frequency_margin,
+    }
+
+
+def verdict_record(result: RodVerdict, searched: bool) -> dict[str, Any]:
+    """Return status, growth and, where they are to be searched, margins and damping for JSON."""
+    return {
+        "status": result.status,
+        "unstable_modes": list(result.unstable_modes),
+        "growth_rate_per_s": number(result.growth_rate),
+        "fastest_mode": result.fastest_mode,
+        "time_to_grow_tenfold_s": number(result.time_to_grow(10.0)),
+        **(_margins_record(result) if searched else {}),
+        "modes_checked": result.modes_checked,
+    }
+
+
+def _margins_record(result: RodVerdict) -> dict[str, Any]:
+    margins = _all_margins(result)
+    return {
+        "mean_force_margin_below_N": number(margins["mean"].below),
+        "mean_force_margin_above_N": number(margins["mean"].above),
+        "amplitude_margin_below_N": number(margins["amplitude"].below),
+        "amplitude_margin_above_N": number(margins["amplitude"].above),
+        "frequency_margin_below_rad_per_s": number(margins["frequency"].below),
+        "frequency_margin_above_rad_per_s": number(margins["frequency"].above),
+        "damping_to_stabilise_per_s": number(result.damping_to_stabilise),
+    }
+
+
+def subject_record(result: RodVerdict) -> dict[str, Any]:
+    """Return the rod, what is taken for granted, and the numbers of the load for JSON."""
+    rod = result.rod
+    return {
+        "growth_tolerance_per_s": result.growth_tolerance,
+        "critical_force_N": rod.critical_force,
+        "rod": rod.as_dict(),
+        "mass_per_length_kg_per_m": rod.mass_per_length,
+        "weight_per_length_N_per_m": rod.weight_per_length,
+        "flexural_rigidity_N_m2": rod.flexural_rigidity,
+        "assumptions": list(result.assumptions),
+        "mean_N": result.load.mean,
+        "amplitude_N": result.load.amplitude,
+        "frequency_rad_per_s": result.load.frequency,
+    }
