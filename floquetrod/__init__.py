@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.load import AxialWave as AxialWave
     from floquetrod.rod.map import stability_map as stability_map
     from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
+    from floquetrod.rod.record import ForceRecord as ForceRecord
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.rod import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.stability import RodStability as RodStability
@@ -59,6 +60,7 @@ _WHERE = {
     "Comparison": "floquet.comparison",
     "CoupledRodStability": "rod.coupled_stability",
     "Explorer": "explorer",
+    "ForceRecord": "rod.record",
     "FrictionalMathieu": "equations",
     "Hill": "equations",
     "HillSystem": "equations",

@@ -25,6 +25,7 @@ ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
 LOAD = fr.AxialLoad(0.2 * FCR, 0.2 * FCR, 150.0)
 EQUATION = fr.Mathieu(0.5, -0.25)
+TIME = np.linspace(0.0, 1.0, 200)
 RUBBING = fr.FrictionalMathieu(0.5, -0.25, gamma=1.0)
 
 
@@ -58,6 +59,7 @@ MADE: dict[str, Callable[[], Any]] = {
     "TransitionCurves": lambda: fr.mathieu.transition_curves([0.0, 0.5], 2),  # NaN among them
     "Rod": lambda: ROD,
     "AxialLoad": lambda: LOAD,
+    "ForceRecord": lambda: fr.ForceRecord(TIME, 3.0 + np.sin(40.0 * TIME)),
     "RodStability": lambda: ROD.stability(LOAD),
     "FrictionalRodStability": lambda: ROD.stability(LOAD, friction=0.1, kick=0.05),
     "StabilityIntervals": lambda: ROD.stable_mean_forces(LOAD.amplitude, 150.0),

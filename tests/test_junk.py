@@ -22,6 +22,7 @@ ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
 MATHIEU = fr.Mathieu(0.5, -0.25)
 KICKED = fr.FrictionalMathieu(1.0, 0.3, 1.0)
+TIME = np.linspace(0.0, 1.0, 200)
 KICK = fr.Perturbation.modes({8: 0.05})
 ALL: dict[str, Any] = {"alpha": 0.5, "beta": -0.25, "damping": 0.01, "workers": 1}
 LOADS: dict[str, Any] = {"mean": 0.3, "amplitude": 0.3, "frequency": 150.0}
@@ -103,6 +104,8 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.FiniteTimeCriterion().is_stable, ALL),
     (fr.AxialLoad, LOADS),
     (fr.AxialLoad.hertz, LOADS),
+    (fr.ForceRecord, {"time": TIME, "force": 3.0 + np.sin(40.0 * TIME), "harmonics": 3, "frequency": 40.0}),
+    (fr.ForceRecord(TIME, 3.0 + np.sin(40.0 * TIME)).force, {"t": 0.5}),
     (fr.Rod, dataclasses.asdict(ROD)),
     (
         fr.Rod,

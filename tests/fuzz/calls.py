@@ -17,12 +17,14 @@ ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
 EQUATION = fr.Mathieu(0.5, -0.3, 0.01)
 FRICTION = fr.FrictionalMathieu(1.0, 0.3, 1.0)
+TIME = np.linspace(0.0, 1.0, 200)
+FORCE = 3.0 + np.sin(40.0 * TIME)
 WAVE = [[0.1, 0.2], [0.2, 0.16]]
 SYSTEM = fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], [WAVE], period=2.0)
 FIRST_ORDER = fr.PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], [WAVE], period=2.0)
 
 VALUES = (fr.AxialLoad, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
-VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem)
+VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem, fr.ForceRecord)
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
@@ -30,6 +32,8 @@ RESULTS += (fr.systems.FirstOrderTongue,)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
+    "ForceRecord.plot": "its axes are objects of matplotlib",
+    "ForceRecord.spectrum": "takes no argument",
     "Comparison": "constructed by compare",
     "Proof": "constructed by certify",
     "FrictionalRodStability": "constructed by Rod.stability",
@@ -126,6 +130,15 @@ def system_files() -> tuple[Path, Path]:
 
 
 @functools.cache
+def record_file() -> Path:
+    """Return a measured force in a file."""
+    path = folder() / "force.csv"
+    rows = [f"{t},{f}" for t, f in zip(TIME.tolist(), FORCE.tolist(), strict=True)]
+    path.write_text("\n".join(["time,force", *rows]), encoding="utf-8")
+    return path
+
+
+@functools.cache
 def simulation() -> fr.Simulation:
     """Return a short simulated rod."""
     return fr.simulate(ROD, LOAD, duration=0.15, segments=40, frames=80, perturbation=fr.Perturbation.random(1e-4, 1))
@@ -184,6 +197,21 @@ def _of_equations() -> dict[str, Call]:
         "compare": Call(fr.compare, {"equation": EQUATION}),
         "certify": Call(fr.certify, {"equation": EQUATION, "max_digits": 50}),
         "AxialLoad": Call(fr.AxialLoad, {"mean": 0.3, "amplitude": 0.3, "frequency": 150.0}),
+        "ForceRecord": Call(fr.ForceRecord, {"time": TIME, "force": FORCE, "harmonics": 3, "frequency": 40.0}),
+        "ForceRecord.force": Call(fr.ForceRecord(TIME, FORCE).force, {"t": 0.5}),
+        "ForceRecord.from_csv": Call(
+            fr.ForceRecord.from_csv,
+            {
+                "path": record_file(),
+                "time": 0,
+                "force": "force",
+                "time_unit": "s",
+                "force_unit": "N",
+                "delimiter": ",",
+                "harmonics": 3,
+                "frequency": 40.0,
+            },
+        ),
         "AxialLoad.hertz": Call(fr.AxialLoad.hertz, {"mean": 0.3, "amplitude": 0.3, "frequency": 24.0}),
         "Perturbation": Call(fr.Perturbation, {"speeds": ((3, 0.01),), "noises": ((0.01, 1),)}),
         "Perturbation.modes": Call(fr.Perturbation.modes, {"speeds": {3: 0.01}}),

@@ -1,0 +1,56 @@
+"""Drawings of measured forces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+_SHOWN = 8  # periods drawn of a record (a choice)
+
+
+def draw_record(record: Any, ax: Any = None) -> Any:
+    """Draw a `floquetrod.ForceRecord` on two axes: its first periods with the fit, and its spectrum with the noise."""
+    from matplotlib import pyplot
+
+    if ax is None:
+        ax = pyplot.subplots(2, 1, figsize=(7.0, 6.0), layout="constrained")[1]
+    above, below = ax
+    _draw_fit(record, above)
+    _draw_spectrum(record, below)
+    return ax
+
+
+def _draw_fit(record: Any, ax: Any) -> None:
+    """Draw samples in grey and the fit in black over the first periods."""
+    start = record.time[0]
+    end = min(record.time[-1], start + _SHOWN * record.period)
+    seen = record.time <= end
+    ax.plot(record.time[seen], record.samples[seen], ".", color="0.65", markersize=2.5, label="record")
+    times = np.linspace(start, end, 2000)
+    middle = 0.5 * (record.time[0] + record.time[-1])
+    fit = record.force(times) + record.trend * (times - middle)
+    ax.plot(times, fit, color="black", linewidth=1.0, label="fit with its trend" if record.trend else "fit")
+    ax.set_xlabel("time $t$ / s")
+    ax.set_ylabel("force $F$ / N")
+    ax.legend(fontsize="x-small", loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False)
+
+
+def _draw_spectrum(record: Any, ax: Any) -> None:
+    """Draw the spectra in grey, the harmonics kept in black with two standard errors, and the noise dashed."""
+    frequency, whole, left = record.spectrum()
+    noise = 2.0 * record.noise / np.sqrt(record.time.size)  # root mean square of what it adds to an amplitude
+    ax.plot(frequency, whole, color="0.75", linewidth=0.8, label="record less mean and trend")
+    ax.plot(frequency, left, color="0.4", linewidth=0.8, label="what the fit leaves")
+    places = np.array(record.kept) - 1
+    sizes, errors = np.abs(record.harmonics[places]), 2.0 * record.harmonic_errors[places]
+    ax.errorbar(
+        (places + 1) / record.period, sizes, errors, fmt="o", color="black", markersize=4, label="harmonics kept"
+    )
+    ax.axhline(noise, color="black", linestyle="--", linewidth=0.8, label="noise on average")
+    ax.set_yscale("log")
+    ax.set_xlim(0.0, min(frequency[-1], 1.3 * record.harmonics.size / record.period))
+    ax.set_ylim(0.1 * noise if noise > 1e-9 * sizes.max() else 1e-6 * sizes.max(), 2.0 * sizes.max())
+    ax.set_xlabel("frequency / Hz")
+    ax.set_ylabel("amplitude / N")
+    ax.legend(fontsize="x-small", loc="upper right")

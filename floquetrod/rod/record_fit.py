@@ -1,0 +1,251 @@
+"""A mean, a trend and a Fourier series of unknown period fitted to samples, evenly spaced or not, by least squares."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+_BLOCK = 4096  # samples whose basis functions fit into a cache
+_STEPS = 40  # of Newton at most; four are usual
+_ROUNDING = 4.0 * np.finfo(float).eps  # of a frequency, relative to it
+
+
+@dataclass(frozen=True)
+class Samples:
+    """Samples in the units of the fit: times from -1 to 1, values about 0 of size 1."""
+
+    tau: Floats
+    values: Floats
+    centre: float
+    half: float
+    offset: float
+    scale: float
+    interval: float
+    """Median distance of the times, in units of tau."""
+
+    @classmethod
+    def of(cls, time: Floats, force: Floats) -> Samples:
+        """Return increasing times and forces, which are not all the same, in the units of the fit."""
+        centre, half = 0.5 * (time[0] + time[-1]), 0.5 * (time[-1] - time[0])
+        offset = 0.5 * (force.max() + force.min())
+        scale = 0.5 * (force.max() - force.min())
+        tau = (time - centre) / half
+        return cls(tau, (force - offset) / scale, centre, half, offset, scale, float(np.median(np.diff(tau))))
+
+    @property
+    def highest(self) -> float:
+        """Largest frequency, in periods per record, that is told from its mirror image above half the sampling rate."""
+        return max(0.0, 1.0 / self.interval - 1.0)
+
+    @property
+    def rounding(self) -> float:
+        """Noise that the rounding of times and forces makes."""
+        return 8.0 * np.finfo(float).eps * (1.0 + abs(self.offset) / self.scale)
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A least-squares fit in the units of `Samples`, its phases from tau = 0.
+
+    Attributes
+    ----------
+    omega : float
+        Angular frequency in tau.
+    numbers : tuple of int
+        Harmonics fitted.
+    coefficients : ndarray
+        Mean, trend (0 where it is not fitted), then the cosines and the sines of the harmonics.
+    covariance : ndarray
+        Of the coefficients and, last, of omega.
+    squares : float
+        Sum of the squared residuals.
+    free : int
+        Samples less unknowns.
+    """
+
+    omega: float
+    numbers: tuple[int, ...]
+    coefficients: Floats
+    covariance: Floats
+    squares: float
+    free: int
+
+    @property
+    def amplitudes(self) -> Complexes:
+        """Complex amplitudes c_h of Re sum c_h exp(i h omega tau)."""
+        cosines, sines = self.coefficients[2:].reshape(2, -1)
+        return cosines - 1j * sines
+
+    @property
+    def variance(self) -> float:
+        """Variance of the noise."""
+        return self.squares / self.free
+
+    def values(self, tau: Floats) -> Floats:
+        """Return the fit at times."""
+        result: Floats = self.coefficients[0] + self.coefficients[1] * tau
+        return result + series(self.omega * tau, self.numbers, self.amplitudes)
+
+    def log_chances(self) -> Floats:
+        """Return for each harmonic the logarithm of the chance that noise alone makes it as large (F test)."""
+        many = len(self.numbers)
+        logs = np.empty(many)
+        for place in range(many):
+            pair = [2 + place, 2 + many + place]
+            values = self.coefficients[pair]
+            ratio = 0.5 * float(values @ np.linalg.solve(self.covariance[np.ix_(pair, pair)], values))
+            logs[place] = -0.5 * self.free * math.log1p(2.0 * ratio / self.free)
+        return logs
+
+    def trend_chance(self) -> float:
+        """Return the logarithm of a bound on the chance that noise alone makes a trend as large."""
+        ratio = self.coefficients[1] ** 2 / self.covariance[1, 1]
+        return -0.5 * self.free * math.log1p(ratio / self.free)
+
+    def with_noise(self, factors: Floats) -> Fit:
+        """Return the fit whose noise is so many times stronger about frequency 0 and about each harmonic.
+
+        A harmonic tells about the frequency as the square of its number times its size.
+        """
+        weights = (np.array(self.numbers) * np.abs(self.amplitudes)) ** 2
+        moved = math.sqrt(float(weights @ factors[1:] ** 2 / weights.sum()))
+        every = np.concatenate([factors[[0, 0]], factors[1:], factors[1:], [moved]])
+        return replace(self, covariance=self.covariance * np.outer(every, every))
+
+    def sizes(self) -> tuple[Floats, Floats]:
+        """Return the sizes of the harmonics and their standard errors."""
+        many = len(self.numbers)
+        pairs = self.coefficients[2:].reshape(2, many)
+        sizes = np.hypot(*pairs)
+        block = self.covariance[2:-1, 2:-1].reshape(2, many, 2, many)
+        each = block[:, range(many), :, range(many)]  # (harmonic, 2, 2)
+        along = np.divide(pairs, sizes, out=np.full_like(pairs, math.sqrt(0.5)), where=sizes > 0.0)
+        return sizes, np.sqrt(np.einsum("ah,hab,bh->h", along, each, along))
+
+
+def series(angle: Floats, numbers: tuple[int, ...], amplitudes: Complexes) -> Floats:
+    """Return Re sum c_h exp(i h angle)."""
+    turn = np.exp(1j * np.asarray(angle))
+    power, result = np.ones_like(turn), np.zeros(np.shape(angle))
+    wanted = dict(zip(numbers, amplitudes, strict=True))
+    for number in range(1, max(numbers, default=0) + 1):
+        power = power * turn
+        if number in wanted:
+            result += (wanted[number] * power).real
+    return result
+
+
+# --- least squares ---
+
+
+class _Sums(NamedTuple):
+    """Sums over the samples where a fit is.
+
+    Products of the derivatives by the unknowns, omega last, with each other (``gram``) and with the residual
+    (``moments``), the residual squared, and times the second derivatives by omega and each unknown (``bend``).
+    """
+
+    gram: Floats
+    moments: Floats
+    squares: float
+    bend: Floats
+
+
+def _sums(samples: Samples, omega: float, numbers: tuple[int, ...], coefficients: Floats) -> _Sums:
+    """Return the sums for mean, trend, cosines, sines and omega."""
+    many, order = len(numbers), np.array(numbers)
+    rows, highest = order - 1, max(numbers)
+    amplitudes = coefficients[2 : 2 + many] - 1j * coefficients[2 + many :]
+    gram, moments, squares = np.zeros((2 * many + 3,) * 2), np.zeros(2 * many + 3), 0.0
+    pulls = np.zeros(many, dtype=complex)
+    bent = 0.0
+    for start in range(0, samples.tau.size, _BLOCK):
+        tau = samples.tau[start : start + _BLOCK]
+        powers = np.empty((highest, tau.size), dtype=complex)
+        powers[0] = np.exp(1j * omega * tau)
+        for k in range(1, highest):
+            np.multiply(powers[k - 1], powers[0], out=powers[k])
+        waves = powers[rows]
+        basis = np.empty((2 * many + 3, tau.size))
+        basis[0], basis[1] = 1.0, tau
+        basis[2 : 2 + many], basis[2 + many : -1] = waves.real, waves.imag
+        basis[-1] = -tau * ((amplitudes * order) @ waves).imag
+        residual = samples.values[start : start + _BLOCK] - coefficients @ basis[:-1]
+        gram += basis @ basis.T
+        moments += basis @ residual
+        squares += float(residual @ residual)
+        pulls += order * (waves @ (tau * residual))
+        bent -= float((tau**2 * residual) @ ((amplitudes * order**2) @ waves).real)
+    return _Sums(gram, moments, squares, np.concatenate([[0.0, 0.0], -pulls.imag, pulls.real, [bent]]))
+
+
+def fit(
+    samples: Samples, omega: float, numbers: tuple[int, ...], *, trend: bool = True, precision: float = 1e-4
+) -> Fit | None:
+    """Return the fit of some harmonics that is nearest to ``omega``, None where the steps do not settle.
+
+    Newton's method for the frequency and the coefficients together, that of Gauss and Newton where the squares are not
+    convex, until a step moves the frequency by ``precision`` of its error at most.  A step moves the phase of the
+    highest harmonic at the ends of the record by a radian at most.
+    """
+    size = 2 * len(numbers) + 2
+    free = samples.tau.size - size - trend
+    if free < 1:
+        return None
+    coefficients = np.zeros(size)
+    fitted = [i for i in range(size) if trend or i != 1]
+    settled = moving = False
+    for _ in range(_STEPS):
+        sums = _sums(samples, omega, numbers, coefficients)
+        chosen = [*fitted, size] if moving else fitted
+        inverse = _inverse(sums.gram[np.ix_(chosen, chosen)])
+        if inverse is None:
+            return None
+        if settled:
+            covariance = np.zeros((size + 1, size + 1))
+            variance = max(sums.squares / free, samples.rounding**2)
+            covariance[np.ix_(chosen, chosen)] = variance * inverse
+            covariance[-1, -1] += (_ROUNDING * omega) ** 2
+            return Fit(omega, numbers, coefficients, covariance, variance * free, free)
+        step = np.zeros(size + 1)
+        step[chosen] = _newton(sums, chosen, inverse) @ sums.moments[chosen]
+        coefficients = coefficients + step[:-1]
+        if moving:
+            turned = float(np.clip(step[-1], -1.0 / max(numbers), 1.0 / max(numbers)))
+            omega += turned
+            error = math.sqrt(max(sums.squares / free, samples.rounding**2) * inverse[-1, -1])
+            settled = abs(turned) <= max(precision * error, _ROUNDING * omega)
+            if not 0.0 < omega * max(numbers) < math.pi / samples.interval:
+                return None
+        moving = True
+    return None
+
+
+def _newton(sums: _Sums, chosen: list[int], inverse: Floats) -> Floats:
+    """Return the inverse of the squares' second derivatives, ``inverse`` where it is not positive."""
+    second = sums.gram.copy()
+    second[-1, :-1] -= sums.bend[:-1]
+    second[:-1, -1] -= sums.bend[:-1]
+    second[-1, -1] -= sums.bend[-1]
+    better = _inverse(second[np.ix_(chosen, chosen)])
+    return inverse if better is None else better
+
+
+def _inverse(gram: Floats) -> Floats | None:
+    """Return the inverse of a symmetric matrix, None where it is not positive beyond rounding."""
+    diagonal = gram.diagonal()
+    if not (diagonal > 0.0).all():
+        return None
+    scale = 1.0 / np.sqrt(diagonal)
+    values, vectors = np.linalg.eigh(gram * np.outer(scale, scale))
+    if values[0] < 1e-12 * values[-1]:
+        return None
+    result: Floats = (vectors / values @ vectors.T) * np.outer(scale, scale)
+    return result

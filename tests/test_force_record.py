@@ -1,0 +1,399 @@
+"""A measured force: its period, harmonics and their errors, what is refused, and files."""
+
+from __future__ import annotations
+
+import math
+import pickle
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import least_squares
+
+import floquetrod as fr
+from floquetrod import units
+
+OMEGA = 100.0
+PERIOD = 2.0 * math.pi / OMEGA
+
+
+class Made(NamedTuple):
+    """A record made up: samples, and the harmonics they were made of."""
+
+    time: NDArray[np.float64]
+    force: NDArray[np.float64]
+    harmonics: NDArray[np.complex128]
+    noise: float
+
+
+def wave(time: NDArray[np.float64], harmonics: NDArray[np.complex128]) -> NDArray[np.float64]:
+    total = np.zeros(time.size)
+    for number, amplitude in enumerate(harmonics, 1):
+        total += np.abs(amplitude) * np.cos(number * OMEGA * time + np.angle(amplitude))
+    return total
+
+
+def made(rng: np.random.Generator, periods: float = 7.3, noise: float = 0.05, rate: int | None = None) -> Made:
+    """Return three harmonics of random sizes within a decade and random phases, with noise relative to their rms."""
+    rate = int(rng.integers(50, 501)) if rate is None else rate
+    time = np.arange(int(periods * rate)) * (PERIOD / rate)
+    sizes = 10.0 ** rng.uniform(-1.0, 0.0, 3)
+    harmonics = 2.0 * sizes / sizes.max() * np.exp(2j * math.pi * rng.random(3))
+    level = noise * math.sqrt(0.5 * float((np.abs(harmonics) ** 2).sum()))
+    return Made(time, 3.0 + wave(time, harmonics) + level * rng.standard_normal(time.size), harmonics, level)
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(20)
+
+
+def right(record: fr.ForceRecord) -> bool:
+    """Return whether a record was understood: its frequency within five errors, the harmonics 1, 2, 3."""
+    return abs(record.frequency - OMEGA) < 5.0 * record.frequency_error and record.kept == (1, 2, 3)
+
+
+def test_period_and_errors_of_many_records(rng: np.random.Generator) -> None:
+    off, frequency, sizes, means, false = [], [], [], [], 0
+    for _ in range(100):
+        case = made(rng)
+        record = fr.ForceRecord(case.time, case.force)
+        bound = frequency_bound(case)
+        assert record.frequency_error == pytest.approx(bound, rel=0.35)  # the noise is known to 1/sqrt(2n), colours not
+        off.append(abs(record.period / PERIOD - 1.0) / max(1e-4, 3.5 * bound / OMEGA))
+        frequency.append((record.frequency - OMEGA) / record.frequency_error)
+        sizes.append((np.abs(record.harmonics[:3]) - np.abs(case.harmonics)) / record.harmonic_errors[:3])
+        means.append((record.mean - 3.0) / record.mean_error)
+        false += record.kept != (1, 2, 3)
+        assert {1, 2, 3} <= set(record.kept)
+    assert max(off) < 1.0  # 1e-4 but for records whose noise does not allow for it
+    assert false <= 4  # one expected
+    for scaled in (np.array(frequency), np.ravel(sizes), np.array(means)):
+        assert 0.90 < np.mean(np.abs(scaled) < 2.0) < 0.995
+        assert 0.85 < math.sqrt(float(np.mean(scaled**2))) < 1.15
+
+
+def frequency_bound(case: Made) -> float:
+    """Return the Cramer-Rao bound of the frequency, from derivatives by differences."""
+    parts = np.concatenate([case.harmonics.real, case.harmonics.imag])
+
+    def model(unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+        numbers = np.arange(1, 4)[:, None]
+        c = unknowns[2:5] + 1j * unknowns[5:]
+        return unknowns[0] + (c[:, None] * np.exp(1j * numbers * unknowns[1] * case.time)).sum(axis=0).real
+
+    at = np.concatenate([[3.0, OMEGA], parts])
+    steps = 1e-5 * np.eye(at.size)
+    jacobian = np.stack([(model(at + step) - model(at - step)) / 2e-5 for step in steps], axis=1)
+    return case.noise * math.sqrt(np.linalg.inv(jacobian.T @ jacobian)[1, 1])
+
+
+def test_agrees_with_a_general_least_squares_solver(rng: np.random.Generator) -> None:
+    case = made(rng, rate=60)
+    record = fr.ForceRecord(case.time, case.force, harmonics=3)
+
+    def misfit(unknowns: NDArray[np.float64]) -> NDArray[np.float64]:
+        numbers = np.arange(1, 4)[:, None]
+        c = unknowns[2:5] + 1j * unknowns[5:]
+        fit = unknowns[0] + (c[:, None] * np.exp(1j * numbers * unknowns[1] * case.time)).sum(axis=0).real
+        return fit - case.force
+
+    start = np.concatenate([[3.0, OMEGA], case.harmonics.real, case.harmonics.imag])
+    found = least_squares(misfit, start, xtol=1e-15, ftol=1e-15, gtol=1e-15, x_scale="jac")
+    assert record.trend == 0.0
+    assert record.frequency == pytest.approx(found.x[1], abs=1e-3 * record.frequency_error)
+    assert record.mean == pytest.approx(found.x[0], abs=1e-3 * record.mean_error)
+    assert np.abs(record.harmonics - (found.x[2:5] + 1j * found.x[5:])).max() < 3e-3 * record.harmonic_errors.min()
+    variance = 2.0 * found.cost / (case.time.size - 8)
+    errors = np.sqrt(variance * np.linalg.inv(found.jac.T @ found.jac).diagonal())
+    assert record.noise == pytest.approx(math.sqrt(variance), rel=1e-6)
+    assert (record.mean_error, record.frequency_error) == pytest.approx(tuple(errors[:2]), rel=1e-3)
+
+
+def test_a_clean_record_is_found_to_rounding(rng: np.random.Generator) -> None:
+    case = made(rng, noise=0.0)
+    record = fr.ForceRecord(case.time, case.force)
+    assert record.frequency == pytest.approx(OMEGA, rel=1e-13)
+    assert record.harmonics[:3] == pytest.approx(case.harmonics, rel=1e-11)
+    assert record.kept == (1, 2, 3)
+    assert record.mean == pytest.approx(3.0, rel=1e-13)
+
+
+def test_amplitude_and_waveform_make_the_force(rng: np.random.Generator) -> None:
+    record = fr.ForceRecord(*made(rng)[:2])
+    t = np.linspace(0.0, record.period, 200_001)
+    force = record.force(t)
+    assert record.amplitude == pytest.approx(0.5 * np.ptp(force), rel=1e-8)
+    numbers = np.arange(1, len(record.waveform) + 1)
+    terms = np.array(record.waveform) * np.exp(1j * np.outer(t[::1000], numbers) * record.frequency)
+    assert record.mean + record.amplitude * terms.sum(axis=1).real == pytest.approx(force[::1000], rel=1e-12)
+    assert record.force(0.25) == pytest.approx(float(record.force(np.array([0.25]))[0]), rel=1e-15)
+
+
+@pytest.mark.parametrize("periods", [2.1, 3.1, 60.7])
+def test_short_and_long_records(periods: float, rng: np.random.Generator) -> None:
+    assert sum(right(fr.ForceRecord(*made(rng, periods)[:2])) for _ in range(20)) >= 18
+
+
+def gap(case: Made, rng: np.random.Generator) -> tuple[Any, Any]:
+    keep = (case.time < 2.0 * PERIOD) | (case.time > 4.5 * PERIOD)
+    return case.time[keep], case.force[keep]
+
+
+def nan(case: Made, rng: np.random.Generator) -> tuple[Any, Any]:
+    return case.time, np.where(rng.random(case.time.size) < 0.3, math.nan, case.force)
+
+
+def uneven(case: Made, rng: np.random.Generator) -> tuple[Any, Any]:
+    time = np.sort(rng.uniform(0.0, case.time[-1], case.time.size))
+    return time, 3.0 + wave(time, case.harmonics) + case.noise * rng.standard_normal(time.size)
+
+
+def trend(case: Made, rng: np.random.Generator) -> tuple[Any, Any]:
+    return case.time, case.force + 5.0 * case.time
+
+
+def late(case: Made, rng: np.random.Generator) -> tuple[Any, Any]:
+    return case.time + 1e6, case.force
+
+
+def wandering(case: Made, rng: np.random.Generator) -> tuple[Any, Any]:
+    walk = np.cumsum(rng.standard_normal(case.time.size))
+    return case.time, case.force + 0.05 * walk / walk.std()
+
+
+@pytest.mark.parametrize("change", [gap, nan, uneven, trend, late, wandering])
+def test_imperfect_records(change: Callable[..., tuple[Any, Any]], rng: np.random.Generator) -> None:
+    assert sum(right(fr.ForceRecord(*change(made(rng), rng))) for _ in range(20)) >= 18
+
+
+def test_errors_hold_in_noise_that_is_not_white(rng: np.random.Generator) -> None:
+    scaled = []
+    for _ in range(40):
+        case = made(rng, 30.3, rate=60)
+        record = fr.ForceRecord(*wandering(case, rng))
+        scaled.append((record.frequency - OMEGA) / record.frequency_error)
+    assert np.mean(np.abs(scaled) < 2.0) >= 0.85
+    assert "times its average" in record.note
+
+
+def test_a_trend_is_reported_and_no_part_of_the_force(rng: np.random.Generator) -> None:
+    case = made(rng)
+    record = fr.ForceRecord(*trend(case, rng))
+    assert record.trend == pytest.approx(5.0, rel=0.2)
+    assert "N/s" in record.note
+    assert record.mean == pytest.approx(3.0 + 2.5 * case.time[-1], abs=5.0 * record.mean_error)
+    assert record.force(0.0) == pytest.approx(float(record.force(record.period)), rel=1e-9)
+
+
+def test_a_fundamental_weaker_than_its_harmonics_is_found(rng: np.random.Generator) -> None:
+    time = np.arange(1500) * (PERIOD / 200)
+    noise = 0.03 * rng.standard_normal(time.size)
+    for sizes, kept in (((0.05, 1.0), (1, 2)), ((0.0, 1.0, 0.3), (2, 3)), ((0.1, 0.0, 0.2, 0.0, 1.0), (1, 3, 5))):
+        harmonics = np.array(sizes) * np.exp(2j * math.pi * rng.random(len(sizes)))
+        record = fr.ForceRecord(time, wave(time, harmonics) + noise)
+        assert record.kept == kept
+        assert record.frequency == pytest.approx(OMEGA, rel=1e-3)
+
+
+def test_a_pure_wave_is_not_taken_for_a_harmonic(rng: np.random.Generator) -> None:
+    time = np.arange(1500) * (PERIOD / 200)
+    records = [fr.ForceRecord(time, np.sin(OMEGA * time) + 0.2 * rng.standard_normal(time.size)) for _ in range(50)]
+    assert all(abs(record.frequency / OMEGA - 1.0) < 1e-2 for record in records)
+    assert sum(record.kept == (1,) for record in records) >= 47
+
+
+def test_a_given_frequency_is_refined(rng: np.random.Generator) -> None:
+    time, force, *_ = made(rng)
+    found = fr.ForceRecord(time, force)
+    for guess in (0.93, 1.05):
+        assert fr.ForceRecord(time, force, frequency=guess * OMEGA).frequency == pytest.approx(
+            found.frequency, rel=1e-9
+        )
+    assert fr.ForceRecord(time, force, frequency=0.5 * OMEGA).kept[:3] == (2, 4, 6)
+
+
+def test_harmonics_are_limited_by_the_sampling_and_by_the_argument(rng: np.random.Generator) -> None:
+    time = np.arange(500) * (PERIOD / 24.7)
+    force = np.sign(np.sin(OMEGA * time)) + 0.01 * rng.standard_normal(time.size)
+    assert fr.ForceRecord(time, force).harmonics.size == 12  # below half of the sampling rate
+    assert "no more" in fr.ForceRecord(time, force, harmonics=40).note
+    few = fr.ForceRecord(time, force, harmonics=3)
+    assert few.kept == (1, 3)
+    assert "harmonics 5" in few.note
+    with pytest.raises(ValueError, match=r"harmonics must be at most 8 for 20 samples"):
+        fr.ForceRecord(time[:20], force[:20], harmonics=9)
+
+
+def test_noise_alone_is_refused(rng: np.random.Generator) -> None:
+    for size in (20, 200, 2000):
+        for _ in range(30):
+            with pytest.raises(ValueError, match="shows no period"):
+                fr.ForceRecord(np.arange(size) * 0.01, rng.standard_normal(size))
+
+
+TIME, FORCE, *_ = made(np.random.default_rng(3), rate=100)
+
+
+@pytest.mark.parametrize(
+    ("time", "force", "options", "match"),
+    [
+        (FORCE, np.arange(FORCE.size), {}, "two columns are swapped"),
+        (FORCE, TIME, {}, "two columns are swapped"),
+        (TIME[::-1], FORCE, {}, "sort the samples by time"),
+        (np.round(TIME, 3), FORCE, {}, "equal times may have lost digits"),
+        (TIME[:5], FORCE[:5], {}, "12 samples or more, got 5"),
+        ([], [], {}, "12 samples or more, got 0"),
+        (TIME[:130], FORCE[:130], {}, "two periods or more"),
+        (TIME, np.full(TIME.size, 2.0), {}, "force must vary"),
+        (TIME, FORCE[:-1], {}, "time and force must have one length"),
+        (TIME, np.where(TIME > 0.2, np.nan, FORCE), {}, "numbers in half of the samples"),
+        (TIME, np.where(TIME > 0.2, np.inf, FORCE), {}, "force must be finite"),
+        (TIME, FORCE + 0j, {}, "force must hold real numbers"),
+        (TIME, [TIME, FORCE], {}, "force must be one-dimensional"),
+        ("a", FORCE, {}, "time must hold real numbers"),
+        (TIME, [[1.0], [2.0, 3.0]], {}, "force must be an array"),
+        (np.ma.array(TIME), FORCE, {}, "time must not be a masked array"),
+        (TIME, FORCE, {"harmonics": 0}, "harmonics must be 1 or more"),
+        (TIME, FORCE, {"harmonics": 2.0}, "harmonics must be an integer"),
+        (TIME, FORCE, {"frequency": -1.0}, "frequency must be greater than zero"),
+        (TIME, FORCE, {"frequency": 1.0}, "frequency must have two periods"),
+        (TIME, FORCE, {"frequency": 1e6}, "frequency must lie below half of the sampling rate"),
+    ],
+)
+def test_what_is_no_record_is_refused(time: Any, force: Any, options: dict[str, Any], match: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=match):
+        fr.ForceRecord(time, force, **options)
+
+
+def test_a_record_is_a_frozen_value() -> None:
+    record = fr.ForceRecord(TIME, FORCE)
+    twin = pickle.loads(pickle.dumps(record))
+    assert record == twin == fr.ForceRecord(list(TIME), list(FORCE))
+    assert hash(record) == hash(twin)
+    assert record != fr.ForceRecord(TIME, 2.0 * FORCE)
+    with pytest.raises(AttributeError):
+        record.mean = 1.0  # type: ignore[misc]
+    with pytest.raises(ValueError, match="read-only"):
+        record.harmonics[0] = 1.0
+    text = repr(record)
+    assert "harmonics 1, 2, 3" in text
+    assert "7.29 periods, 730 samples" in text
+
+
+def test_the_drawing_shows_fit_and_spectrum() -> None:
+    record = fr.ForceRecord(TIME, FORCE)
+    frequency, amplitude, left = record.spectrum()
+    at = int(np.abs(frequency - 1.0 / record.period).argmin())
+    assert amplitude[at] == pytest.approx(abs(record.harmonics[0]), rel=0.3)
+    assert left.max() < 6.0 * record.noise / math.sqrt(record.time.size)
+    above, below = record.plot()
+    assert above.get_ylabel() == "force $F$ / N"
+    assert below.get_xlabel() == "frequency / Hz"
+    assert record.plot((above, below)) == (above, below)
+
+
+# --- files ---
+
+
+def written(
+    path: Path, *, head: str = "", mark: str = ",", comma: str = ".", size: tuple[float, float] = (1, 1)
+) -> Path:
+    rows = [f"{t / size[0]!r}{mark}{f / size[1]!r}".replace("np.float64(", "").replace(")", "") for t, f in pairs()]
+    text = "\n".join(row if comma == "." else row.replace(".", ",") for row in rows)
+    path.write_bytes((head + text + "\n").encode())
+    return path
+
+
+def pairs() -> list[tuple[float, float]]:
+    return list(zip(TIME.tolist(), FORCE.tolist(), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("head", "made_with", "options"),
+    [
+        ("", {}, {}),
+        ("time,force\n", {}, {}),
+        ("# a comment\n\n#another, with commas\nTime (s), Force (N)\n", {}, {}),
+        ("\ufefftime;force\n", {"mark": ";", "comma": ","}, {}),
+        ("", {"mark": "\t"}, {}),
+        ("", {"mark": "   "}, {}),
+        ("", {"mark": "|"}, {"delimiter": "|"}),
+        ("t [ms],F [lbf]\n", {"size": (1e-3, 4.4482216152605)}, {}),
+        ("time_ms,F / kN\n", {"size": (1e-3, 1e3)}, {}),
+        ("clock,push\n", {"size": (1e-3, 1e3)}, {"time_unit": "ms", "force_unit": "kN"}),
+        ("t [?],push\n", {}, {"time_unit": "s", "time": "t [?]", "force": "PUSH"}),
+        ("", {}, {"time": 0, "force": 1}),
+    ],
+)
+def test_files_as_people_write_them(head: str, made_with: Any, options: Any, tmp_path: Path) -> None:
+    record = fr.ForceRecord.from_csv(written(tmp_path / "force.csv", head=head, **made_with), **options)
+    plain = fr.ForceRecord(TIME, FORCE)
+    assert (record.frequency, record.mean) == pytest.approx((plain.frequency, plain.mean), rel=1e-9)
+    assert record.kept == plain.kept
+
+
+def test_columns_are_chosen_by_heading_and_empty_cells_left_out(tmp_path: Path) -> None:
+    rows = ["count,force,time"] + [f"{i},{'' if i % 50 == 7 else f},{t}" for i, (t, f) in enumerate(pairs())]
+    path = tmp_path / "force.csv"
+    path.write_text("\n".join(rows), encoding="utf-8")
+    record = fr.ForceRecord.from_csv(path)
+    assert right(record)
+    assert record.note == "15 samples without a number left out"
+    assert fr.ForceRecord.from_csv(path, "time", "force", harmonics=3, frequency=99.0).harmonics.size == 3
+
+
+@pytest.mark.parametrize(
+    ("content", "options", "match"),
+    [
+        (b"", {}, "no samples"),
+        (b"# nothing\n", {}, "no samples"),
+        (b"time,force\n", {}, "no samples below its headings"),
+        (b"1.0\n2.0\n", {}, "line 1 has one column"),
+        (b"time,force\n1.0,2.0\n1.5\n", {}, "line 3 has 1 column,"),
+        (b"time,force\n1.0,2.0\n1.5,abc\n", {}, "line 3: force must be a number, got 'abc'"),
+        (b"time,force\n1_0,2.0\n", {}, "line 2: time must be a number, got '1_0'"),
+        (b"time,force\n2024-05-01 12:00,2.0\n", {}, "line 2: time must be a number"),
+        (b'a,b\n"1,2\n', {}, "line 2 cannot be read"),
+        (b"a,b,c\n1,2,3\n", {}, "time must be a heading of one column, got None; the headings are 'a', 'b', 'c'"),
+        (b"1,2,3\n", {}, "time must be a column from 0 to 2"),
+        (b"1,2\n", {"time": "t"}, "time must be the number of a column"),
+        (b"1,2\n", {"force": 2}, "force must be a column from 0 to 1, got 2"),
+        (b"1,2\n", {"time": 1}, "time and force must be two columns"),
+        (b"t [h],F\n1,2\n", {}, "time_unit must be given, one of s, ms"),
+        (b"t,F (tension)\n1,2\n", {}, "force_unit must be given"),
+        (b"t,F\n1,2\n", {"time_unit": "fortnight"}, "time_unit must be a unit of time"),
+        (b"\x00\x01\x02", {}, "binary"),
+        ("t,F\n1,2\n".encode("utf-16"), {}, "save it as CSV in UTF-8"),
+        (b"t,F\n1,2 \xb5\n", {}, "line 2 is not text in UTF-8"),
+        (b"t,F\n1,2\n2,3\n", {}, "12 samples or more, got 2"),
+        (b"1,2\n", {"delimiter": "ab"}, "delimiter must be one character"),
+        (b"1,2\n", {"harmonics": 0}, "harmonics must be 1 or more"),
+    ],
+)
+def test_files_that_are_no_records_are_refused(content: bytes, options: Any, match: str, tmp_path: Path) -> None:
+    path = tmp_path / "force.csv"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=match) as caught:
+        fr.ForceRecord.from_csv(path, **options)
+    argument = any(f"{name}" in str(caught.value) for name in options)
+    assert argument or str(path) in str(caught.value)
+
+
+def test_swapped_columns_and_missing_files_are_named(tmp_path: Path) -> None:
+    path = tmp_path / "force.csv"
+    path.write_text("\n".join(f"{f},{t}" for t, f in pairs()), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"force\.csv: time must increase; force does in its place"):
+        fr.ForceRecord.from_csv(path)
+    with pytest.raises(ValueError, match="there is no such file"):
+        fr.ForceRecord.from_csv(tmp_path / "none.csv")
+    with pytest.raises(ValueError, match="folder or a device"):
+        fr.ForceRecord.from_csv(tmp_path)
+
+
+def test_units_written_in_headings_are_known() -> None:
+    assert {"s", "ms"} <= units.units_of("time").keys()
+    assert {"N", "kN", "lbf"} <= units.units_of("force").keys()
