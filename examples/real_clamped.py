@@ -2,8 +2,8 @@
 A clamped wire
 ==============
 
-A wire in a tube whose ends are hinged, clamped, guided or free.  Ends move frequencies and buckling loads, and couple the
-modes: two of them may then grow together, at the sum of their frequencies.
+A wire in a tube whose ends are hinged, clamped, guided or free.  Ends move frequencies and buckling loads, and couple
+the modes: two of them may then grow together, at the sum of their frequencies.
 """
 
 import matplotlib.pyplot as plt
@@ -40,7 +40,9 @@ for axes, ends in zip(panels, kinds, strict=True):
             name = str(verdict.fastest_mode)
         else:
             name = "+".join(map(str, verdict.resonances[0].modes))
-        axes.annotate(name, (hertz[peak], growth[peak]), (0, 2), textcoords="offset points", ha="center", fontsize="small")
+        axes.annotate(
+            name, (hertz[peak], growth[peak]), (0, 2), textcoords="offset points", ha="center", fontsize="small"
+        )
     axes.set_ylabel(ends, fontsize="small")
 figure.supylabel("growth rate / 1/s, by ends")
 panels[-1].set(xlabel="forcing frequency / Hz", xlim=(hertz[0], hertz[-1]))
