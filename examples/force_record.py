@@ -2,8 +2,8 @@
 A measured force record
 =======================
 
-A drive never pushes with a pure sine.  Its recorded force, some periods of it with noise, becomes a Fourier series;
-each mode of the rod then obeys Hill's equation instead of Mathieu's, and the harmonics have tongues of their own.
+A drive never pushes with a pure sine.  A force record, some periods of it with noise, becomes a Fourier series with
+errors; under it each mode of the rod has tongues that the harmonics drive directly.
 """
 
 import matplotlib.pyplot as plt
@@ -13,13 +13,14 @@ import floquetrod as fr
 from floquetrod.plotting import palette
 
 rod = fr.Rod.nitinol()
-omega, periods, per_period = 150.0, 40, 256
+omega, periods, rate = 150.0, 12.4, 3000.0
 rng = np.random.default_rng(7)
 
 # %%
-# The record, made up here: a mean, a fundamental, a second harmonic that is nearly as strong, a weak third, and noise.
-t = np.arange(periods * per_period) * (2.0 * np.pi / omega / per_period)
-record = rod.critical_force * (
+# The record, made up here, is no whole number of periods long: a mean, a fundamental, a second harmonic nearly as
+# strong, a weak third, and noise.  From a file it would be ``fr.ForceRecord.from_csv("force.csv")``.
+t = np.arange(0.0, periods * 2.0 * np.pi / omega, 1.0 / rate)
+force = rod.critical_force * (
     0.36
     + 0.08 * np.sin(omega * t)
     + 0.07 * np.cos(2.0 * omega * t + 0.4)
@@ -28,49 +29,32 @@ record = rod.critical_force * (
 )
 
 # %%
-# Over a whole number of periods the discrete Fourier transform gives the coefficients; harmonics below the noise are
-# dropped: those less than five times what noise alone makes of a coefficient (its median, which is 0.83 of its rms).
-spectrum = np.fft.rfft(record)[::periods] * 2.0 / record.size
-noise = np.median(np.abs(np.fft.rfft(record))) * 2.0 / record.size / 0.83  # median to rms
-harmonics = spectrum[1 : 1 + np.flatnonzero(np.abs(spectrum[1:9]) > 5.0 * noise).max() + 1]
-mean = 0.5 * spectrum[0].real
-print("mean force", mean, "N; amplitudes", np.abs(harmonics), "N; noise", noise, "N")
-
+# The period is found, and of the harmonics those are kept that noise alone would hardly ever make.
+record = fr.ForceRecord(t, force)
+print(record)
+print(f"frequency {record.frequency:.3f} +- {record.frequency_error:.3f} rad/s")
+for k in record.kept:
+    print(f"harmonic {k}: {abs(record.harmonics[k - 1]):.4f} +- {record.harmonic_errors[k - 1]:.4f} N")
 
 # %%
-# Force to equation: a unit of force adds w_m^2 / (rho A omega^2) to the coefficient of mode m, Eq. (4).
-def mode_equation(mode: int, harmonics: np.ndarray) -> fr.Hill:
-    """Return Hill's equation of a mode under the recorded force."""
-    (unit,) = rod.modal_system(fr.AxialLoad(mean, 1.0, omega), [mode]).equations
-    z = unit.alpha * harmonics
-    return fr.Hill(unit.beta, cosines=tuple(z.real), sines=tuple(-z.imag))
-
-
-modes = range(1, 16)
-full = {mode: fr.stability(mode_equation(mode, harmonics)) for mode in modes}
-pure = {mode: fr.stability(mode_equation(mode, harmonics[:1])) for mode in modes}
-for mode in modes:
-    if "unstable" in (full[mode].status, pure[mode].status):
-        print(
-            f"mode {mode}: grows at {omega * full[mode].growth_rate:.3f} 1/s, "
-            f"at {omega * pure[mode].growth_rate:.3f} 1/s with the fundamental alone"
-        )
+# It is a load like any other.  With its fundamental alone one would have called it safe.
+load = fr.AxialLoad(record.mean, record.amplitude, record.frequency, waveform=record.waveform)
+verdict = rod.stability(load)
+alone = fr.AxialLoad(record.mean, abs(record.harmonics[0]), record.frequency)
+print("as recorded:", verdict)
+print("fundamental alone:", rod.stability(alone))
 
 # %%
-# The mode that grows does so in its second tongue, which the second harmonic drives directly: with the fundamental
-# alone one would have called this load safe.
-_, (above, below) = plt.subplots(2, 1, figsize=(7.0, 5.5), layout="constrained")
-shown = slice(0, 3 * per_period)
-series = mean + sum((z * np.exp(1j * k * omega * t)).real for k, z in enumerate(harmonics, start=1))
-above.plot(1e3 * t[shown], record[shown], color=palette.NEUTRAL, linewidth=0.6, label="record")
-above.plot(1e3 * t[shown], series[shown], color="black", linewidth=1.2, label=f"{len(harmonics)} harmonics")
-above.set(xlabel="time $t$ / ms", ylabel="force $F$ / N")
-above.legend(fontsize="small", loc="upper right")
-for rates, name, shift, shade in (
-    (full, "all harmonics", -0.2, "black"),
-    (pure, "fundamental alone", 0.2, palette.NEUTRAL),
-):
-    below.bar([m + shift for m in modes], [omega * r.growth_rate for r in rates.values()], 0.4, color=shade, label=name)
-below.set(xlabel="mode $m$", ylabel="growth rate / 1/s", xticks=list(modes))
-below.legend(fontsize="small")
+# The growth over the frequency at which the same force is repeated.
+frequency = np.linspace(142.0, 162.0, 61)
+full = rod.growth_rate(load.mean, load.amplitude, frequency, like=load)
+pure = rod.growth_rate(alone.mean, alone.amplitude, frequency)
+_, (*upper, below) = plt.subplots(3, 1, figsize=(7.5, 8.0), layout="constrained")
+record.plot(upper)
+below.fill_between(frequency, 0.0, full, color=palette.UNSTABLE, linewidth=0.0)
+below.plot(frequency, full, color="black", linewidth=1.0, label="all harmonics")
+below.plot(frequency, pure, color="black", linestyle=":", label="fundamental alone")
+below.axvline(record.frequency, color="black", linestyle="--", linewidth=0.9)
+below.set(xlabel=r"frequency $\omega$ / rad/s", ylabel="growth rate / 1/s", xlim=(142.0, 162.0), ylim=(0.0, None))
+below.legend(fontsize="small", loc="upper right")
 plt.show()

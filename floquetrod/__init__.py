@@ -59,6 +59,7 @@ _WHERE = {
     "CheckpointWarning": "simulation.checkpoints",
     "CoupledRodStability": "rod.coupled_stability",
     "Comparison": "floquet.comparison",
+    "CoupledRodStability": "rod.coupled_stability",
     "Explorer": "explorer",
     "ForceRecord": "rod.record",
     "FrictionalMathieu": "equations",

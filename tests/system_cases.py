@@ -52,7 +52,7 @@ def beam(w: float, n: int = 4) -> fr.HillSystem:
             if i == j:
                 load[i, i] = s[i] * b[i] * (s[i] * b[i] - 2.0)
             elif (i + j) % 2 == 0:
-                load[i, j] = 8.0 * b[i] ** 2 * b[j] ** 2 * (s[j] * b[j] - s[i] * b[i]) / (b[j] ** 4 - b[i] ** 4)
+                load[i, j] = -8.0 * b[i] ** 2 * b[j] ** 2 * (s[j] * b[j] - s[i] * b[i]) / (b[j] ** 4 - b[i] ** 4)
     load = 0.5 * (load + load.T)
     return fr.HillSystem(np.diag(b**4) - 10.0 * load, cosines=[-8.0 * load], period=2.0 * math.pi / w)
 

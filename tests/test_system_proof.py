@@ -56,7 +56,7 @@ def clamped_beam(w: float, modes: int = 4) -> HillSystem:
     for i in range(modes):
         for j in range(i):
             if (i + j) % 2 == 0:
-                entry = 8.0 * (b[i] * b[j]) ** 2 * (s[j] * b[j] - s[i] * b[i]) / (b[j] ** 4 - b[i] ** 4)
+                entry = -8.0 * (b[i] * b[j]) ** 2 * (s[j] * b[j] - s[i] * b[i]) / (b[j] ** 4 - b[i] ** 4)
                 matrix[i, j] = matrix[j, i] = entry
     return HillSystem(np.diag(b**4) - 10.0 * matrix, [-8.0 * matrix], period=2.0 * math.pi / w)
 
