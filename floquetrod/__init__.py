@@ -57,7 +57,6 @@ _WHERE = {
     "Chart": "plane",
     "chart": "systems.charts",
     "CheckpointWarning": "simulation.checkpoints",
-    "CoupledRodStability": "rod.coupled_stability",
     "Comparison": "floquet.comparison",
     "CoupledRodStability": "rod.coupled_stability",
     "Explorer": "explorer",

@@ -8,8 +8,8 @@ from typing import TypeVar
 import floquetrod as fr
 from floquetrod import units
 from floquetrod.cli.common import KINDS, LARGEST, read_quantity, read_range
-from floquetrod.rod.data import RodData
 from floquetrod.rod.load import AxialWave, Load, Quantity
+from floquetrod.rod.modal import ModalRod
 from floquetrod.units import Unit
 
 _L = TypeVar("_L", bound=Load)
@@ -81,7 +81,7 @@ def read_values(options: argparse.Namespace, rod: fr.Rod) -> dict[Quantity, list
     return {name: read_range(getattr(options, name), name, rod) for name in KINDS}
 
 
-def describe_load(load: Load, shown: dict[str, Unit], rod: RodData) -> str:
+def describe_load(load: Load, shown: dict[str, Unit], rod: ModalRod) -> str:
     """Return the load in the units asked for, each quantity followed by its value in a second unit."""
     return ", ".join(
         [
@@ -92,7 +92,7 @@ def describe_load(load: Load, shown: dict[str, Unit], rod: RodData) -> str:
     )
 
 
-def describe_kind(load: Load, shown: dict[str, Unit], rod: RodData) -> list[str]:
+def describe_kind(load: Load, shown: dict[str, Unit], rod: ModalRod) -> list[str]:
     """Return lines about what varies along the rod, and about the waveform."""
     lines = [load.departures] if load.departures else []
     if rod.weight_along > 0.0 and load.mean_at is not None:
@@ -101,7 +101,7 @@ def describe_kind(load: Load, shown: dict[str, Unit], rod: RodData) -> list[str]
     return lines
 
 
-def _both(value: float, shown: Unit, rod: RodData) -> str:
+def _both(value: float, shown: Unit, rod: ModalRod) -> str:
     kind = units.kind_of(shown.name) or ""
     other = {"Fcr": "N", "rad/s": "Hz", "1/s": "Hz"}.get(shown.name, "Fcr" if kind == "force" else "rad/s")
     return f"{shown.show(value)} ({units.unit(other, other, kind, rod.critical_force).show(value, 4)})"

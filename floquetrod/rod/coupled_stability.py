@@ -18,8 +18,8 @@ from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.assumptions import assumptions
 from floquetrod.rod.coupled import MOST_COUPLED, CoupledModes
-from floquetrod.rod.data import RodData
 from floquetrod.rod.load import Load, Loads, Quantity
+from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystems
 from floquetrod.rod.sampled import first_change
 from floquetrod.rod.verdict import RodVerdict
@@ -194,7 +194,7 @@ class CoupledRodStability(RodVerdict):
         return f"unstable: {self.resonances[0]}; {growth}"
 
 
-def classify_coupled(rod: RodData, load: Load, count: int | None, growth_tolerance: float) -> CoupledRodStability:
+def classify_coupled(rod: ModalRod, load: Load, count: int | None, growth_tolerance: float) -> CoupledRodStability:
     """Classify a rod with as many modes as two numbers of them agree upon, or with ``count`` of them."""
     if count is None:
         last = _modes_to_begin_with(rod, load, growth_tolerance)
@@ -234,7 +234,7 @@ def classify_coupled(rod: RodData, load: Load, count: int | None, growth_toleran
     )
 
 
-def _modes_to_begin_with(rod: RodData, load: Load, growth_tolerance: float) -> int:
+def _modes_to_begin_with(rod: ModalRod, load: Load, growth_tolerance: float) -> int:
     """Return how many modes to take; of long strings only those that may grow a quarter as fast as the fastest."""
     numbers, loads = rod.coupled_numbers, Loads.single(load)
     uniform = Loads.single(numbers.largest_uniform(loads, load))
@@ -253,7 +253,7 @@ class _Trial(NamedTuple):
     most: float
 
     @classmethod
-    def of(cls, rod: RodData, load: Load, count: int) -> _Trial:
+    def of(cls, rod: ModalRod, load: Load, count: int) -> _Trial:
         """Return the verdict with ``count`` modes."""
         modes = CoupledModes(rod.coupled_numbers, load, count)
         system = modes.system(Loads.single(load))

@@ -14,8 +14,8 @@ from floquetrod._util import validate
 from floquetrod._util.content import NoTruthValue
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.coupled import CoupledModes
-from floquetrod.rod.data import RodData
 from floquetrod.rod.load import Load, Loads, Progress, Quantity
+from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.sampled import UnstablePart, first_change, unstable_parts
 from floquetrod.rod.tongues import UnstableLoads, unstable_loads
@@ -130,7 +130,7 @@ class StabilityIntervals(NoTruthValue):
 
 def stability_intervals(
     varied: Quantity,
-    rod: RodData,
+    rod: ModalRod,
     largest: Load,
     bounds: tuple[float, float],
     growth_tolerance: float,
@@ -152,7 +152,7 @@ def stability_intervals(
     return StabilityIntervals(name, unit, bounds, intervals, tolerance, last, found.hairlines, found.resolution)
 
 
-def first_unstable(varied: Quantity, rod: RodData, largest: Load, growth_tolerance: float) -> float:
+def first_unstable(varied: Quantity, rod: ModalRod, largest: Load, growth_tolerance: float) -> float:
     """Return where one quantity, going from zero to that of ``largest``, first meets growth; infinite without any."""
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     if not rod.coupled_numbers.has_mathieu_modes(largest):
@@ -173,14 +173,14 @@ def first_unstable(varied: Quantity, rod: RodData, largest: Load, growth_toleran
     return math.inf
 
 
-def _system(rod: RodData, load: Load, tolerance: float) -> ModalSystem:
+def _system(rod: ModalRod, load: Load, tolerance: float) -> ModalSystem:
     """Return the equations of all modes that can grow faster than the tolerance."""
     last, left_out = rod.modes_needed(load, tolerance)
     return ModalSystem(rod.mode_constants, load, tuple(range(1, last + 1)), left_out)
 
 
 def _coupled(
-    varied: Quantity, rod: RodData, largest: Load, bounds: tuple[float, float], tolerance: float
+    varied: Quantity, rod: ModalRod, largest: Load, bounds: tuple[float, float], tolerance: float
 ) -> CoupledModes:
     """Return as many coupled modes as all loads within bounds need."""
     numbers = {name: np.full(33, getattr(largest, name)) for name in QUANTITIES}

@@ -16,7 +16,6 @@ from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.coupled import CoupledLoads, chosen_count
 from floquetrod.rod.coupled_stability import CoupledRodStability, classify_coupled
-from floquetrod.rod.data import RodData
 from floquetrod.rod.friction import (
     CriticalKick,
     FrictionalRodStability,
@@ -26,6 +25,7 @@ from floquetrod.rod.friction import (
     kicked_loads,
 )
 from floquetrod.rod.load import AnyLoad, Load, Loads, Progress, kind, load_bounds, require_load
+from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.ranges import StabilityIntervals, first_unstable, stability_intervals
@@ -39,7 +39,7 @@ class UniformForceWarning(UserWarning):
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Rod(RodData):
+class Rod(ModalRod):
     """A straight elastic rod or tube of circular section on the floor of a straight circular channel.
 
     Parameters
@@ -75,7 +75,7 @@ class Rod(RodData):
     Notes
     -----
     Eq. (1) of DOI 10.1115/1.4031710, with the inertia, weight and bending stiffness of a tube in fluids.  Parts,
-    properties and modal systems are those of `floquetrod.rod.data.RodData`.
+    properties are those of `floquetrod.rod.data.RodData`, modal systems those of `floquetrod.rod.modal.ModalRod`.
 
     Examples
     --------

@@ -14,8 +14,8 @@ from floquetrod.equations import Mathieu
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.verdict import Cost, Stability, Status
 from floquetrod.rod.assumptions import assumptions
-from floquetrod.rod.data import RodData
 from floquetrod.rod.load import Load, Quantity
+from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.tongues import gaps, unstable_loads
 from floquetrod.rod.verdict import RodVerdict
@@ -98,7 +98,7 @@ class RodStability(RodVerdict):
         undamped = self.rod.replace(damping_rate=0.0)
         return replace(self.system, modes=self._modes_for(undamped, self.load, 0.0)).damping_to_stabilise
 
-    def _modes_for(self, rod: RodData, load: Load, growth_tolerance: float) -> tuple[int, ...]:
+    def _modes_for(self, rod: ModalRod, load: Load, growth_tolerance: float) -> tuple[int, ...]:
         """Return the modes that matter for another rod or load; those the caller chose stay as they are."""
         if math.isinf(self.left_out_bound):
             return self.modes
@@ -126,7 +126,7 @@ class RodStability(RodVerdict):
         return far if far != piece[1] else None
 
 
-def classify_modes(rod: RodData, system: ModalSystem, growth_tolerance: float) -> RodStability:
+def classify_modes(rod: ModalRod, system: ModalSystem, growth_tolerance: float) -> RodStability:
     """Classify every mode and put the verdicts together."""
     verdicts = tuple(stability(equation) for equation in system.equations)
     rates = np.array([verdict.growth_rate for verdict in verdicts]) * system.frequency
@@ -152,7 +152,7 @@ def classify_modes(rod: RodData, system: ModalSystem, growth_tolerance: float) -
     )
 
 
-def growth_of_modes(rod: RodData, load: Load, modes: Iterable[int]) -> NDArray[np.float64]:
+def growth_of_modes(rod: ModalRod, load: Load, modes: Iterable[int]) -> NDArray[np.float64]:
     """Return the growth rates in 1/s of modes that are independent."""
     return classify_modes(rod, rod.independent_modes(load, modes), 0.0).mode_growth_rates
 

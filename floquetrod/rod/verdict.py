@@ -13,8 +13,8 @@ from typing import NamedTuple
 from floquetrod._util import validate
 from floquetrod.floquet.verdict import Verdict
 from floquetrod.rod.constants import HAIRLINE_GROWTH
-from floquetrod.rod.data import RodData
 from floquetrod.rod.load import Load, Quantity
+from floquetrod.rod.modal import ModalRod
 
 _SPANS = (1 / 32, 1 / 8, 0.5, 2.0, 8.0)
 """Reaches of the search for a margin: in critical forces, or as the factor less one by which a frequency changes."""
@@ -46,7 +46,7 @@ class RodVerdict(Verdict):
         fastest solution, within the tolerance or not.
     """
 
-    rod: RodData
+    rod: ModalRod
     growth_tolerance: float
 
     @property
