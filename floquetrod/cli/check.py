@@ -23,7 +23,7 @@ from floquetrod.cli.common import (
     read_tolerance,
     read_units,
 )
-from floquetrod.cli.loads import LOAD_OPTIONS, add_kind, read_kind, read_load, require_quantities
+from floquetrod.cli.loads import LOAD_OPTIONS, add_kind, read_kind, read_load, read_record, require_quantities
 from floquetrod.cli.waiting import waiting
 from floquetrod.floquet.verdict import Status
 from floquetrod.plotting import charts
@@ -43,6 +43,7 @@ examples:
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz --unit Fcr,rpm --exit-code
   floquetrod check --rod examples/wire.toml --mean 0.3Fcr --amplitude 0.2Fcr --frequency 20Hz --plot shape.png
   floquetrod check --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
+  floquetrod check --rod my_rod.toml --force record.csv --mean 12N --plot-force fit.png
   floquetrod check --system my_system.toml --exit-code
 
 forces: N, kN, lbf or Fcr (the critical force of the rod).  frequencies: rad/s (none means this), Hz, rpm.
@@ -88,6 +89,7 @@ _OF_A_ROD = (
     "modes",
     "margins",
     "plot",
+    "plot_force",
 )
 """Options that say nothing about a system."""
 
@@ -118,6 +120,7 @@ def add(commands: Any) -> None:
     check.add_argument(
         "--plot", type=Path, help="write the shape along the rod in which coupled modes grow (.png, .pdf, .svg)"
     )
+    check.add_argument("--plot-force", type=Path, help="write the measured force with its fit (.png, .pdf, .svg)")
     check.add_argument("--method", help="of a system: half_period, monodromy, ... (default: the first that decides)")
 
 
@@ -133,10 +136,11 @@ def _check(options: argparse.Namespace) -> Answer:
     if options.method is not None:
         raise ValueError("--method belongs to --system: the methods for a rod follow from its load")
     require_quantities(options)
-    rod = read_rod(options)
+    rod, record = read_rod(options), read_record(options)
     question = _Question(
         rod,
-        read_load(options, rod, read_kind(options)),
+        record,
+        read_load(options, rod, read_kind(options, record)),
         _modes(options.modes),
         read_tolerance(options),
         read_friction(options),
@@ -146,14 +150,20 @@ def _check(options: argparse.Namespace) -> Answer:
     )
     if options.plot is not None:
         _require_shape(question, options.plot)
+    _draw_record(record, options.plot_force)
     with waiting("deciding stability and searching the margins"):
-        status, record, lines = _judged(question)
-    text = json.dumps(record, indent=2, allow_nan=False) if options.json else "\n".join(lines)
+        status, numbers, lines = _judged(question)
+    written = [str(path) for path in (options.plot, options.plot_force) if path is not None]
+    if written:
+        numbers["written"] = written
+        lines.append(f"written   {', '.join(written)}")
+    text = json.dumps(numbers, indent=2, allow_nan=False) if options.json else "\n".join(lines)
     return Answer(text, _STATUS[status] if options.exit_code else 0)
 
 
 class _Question(NamedTuple):
     rod: fr.Rod
+    force: fr.ForceRecord | None
     load: Load
     modes: list[int] | None
     tolerance: float
@@ -187,11 +197,39 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
     if isinstance(result, fr.RodStability):
         return result.status, independent.record(result, searched), independent.report(result, shown, searched)
     record, lines = coupled.record(result, searched), coupled.report(result, shown, searched)
+    if asked.force is not None:
+        record["force_record"] = _force_record(asked.force)
+        lines.append(f"record    {repr(asked.force)[1:-1]}")
     if asked.plot is not None:
         charts.save_figure(result.plot(), asked.plot)
-        record["written"] = [str(asked.plot)]
-        lines.append(f"written   {asked.plot}")
     return result.status, record, lines
+
+
+def _force_record(record: fr.ForceRecord) -> dict[str, Any]:
+    """Return the fit of a measured force for JSON."""
+    return {
+        "mean_N": record.mean,
+        "mean_error_N": record.mean_error,
+        "amplitude_N": record.amplitude,
+        "frequency_rad_per_s": record.frequency,
+        "frequency_error_rad_per_s": record.frequency_error,
+        "harmonics_kept": list(record.kept),
+        "noise_N": record.noise,
+        "periods": record.periods,
+        "note": record.note,
+    }
+
+
+def _draw_record(record: fr.ForceRecord | None, path: Path | None) -> None:
+    """Draw the fit of a measured force into a file, where one was asked for."""
+    if path is None:
+        return
+    if record is None:
+        raise ValueError(
+            f"--plot-force needs --force, got {str(path)!r} alone: it draws the measured force and its fit"
+        )
+    check_out(path, charts.FIGURES, "--plot-force")
+    charts.save_figure(record.plot()[0], path)
 
 
 def _require_shape(asked: _Question, path: Path) -> None:

@@ -8,13 +8,14 @@ from typing import TypeVar
 import floquetrod as fr
 from floquetrod import units
 from floquetrod.cli.common import KINDS, LARGEST, read_quantity, read_range
-from floquetrod.rod.load import AxialWave, Load, Quantity
+from floquetrod.rod.load import AxialWave, Load, Quantity, Waveform
 from floquetrod.rod.modal import ModalRod
 from floquetrod.units import Unit
 
 _L = TypeVar("_L", bound=Load)
+_SINE: Waveform = "sine"
 
-LOAD_OPTIONS = ("mean_at", "wave", "axial_damping")
+LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "force")
 """What `add_kind` adds."""
 
 
@@ -31,21 +32,39 @@ def add_kind(command: argparse.ArgumentParser) -> None:
         help="the force comes from the upper end as axial waves; the lower end is held, free, or driven alike",
     )
     command.add_argument("--axial-damping", help="decay rate of axial waves in 1/s (needs --wave; default 0)")
+    command.add_argument(
+        "--force",
+        help="a measured force, a text file with columns of time and force such as record.csv: gives the waveform and, "
+        "of mean, amplitude and frequency, what is not given",
+    )
 
 
-def read_kind(options: argparse.Namespace) -> Load:
-    """Return a load of the kind that the options describe, its mean and amplitude zero."""
+def read_record(options: argparse.Namespace) -> fr.ForceRecord | None:
+    """Return the measured force, None without any."""
+    if options.force is None:
+        return None
+    try:
+        return fr.ForceRecord.from_csv(options.force)
+    except (ValueError, OSError) as error:
+        raise ValueError(f"--force must be a text file with columns of time and force: {error}") from None
+
+
+def read_kind(options: argparse.Namespace, record: fr.ForceRecord | None) -> Load:
+    """Return a load of the kind that the options describe, its numbers those of the record."""
     if options.axial_damping is not None and options.wave is None:
         raise ValueError(
             f"--axial-damping needs --wave, got {options.axial_damping!r} alone: without waves the force is the same "
             "all along the rod; add --wave held, free or driven"
         )
     at = 0.5 if options.mean_at is None else _fraction(options.mean_at)
+    numbers, shape = (0.0, 0.0, 1.0), _SINE
+    if record is not None:
+        numbers, shape = (record.mean, record.amplitude, record.frequency), record.waveform
     if options.wave is None:
-        return fr.AxialLoad(0.0, 0.0, 1.0, mean_at=at)
+        return fr.AxialLoad(*numbers, mean_at=at, waveform=shape)
     given = "0" if options.axial_damping is None else options.axial_damping
     damping = units.quantity(given, "--axial-damping", "rate", least=0.0, largest=LARGEST)
-    return AxialWave(0.0, 0.0, 1.0, far_end=options.wave, axial_damping=damping, mean_at=at)
+    return AxialWave(*numbers, far_end=options.wave, axial_damping=damping, mean_at=at, waveform=shape)
 
 
 def _fraction(text: str) -> float | None:
@@ -62,7 +81,9 @@ def _fraction(text: str) -> float | None:
 
 
 def require_quantities(options: argparse.Namespace) -> None:
-    """Raise ValueError where a quantity of the load is missing."""
+    """Raise ValueError where a quantity of the load is missing, and no record gives it."""
+    if options.force is not None:
+        return
     missing = [f"--{name}" for name in KINDS if getattr(options, name) is None]
     if missing:
         raise ValueError(
@@ -71,14 +92,16 @@ def require_quantities(options: argparse.Namespace) -> None:
 
 
 def read_load(options: argparse.Namespace, rod: fr.Rod, like: _L) -> _L:
-    """Return the load that the options describe, of the kind of ``like``."""
-    numbers = {name: read_quantity(getattr(options, name), name, rod) for name in KINDS}
-    return like.with_numbers(**numbers)
+    """Return the load that the options describe, of the kind of ``like``, which gives the numbers left out."""
+    given = {name: text for name in KINDS if (text := getattr(options, name)) is not None}
+    numbers = {name: getattr(like, name) for name in KINDS}
+    return like.with_numbers(**(numbers | {name: read_quantity(text, name, rod) for name, text in given.items()}))
 
 
-def read_values(options: argparse.Namespace, rod: fr.Rod) -> dict[Quantity, list[float]]:
-    """Return every quantity of the load, one value or both ends of a range."""
-    return {name: read_range(getattr(options, name), name, rod) for name in KINDS}
+def read_values(options: argparse.Namespace, rod: fr.Rod, like: Load) -> dict[Quantity, list[float]]:
+    """Return every quantity of the load, one value or both ends of a range; those left out are those of ``like``."""
+    texts = {name: getattr(options, name) for name in KINDS}
+    return {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
 
 
 def describe_load(load: Load, shown: dict[str, Unit], rod: ModalRod) -> str:

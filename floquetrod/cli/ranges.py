@@ -19,7 +19,7 @@ from floquetrod.cli.common import (
     read_units,
     resonance_record,
 )
-from floquetrod.cli.loads import add_kind, read_kind, read_values, require_quantities
+from floquetrod.cli.loads import add_kind, read_kind, read_record, read_values, require_quantities
 from floquetrod.cli.waiting import waiting
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.constants import HAIRLINE_GROWTH
@@ -34,6 +34,7 @@ examples:
   floquetrod ranges --rod my_rod.toml --mean 12N --frequency 24Hz --amplitude 0:5N
   floquetrod ranges --rod examples/wire.toml --amplitude 0.2Fcr --frequency 20Hz --mean 0:1Fcr
   floquetrod ranges --rod examples/well.toml --mean 0.5Fcr --frequency 4Hz --amplitude 0:0.5Fcr --wave held
+  floquetrod ranges --rod my_rod.toml --force record.csv --mean 0:12N
 
 The ends are those of resonance tongues, not points of a grid.  Tongues in which nothing grows faster than
 --growth-tolerance, by default 1e-6 1/s (tenfold in a month), are left out and counted; with 0 every one is listed.  The
@@ -68,8 +69,8 @@ def _ranges(options: argparse.Namespace) -> Answer:
             f"{len(varied)}"
         )
     tolerance = read_tolerance(options)
-    like = read_kind(options)
-    values = read_values(options, rod)
+    like = read_kind(options, read_record(options))
+    values = read_values(options, rod, like)
     shown = read_units(options, rod)
     bounds = tuple(values.pop(varied[0]))
     fixed: dict[str, Any] = {name: value for name, (value,) in values.items()}

@@ -24,7 +24,7 @@ from floquetrod.cli.common import (
     read_tolerance,
     read_units,
 )
-from floquetrod.cli.loads import add_kind, read_kind, read_values, require_quantities
+from floquetrod.cli.loads import add_kind, read_kind, read_record, read_values, require_quantities
 from floquetrod.rod.load import Quantity
 
 _HELP = """\
@@ -80,7 +80,8 @@ def _map(options: argparse.Namespace) -> Answer:
     for path in paths:
         check_out(path, (*charts.FIGURES, ".npz"))
     columns, rows = _points(options.points)
-    values, like = read_values(options, rod), read_kind(options)
+    like = read_kind(options, read_record(options))
+    values = read_values(options, rod, like)
     tolerance, rubbing = read_tolerance(options), read_friction(options)
     shown = read_units(options, rod)
     varied = [name for name, ends in values.items() if len(ends) == 2]

@@ -1,0 +1,336 @@
+"""The terminal for rods whose modes are coupled: reports, JSON, options of the load, and refusals in one line."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib import pyplot
+
+import floquetrod as fr
+from floquetrod import cli
+from floquetrod.rod.load import AxialWave
+
+mpl.use("Agg")
+ROOT = Path(__file__).parents[1]
+WIRE, WELL = (str(ROOT / f"examples/{name}.toml") for name in ("wire", "well"))
+PUSH = ["--mean", "0.3Fcr", "--amplitude", "0.2Fcr", "--frequency", "20Hz"]
+SHAKE = ["--mean", "0.5Fcr", "--amplitude", "0.3Fcr", "--frequency", "4Hz"]
+HERTZ = 2.0 * np.pi
+
+
+def said(capsys: pytest.CaptureFixture[str], *arguments: str, status: int = 0) -> str:
+    assert cli.main(arguments) == status
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    return captured.out
+
+
+def answer(capsys: pytest.CaptureFixture[str], *arguments: str) -> Any:
+    text = said(capsys, *arguments, "--json")
+    return json.loads(text, parse_constant=lambda name: pytest.fail(f"{name} is not JSON"))
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert cli.main(arguments) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert re.fullmatch(r"floquetrod: error: .+\n", captured.err)
+    return captured.err
+
+
+def load_of(rod: fr.Rod, mean: float, amplitude: float, hertz: float, **others: Any) -> fr.AxialLoad:
+    return fr.AxialLoad(mean * rod.critical_force, amplitude * rod.critical_force, hertz * HERTZ, **others)
+
+
+def wave_of(load: fr.AxialLoad, **others: Any) -> AxialWave:
+    return AxialWave(load.mean, load.amplitude, load.frequency, **others)
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> str:
+    t = np.arange(1500) / 2000.0
+    force = 0.6 + 0.4 * np.sin(20.0 * HERTZ * t) + 0.1 * np.cos(40.0 * HERTZ * t)
+    force += 0.02 * np.random.default_rng(1).standard_normal(t.size)
+    path = tmp_path / "record.csv"
+    path.write_text("time,force\n" + "\n".join(f"{a:.7f},{b:.7f}" for a, b in zip(t, force, strict=True)))
+    return str(path)
+
+
+# --- check -----------------------------------------------------------------------------------------------------------
+
+
+def test_check_tells_all_a_user_needs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shape = tmp_path / "shape.png"
+    text = said(capsys, "check", "--rod", WIRE, *PUSH, "--plot", str(shape))
+    result = fr.Rod.from_toml(WIRE).stability(load_of(fr.Rod.from_toml(WIRE), 0.3, 0.2, 20.0))
+    assert text.startswith("UNSTABLE: direct resonance of mode 1, order 1\n")
+    for line in (
+        r"ends = clamped-hinged; SI units",
+        r"load      mean 0\.3 Fcr \(0\.08066 N\), amplitude 0\.2 Fcr \(0\.05377 N\), 20 Hz \(125\.7 rad/s\)",
+        r"          mean force 0\.264236 Fcr at the upper end, 0\.335764 Fcr at the lower",
+        r"assumed   .*omega L / \(2 pi c_0\) = 0\.0074 neglected",
+        rf"growth    {result.growth_rate:.6g} 1/s, tenfold in {result.time_to_grow():.4g} s",
+        rf"grows     direct resonance of mode 1, order 1, {result.growth_rate:.6g} 1/s",
+        r"margins   mean force  stable 0\.223 Fcr lower",
+        r"          frequency   stable 1\.28\d Hz lower or 2\.9\d+ Hz higher",
+        r"          found by sampling",
+        rf"damping   stable at rates above {result.damping_to_stabilise:.6g} 1/s, as far as tried",
+        r"checked   \d+ coupled modes; with \d+ growth differs by ",
+        r"method    half_period, 1 half period; growth good to \de-\d+ 1/s",
+    ):
+        assert re.search(line, text), line
+    assert text.endswith(f"written   {shape}\n")
+    assert shape.read_bytes().startswith(b"\x89PNG")
+    assert pyplot.get_fignums() == []
+
+
+def test_json_says_what_the_library_does(capsys: pytest.CaptureFixture[str]) -> None:
+    found = answer(capsys, "check", "--rod", WELL, *SHAKE, "--wave", "held", "--axial-damping", "0.5", "--mean-at", "0")
+    rod = fr.Rod.from_toml(WELL)
+    load = wave_of(load_of(rod, 0.5, 0.3, 4.0), axial_damping=0.5, mean_at=0.0)
+    result = rod.stability(load)
+    assert not isinstance(result, fr.RodStability)
+    assert found["status"] == result.status == "unstable"
+    assert found["growth_rate_per_s"] == result.growth_rate
+    assert found["growth_rate_error_per_s"] == result.error
+    assert found["mean_force_margin_below_N"] == result.mean_force_margin.below
+    assert found["damping_to_stabilise_per_s"] == result.damping_to_stabilise
+    assert [(entry["modes"], entry["growth_rate_per_s"]) for entry in found["convergence"]] == list(result.convergence)
+    first = found["resonances"][0]
+    assert first["name"] == str(result.resonances[0])
+    assert tuple(first["modes"]) == result.resonances[0].modes
+    assert found["load"] == {
+        "type": "AxialWave",
+        "mean_at": 0.0,
+        "waveform": "sine",
+        "far_end": "held",
+        "axial_damping": 0.5,
+    }
+    assert fr.Rod(**found["rod"]) == rod
+
+
+def test_the_weight_along_the_rod_may_be_neglected(capsys: pytest.CaptureFixture[str]) -> None:
+    text = said(capsys, "check", "--rod", WELL, *SHAKE, "--mean-at", "none")
+    assert "          weight along the rod neglected\n" in text
+    assert "where                  growth 1/s" in text  # independent modes
+    rod = fr.Rod.from_toml(WELL)
+    result = rod.stability(load_of(rod, 0.5, 0.3, 4.0, mean_at=None))
+    assert f"growth    {result.growth_rate:.6g} 1/s in mode {result.fastest_mode}" in text
+    friction = ["--mean-at", "none", "--friction", "0.2", "--kick", "5mm/s"]
+    assert "without friction:" in said(capsys, "check", "--rod", WELL, *SHAKE, *friction)
+
+
+def test_the_exit_code_is_the_verdict(capsys: pytest.CaptureFixture[str]) -> None:
+    said(capsys, "check", "--rod", WIRE, *PUSH, "--no-margins", "--exit-code", status=1)
+    stable = ["--mean", "0", "--amplitude", "0.1Fcr", "--frequency", "20Hz", "--damping-rate", "3"]
+    assert said(capsys, "check", "--rod", WIRE, *stable, "--no-margins", "--exit-code").startswith("STABLE\n")
+
+
+def test_margins_are_left_out_where_they_take_long(capsys: pytest.CaptureFixture[str]) -> None:
+    text = said(capsys, "check", "--rod", WIRE, *PUSH, "--modes", "1-51")
+    assert "margins   not searched, which takes hundreds of verdicts; --margins does" in text
+    assert "checked   51 coupled modes, as asked for" in text
+    assert "mean_force_margin_below_N" not in answer(capsys, "check", "--rod", WIRE, *PUSH, "--no-margins")
+    plain = ["check", "--rod", "nitinol", *PUSH]
+    assert "margins " not in said(capsys, *plain, "--no-margins")
+    assert said(capsys, *plain, "--margins") == said(capsys, *plain)
+
+
+def test_a_measured_force(record: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    fit = tmp_path / "fit.svg"
+    given = ["check", "--rod", "nitinol", "--force", record, "--mean", "0.2Fcr"]
+    text = said(capsys, *given, "--plot-force", str(fit))
+    measured = fr.ForceRecord.from_csv(record)
+    assert f"amplitude {measured.amplitude:.6g} N" in text
+    assert "          waveform of 2 harmonics\n" in text
+    assert "record    force of mean " in text
+    assert text.endswith(f"written   {fit}\n")
+    assert fit.exists()
+    assert pyplot.get_fignums() == []
+    found = answer(capsys, *given, "--no-margins")
+    rod = fr.Rod.nitinol()
+    mean = 0.2 * rod.critical_force
+    load = fr.AxialLoad(mean, measured.amplitude, measured.frequency, waveform=measured.waveform)
+    assert found["growth_rate_per_s"] == rod.stability(load).growth_rate
+    assert (found["mean_N"], found["amplitude_N"]) == (mean, measured.amplitude)
+    assert found["force_record"]["harmonics_kept"] == [1, 2]
+    assert found["load"]["waveform"] == [[h.real, h.imag] for h in measured.waveform]
+    # Without --mean that of the record; as a wave, too.
+    whole = answer(capsys, "check", "--rod", "nitinol", "--force", record, "--wave", "driven", "--no-margins")
+    assert whole["mean_N"] == measured.mean
+    waves = wave_of(
+        fr.AxialLoad(measured.mean, measured.amplitude, measured.frequency),
+        far_end="driven",
+        waveform=measured.waveform,
+    )
+    assert whole["growth_rate_per_s"] == rod.stability(waves).growth_rate
+
+
+# --- ranges and maps -------------------------------------------------------------------------------------------------
+
+
+def test_ranges_name_resonances_and_their_resolution(record: str, capsys: pytest.CaptureFixture[str]) -> None:
+    question = ["ranges", "--rod", WIRE, "--amplitude", "0.2Fcr", "--frequency", "20Hz", "--mean", "0:0.6Fcr"]
+    text = said(capsys, *question)
+    assert re.search(r"   end of the search \.\.\. direct resonance of mode 1, order 1\n", text)
+    assert re.search(r"  \(unstable parts narrower than \S+ Fcr may have been missed\)\n", text)
+    found = answer(capsys, *question)
+    rod = fr.Rod.from_toml(WIRE)
+    unit = rod.critical_force
+    expected = rod.stable_mean_forces(0.2 * unit, 20.0 * HERTZ, (0.0, 0.6 * unit))
+    assert [(part["low_N"], part["high_N"]) for part in found["stable"]] == [(p.low, p.high) for p in expected]
+    assert found["stable"][0]["low_end"] is None
+    assert found["stable"][0]["high_end"]["name"] == "direct resonance of mode 1, order 1"
+    assert found["parts_missed_up_to_N"] == expected.resolution > 0.0
+    sampled = answer(capsys, "ranges", "--rod", "nitinol", "--force", record, "--mean", "0:0.3N")
+    measured = fr.ForceRecord.from_csv(record)
+    like = fr.AxialLoad(0.0, 1.0, 1.0, waveform=measured.waveform)
+    wanted = fr.Rod.nitinol().stable_mean_forces(measured.amplitude, measured.frequency, (0.0, 0.3), like=like)
+    assert [part["low_N"] for part in sampled["stable"]] == [part.low for part in wanted]
+
+
+def test_ranges_take_waves(capsys: pytest.CaptureFixture[str]) -> None:
+    question = ["ranges", "--rod", WELL, "--mean", "0.5Fcr", "--frequency", "4Hz", "--amplitude", "0:0.1Fcr"]
+    rod = fr.Rod.from_toml(WELL)
+    unit = rod.critical_force
+    like = AxialWave(0.0, 0.0, 1.0, far_end="free", axial_damping=0.5)
+    expected = rod.stable_amplitudes(0.5 * unit, 4.0 * HERTZ, (0.0, 0.1 * unit), like=like)
+    found = answer(capsys, *question, "--wave", "free", "--axial-damping", "0.5")
+    assert [part["high_N"] for part in found["stable"]] == [part.high for part in expected]
+
+
+def test_maps_say_what_kind_of_load_they_are_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "map.npz"
+    load = ["--mean", "0:1Fcr", "--amplitude", "0:0.5Fcr", "--frequency", "4Hz", "--points", "5x4"]
+    text = said(capsys, "map", "--rod", WELL, *load, "--wave", "driven", "--out", str(path), "--growth")
+    assert text.startswith("rod, axial waves, both ends driven, frequency 4 Hz, critical force ")
+    chart = fr.Chart.load(path)
+    assert chart.subject["load"]["far_end"] == "driven"
+    rod = fr.Rod.from_toml(WELL)
+    like = AxialWave(0.0, 0.0, 1.0, far_end="driven")
+    means, amplitudes = chart.x.values, chart.y.values[:, None]
+    assert np.array_equal(chart.stable, rod.is_stable(means, amplitudes, 4.0 * HERTZ, like=like))
+    assert np.array_equal(chart.growth_rate, rod.growth_rate(means, amplitudes, 4.0 * HERTZ, like=like))
+    plain = said(capsys, "map", "--rod", WIRE, *load, "--out", str(tmp_path / "map.png"))
+    assert plain.startswith("rod, frequency 4 Hz")
+
+
+# --- refusals --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("command", ["check", "ranges", "map"])
+@pytest.mark.parametrize(
+    ("option", "text", "remedy"),
+    [
+        ("--wave", "up", "choose from '?held'?, '?free'?, '?driven'?"),
+        ("--mean-at", "2", "a fraction of the length from 0, the upper end, to 1, the lower, or none"),
+        ("--mean-at", "-0.1", "a fraction of the length"),
+        ("--mean-at", "middle", "a fraction of the length"),
+        ("--mean-at", "", "a fraction of the length"),
+        ("--mean-at", "nan", "a fraction of the length"),
+        ("--axial-damping", "0.5", "add --wave held, free or driven"),
+        ("--force", "no/such.csv", "a text file with columns of time and force: .* there is no such file"),
+        ("--force", "table.toml", "a text file with columns of time and force: "),
+        ("--force", ".", "a text file with columns of time and force: "),
+        ("--force", "", "a text file with columns of time and force: "),
+    ],
+)
+def test_junk_is_one_line_that_names_option_value_and_remedy(
+    command: str,
+    option: str,
+    text: str,
+    remedy: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("table.toml").write_text('length = "1m"\n')
+    loads = {"check": PUSH, "ranges": [*PUSH[2:], "--mean", "0:1Fcr"]}
+    loads["map"] = [*PUSH[4:], "--mean", "0:1Fcr", "--amplitude", "0:1Fcr"]
+    message = refused(capsys, command, "--rod", WIRE, *loads[command], f"{option}={text}")
+    assert option in message
+    assert text in message
+    assert re.search(remedy, message)
+
+
+@pytest.mark.parametrize("rate", ["-1", "x", "nan", "1Hz", "1e400"])
+def test_bad_rates_of_axial_damping(rate: str, capsys: pytest.CaptureFixture[str]) -> None:
+    message = refused(capsys, "check", "--rod", WIRE, *PUSH, "--wave", "held", f"--axial-damping={rate}")
+    assert "--axial-damping must be" in message
+    assert repr(rate) in message
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--friction", "0.1", "--kick", "5mm/s"], "--friction needs independent modes.*clamped-hinged ends, weight"),
+        (["--modes", "3,5"], r"got \[3, 5\]; give --modes 1-n"),
+        (["--plot", "shape.doc"], "--plot must end in .png, .pdf or .svg, got 'shape.doc'"),
+        (["--plot-force", "fit.png"], "--plot-force needs --force, got 'fit.png' alone"),
+        (["--method", "segmented"], "--method belongs to --system"),
+    ],
+)
+def test_what_coupled_modes_do_not_have(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert re.search(message, refused(capsys, "check", "--rod", WIRE, *PUSH, *arguments))
+
+
+def test_other_refusals(record: str, capsys: pytest.CaptureFixture[str]) -> None:
+    rubbing = ["--friction", "0.1", "--kick", "5mm/s"]
+    assert "; --mean-at none neglects the weight" in refused(capsys, "check", "--rod", WELL, *SHAKE, *rubbing)
+    message = refused(capsys, "check", "--rod", "nitinol", *PUSH, "--plot", "shape.png")
+    assert "--plot draws the shape in which coupled modes grow, got 'shape.png' for independent ones" in message
+    plane = ["--mean", "0:1Fcr", "--amplitude", "0:1Fcr", "--frequency", "20Hz", "--paper-criterion", "exact"]
+    assert "--paper-criterion needs independent modes" in refused(capsys, "map", "--rod", WIRE, *plane)
+    assert "the following arguments are required: --mean, --frequency (see floquetrod ranges --help)" in refused(
+        capsys, "ranges", "--rod", WIRE, "--amplitude", "0:1Fcr"
+    )
+    assert "must be a range" in refused(capsys, "ranges", "--rod", WIRE, "--force", record)
+    system = str(ROOT / "examples/system.toml")
+    for option in (["--wave", "held"], ["--mean-at", "0"], ["--force", record], ["--margins"], ["--plot", "x.png"]):
+        assert f"{option[0]} belongs to --rod" in refused(capsys, "check", "--system", system, *option)
+
+
+def test_what_has_no_picture_or_simulation_yet_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    message = refused(capsys, "explore", "--rod", WIRE, "--out", "explorer.png")
+    assert "--rod must have independent modes to be explored" in message
+    assert "clamped-hinged ends, weight along the rod" in message
+    assert "ends = clamped-hinged" in refused(capsys, "simulate", "--rod", WIRE, *PUSH)
+    rod = fr.Rod.nitinol()
+    square = fr.AxialLoad(0.3, 0.1, 100.0, waveform=(-1j, 0.0, -0.3j))
+    with pytest.raises(ValueError, match=r"got a waveform other than a sine; Rod\.stability"):
+        fr.Explorer(rod, square)
+    with pytest.raises(ValueError, match="load must be a sine to be simulated, got a waveform of 3 harmonics"):
+        fr.simulate(rod, square)
+    with pytest.raises(TypeError, match=r"load must be an AxialLoad, got AxialWave.*axial waves cannot be simulated"):
+        fr.simulate(rod, AxialWave(0.3, 0.1, 100.0))  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="got weight along the rod"):
+        fr.Explorer(rod.replace(inclination=1.0), fr.AxialLoad(0.3, 0.1, 100.0, mean_at=None))
+
+
+def test_a_warning_speaks_of_options(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["check", "--rod", WELL, *SHAKE[:4], "--frequency", "20Hz", "--no-margins"]) == 0
+    warning = capsys.readouterr().err
+    assert warning.startswith("floquetrod: warning: omega L / (2 pi) is 0.24 of the axial wave speed")
+    assert warning.endswith("; --wave follows the waves\n")
+
+
+def test_help_teaches_real_rods(capsys: pytest.CaptureFixture[str]) -> None:
+    for command, words in (
+        (
+            "check",
+            ("examples/wire.toml", "--wave held", 'ends = "hinged"', "catalogue = ", "bore = ", "--force record"),
+        ),
+        ("ranges", ("examples/wire.toml", "--wave held", "--force record.csv")),
+        ("map", ("examples/wire.toml", "--wave free")),
+    ):
+        with pytest.raises(SystemExit):
+            cli.main([command, "--help"])
+        text = capsys.readouterr().out
+        assert [word for word in words if word not in text] == []
