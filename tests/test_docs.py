@@ -23,7 +23,7 @@ MISTAKES = [
     ("real_rods.md", "+ F * theta.diff(s) ** 2", "- F * theta.diff(s) ** 2"),
     ("real_rods.md", "sp.cos(k * (L - s)) / sp.cos(k * L)", "sp.cos(k * (L - s)) / sp.sin(k * L)"),
     ("real_rods.md", "-4 * slope * i * j", "4 * slope * i * j"),
-    ("well.md", "mean**2 - 4.0", "mean**2 + 4.0"),
+    ("well.md", "return 4.0 * mass * half", "return 2.0 * mass * half"),
     ("floquet.md", "u.diff(tau, 2) - (p + c**2) * u", "u.diff(tau, 2) - (p - c**2) * u"),
     ("hill.md", "chain(1, 5, shift=-q)", "chain(1, 5, shift=q)"),
     ("systems.md", "2 * I + 4 * b.T * c", "2 * I - 4 * b.T * c"),
