@@ -37,9 +37,9 @@ class ForceRecord(LoadSource, ByContent):
 
     Parameters
     ----------
-    time : array_like, shape (n,)
+    time : array_like (n,)
         In s, increasing.
-    force : array_like, shape (n,)
+    force : array_like (n,)
         In N.  Samples whose time or force is NaN are left out, at most half of them.
     harmonics : int, optional
         Largest number of harmonics looked for, 20 by default.  Fewer are where the sampling rate or the number of
