@@ -27,12 +27,13 @@ from floquetrod.rod.beam import Basis, basis
 from floquetrod.rod.constants import HAIRLINE_GROWTH, ModeConstants
 from floquetrod.rod.load import AxialLoad, Load, Loads
 from floquetrod.rod.parts import Ends
-from floquetrod.systems.arrays import growth_rate, verdicts
+from floquetrod.systems.arrays import verdicts
 
 Floats = NDArray[np.float64]
 
 MOST_COUPLED = 2000  # modes of a system: half a minute each verdict (a choice)
 LEAST_COUPLED = 10  # modes at least, beside one and a half times the critical mode (a choice)
+_WAVEFORM = "a waveform other than a sine"
 _GROUPS = 16  # of loads by frequency, each with its own number of modes (a choice)
 _AT_ONCE = 1 << 22  # numbers in the matrices of systems that are held at once (a choice: 32 megabytes)
 
@@ -68,13 +69,17 @@ class RodNumbers(NamedTuple):
         """Return whether each mode obeys an equation of Mathieu's: hinged ends, a uniform force that is a pure sine."""
         return not self.departures(load)
 
+    def are_modes_apart(self, load: Load) -> bool:
+        """Return whether each mode obeys an equation of its own: hinged ends and a force uniform along the rod."""
+        return set(self.departures(load)) <= {_WAVEFORM}
+
     def departures(self, load: Load) -> tuple[str, ...]:
         """Return, in words, what keeps the modes from obeying an equation of Mathieu's each; empty where they do."""
         every = (
             (f"{self.ends} ends", not self.ends.are_hinged),
             ("weight along the rod", self.weight_along > 0.0 and load.mean_at is not None),
             ("axial waves", not load.is_uniform),
-            ("a waveform other than a sine", load.waveform != "sine"),
+            (_WAVEFORM, load.waveform != "sine"),
         )
         return tuple(name for name, present in every if present)
 
@@ -190,6 +195,21 @@ class CoupledModes:
             period=float(period[0]) if single else period,
         )
 
+    @property
+    def _are_apart(self) -> bool:
+        """Whether the functions are the modes themselves, each with an equation of its own."""
+        return self.numbers.are_modes_apart(self.like)
+
+    def _answers(self, loads: Loads, workers: int | None, *, quick: bool) -> tuple[NDArray[np.int8], Floats]:
+        """Return statuses (1 stable, 0 unstable, -1 undecided) and growth rates in 1/s."""
+        system = self.system(loads)
+        if not self._are_apart:
+            return verdicts(system, workers=workers, quick=quick)
+        status, growth = verdicts(_one_by_one(system), workers=workers, quick=quick)
+        status, growth = status.reshape(-1, self.size), growth.reshape(-1, self.size)
+        worst = np.where((status == 0).any(axis=1), 0, status.min(axis=1)).astype(np.int8)
+        return worst, growth.max(axis=1)
+
     def verdicts(
         self, loads: Loads, growth_tolerance: float, workers: int | None = None, *, quick: bool = False
     ) -> NDArray[np.int8]:
@@ -199,7 +219,7 @@ class CoupledModes:
         """
         found = np.empty(loads.size, dtype=np.int8)
         for part in self._parts(loads):
-            status, growth = verdicts(self.system(loads.part(part)), workers=workers, quick=quick)
+            status, growth = self._answers(loads.part(part), workers, quick=quick)
             if growth_tolerance > 0.0:
                 status = np.where(growth <= growth_tolerance, 1, np.where(status == 1, 1, status))
             found[part] = status
@@ -209,7 +229,7 @@ class CoupledModes:
         """Return the growth rate of the fastest solution in 1/s."""
         found = np.empty(loads.size)
         for part in self._parts(loads):
-            found[part] = growth_rate(self.system(loads.part(part)), workers=workers)
+            found[part] = self._answers(loads.part(part), workers, quick=False)[1]
         return found
 
     def resonances(self, load: Load) -> tuple[Resonance, ...]:
@@ -278,6 +298,22 @@ class CoupledLoads:
                 loads = Loads((chosen.size,), *(values[chosen] for values in self.loads.flat))
                 count = self.numbers.modes_needed(loads, self.like, self.growth_tolerance)
                 yield chosen, CoupledModes(self.numbers, self.like, count), loads
+
+
+def _one_by_one(systems: HillSystem) -> HillSystem:
+    """Return the diagonals of a batch (b, n, n) as a batch of single equations (b n, 1, 1)."""
+
+    def diagonal(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.diagonal(matrix, axis1=-2, axis2=-1).reshape(-1, 1, 1)
+
+    damping = systems.damping
+    return HillSystem(
+        diagonal(systems.stiffness),
+        [diagonal(matrix) for matrix in systems.cosines],
+        [diagonal(matrix) for matrix in systems.sines],
+        damping=None if damping is None else damping[..., :1, :1],
+        period=np.repeat(systems.period, systems.order),
+    )
 
 
 def chosen_count(modes: Any) -> int:

@@ -48,8 +48,9 @@ class ModalRod(RodData):
 
         Examples
         --------
+        >>> import floquetrod as fr
         >>> rod = ModalRod.nitinol()
-        >>> load = AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
+        >>> load = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
         >>> system = rod.modal_system(load, modes=(6, 7))
         >>> round(system.equations[1].alpha, 4), system.damping
         (0.0513, 0.0)

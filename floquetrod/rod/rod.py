@@ -79,7 +79,8 @@ class Rod(ModalRod):
 
     Examples
     --------
-    >>> Rod.nitinol().modes_needed(AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0))[0]
+    >>> import floquetrod as fr
+    >>> Rod.nitinol().modes_needed(fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0))[0]
     22
     >>> tubing = Rod(
     ...     207e9, 7850.0, diameter=50.8e-3, wall_thickness=3.96e-3, length=60.0, channel_diameter=0.124,
@@ -147,8 +148,9 @@ class Rod(ModalRod):
 
         Examples
         --------
+        >>> import floquetrod as fr
         >>> rod = Rod.nitinol()
-        >>> load = AxialLoad(mean=0.2 * rod.critical_force, amplitude=0.2 * rod.critical_force, frequency=150.0)
+        >>> load = fr.AxialLoad(mean=0.2 * rod.critical_force, amplitude=0.2 * rod.critical_force, frequency=150.0)
         >>> rod.stability(load).unstable_modes
         (7,)
         """
@@ -172,8 +174,9 @@ class Rod(ModalRod):
 
         Examples
         --------
+        >>> import floquetrod as fr
         >>> rod = Rod.nitinol()
-        >>> load = AxialLoad(mean=0.825 * rod.critical_force, amplitude=0.7 * rod.critical_force, frequency=150.0)
+        >>> load = fr.AxialLoad(mean=0.825 * rod.critical_force, amplitude=0.7 * rod.critical_force, frequency=150.0)
         >>> kick, mode, none_up_to = rod.critical_kick(load, friction=0.1)
         >>> round(1e3 * kick, 1), mode, round(1e3 * none_up_to, 1)
         (32.1, 9, 27.8)
