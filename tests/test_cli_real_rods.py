@@ -217,6 +217,10 @@ def test_maps_say_what_kind_of_load_they_are_of(tmp_path: Path, capsys: pytest.C
     means, amplitudes = chart.x.values, chart.y.values[:, None]
     assert np.array_equal(chart.stable, rod.is_stable(means, amplitudes, 4.0 * HERTZ, like=like))
     assert np.array_equal(chart.growth_rate, rod.growth_rate(means, amplitudes, 4.0 * HERTZ, like=like))
+    reports: list[tuple[int, int]] = []
+    axes = {"mean": (0.0, rod.critical_force, 250), "amplitude": (0.0, 1.0, 9)}
+    fr.stability_map(rod, **axes, frequency=25.0, progress=lambda *done: reports.append(done))
+    assert reports == [(2000, 2250), (2250, 2250)]
     plain = said(capsys, "map", "--rod", WIRE, *load, "--out", str(tmp_path / "map.png"))
     assert plain.startswith("rod, frequency 4 Hz")
 
