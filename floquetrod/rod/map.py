@@ -11,7 +11,7 @@ from floquetrod._util import validate
 from floquetrod._util.version import __version__
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
-from floquetrod.rod.load import LIMITS, AnyLoad, Quantity, require_load
+from floquetrod.rod.load import LIMITS, AnyLoad, Quantity, kind, require_load
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.rod import Rod
 
@@ -21,6 +21,9 @@ _AXES: dict[Quantity, tuple[str, str, str]] = {
     "amplitude": ("amplitude", r"\Delta F", "N"),
 }
 """Quantities of a load, the one drawn to the right first."""
+
+_COUPLED_AT_ONCE = 2000
+"""Points of coupled modes computed between two reports of progress: some seconds (a choice)."""
 
 
 def stability_map(
@@ -113,7 +116,9 @@ def stability_map(
         return (found, *rod.fastest(*load, like=like, workers=workers)) if growth else (found,)
 
     kinds = (np.int8, np.float64, np.int64)[: 3 if growth else 1]
-    verdicts, *rest = fill_rows(rows, y.values, x.values.size, kinds, progress)
+    independent = rod.coupled_numbers.has_mathieu_modes(kind(like))
+    at_once = None if independent else max(1, _COUPLED_AT_ONCE // x.values.size)
+    verdicts, *rest = fill_rows(rows, y.values, x.values.size, kinds, progress, at_once)
     name, _, unit = _AXES[fixed[0]]
     fixed_values: list[list[Any]] = [[name, value, unit], ["critical force", rod.critical_force, "N"]]
     if rubbing is not None:
