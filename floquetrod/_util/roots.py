@@ -67,11 +67,11 @@ def bisected(
     holds : callable
         Takes a place in every bracket and returns whether the statement holds there.
     low, high : ndarray of float
-        Ends of the brackets; the statement holds at the lower and not at the higher, which is not looked at.
+        Ends of the brackets, in any order; the statement holds at ``low`` and not at ``high``, which is not looked at.
     halvings : int
         How often they are halved at most.
     relative : float
-        No more are made once every bracket is as narrow as this share of its end ``high``.
+        No more are made once every bracket is no wider than this share of its end ``high``.
 
     Returns
     -------
@@ -79,7 +79,7 @@ def bisected(
         New ends, with the same properties.
     """
     for _ in range(halvings):
-        if not (high - low > relative * np.abs(high)).any():
+        if not (np.abs(high - low) > relative * np.abs(high)).any():
             break
         middle = 0.5 * (low + high)
         here = holds(middle)
