@@ -67,12 +67,11 @@ def bisected(
     holds : callable
         Takes a place in every bracket and returns whether the statement holds there.
     low, high : ndarray of float
-        Ends of the brackets, in either order; the statement holds at ``low`` and not at ``high``, which is not looked
-        at.
+        Ends of the brackets, in any order; the statement holds at ``low`` and not at ``high``, which is not looked at.
     halvings : int
         How often they are halved at most.
     relative : float
-        No more are made once every bracket is as narrow as this share of its end ``high``.
+        No more are made once every bracket is no wider than this share of its end ``high``.
 
     Returns
     -------

@@ -102,7 +102,9 @@ class CoupledRodStability(RodVerdict):
         if len(self.convergence) == 1:
             return f"{self.modes_checked} coupled modes, as asked for"
         (fewer, first), (last, final) = self.convergence[-2:]
-        return f"{last} coupled modes; with {fewer} growth differs by {abs(final - first):.1g} 1/s"
+        change = abs(final - first)
+        known = f"growth differs by {change:.1g} 1/s" if math.isfinite(change) else "growth could not be compared"
+        return f"{last} coupled modes; with {fewer} {known}"
 
     @property
     def unstable_modes(self) -> tuple[int, ...]:
@@ -131,7 +133,11 @@ class CoupledRodStability(RodVerdict):
         def grows(rate: float) -> bool:
             constants = self.coupled.numbers.constants._replace(damping_rate=rate)
             modes = replace(self.coupled, numbers=self.coupled.numbers._replace(constants=constants))
-            return bool(modes.verdicts(loads, self.growth_tolerance, quick=True)[0] != 1)
+            if modes.verdicts(loads, self.growth_tolerance, quick=True)[0] == 1:
+                return False
+            return (
+                not modes.growth(loads, None)[0] <= self.growth_tolerance
+            )  # next to a boundary, where quick is unsure
 
         least = max(self.growth_rate, 1e-6 * self.load.frequency)
         tried = least * 2.0 ** np.arange(-1, 4)

@@ -1,0 +1,461 @@
+"""Answers about rods whose modes are coupled, held against each other: verdicts, arrays, maps, ranges, margins, shapes."""
+
+from __future__ import annotations
+
+import copy
+import functools
+import math
+import pickle
+from typing import Any
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from floquetrod.floquet.systems.result import Resonance
+from floquetrod.rod.coupled_stability import CoupledRodStability
+from floquetrod.rod.load import AxialWave, Load
+
+PLAIN = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05)
+"""A rod of few modes, m_cr = 2.4."""
+
+ROD = PLAIN.replace(inclination=1.0, ends="clamped-hinged", damping_rate=0.02)
+UNIT, SWING = ROD.critical_force, ROD.pendulum_frequency
+MEAN, AMPLITUDE, FREQUENCY = 0.3 * UNIT, 0.4 * UNIT, 2.0 * SWING
+KINDS: dict[str, Load] = {
+    "sine": fr.AxialLoad(0.0, 0.0, 1.0, mean_at=0.3),
+    "harmonics": fr.AxialLoad(0.0, 0.0, 1.0, waveform=(0.7 - 0.4j, 0.0, 0.5 + 0.3j)),
+    "wave": AxialWave(0.0, 0.0, 1.0, far_end="held", axial_damping=3.0),
+    "driven": AxialWave(0.0, 0.0, 1.0, far_end="driven", mean_at=None),
+}
+
+
+def load(kind: str = "sine", mean: float = MEAN, amplitude: float = AMPLITUDE, frequency: float = FREQUENCY) -> Load:
+    """Return a load of a kind."""
+    return KINDS[kind].with_numbers(mean, amplitude, frequency)
+
+
+@functools.cache
+def verdict(kind: str = "sine") -> CoupledRodStability:
+    """Return the verdict under a load of a kind, which makes the rod grow."""
+    found = ROD.stability(load(kind))
+    assert isinstance(found, CoupledRodStability)
+    assert found.status == "unstable"
+    return found
+
+
+def scan(varied: str, values: np.ndarray, kind: str = "sine", rod: fr.Rod = ROD, tolerance: float = 1e-6) -> np.ndarray:
+    """Return where a rod is stable along one quantity of the load."""
+    numbers = {"mean": MEAN, "amplitude": AMPLITUDE, "frequency": FREQUENCY} | {varied: values}
+    return np.asarray(rod.growth_rate(**numbers, like=KINDS[kind]) <= tolerance)
+
+
+# --- one load and many ---
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_arrays_say_what_single_verdicts_do(kind: str, rng: np.random.Generator) -> None:
+    size = 6
+    numbers = (
+        rng.uniform(-0.2, 0.9, size) * UNIT,
+        rng.uniform(0.0, 0.6, size) * UNIT,
+        rng.uniform(1.0, 4.0, size) * SWING,
+    )
+    like = KINDS[kind]
+    verdicts = ROD.verdicts(*numbers, like=like)
+    growth = ROD.growth_rate(*numbers, like=like)
+    assert verdicts.dtype == np.int8
+    assert ROD.verdicts(*numbers, like=like, workers=1).tolist() == verdicts.tolist()
+    assert ROD.verdicts(*numbers, like=like, workers=2).tolist() == verdicts.tolist()
+    assert ROD.growth_rate(*numbers, like=like, workers=2).tolist() == growth.tolist()
+    rate, mode = ROD.fastest(*numbers, like=like)
+    assert rate.tolist() == growth.tolist()
+    assert mode.tolist() == np.where(growth > 0.0, -1, 0).tolist()
+    for i, (mean, amplitude, frequency) in enumerate(zip(*numbers, strict=True)):
+        single = ROD.stability(like.with_numbers(mean, amplitude, frequency))
+        if single.status != "undecided" and verdicts[i] != -1:
+            assert (verdicts[i] == 1) == single.stable, (mean, amplitude, frequency)
+        assert growth[i] == pytest.approx(single.growth_rate, rel=1e-4, abs=1e-4)
+        if verdicts[i] != -1:
+            assert ROD.is_stable(mean, amplitude, frequency, like=like) == (verdicts[i] == 1)
+
+
+def test_shapes_broadcast_and_scalars_stay_scalars() -> None:
+    means = np.array([[0.1], [0.3]]) * UNIT
+    frequencies = np.array([1.5, 2.0, 3.1]) * SWING
+    growth = ROD.growth_rate(means, AMPLITUDE, frequencies)
+    assert growth.shape == ROD.is_stable(means, AMPLITUDE, frequencies).shape == (2, 3)
+    # As many modes as a group of frequencies needs, so that fewer loads may differ by what those left out change.
+    assert growth[1, 1] == pytest.approx(ROD.growth_rate(means[1, 0], AMPLITUDE, frequencies[1]), rel=1e-6)
+    assert np.ndim(ROD.growth_rate(MEAN, AMPLITUDE, FREQUENCY)) == 0
+    assert bool(ROD.is_stable(MEAN, AMPLITUDE, FREQUENCY)) is False
+    assert int(ROD.verdicts(0.0, 0.0, FREQUENCY)) == 1
+    assert ROD.growth_rate([], AMPLITUDE, FREQUENCY).shape == (0,)
+    with pytest.raises(ValueError, match="broadcast"):
+        ROD.growth_rate([1.0, 2.0], [1.0, 2.0, 3.0], FREQUENCY)
+
+
+@pytest.mark.parametrize("kind", ["sine", "wave"])
+def test_maps_say_what_arrays_do(kind: str) -> None:
+    like = KINDS[kind]
+    means, frequencies = np.linspace(0.0, 0.8, 4) * UNIT, np.linspace(1.2, 3.5, 5) * SWING
+    chart = fr.stability_map(ROD, mean=means, amplitude=AMPLITUDE, frequency=frequencies, like=like, growth=True)
+    expected = ROD.growth_rate(means[:, None], AMPLITUDE, frequencies, like=like)
+    assert chart.growth_rate == pytest.approx(expected, rel=1e-6, abs=1e-6)
+    assert chart.stable.tolist() == (ROD.verdicts(means[:, None], AMPLITUDE, frequencies, like=like) == 1).tolist()
+    tolerant = fr.stability_map(
+        ROD, mean=means, amplitude=AMPLITUDE, frequency=frequencies, like=like, growth_tolerance=0.5
+    )
+    apart = np.abs(expected - 0.5) > 1e-4
+    assert tolerant.stable[apart].tolist() == (expected <= 0.5)[apart].tolist()
+
+
+# --- tolerance ---
+
+
+@pytest.mark.parametrize("kind", ["sine", "harmonics", "wave"])
+def test_a_tolerance_divides_loads_by_their_growth(kind: str) -> None:
+    rate, numbers = verdict(kind).growth_rate, (MEAN, AMPLITUDE, FREQUENCY)
+    for tolerance, expected in ((0.99 * rate, "unstable"), (1.01 * rate, "stable")):
+        found = ROD.stability(load(kind), growth_tolerance=tolerance)
+        assert found.status == expected
+        assert found.growth_tolerance == tolerance
+        assert found.growth_rate == pytest.approx(rate, rel=1e-5)
+        assert bool(found.unstable_modes) == (expected == "unstable")
+        assert ROD.verdicts(*numbers, like=KINDS[kind], growth_tolerance=tolerance) == (expected == "stable")
+    found = ROD.stability(load(kind), growth_tolerance=rate)
+    assert found.status == "undecided" or found.error < 1e-6 * rate
+
+
+# --- margins and ranges against scans ---
+
+
+@pytest.mark.parametrize("quantity", ["mean", "amplitude", "frequency"])
+@pytest.mark.parametrize("kind", ["sine", "wave"])
+def test_margins_are_where_a_scan_changes(kind: str, quantity: str) -> None:
+    found = verdict(kind)
+    here = getattr(found.load, quantity)
+    margin = getattr(found, "mean_force_margin" if quantity == "mean" else f"{quantity}_margin")
+    assert margin.nearest == min(margin.below, margin.above) > 0.0
+    for distance, sign in ((margin.below, -1.0), (margin.above, 1.0)):
+        if math.isinf(distance):
+            continue
+        near = here + sign * distance * np.array([0.02, 0.5, 0.999, 1.001])
+        stable = scan(quantity, near, kind, tolerance=found.margin_tolerance)
+        assert stable.tolist() == [False, False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("quantity", "bounds"),
+    [
+        ("mean", (0.0, 1.2 * UNIT)),
+        ("amplitude", (0.0, 0.8 * UNIT)),
+        ("frequency", (1.5 * SWING, 3.5 * SWING)),
+    ],
+)
+@pytest.mark.parametrize("kind", ["sine", "driven"])
+def test_ranges_are_those_of_a_scan(kind: str, quantity: str, bounds: tuple[float, float]) -> None:
+    given = {"mean": MEAN, "amplitude": AMPLITUDE, "frequency": FREQUENCY}
+    fixed = {name: value for name, value in given.items() if name != quantity}
+    search = {"mean": "stable_mean_forces", "amplitude": "stable_amplitudes", "frequency": "stable_frequencies"}
+    called: list[tuple[int, int]] = []
+    found = getattr(ROD, search[quantity])(
+        **fixed,
+        bounds=bounds,
+        like=KINDS[kind],
+        growth_tolerance=0.01,
+        progress=lambda done, of: called.append((done, of)),
+    )
+    assert called[-1][0] == called[-1][1] > 0
+    assert found.resolution == pytest.approx((bounds[1] - bounds[0]) / 256.0)
+    assert len(found) > 0
+    values = np.linspace(*bounds, 611)
+    stable = scan(quantity, values, kind, tolerance=0.01)
+    said = np.array([value in found for value in values.tolist()])
+    differ = np.flatnonzero(stable != said)
+    # Only parts narrower than the resolution may have been missed, and rounding decides at an end.
+    step = values[1] - values[0]
+    for run in np.split(differ, np.flatnonzero(np.diff(differ) > 1) + 1):
+        assert run.size * step <= found.resolution
+    for part in found:
+        assert part.low < part.high
+        for end, cause, sign in ((part.low, part.low_end, -1.0), (part.high, part.high_end, 1.0)):
+            if cause is None:
+                assert end in bounds
+                continue
+            assert isinstance(cause, Resonance)
+            close = np.array([end - sign * 2e-4 * (bounds[1] - bounds[0]), end + sign * 2e-4 * (bounds[1] - bounds[0])])
+            assert scan(quantity, close, kind, tolerance=0.01).tolist() == [True, False]
+    text = repr(found)
+    assert "may have been missed" in text
+    assert "resonance" in text or "buckling" in text
+
+
+def test_critical_loads_are_where_growth_begins() -> None:
+    for kind in ("sine", "wave"):
+        like = KINDS[kind]
+        mean = ROD.critical_mean_force(0.1 * UNIT, FREQUENCY, like=like)
+        amplitude = ROD.critical_amplitude(MEAN, FREQUENCY, like=like)
+        assert 0.0 < mean < 1.5 * UNIT
+        assert 0.0 < amplitude < UNIT
+        for share, expected in ((0.999, True), (1.001, False)):
+            assert (ROD.growth_rate(share * mean, 0.1 * UNIT, FREQUENCY, like=like) <= 1e-6) == expected
+            assert (ROD.growth_rate(MEAN, share * amplitude, FREQUENCY, like=like) <= 1e-6) == expected
+        assert not (scan("amplitude", np.linspace(0.0, 0.99, 40) * amplitude, kind) == 0).any()
+    assert math.isinf(ROD.replace(damping_rate=30.0).critical_amplitude(0.0, 3.3 * SWING))
+
+
+# --- damping ---
+
+
+@pytest.mark.parametrize("kind", ["sine", "harmonics", "wave"])
+def test_damping_stabilises_from_where_it_is_said_to(kind: str) -> None:
+    needed = verdict(kind).damping_to_stabilise
+    assert 0.02 < needed < math.inf
+    below, above = (ROD.replace(damping_rate=share * needed).stability(load(kind)) for share in (0.9999, 1.0001))
+    assert below.status == "unstable"
+    assert above.status == "stable"
+    tolerant = ROD.stability(load(kind), growth_tolerance=0.2).damping_to_stabilise
+    assert tolerant < needed
+    at = ROD.replace(damping_rate=tolerant).stability(load(kind)).growth_rate
+    assert at == pytest.approx(0.2, rel=1e-3)
+
+
+def test_no_damping_is_needed_where_nothing_grows() -> None:
+    quiet = ROD.stability(load(amplitude=0.0))
+    assert quiet.status == "stable"
+    assert quiet.damping_to_stabilise == 0.0
+    assert math.isinf(ROD.stability(load(mean=3.0 * UNIT)).damping_to_stabilise)
+
+
+@pytest.mark.parametrize("rate", [3.0, 10.0])
+def test_overdamped_rods_creep_back(rate: float) -> None:
+    rod = ROD.replace(damping_rate=rate * SWING)
+    found = rod.stability(load(amplitude=0.1 * UNIT), range(1, 9))
+    assert found.status == "stable"
+    assert found.exponents[0].real < 0.0
+    least = np.linalg.eigvalsh(np.asarray(rod.modal_system(load(amplitude=0.0), range(1, 9)).stiffness))[0]  # type: ignore[union-attr]
+    creep = rate * SWING - math.sqrt((rate * SWING) ** 2 - least)
+    assert found.exponents[0].real == pytest.approx(-creep, rel=0.1)
+
+
+# --- limits that are known ---
+
+
+def test_harmonics_on_a_plain_rod_are_those_of_hill_equations() -> None:
+    # Hinged ends and a uniform force: the modes stay apart, whatever the waveform.
+    waveform = (0.4 - 0.8j, 0.3j, 0.25)
+    rod = PLAIN.replace(damping_rate=0.05)
+    push = fr.AxialLoad(0.4 * PLAIN.critical_force, 0.5 * PLAIN.critical_force, 2.1 * SWING, waveform=waveform)
+    found = rod.stability(push)
+    assert isinstance(found, CoupledRodStability)
+    rates = []
+    for mode in range(1, found.modes_checked + 1):
+        k2 = (mode * math.pi / rod.length) ** 2
+        own = rod.flexural_rigidity / rod.mass_per_length * k2**2 + rod.pendulum_frequency**2
+        scale = k2 / rod.mass_per_length
+        hill = fr.Hill(
+            push.mean * scale - own,  # x'' = (mean + sum a_k cos + b_k sin) x
+            tuple(push.amplitude * scale * h.real for h in waveform),
+            tuple(-push.amplitude * scale * h.imag for h in waveform),
+            period=2.0 * math.pi / push.frequency,
+            damping=0.05,
+        )
+        rates.append(fr.stability(hill).growth_rate)
+    assert found.growth_rate == pytest.approx(max(rates), rel=1e-8)
+    assert found.growth_rate > 0.1
+    assert rates[found.fastest_mode - 1] > 0.0
+    assert found.resonances[0].kind == "direct"
+
+
+def test_a_sine_may_be_written_as_a_harmonic() -> None:
+    numbers = 0.3 * PLAIN.critical_force, 0.4 * PLAIN.critical_force, 2.0 * SWING
+    sine, harmonic = fr.AxialLoad(*numbers), fr.AxialLoad(*numbers, waveform=(-1j,))
+    apart, coupled = PLAIN.stability(sine), PLAIN.stability(harmonic)
+    assert isinstance(apart, fr.RodStability)
+    assert isinstance(coupled, CoupledRodStability)
+    assert coupled.growth_rate == pytest.approx(apart.growth_rate, rel=1e-9)
+    assert coupled.fastest_mode == apart.fastest_mode
+    likewise = (
+        ROD.stability(load("sine")),
+        ROD.stability(fr.AxialLoad(*numbers_of(load()), mean_at=0.3, waveform=(-1j,))),
+    )
+    assert likewise[0].growth_rate == likewise[1].growth_rate
+
+
+def numbers_of(given: Load) -> tuple[float, float, float]:
+    """Return mean, amplitude and frequency."""
+    return given.mean, given.amplitude, given.frequency
+
+
+def test_what_like_may_be() -> None:
+    # Of ``like`` only what is not given otherwise is taken.
+    other = KINDS["wave"].with_numbers(1.0, 2.0, 3.0)
+    numbers = MEAN, AMPLITUDE, FREQUENCY
+    assert ROD.growth_rate(*numbers, like=other) == ROD.growth_rate(*numbers, like=KINDS["wave"])
+    for bad in (MEAN, "wave", ROD, [KINDS["wave"]]):
+        for ask in (ROD.growth_rate, ROD.verdicts, ROD.is_stable, ROD.fastest):
+            with pytest.raises(TypeError, match="^like must be an AxialLoad or AxialWave"):
+                ask(*numbers, like=bad)  # type: ignore[arg-type]
+        with pytest.raises(TypeError, match="^like must be"):
+            ROD.stable_mean_forces(AMPLITUDE, FREQUENCY, like=bad)  # type: ignore[arg-type]
+        with pytest.raises(TypeError, match="^like must be"):
+            ROD.critical_amplitude(MEAN, FREQUENCY, like=bad)  # type: ignore[arg-type]
+
+
+# --- what a verdict carries ---
+
+
+@pytest.mark.parametrize("kind", ["sine", "wave"])
+def test_the_shape_belongs_to_the_fastest_solution(kind: str) -> None:
+    found = verdict(kind)
+    s, deflection, envelope = found.shape
+    assert s[0] == 0.0
+    assert s[-1] == ROD.length
+    assert envelope.max() == pytest.approx(1.0)
+    assert np.abs(deflection).max() == pytest.approx(1.0)
+    assert (np.abs(deflection) <= envelope + 1e-9).all()
+    step = s[1]
+    assert np.abs([deflection[0], deflection[-1]]).max() < 1e-9
+    assert abs(deflection[1]) < 20.0 * (math.pi * found.modes_checked * step / ROD.length) ** 2  # clamped at s = 0
+    # Integrated over a period from the shape's own start, the solution comes back times exp(growth T).
+    system, n = found.system, found.coupled.size
+    first = system.as_periodic_system()
+    steps = 4000
+    dt = found.period / steps
+    state = np.eye(2 * n)
+    for i in range(steps):  # the midpoint rule
+        half = 0.5 * dt * first.coefficient((i + 0.5) * dt)
+        state = np.linalg.solve(np.eye(2 * n) - half, state + half @ state)
+    values, vectors = np.linalg.eig(state)
+    fastest = int(np.abs(values).argmax())
+    assert math.log(abs(values[fastest])) / found.period == pytest.approx(found.growth_rate, rel=1e-3)
+    # Both span the same: at some instant of the period the deflection is a combination of both parts of the solution.
+    functions = found.coupled.basis.shapes(s / ROD.length)
+    path = [vectors[:, fastest]]
+    for i in range(steps):
+        half = 0.5 * dt * first.coefficient((i + 0.5) * dt)
+        path.append(np.linalg.solve(np.eye(2 * n) - half, path[-1] + half @ path[-1]))
+    times = dt * np.arange(steps + 1)
+    moving = functions.T @ (np.array(path)[:, :n] * np.exp(-found.growth_rate * times)[:, None]).T
+    largest = np.abs(moving).max(axis=1)
+    assert envelope == pytest.approx(largest / largest.max(), abs=5e-3)
+
+
+def test_a_verdict_can_be_kept_and_compared() -> None:
+    found = verdict()
+    again = pickle.loads(pickle.dumps(found))
+    for other in (again, copy.deepcopy(found)):
+        assert isinstance(other, CoupledRodStability)
+        assert repr(other) == repr(found)
+        assert other.growth_rate == found.growth_rate
+        assert other.load == found.load
+        assert other.rod == found.rod
+        assert other.convergence == found.convergence
+        assert other.mean_force_margin == found.mean_force_margin
+    assert hash(found) == hash(found)
+    assert found == found
+    with pytest.raises(TypeError, match="stable"):
+        bool(found)
+    assert repr(found).startswith("<unstable: ")
+    assert "coupled modes" in repr(found)
+    assert found.time_to_grow(math.e) == pytest.approx(1.0 / found.growth_rate)
+    assert found.modes == tuple(range(1, found.modes_checked + 1))
+    assert found.convergence[-1] == (found.modes_checked, found.growth_rate)
+    assert found.fastest_mode in found.unstable_modes
+    assert found.assumptions
+
+
+def test_modes_may_be_chosen_from_the_first_on() -> None:
+    many = verdict().modes_checked
+    fewer = ROD.stability(load(), range(1, many - 1))
+    assert isinstance(fewer, CoupledRodStability)
+    assert fewer.modes_checked == many - 2
+    assert "as asked for" in fewer.cutoff
+    assert fewer.growth_rate == pytest.approx(verdict().growth_rate, rel=1e-3)
+    for bad in ((2, 3), (1, 3), (3, 2, 1), (1, 1, 2)):
+        with pytest.raises(
+            ValueError, match=r"^modes of a rod whose modes are coupled must be 1 to some number.*range"
+        ):
+            ROD.stability(load(), bad)
+    with pytest.raises(ValueError, match="^modes must name at least one mode"):
+        ROD.stability(load(), ())
+    with pytest.raises(ValueError, match="^modes must be at most 2000"):
+        ROD.stability(load(), range(1, 2500))
+    with pytest.raises(TypeError, match="^modes must be a sequence"):
+        ROD.stability(load(), 7)  # type: ignore[arg-type]
+
+
+def test_what_the_theory_does_not_cover_is_refused() -> None:
+    numbers = MEAN, AMPLITUDE, FREQUENCY
+    message = r"is for rods whose modes are independent: hinged ends.*got ends='clamped-hinged'"
+    for ask in (
+        lambda: ROD.stability(load(), friction=0.1, kick=0.05),
+        lambda: ROD.is_stable(*numbers, friction=0.1, kick=0.05),
+        lambda: ROD.critical_kick(load(), friction=0.1),
+        lambda: fr.stability_map(
+            ROD, mean=(0.0, 1.0, 2), amplitude=1.0, frequency=(10.0, 20.0, 2), friction=0.1, kick=1.0
+        ),
+    ):
+        with pytest.raises(ValueError, match="^friction " + message):
+            ask()
+    with pytest.raises(ValueError, match="^criterion " + message):
+        ROD.verdicts(*numbers, criterion=fr.FiniteTimeCriterion())
+    with pytest.raises(ValueError, match="^modal_systems is for rods whose modes are independent"):
+        ROD.critical_kicks(*numbers, friction=0.1)
+    with pytest.raises(TypeError, match="^load must be an AxialLoad or AxialWave"):
+        ROD.stability(MEAN)  # type: ignore[call-overload]
+
+
+# --- extremes ---
+
+
+def test_static_loads_buckle_where_stiffness_ends() -> None:
+    system: Any = ROD.modal_system(load(amplitude=0.0), range(1, 15))
+    assert np.linalg.eigvalsh(np.asarray(system.stiffness))[0] > 0.0
+    assert ROD.stability(load(amplitude=0.0)).status == "stable"
+    buckled = ROD.stability(load(mean=2.0 * UNIT, amplitude=0.0))
+    assert buckled.status == "unstable"
+    assert buckled.resonances[0].kind == "buckling"
+    stiffness = np.asarray(ROD.modal_system(load(mean=2.0 * UNIT, amplitude=0.0), range(1, 15)).stiffness)  # type: ignore[union-attr]
+    rate = math.sqrt(0.02**2 - np.linalg.eigvalsh(stiffness)[0]) - 0.02
+    assert buckled.growth_rate == pytest.approx(rate, rel=1e-6)
+
+
+@pytest.mark.parametrize("ends", ["free", "hinged-free", "guided", "free-guided"])
+def test_rods_that_may_move_as_a_whole_are_judged(ends: str) -> None:
+    rod = ROD.replace(ends=ends)
+    assert rod.stability(load(mean=-0.1 * UNIT, amplitude=0.0)).status == "stable"  # on the floor
+    found = rod.stability(load(mean=0.1 * UNIT))
+    assert found.status in ("stable", "unstable")
+    assert math.isfinite(found.growth_rate)
+
+
+@pytest.mark.parametrize("pull", [0.1, 3.0, 1e3, 1e5])
+def test_tension_stabilises(pull: float) -> None:
+    assert ROD.stability(load(mean=-pull * UNIT, amplitude=0.05 * UNIT)).status == "stable"
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"mean": 1e6 * UNIT}, "^frequency must be at least .* rad/s for this rod and load.*check the units"),
+        ({"mean": 1e11}, "check"),
+        ({"amplitude": 1e12}, "^load needs more than .* modes: mean and amplitude come to .* N, far above"),
+        ({"frequency": 1e-9}, "^frequency must be at least"),
+        ({"frequency": 1e12}, "^frequency must be at most"),
+    ],
+)
+def test_overwhelming_loads_are_refused_with_a_remedy(change: dict[str, float], message: str) -> None:
+    far = load(**change)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=message):
+        ROD.modal_system(far) if far.frequency > 1e6 else ROD.stability(far)
+    with pytest.raises(ValueError, match=message):
+        ROD.verdicts(*numbers_of(far), like=far)
+
+
+def test_a_load_too_slow_to_follow_is_undecided_with_a_reason() -> None:
+    found = ROD.stability(load(amplitude=0.2 * UNIT, frequency=1e-3))
+    assert found.status in ("undecided", "stable")
+    assert "nan" not in repr(found)
+    assert found.status == "stable" or found.note
