@@ -33,8 +33,10 @@ if TYPE_CHECKING:
     from floquetrod.floquet.verdict import Stability as Stability
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
     from floquetrod.plane import Chart as Chart
+    from floquetrod.rod.coupled_stability import CoupledRodStability as CoupledRodStability
     from floquetrod.rod.friction import FrictionalRodStability as FrictionalRodStability
     from floquetrod.rod.load import AxialLoad as AxialLoad
+    from floquetrod.rod.load import AxialWave as AxialWave
     from floquetrod.rod.map import stability_map as stability_map
     from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
     from floquetrod.rod.rod import Rod as Rod
@@ -50,10 +52,12 @@ if TYPE_CHECKING:
 _WHERE = {
     "__version__": "_util.version",
     "AxialLoad": "rod.load",
+    "AxialWave": "rod.load",
     "Chart": "plane",
     "chart": "systems.charts",
     "CheckpointWarning": "simulation.checkpoints",
     "Comparison": "floquet.comparison",
+    "CoupledRodStability": "rod.coupled_stability",
     "Explorer": "explorer",
     "FrictionalMathieu": "equations",
     "Hill": "equations",
