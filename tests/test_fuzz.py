@@ -57,7 +57,7 @@ def test_short_attack(attack: str, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_every_public_callable_is_attacked() -> None:
-    assert set(calls.table()) | set(calls.LEFT_OUT) == calls.public()
+    assert {name.partition(" ")[0] for name in calls.table()} | set(calls.LEFT_OUT) == calls.public()
     assert not set(calls.table()) & set(calls.LEFT_OUT)
 
 

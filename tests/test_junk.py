@@ -21,6 +21,9 @@ from floquetrod.floquet.methods.monodromy import monodromy_matrix
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
 MATHIEU = fr.Mathieu(0.5, -0.25)
+CLAMPED = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, ends="clamped-hinged")
+PUSH: dict[str, Any] = {"mean": 500.0, "amplitude": 700.0, "frequency": 29.0}
+WAVE = fr.AxialWave(**PUSH, axial_damping=3.0)
 KICKED = fr.FrictionalMathieu(1.0, 0.3, 1.0)
 TIME = np.linspace(0.0, 1.0, 200)
 KICK = fr.Perturbation.modes({8: 0.05})
@@ -102,10 +105,15 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.FiniteTimeCriterion, {"periods": 10, "limit": 1e6, "by": "exact", "step": 0.01}),
     (fr.FiniteTimeCriterion().growth, ALL),
     (fr.FiniteTimeCriterion().is_stable, ALL),
-    (fr.AxialLoad, LOADS),
+    (fr.AxialLoad, LOADS | {"mean_at": 0.3, "waveform": (0.5 - 1j, 0.2)}),
     (fr.AxialLoad.hertz, LOADS),
     (fr.ForceRecord, {"time": TIME, "force": 3.0 + np.sin(40.0 * TIME), "harmonics": 3, "frequency": 40.0}),
     (fr.ForceRecord(TIME, 3.0 + np.sin(40.0 * TIME)).force, {"t": 0.5}),
+    (
+        fr.AxialWave,
+        PUSH | {"far_end": "held", "axial_damping": 0.5, "mean_at": 0.3, "waveform": "sine"},
+    ),
+    (fr.AxialWave.hertz, LOADS),
     (fr.Rod, dataclasses.asdict(ROD)),
     (
         fr.Rod,
@@ -131,29 +139,49 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (ROD.lock_up(0.3).pushed_length, {"force": 0.1}),
     (ROD.stability, {"load": LOAD, "modes": (6, 7), "growth_tolerance": 0.0, "friction": 0.1, "kick": 0.05}),
     (ROD.stability, {"load": LOAD}),
+    (CLAMPED.stability, {"load": WAVE, "modes": range(1, 9), "growth_tolerance": 0.1, "friction": None, "kick": None}),
+    (CLAMPED.modal_system, {"load": WAVE, "modes": (1, 2, 3)}),
+    (CLAMPED.modes_needed, {"load": WAVE, "growth_tolerance": 0.1}),
+    (CLAMPED.stability(WAVE, range(1, 9)).time_to_grow, {"factor": 10.0}),
+    (CLAMPED.is_stable, {**PUSH, "growth_tolerance": 0.1, "like": WAVE, "workers": 1}),
+    (CLAMPED.verdicts, {**PUSH, "growth_tolerance": 0.1, "like": WAVE, "workers": 1}),
+    (CLAMPED.growth_rate, {**PUSH, "like": WAVE, "workers": 1}),
+    (CLAMPED.fastest, {**PUSH, "like": WAVE, "workers": 1}),
     (ROD.critical_kick, {"load": LOAD, "friction": 0.1, "growth_tolerance": 0.0}),
     (ROD.critical_kicks, {**LOADS, "friction": 0.1, "growth_tolerance": 0.0, "workers": 1}),
     (
         ROD.is_stable,
-        {**LOADS, "growth_tolerance": 0.0, "criterion": None, "friction": None, "kick": None, "workers": 1},
+        {
+            **LOADS,
+            "growth_tolerance": 0.0,
+            "criterion": None,
+            "friction": None,
+            "kick": None,
+            "like": LOAD,
+            "workers": 1,
+        },
     ),
     (ROD.verdicts, {**LOADS, "growth_tolerance": 0.0, "criterion": None, "friction": 0.1, "kick": 0.05, "workers": 1}),
-    (ROD.growth_rate, {**LOADS, "workers": 1}),
-    (ROD.fastest, {**LOADS, "workers": 1}),
+    (ROD.verdicts, {**LOADS, "like": LOAD}),
+    (ROD.growth_rate, {**LOADS, "like": LOAD, "workers": 1}),
+    (ROD.fastest, {**LOADS, "like": LOAD, "workers": 1}),
     (
         ROD.stable_mean_forces,
-        {"amplitude": 0.3, "frequency": 150.0, "bounds": (0.1, 0.5), "growth_tolerance": 0.1, "progress": None},
+        {"amplitude": 0.3, "frequency": 150.0, "bounds": (0.1, 0.5), "growth_tolerance": 0.1, "progress": None}
+        | {"like": LOAD},
     ),
     (
         ROD.stable_amplitudes,
-        {"mean": 0.3, "frequency": 150.0, "bounds": (0.1, 0.5), "growth_tolerance": 0.1, "progress": None},
+        {"mean": 0.3, "frequency": 150.0, "bounds": (0.1, 0.5), "growth_tolerance": 0.1, "progress": None}
+        | {"like": LOAD},
     ),
     (
         ROD.stable_frequencies,
-        {"mean": 0.3, "amplitude": 0.3, "bounds": (99.0, 150.0), "growth_tolerance": 0.1, "progress": None},
+        {"mean": 0.3, "amplitude": 0.3, "bounds": (99.0, 150.0), "growth_tolerance": 0.1, "progress": None}
+        | {"like": LOAD},
     ),
-    (ROD.critical_mean_force, {"amplitude": 0.3, "frequency": 150.0, "growth_tolerance": 0.1}),
-    (ROD.critical_amplitude, {"mean": 0.3, "frequency": 150.0, "growth_tolerance": 0.1}),
+    (ROD.critical_mean_force, {"amplitude": 0.3, "frequency": 150.0, "growth_tolerance": 0.1, "like": LOAD}),
+    (ROD.critical_amplitude, {"mean": 0.3, "frequency": 150.0, "growth_tolerance": 0.1, "like": LOAD}),
     (ROD.natural_frequency, {"mode": 7}),
     (ROD.wavenumber, {"mode": 7}),
     (ROD.modal_system, {"load": LOAD, "modes": (6, 7)}),
@@ -173,6 +201,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "criterion": None,
             "friction": None,
             "kick": None,
+            "like": LOAD,
             "workers": 1,
             "progress": None,
         },
@@ -334,6 +363,7 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "Chart",
         "Comparison",
         "Proof",
+        "CoupledRodStability",
         "FrictionalRodStability",
         "RodStability",
         "StabilityIntervals",

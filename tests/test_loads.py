@@ -15,7 +15,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.rod.load import AxialWave, Load
+from floquetrod.rod.load import Load
 
 ROD = fr.Rod.nitinol()
 TUBING = fr.Rod(
@@ -39,7 +39,7 @@ FORMULAS: dict[str, Callable[[Any, Any, Any], Any]] = {
 """Of the vibration of unit amplitude, far end by far end."""
 
 
-def exact(wave: AxialWave, speed: float, length: float, s: float, frequency: float) -> complex:
+def exact(wave: fr.AxialWave, speed: float, length: float, s: float, frequency: float) -> complex:
     """Return the vibration from the textbook's formula in 40 digits."""
     with mp.workdps(40):
         w = mp.mpf(frequency)
@@ -47,9 +47,9 @@ def exact(wave: AxialWave, speed: float, length: float, s: float, frequency: flo
         return complex(FORMULAS[wave.far_end](kappa, mp.mpf(length), mp.mpf(s)))
 
 
-def wave(far_end: str = "held", axial_damping: float = 0.0, **others: Any) -> AxialWave:
+def wave(far_end: str = "held", axial_damping: float = 0.0, **others: Any) -> fr.AxialWave:
     """Return an axial wave."""
-    return AxialWave(**(NUMBERS | others), far_end=far_end, axial_damping=axial_damping)  # type: ignore[arg-type]
+    return fr.AxialWave(**(NUMBERS | others), far_end=far_end, axial_damping=axial_damping)  # type: ignore[arg-type]
 
 
 # --- profiles ---
@@ -114,7 +114,7 @@ def test_a_fast_wave_to_a_free_end_falls_linearly() -> None:
 def test_growth_under_a_fast_wave_is_that_under_a_uniform_force() -> None:
     # A short rod, c_0 / f far beyond it: the wave is all but uniform, and so is growth.
     load = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)
-    held = AxialWave(load.mean, load.amplitude, load.frequency)
+    held = fr.AxialWave(load.mean, load.amplitude, load.frequency)
     uniform, travelling = ROD.stability(load).growth_rate, ROD.stability(held).growth_rate
     ratio = 0.5 * (load.frequency * ROD.length / ROD.wave_speed) ** 2  # what cos kappa L lacks of 1
     assert 0.0 < abs(travelling - uniform) < 2.0 * ratio * uniform
@@ -228,7 +228,7 @@ LOADS: list[Load] = [
 
 @pytest.mark.parametrize("load", LOADS, ids=repr)
 def test_a_load_is_its_data(load: Load) -> None:
-    names = {"AxialLoad": fr.AxialLoad, "AxialWave": AxialWave}
+    names = {"AxialLoad": fr.AxialLoad, "AxialWave": fr.AxialWave}
     assert eval(repr(load), dict(names)) == load
     assert type(load)(**load.as_dict()) == load
     assert pickle.loads(pickle.dumps(load)) == load == copy.deepcopy(load)
@@ -288,7 +288,7 @@ BAD: list[tuple[dict[str, Any], type[Exception] | tuple[type[Exception], ...], s
 ]
 
 
-@pytest.mark.parametrize("kind", [fr.AxialLoad, AxialWave])
+@pytest.mark.parametrize("kind", [fr.AxialLoad, fr.AxialWave])
 @pytest.mark.parametrize(("change", "error", "message"), BAD, ids=[repr(b[0])[:40] for b in BAD])
 def test_bad_loads(
     kind: type[Load], change: dict[str, Any], error: type[Exception] | tuple[type[Exception], ...], message: str
@@ -312,7 +312,7 @@ def test_bad_loads(
 )
 def test_bad_waves(change: dict[str, Any], error: type[Exception], message: str) -> None:
     with pytest.raises(error, match=message):
-        AxialWave(**(NUMBERS | change))
+        fr.AxialWave(**(NUMBERS | change))
 
 
 def test_other_data_is_by_name_only() -> None:

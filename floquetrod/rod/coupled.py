@@ -200,8 +200,16 @@ class CoupledModes:
         """Whether the functions are the modes themselves, each with an equation of its own."""
         return self.numbers.are_modes_apart(self.like)
 
-    def _answers(self, loads: Loads, workers: int | None, *, quick: bool) -> tuple[NDArray[np.int8], Floats]:
-        """Return statuses (1 stable, 0 unstable, -1 undecided) and growth rates in 1/s."""
+    def answers(
+        self, loads: Loads, workers: int | None = None, *, quick: bool = False
+    ) -> tuple[NDArray[np.int8], Floats]:
+        """Return statuses (1 stable, 0 unstable, -1 undecided) and growth rates in 1/s, estimates where undecided.
+
+        With ``quick`` more loads are undecided, those next to a boundary, none of which then takes long.
+        """
+        if not loads.amplitude.any():  # any period serves: a short one takes the least work
+            stiffest = float(np.abs(self._static[0]).sum(axis=1).max())
+            loads = loads._replace(frequency=np.full(loads.size, math.sqrt(stiffest)))
         system = self.system(loads)
         if not self._are_apart:
             return verdicts(system, workers=workers, quick=quick)
@@ -215,11 +223,11 @@ class CoupledModes:
     ) -> NDArray[np.int8]:
         """Return 1 where no solution grows faster than the tolerance (1/s), 0 where one does, -1 where undecided.
 
-        With ``quick`` more loads are undecided, those next to a boundary, none of which then takes long.
+        ``quick`` as in `answers`.
         """
         found = np.empty(loads.size, dtype=np.int8)
         for part in self._parts(loads):
-            status, growth = self._answers(loads.part(part), workers, quick=quick)
+            status, growth = self.answers(loads.part(part), workers, quick=quick)
             if growth_tolerance > 0.0:
                 status = np.where(growth <= growth_tolerance, 1, np.where(status == 1, 1, status))
             found[part] = status
@@ -229,7 +237,7 @@ class CoupledModes:
         """Return the growth rate of the fastest solution in 1/s."""
         found = np.empty(loads.size)
         for part in self._parts(loads):
-            found[part] = self._answers(loads.part(part), workers, quick=False)[1]
+            found[part] = self.answers(loads.part(part), workers, quick=False)[1]
         return found
 
     def resonances(self, load: Load) -> tuple[Resonance, ...]:

@@ -133,11 +133,9 @@ class CoupledRodStability(RodVerdict):
         def grows(rate: float) -> bool:
             constants = self.coupled.numbers.constants._replace(damping_rate=rate)
             modes = replace(self.coupled, numbers=self.coupled.numbers._replace(constants=constants))
-            if modes.verdicts(loads, self.growth_tolerance, quick=True)[0] == 1:
-                return False
-            return (
-                not modes.growth(loads, None)[0] <= self.growth_tolerance
-            )  # next to a boundary, where quick is unsure
+            status, growth = modes.answers(loads, quick=True)
+            # Next to a boundary, where the status is undecided, the estimate of the growth rate tells.
+            return bool(status[0] == 0 if math.isnan(growth[0]) else growth[0] > self.growth_tolerance)
 
         least = max(self.growth_rate, 1e-6 * self.load.frequency)
         tried = least * 2.0 ** np.arange(-1, 4)

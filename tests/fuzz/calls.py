@@ -15,6 +15,9 @@ import floquetrod as fr
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
+CLAMPED = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, ends="clamped-hinged", inclination=1.0)
+PUSH = {"mean": 500.0, "amplitude": 700.0, "frequency": 29.0}
+WAVE = fr.AxialWave(**PUSH, axial_damping=3.0)
 EQUATION = fr.Mathieu(0.5, -0.3, 0.01)
 FRICTION = fr.FrictionalMathieu(1.0, 0.3, 1.0)
 TIME = np.linspace(0.0, 1.0, 200)
@@ -23,12 +26,12 @@ WAVE = [[0.1, 0.2], [0.2, 0.16]]
 SYSTEM = fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], [WAVE], period=2.0)
 FIRST_ORDER = fr.PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], [WAVE], period=2.0)
 
-VALUES = (fr.AxialLoad, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
+VALUES = (fr.AxialLoad, fr.AxialWave, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
 VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem, fr.ForceRecord)
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
-RESULTS += (fr.systems.FirstOrderTongue,)
+RESULTS += (fr.systems.FirstOrderTongue, fr.CoupledRodStability)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
@@ -60,7 +63,12 @@ LEFT_OUT = {
     "Mathieu.as_hill": "takes no argument",
     "systems.FirstOrderTongue": "constructed by first_order_tongues",
     "systems.chart": "another name of chart",
-    "Rod.as_dict": "takes no argument",
+    **{f"{kind}.as_dict": "takes no argument" for kind in ("AxialLoad", "AxialWave", "Rod")},
+    **{f"{kind}.profile": "for the equations of a rod" for kind in ("AxialLoad", "AxialWave")},
+    **{f"{kind}.varied": "for searches, whose arguments are checked there" for kind in ("AxialLoad", "AxialWave")},
+    **{f"{kind}.with_numbers": "for searches" for kind in ("AxialLoad", "AxialWave")},
+    "CoupledRodStability": "constructed by Rod.stability",
+    "CoupledRodStability.plot": "its axes are an object of matplotlib",
     "Rod.critical_forces": "takes no argument",
     "Rod.nitinol": "takes no argument",
     "Chart.plot": "its axes are an object of matplotlib",
@@ -157,7 +165,7 @@ def table() -> dict[str, Call]:
     (place / "rod.toml").write_text(sheet, encoding="utf-8")
     good = system_files()[0].read_text(encoding="utf-8")
     (place / "bad_system.toml").write_text(good.replace("0.16", "nan"), encoding="utf-8")
-    calls = _of_equations() | _of_rods(place) | _of_mathieu() | _of_friction() | _of_systems()
+    calls = _of_equations() | _of_rods(place) | _of_coupled_rods() | _of_mathieu() | _of_friction() | _of_systems()
     criterion = fr.FiniteTimeCriterion()
     ranges = ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1)
     return calls | {
@@ -171,6 +179,7 @@ def table() -> dict[str, Call]:
         "Chart.in_units": Call(mapped.in_units, {"mean": "Fcr", "frequency": "Hz"}),
         "Chart.save": Call(chart.save, {"path": str(place / "again.npz")}),
         "Chart.load": Call(fr.Chart.load, {"path": str(place / "chart.npz")}),
+        "CoupledRodStability.time_to_grow": Call(CLAMPED.stability(WAVE, range(1, 9)).time_to_grow, {"factor": 10.0}),
         "RodStability.time_to_grow": Call(ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
         "StabilityIntervals.table": Call(ranges.table, {"unit": "N", "size": 1.0}),
         "Simulation.save": Call(run.save, {"path": str(place / "again.npz")}),
@@ -196,7 +205,6 @@ def _of_equations() -> dict[str, Call]:
         "stability": Call(fr.stability, {"equation": EQUATION, "method": "auto"}),
         "compare": Call(fr.compare, {"equation": EQUATION}),
         "certify": Call(fr.certify, {"equation": EQUATION, "max_digits": 50}),
-        "AxialLoad": Call(fr.AxialLoad, {"mean": 0.3, "amplitude": 0.3, "frequency": 150.0}),
         "ForceRecord": Call(fr.ForceRecord, {"time": TIME, "force": FORCE, "harmonics": 3, "frequency": 40.0}),
         "ForceRecord.force": Call(fr.ForceRecord(TIME, FORCE).force, {"t": 0.5}),
         "ForceRecord.from_csv": Call(
@@ -212,6 +220,11 @@ def _of_equations() -> dict[str, Call]:
                 "frequency": 40.0,
             },
         ),
+        "AxialLoad": Call(fr.AxialLoad, {**PUSH, "mean_at": 0.3, "waveform": (0.5 - 1j, 0.2)}),
+        "AxialWave": Call(
+            fr.AxialWave, {**PUSH, "far_end": "free", "axial_damping": 0.5, "mean_at": None, "waveform": "sine"}
+        ),
+        "AxialWave.hertz": Call(fr.AxialWave.hertz, dict(PUSH)),
         "AxialLoad.hertz": Call(fr.AxialLoad.hertz, {"mean": 0.3, "amplitude": 0.3, "frequency": 24.0}),
         "Perturbation": Call(fr.Perturbation, {"speeds": ((3, 0.01),), "noises": ((0.01, 1),)}),
         "Perturbation.modes": Call(fr.Perturbation.modes, {"speeds": {3: 0.01}}),
@@ -265,10 +278,10 @@ def _of_rods(place: Path) -> dict[str, Call]:
         ),
         "Rod.critical_mean_force": Call(ROD.critical_mean_force, {"amplitude": 0.34, "frequency": 150.0, **tolerance}),
         "Rod.critical_amplitude": Call(ROD.critical_amplitude, {"mean": 0.34, "frequency": 150.0, **tolerance}),
-        "Rod.is_stable": Call(ROD.is_stable, {**load, **tolerance, **judged}),
-        "Rod.verdicts": Call(ROD.verdicts, {**load, **tolerance, **judged}),
-        "Rod.growth_rate": Call(ROD.growth_rate, {**load, "workers": 1}),
-        "Rod.fastest": Call(ROD.fastest, {**load, "workers": 1}),
+        "Rod.is_stable": Call(ROD.is_stable, {**load, **tolerance, **judged, "like": LOAD}),
+        "Rod.verdicts": Call(ROD.verdicts, {**load, **tolerance, **judged, "like": LOAD}),
+        "Rod.growth_rate": Call(ROD.growth_rate, {**load, "like": LOAD, "workers": 1}),
+        "Rod.fastest": Call(ROD.fastest, {**load, "like": LOAD, "workers": 1}),
         "Explorer": Call(fr.Explorer, {"rod": ROD, "load": LOAD}),
         "simulate": Call(fr.simulate, {"rod": ROD, "load": LOAD, **run, "checkpoint": None}),
         "SimulationProblem": Call(fr.SimulationProblem, {"rod": ROD, "load": LOAD, **run}),
@@ -288,6 +301,23 @@ def _of_rods(place: Path) -> dict[str, Call]:
             },
         ),
     }
+
+
+def _of_coupled_rods() -> dict[str, Call]:
+    """Return calls about a rod whose modes are coupled, by the method's name and what is special."""
+    tolerance = {"growth_tolerance": 0.1, "like": WAVE}
+    found = {
+        "stability": {"load": WAVE, "modes": range(1, 9), "growth_tolerance": 0.1},
+        "modal_system": {"load": WAVE, "modes": [1, 2]},
+        "modes_needed": {"load": WAVE, "growth_tolerance": 0.1},
+        "is_stable": {**PUSH, **tolerance, "workers": 1},
+        "verdicts": {**PUSH, **tolerance, "workers": 1},
+        "growth_rate": {**PUSH, "like": WAVE, "workers": 1},
+        "fastest": {**PUSH, "like": WAVE, "workers": 1},
+        "critical_mean_force": {"amplitude": 700.0, "frequency": 29.0, **tolerance},
+        "critical_amplitude": {"mean": 500.0, "frequency": 29.0, **tolerance},
+    }
+    return {f"Rod.{name} (coupled)": Call(getattr(CLAMPED, name), arguments) for name, arguments in found.items()}
 
 
 def _of_mathieu() -> dict[str, Call]:
