@@ -241,10 +241,12 @@ def classify_coupled(rod: ModalRod, load: Load, count: int | None, growth_tolera
 def _modes_to_begin_with(rod: ModalRod, load: Load, growth_tolerance: float) -> int:
     """Return how many modes to take; of long strings only those that may grow a quarter as fast as the fastest."""
     numbers, loads = rod.coupled_numbers, Loads.single(load)
-    uniform = Loads.single(numbers.largest_uniform(loads, load))
-    fastest = float(ModalSystems(numbers.constants, uniform).fastest(1)[0][0])
-    few = numbers.modes_needed(loads, load, max(growth_tolerance, 0.25 * fastest))
-    return few if few > _LONG else numbers.modes_needed(loads, load, growth_tolerance)
+    uniform = numbers.largest_uniform(loads, load)
+    every, _ = numbers.constants.modes_needed(uniform, growth_tolerance)
+    if every <= _LONG:
+        return numbers.modes_needed(loads, load, growth_tolerance)
+    fastest = float(ModalSystems(numbers.constants, Loads.single(uniform)).fastest(1)[0][0])
+    return numbers.modes_needed(loads, load, max(growth_tolerance, 0.25 * fastest))
 
 
 class _Trial(NamedTuple):
