@@ -136,7 +136,7 @@ def wavenumbers(ends: Ends, count: int) -> Floats:
     return np.concatenate([np.zeros(_rigid(ends)), near])[:count]
 
 
-def _roots(ends: Ends, near: Floats) -> Floats:
+def _roots(ends: Ends, near: NDArray[Any]) -> Floats:
     """Return the wavenumbers within 0.6 of asymptotic values, of which the lowest may have none."""
 
     def determinant(k: Floats, _: Any = None) -> Floats:
