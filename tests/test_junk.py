@@ -24,6 +24,7 @@ MATHIEU = fr.Mathieu(0.5, -0.25)
 CLAMPED = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, ends="clamped-hinged")
 PUSH: dict[str, Any] = {"mean": 500.0, "amplitude": 700.0, "frequency": 29.0}
 WAVE = fr.AxialWave(**PUSH, axial_damping=3.0)
+UNCOUPLED: dict[str, Any] = {"criterion": None, "friction": None, "kick": None}
 KICKED = fr.FrictionalMathieu(1.0, 0.3, 1.0)
 TIME = np.linspace(0.0, 1.0, 200)
 KICK = fr.Perturbation.modes({8: 0.05})
@@ -143,8 +144,8 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (CLAMPED.modal_system, {"load": WAVE, "modes": (1, 2, 3)}),
     (CLAMPED.modes_needed, {"load": WAVE, "growth_tolerance": 0.1}),
     (CLAMPED.stability(WAVE, range(1, 9)).time_to_grow, {"factor": 10.0}),
-    (CLAMPED.is_stable, {**PUSH, "growth_tolerance": 0.1, "like": WAVE, "workers": 1}),
-    (CLAMPED.verdicts, {**PUSH, "growth_tolerance": 0.1, "like": WAVE, "workers": 1}),
+    (CLAMPED.is_stable, {**PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "like": WAVE, "workers": 1}),
+    (CLAMPED.verdicts, {**PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "like": WAVE, "workers": 1}),
     (CLAMPED.growth_rate, {**PUSH, "like": WAVE, "workers": 1}),
     (CLAMPED.fastest, {**PUSH, "like": WAVE, "workers": 1}),
     (ROD.critical_kick, {"load": LOAD, "friction": 0.1, "growth_tolerance": 0.0}),
@@ -186,6 +187,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (ROD.wavenumber, {"mode": 7}),
     (ROD.modal_system, {"load": LOAD, "modes": (6, 7)}),
     (ROD.modal_systems, LOADS),
+    (ROD.wave_ratio, {"load": LOAD}),
     (ROD.modes_needed, {"load": LOAD, "growth_tolerance": 0.0}),
     (ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
     (
@@ -249,6 +251,8 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
 NAN_MEANS = {
     fr.mathieu.transition_curves: "order 0 has no second curve",
     fr.friction.critical_kick: "could not be decided",
+    CLAMPED.growth_rate: "it cannot be computed",
+    CLAMPED.fastest: "it cannot be computed",
 }
 """Callables whose documentation says what NaN means."""
 

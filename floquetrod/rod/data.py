@@ -361,7 +361,7 @@ class RodData:
 
     def wave_ratio(self, load: Load) -> float:
         """Return omega L / (2 pi c_0), the length in axial waves; far below 1 the force is uniform along the rod."""
-        return load.frequency * self.length / (2.0 * math.pi) / self.wave_speed
+        return require_load("load", load).frequency * self.length / (2.0 * math.pi) / self.wave_speed
 
     def wavenumber(self, mode: Any) -> Any:
         """Return w_m = m pi / L in 1/m."""

@@ -407,7 +407,10 @@ class Rod(ModalRod):
     def growth_rate(
         self, mean: Any, amplitude: Any, frequency: Any, *, like: AnyLoad | None = None, workers: int | None = None
     ) -> Any:
-        """Return the growth rate in 1/s of the fastest mode over arrays of loads; 0 where stable."""
+        """Return the growth rate in 1/s of the fastest mode over arrays of loads; 0 where stable.
+
+        NaN where it cannot be computed: of coupled modes under loads far too slow or too strong for doubles.
+        """
         return self.fastest(mean, amplitude, frequency, like=like, workers=workers)[0]
 
     def fastest(

@@ -17,7 +17,7 @@ ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
 CLAMPED = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, ends="clamped-hinged", inclination=1.0)
 PUSH = {"mean": 500.0, "amplitude": 700.0, "frequency": 29.0}
-WAVE = fr.AxialWave(**PUSH, axial_damping=3.0)
+TRAVELLING = fr.AxialWave(**PUSH, axial_damping=3.0)
 EQUATION = fr.Mathieu(0.5, -0.3, 0.01)
 FRICTION = fr.FrictionalMathieu(1.0, 0.3, 1.0)
 TIME = np.linspace(0.0, 1.0, 200)
@@ -67,6 +67,7 @@ LEFT_OUT = {
     **{f"{kind}.profile": "for the equations of a rod" for kind in ("AxialLoad", "AxialWave")},
     **{f"{kind}.varied": "for searches, whose arguments are checked there" for kind in ("AxialLoad", "AxialWave")},
     **{f"{kind}.with_numbers": "for searches" for kind in ("AxialLoad", "AxialWave")},
+    "Rod.independent_modes": "for Rod.modal_system, whose arguments are checked there",
     "CoupledRodStability": "constructed by Rod.stability",
     "CoupledRodStability.plot": "its axes are an object of matplotlib",
     "Rod.critical_forces": "takes no argument",
@@ -179,7 +180,9 @@ def table() -> dict[str, Call]:
         "Chart.in_units": Call(mapped.in_units, {"mean": "Fcr", "frequency": "Hz"}),
         "Chart.save": Call(chart.save, {"path": str(place / "again.npz")}),
         "Chart.load": Call(fr.Chart.load, {"path": str(place / "chart.npz")}),
-        "CoupledRodStability.time_to_grow": Call(CLAMPED.stability(WAVE, range(1, 9)).time_to_grow, {"factor": 10.0}),
+        "CoupledRodStability.time_to_grow": Call(
+            CLAMPED.stability(TRAVELLING, range(1, 9)).time_to_grow, {"factor": 10.0}
+        ),
         "RodStability.time_to_grow": Call(ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
         "StabilityIntervals.table": Call(ranges.table, {"unit": "N", "size": 1.0}),
         "Simulation.save": Call(run.save, {"path": str(place / "again.npz")}),
@@ -257,6 +260,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.wavenumber": Call(ROD.wavenumber, {"mode": 3}),
         "Rod.natural_frequency": Call(ROD.natural_frequency, {"mode": 3}),
         "Rod.modal_system": Call(ROD.modal_system, {"load": LOAD, "modes": [1, 2]}),
+        "Rod.wave_ratio": Call(ROD.wave_ratio, {"load": LOAD}),
         "Rod.modal_systems": Call(ROD.modal_systems, dict(load)),
         "Rod.modes_needed": Call(ROD.modes_needed, {"load": LOAD, **tolerance}),
         "Rod.stability": Call(
@@ -305,15 +309,15 @@ def _of_rods(place: Path) -> dict[str, Call]:
 
 def _of_coupled_rods() -> dict[str, Call]:
     """Return calls about a rod whose modes are coupled, by the method's name and what is special."""
-    tolerance = {"growth_tolerance": 0.1, "like": WAVE}
+    tolerance = {"growth_tolerance": 0.1, "like": TRAVELLING}
     found = {
-        "stability": {"load": WAVE, "modes": range(1, 9), "growth_tolerance": 0.1},
-        "modal_system": {"load": WAVE, "modes": [1, 2]},
-        "modes_needed": {"load": WAVE, "growth_tolerance": 0.1},
+        "stability": {"load": TRAVELLING, "modes": range(1, 9), "growth_tolerance": 0.1},
+        "modal_system": {"load": TRAVELLING, "modes": [1, 2]},
+        "modes_needed": {"load": TRAVELLING, "growth_tolerance": 0.1},
         "is_stable": {**PUSH, **tolerance, "workers": 1},
         "verdicts": {**PUSH, **tolerance, "workers": 1},
-        "growth_rate": {**PUSH, "like": WAVE, "workers": 1},
-        "fastest": {**PUSH, "like": WAVE, "workers": 1},
+        "growth_rate": {**PUSH, "like": TRAVELLING, "workers": 1},
+        "fastest": {**PUSH, "like": TRAVELLING, "workers": 1},
         "critical_mean_force": {"amplitude": 700.0, "frequency": 29.0, **tolerance},
         "critical_amplitude": {"mean": 500.0, "frequency": 29.0, **tolerance},
     }
