@@ -17,7 +17,7 @@ from floquetrod.rod.buckling import BucklingForce, buckling_forces
 from floquetrod.rod.catalogue import pipe_in_a_hole
 from floquetrod.rod.constants import MOST_MODES, ModeConstants
 from floquetrod.rod.files import read_rod
-from floquetrod.rod.load import Load
+from floquetrod.rod.load import Load, require_load
 from floquetrod.rod.lock_up import LockUp
 from floquetrod.rod.parts import (
     ON_A_FLOOR,
