@@ -149,7 +149,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (CLAMPED.growth_rate, {**PUSH, "like": WAVE, "workers": 1}),
     (CLAMPED.fastest, {**PUSH, "like": WAVE, "workers": 1}),
     (ROD.critical_kick, {"load": LOAD, "friction": 0.1, "growth_tolerance": 0.0}),
-    (ROD.critical_kicks, {**LOADS, "friction": 0.1, "growth_tolerance": 0.0, "workers": 1}),
+    (ROD.critical_kicks, {**LOADS, "friction": 0.1, "growth_tolerance": 0.0, "like": LOAD, "workers": 1}),
     (
         ROD.is_stable,
         {
@@ -186,7 +186,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (ROD.natural_frequency, {"mode": 7}),
     (ROD.wavenumber, {"mode": 7}),
     (ROD.modal_system, {"load": LOAD, "modes": (6, 7)}),
-    (ROD.modal_systems, LOADS),
+    (ROD.modal_systems, {**LOADS, "like": LOAD}),
     (ROD.wave_ratio, {"load": LOAD}),
     (ROD.modes_needed, {"load": LOAD, "growth_tolerance": 0.0}),
     (ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),

@@ -261,13 +261,13 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.natural_frequency": Call(ROD.natural_frequency, {"mode": 3}),
         "Rod.modal_system": Call(ROD.modal_system, {"load": LOAD, "modes": [1, 2]}),
         "Rod.wave_ratio": Call(ROD.wave_ratio, {"load": LOAD}),
-        "Rod.modal_systems": Call(ROD.modal_systems, dict(load)),
+        "Rod.modal_systems": Call(ROD.modal_systems, {**load, "like": LOAD}),
         "Rod.modes_needed": Call(ROD.modes_needed, {"load": LOAD, **tolerance}),
         "Rod.stability": Call(
             ROD.stability, {"load": LOAD, "modes": None, "friction": None, "kick": None, **tolerance}
         ),
         "Rod.critical_kick": Call(ROD.critical_kick, {"load": LOAD, **mu, **tolerance}),
-        "Rod.critical_kicks": Call(ROD.critical_kicks, {**load, **mu, **tolerance, "workers": 1}),
+        "Rod.critical_kicks": Call(ROD.critical_kicks, {**load, **mu, **tolerance, "like": LOAD, "workers": 1}),
         "Rod.stable_mean_forces": Call(
             ROD.stable_mean_forces,
             {"amplitude": 0.34, "frequency": 150.0, "bounds": (0.1, 1.7), "progress": None, **tolerance},
