@@ -10,8 +10,6 @@ import pytest
 
 import floquetrod as fr
 
-pytestmark = pytest.mark.kernels
-
 ROD = fr.Rod.nitinol().replace(damping_rate=0.3)
 FCR = ROD.critical_force
 
@@ -83,3 +81,24 @@ def test_the_fit_is_the_force() -> None:
     assert record.force(t) == pytest.approx(force(record.load, t), abs=1e-12 * FCR)
     still = replace(record.load, amplitude=0.0)
     assert np.ptp(force(still, t)) == 0.0
+
+
+def test_the_modes_named_are_those_whose_own_equations_grow() -> None:
+    rng = np.random.default_rng(5)
+    rod, seen = ROD.replace(damping_rate=0.0), 0
+    for _ in range(30):
+        load = clean_load(rng)
+        verdict = rod.stability(load)
+        rates = {}
+        for mode in range(1, 16):
+            (unit,) = rod.independent_modes(fr.AxialLoad(load.mean, 1.0, load.frequency), [mode]).equations
+            z = unit.alpha * load.amplitude * load.harmonics
+            own = fr.stability(fr.Hill(unit.beta, cosines=tuple(z.real), sines=tuple(-z.imag)))
+            if own.status == "unstable" and own.growth_rate * load.frequency > 1e-6:
+                rates[mode] = own.growth_rate * load.frequency
+        named = {r.modes[0]: r.growth_rate for r in verdict.resonances if r.growth_rate > 1e-6}
+        assert named == pytest.approx(rates, rel=1e-6)
+        seen += len(rates)
+        if rates:
+            assert verdict.fastest_mode == max(rates, key=rates.__getitem__)
+    assert seen >= 6

@@ -14,7 +14,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -249,6 +249,8 @@ class CoupledModes:
         """Return resonances whose modes are counted by frequency under the mean force, with their own numbers."""
         if not resonances:
             return ()
+        if self._are_apart:
+            return _direct(system)
         left = np.abs(np.linalg.eigh(system.stiffness)[1])  # functions by modes
         names = {}
         for _ in range(len(left)):  # each mode is named after the function that it has most of, the clearest first
@@ -306,6 +308,26 @@ class CoupledLoads:
                 loads = Loads((chosen.size,), *(values[chosen] for values in self.loads.flat))
                 count = self.numbers.modes_needed(loads, self.like, self.growth_tolerance)
                 yield chosen, CoupledModes(self.numbers, self.like, count), loads
+
+
+def _direct(system: HillSystem) -> tuple[Resonance, ...]:
+    """Return what grows in a system of modes that are apart, each by its own equation, the fastest first."""
+    batch = HillSystem(
+        system.stiffness[None],
+        [matrix[None] for matrix in system.cosines],
+        [matrix[None] for matrix in system.sines],
+        damping=system.damping,
+        period=np.array([system.period]),
+    )
+    status, growth = verdicts(_one_by_one(batch))
+    found = []
+    for i in np.argsort(-growth, kind="stable").tolist():
+        if status[i] == 0:
+            squared = float(system.stiffness[i, i])
+            order = round(math.sqrt(max(squared, 0.0)) * float(system.period) / math.pi)
+            kind: Literal["direct", "buckling"] = "direct" if squared > 0.0 else "buckling"
+            found.append(Resonance(kind, (i + 1,), max(order, 1) if squared > 0.0 else 0, float(growth[i])))
+    return tuple(found)
 
 
 def _one_by_one(systems: HillSystem) -> HillSystem:
