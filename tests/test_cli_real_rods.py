@@ -69,6 +69,7 @@ def record(tmp_path: Path) -> str:
 
 
 def test_check_tells_all_a_user_needs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pyplot.close("all")  # of other tests
     shape = tmp_path / "shape.png"
     text = said(capsys, "check", "--rod", WIRE, *PUSH, "--plot", str(shape))
     result = fr.Rod.from_toml(WIRE).stability(load_of(fr.Rod.from_toml(WIRE), 0.3, 0.2, 20.0))
@@ -146,6 +147,7 @@ def test_margins_are_left_out_where_they_take_long(capsys: pytest.CaptureFixture
 
 
 def test_a_measured_force(record: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    pyplot.close("all")  # of other tests
     fit = tmp_path / "fit.svg"
     given = ["check", "--rod", "nitinol", "--force", record, "--mean", "0.2Fcr"]
     text = said(capsys, *given, "--plot-force", str(fit))

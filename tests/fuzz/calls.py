@@ -66,6 +66,7 @@ LEFT_OUT = {
     **{f"{kind}.as_dict": "takes no argument" for kind in ("AxialLoad", "AxialWave", "Rod")},
     **{f"{kind}.profile": "for the equations of a rod" for kind in ("AxialLoad", "AxialWave")},
     **{f"{kind}.varied": "for searches, whose arguments are checked there" for kind in ("AxialLoad", "AxialWave")},
+    **{f"{kind}.kind_as_dict": "takes no argument" for kind in ("AxialLoad", "AxialWave")},
     **{f"{kind}.with_numbers": "for searches" for kind in ("AxialLoad", "AxialWave")},
     "Rod.independent_modes": "for Rod.modal_system, whose arguments are checked there",
     "CoupledRodStability": "constructed by Rod.stability",
