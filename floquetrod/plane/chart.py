@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -13,37 +14,25 @@ from numpy.typing import NDArray
 from floquetrod import units
 from floquetrod._util import files, validate
 from floquetrod._util.content import ByContent, NoTruthValue
-from floquetrod._util.version import __version__
+from floquetrod.plane.axes import Axis
+from floquetrod.plane.bands import Bands
 
 _FORMAT = "floquetrod chart 2"
-_AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
-_MOST_POINTS = 1 << 28  # of a chart, which are five gigabytes with growth rates and modes (a choice)
 
 _CRITICAL = "critical force"
 """Name of the rod's critical force among what is fixed."""
 
+_BANDS = "band_"
+"""What names of arrays of bands begin with in a file."""
+
+ACCURACY = 1.0 / 3000.0
+"""Accuracy of bands as a share of each axis: half a pixel of a picture 1,500 pixels wide (a choice)."""
 
 Progress = Callable[[int, int], None]
-"""Called with the number of points done and their total."""
+"""Called with what is done and its total."""
 
-
-@dataclass(frozen=True, eq=False)
-class Axis(ByContent):
-    """One axis of a chart: what varies, its symbol in mathematics, its unit ("" for none) and its values."""
-
-    name: str
-    symbol: str
-    unit: str
-    values: NDArray[np.float64]
-
-    @property
-    def label(self) -> str:
-        """Label of the axis, symbol and unit included."""
-        if not self.symbol:
-            return self.name + (f" / {self.unit}" if self.unit else "")
-        # "alpha" and its letter would say it twice
-        name = "" if self.symbol.replace("_{", "").strip("\\}") == self.name.replace("_", "") else self.name
-        return units.label(name, self.symbol, self.unit)
+BandSource = Callable[[float, Progress | None], Bands]
+"""Finds the bands of a chart with an accuracy, in the units in which the chart was computed; can be pickled."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -73,6 +62,8 @@ class Chart(NoTruthValue, ByContent):
         Points that no method could decide; they count as not stable.
     version : str
         Version of the package that made it.
+    source : callable or None
+        What `find_bands` asks; None where it is not known, as in a chart read from a file.
     """
 
     ask = ".stable, an array"
@@ -88,6 +79,35 @@ class Chart(NoTruthValue, ByContent):
     criterion: str
     undecided: int
     version: str
+    source: BandSource | None = field(default=None, compare=False)
+
+    @cached_property
+    def bands(self) -> Bands:
+        """The unstable bands between their boundaries, found when first asked for, by `find_bands`."""
+        return self.find_bands()
+
+    def find_bands(self, accuracy: float = ACCURACY, *, progress: Progress | None = None) -> Bands:
+        """Return the unstable bands as polygons between the boundaries, not made of the chart's points.
+
+        Parameters
+        ----------
+        accuracy : float
+            How far edges may depart from the boundary between two vertices, as a share of each axis, 1e-6 to 0.1.
+        progress : callable, optional
+            Called with what is done and what is to do.
+
+        Raises
+        ------
+        ValueError
+            Where the chart does not know what it is a chart of: one from a file, saved before its bands were computed.
+        """
+        accuracy = validate.within("accuracy", accuracy, 1e-6, 0.1, "it is a share of each axis")
+        validate.progress(progress)
+        if self.source is None:
+            raise ValueError(
+                "bands must be computed before a chart is saved: a file holds those of chart.bands, and this one none"
+            )
+        return self.source(accuracy, progress)
 
     @property
     def caption(self) -> str:
@@ -130,7 +150,17 @@ class Chart(NoTruthValue, ByContent):
         for entry in fixed:
             unit, factor = sizes.get(entry[0], (entry[2], 1.0))
             entry[1:] = [entry[1] * factor, unit]
-        return replace(self, x=axis(self.x), y=axis(self.y), subject=self.subject | {"fixed": fixed})
+        x, y = axis(self.x), axis(self.y)
+        factors = tuple(sizes.get(old.name, ("", 1.0))[1] for old in (self.x, self.y))
+        source = None if self.source is None else _Scaled(self.source, x, y, (factors[0], factors[1]))
+        chart = replace(self, x=x, y=y, subject=self.subject | {"fixed": fixed}, source=source)
+        if "bands" in self.__dict__:
+            chart._keep(_scaled(self.bands, x, y, (factors[0], factors[1])))
+        return chart
+
+    def _keep(self, bands: Bands) -> None:
+        """Take bands for those that `bands` would find."""
+        self.__dict__["bands"] = bands
 
     def __repr__(self) -> str:
         """Return the caption, axes included."""
@@ -143,12 +173,15 @@ class Chart(NoTruthValue, ByContent):
         return draw_chart(self, ax)
 
     def save(self, path: str | Path) -> Path:
-        """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""
+        """Write everything to an npz file, bands if they have been computed.
+
+        An older file of that name stays whole until the new one is complete.
+        """
         arrays: dict[str, Any] = {"x": self.x.values, "y": self.y.values, "stable": self.stable}
         for name in ("growth_rate", "first_mode"):
             if getattr(self, name) is not None:
                 arrays[name] = getattr(self, name)
-        meta = {
+        meta: dict[str, Any] = {
             "format": _FORMAT,
             "x": [self.x.name, self.x.symbol, self.x.unit],
             "y": [self.y.name, self.y.symbol, self.y.unit],
@@ -159,6 +192,9 @@ class Chart(NoTruthValue, ByContent):
             "undecided": self.undecided,
             "version": self.version,
         }
+        if "bands" in self.__dict__:
+            arrays |= {f"{_BANDS}{name}": values for name, values in self.bands.as_arrays().items()}
+            meta["bands"] = {name: getattr(self.bands, name) for name in ("hairlines", "accuracy", "resolution")}
         return files.write_npz(path, meta, arrays, compress=True)
 
     @classmethod
@@ -191,7 +227,7 @@ def _chart(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Chart:
     for name, value, unit in [(subject["kind"], 0.0, ""), *subject["fixed"]]:
         if type(name) is not str or type(value) not in (int, float) or type(unit) is not str:
             raise ValueError(f"subject is {subject!r}")
-    return Chart(
+    chart = Chart(
         x,
         y,
         files.field(arrays, "stable", np.bool_, shape),
@@ -204,6 +240,45 @@ def _chart(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Chart:
         undecided,
         files.entry(meta, "version", str),
     )
+    if "bands" in meta:
+        chart._keep(_bands(chart, files.entry(meta, "bands", dict), arrays))
+    return chart
+
+
+def _bands(chart: Chart, meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Bands:
+    """Return the bands that a file of a chart describes."""
+    own = {name.removeprefix(_BANDS): values for name, values in arrays.items() if name.startswith(_BANDS)}
+    resolution = files.entry(meta, "resolution", list)
+    if [type(size) for size in resolution] != [float, float]:
+        raise ValueError(f"resolution of bands is {resolution!r}")
+    return Bands(
+        chart.x.ends,
+        chart.y.ends,
+        Bands.bands_of(own),
+        chart.growth_unit,
+        chart.growth_tolerance,
+        files.entry(meta, "hairlines", int),
+        files.entry(meta, "accuracy", float),
+        (resolution[0], resolution[1]),
+    )
+
+
+@dataclass(frozen=True)
+class _Scaled:
+    """A source of bands in other units."""
+
+    source: BandSource
+    x: Axis
+    y: Axis
+    factors: tuple[float, float]
+
+    def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
+        """Return the bands in these units."""
+        return _scaled(self.source(accuracy, progress), self.x, self.y, self.factors)
+
+
+def _scaled(bands: Bands, x: Axis, y: Axis, factors: tuple[float, float]) -> Bands:
+    return bands.scaled(x.ends, y.ends, factors)
 
 
 def _axis(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], name: str) -> Axis:
@@ -213,85 +288,3 @@ def _axis(meta: dict[str, Any], arrays: dict[str, NDArray[Any]], name: str) -> A
         raise ValueError(f"axis {name} is {words!r} with values {values!r}")
     word, symbol, unit = words
     return Axis(word, symbol, unit, values)
-
-
-def axis_values(name: str, values: Any) -> NDArray[np.float64]:
-    """Return the values of an axis given as (low, high, number) or as an increasing array of another length than 3."""
-    array = validate.array(name, values, least=-1e12, largest=1e12)
-    if array.ndim != 1 or array.size < 2:
-        raise ValueError(f"{name} must be (low, high, number) or an increasing array, got {validate.short(values)}")
-    if array.size == 3 and isinstance(values, tuple):
-        count = validate.integer(f"{name}[2]", values[2], 2)
-        _require_bearable(count, f"{name}[2]")
-        if not array[0] < array[1]:
-            raise ValueError(f"{name} must be (low, high, number) with low < high, got {validate.short(values)}")
-        return np.linspace(array[0], array[1], count)
-    if not (np.diff(array) > 0.0).all():
-        raise ValueError(f"{name} must increase from value to value, got {validate.short(values)}")
-    return array
-
-
-def fill_rows(
-    compute: Callable[[NDArray[np.float64]], Sequence[NDArray[Any]]],
-    y: NDArray[np.float64],
-    columns: int,
-    dtypes: Sequence[Any],
-    progress: Progress | None,
-    rows_at_once: int | None = None,
-) -> list[NDArray[Any]]:
-    """Compute arrays of ``len(y)`` rows a few rows at a time, so that scratch memory stays small and Ctrl-C works."""
-    _require_bearable(y.size * columns, "the number of points")
-    results = [np.empty((y.size, columns), dtype=dtype) for dtype in dtypes]
-    rows = rows_at_once or max(1, _AT_ONCE // columns)
-    for start in range(0, y.size, rows):
-        for result, piece in zip(results, compute(y[start : start + rows, None]), strict=True):
-            result[start : start + rows] = piece
-        if progress is not None:
-            progress(min(y.size, start + rows) * columns, y.size * columns)
-    return results
-
-
-def charted(
-    x: Axis,
-    y: Axis,
-    classify: Callable[[NDArray[np.float64]], Sequence[NDArray[Any]]],
-    *,
-    growth: bool,
-    growth_tolerance: float,
-    growth_unit: str,
-    subject: Callable[[], dict[str, Any]],
-    criterion: str = "",
-    rows_at_once: int | None = None,
-    progress: Progress | None,
-) -> Chart:
-    """Return the chart of verdicts that ``classify`` computes, a few rows at a time.
-
-    Parameters
-    ----------
-    classify : callable (values of y, one a row) -> (status, growth rate)
-        Status 1 where stable, 0 where not, -1 where undecided.
-    subject : callable () -> dict
-        What is charted, asked when all is classified.
-    growth, growth_tolerance, growth_unit, criterion
-        As in `Chart`; whether to keep growth rates.
-    """
-    kinds = np.int8, np.float64
-    status, rate = fill_rows(classify, y.values, x.values.size, kinds, progress, rows_at_once)
-    return Chart(
-        x,
-        y,
-        status == 1,
-        rate if growth else None,
-        None,
-        growth_unit,
-        subject(),
-        growth_tolerance,
-        criterion,
-        int((status < 0).sum()),
-        __version__,
-    )
-
-
-def _require_bearable(points: int, name: str) -> None:
-    if points > _MOST_POINTS:
-        raise ValueError(f"{name} must be at most {_MOST_POINTS:,}, got {points:,}; take fewer, or a part of the plane")

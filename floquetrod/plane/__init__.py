@@ -1,0 +1,10 @@
+"""Verdicts over a plane, of any subject: axes, charts, and how they are filled."""
+
+from __future__ import annotations
+
+from floquetrod.plane.axes import Axis, axis_values
+from floquetrod.plane.bands import Band, Bands
+from floquetrod.plane.chart import BandSource, Chart, Progress
+from floquetrod.plane.filling import charted, fill_rows
+
+__all__ = ["Axis", "Band", "BandSource", "Bands", "Chart", "Progress", "axis_values", "charted", "fill_rows"]

@@ -1,0 +1,205 @@
+"""Unstable bands of a plane: polygons between boundary curves, whatever they were found by."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import files, validate
+from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod.plane.axes import Axis
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Band(ByContent):
+    """One unstable region of a plane.
+
+    Attributes
+    ----------
+    x, y : ndarray (n,)
+        Vertices of the polygon about it, in order, the first not repeated, in the units of the axes.  Each lies on a
+        boundary or on the edge of the plane.
+    mode, tongue : int or None
+        Mode of a rod that grows, and its resonance tongue; None where there is none, or where it is not known.
+    largest_growth : float
+        Largest growth rate within it, in the growth unit of the `Bands`; NaN where it is not known.
+    place : tuple of float
+        (x, y) where that is.
+    """
+
+    x: Floats
+    y: Floats
+    mode: int | None
+    tongue: int | None
+    largest_growth: float
+    place: tuple[float, float]
+
+    @property
+    def name(self) -> str:
+        """Return, say, "mode 7, tongue 1"; "" where neither is known."""
+        parts = [] if self.mode is None else [f"mode {self.mode}"]
+        return ", ".join(parts if self.tongue is None else [*parts, f"tongue {self.tongue}"])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Bands(NoTruthValue, ByContent):
+    """The unstable bands of a chart.
+
+    Attributes
+    ----------
+    x, y : Axis
+        The axes of the plane; their values are its ends, (low, high).
+    bands : tuple of Band
+        They may overlap; of those in which nothing grows faster than the tolerance none is here.
+    growth_unit : str
+        As in `Chart`.
+    growth_tolerance : float
+        Growth up to which motion counts as stable; a band's boundary is where growth equals it.
+    hairlines : int
+        Resonance tongues left out, in which nothing grows faster than the tolerance.
+    accuracy : float
+        Distance up to which edges of the polygons may depart from the boundary between two vertices, as a share of
+        each axis.
+    resolution : tuple of float
+        Bands narrower than this along x and y may have been missed; (0, 0) where none can be.
+
+    Iterating gives the bands.
+    """
+
+    ask = "len(...) or .bands"
+
+    x: Axis
+    y: Axis
+    bands: tuple[Band, ...]
+    growth_unit: str
+    growth_tolerance: float
+    hairlines: int
+    accuracy: float
+    resolution: tuple[float, float]
+
+    def __iter__(self) -> Iterator[Band]:
+        """Iterate over the bands."""
+        return iter(self.bands)
+
+    def __len__(self) -> int:
+        """Return the number of bands."""
+        return len(self.bands)
+
+    def __repr__(self) -> str:
+        """Say how many there are, and what has been left out."""
+        text = f"{len(self.bands)} unstable band{'s' * (len(self.bands) != 1)} over {self.x.name} and {self.y.name}"
+        return f"<{text}; {self.note}>" if self.note else f"<{text}>"
+
+    @property
+    def note(self) -> str:
+        """What has been left out, "" where nothing."""
+        parts = []
+        if self.hairlines:
+            slow = f"{self.growth_tolerance:g} {self.growth_unit}".strip()
+            parts.append(f"{self.hairlines} tongue{'s' * (self.hairlines > 1)} left out that grow at most at {slow}")
+        if any(self.resolution):
+            x, y = (
+                f"{size:.2g} {axis.unit}".strip() for size, axis in zip(self.resolution, (self.x, self.y), strict=True)
+            )
+            parts.append(f"bands narrower than {x} by {y} may have been missed")
+        return "; ".join(parts)
+
+    def scaled(self, x: Axis, y: Axis, factors: tuple[float, float]) -> Bands:
+        """Return the same bands over axes in other units, places multiplied by the factors."""
+        fx, fy = factors
+        bands = tuple(
+            replace(band, x=band.x * fx, y=band.y * fy, place=(band.place[0] * fx, band.place[1] * fy)) for band in self
+        )
+        return replace(self, x=x, y=y, bands=bands, resolution=(self.resolution[0] * fx, self.resolution[1] * fy))
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write a table of all vertices to a file, a line each: band, mode, tongue, largest growth, x, y.
+
+        Units stand in the first line.  An older file of that name stays whole until the new one is complete.
+        """
+        path = validate.path("path", path)
+        text = io.StringIO(newline="")
+        table = csv.writer(text, lineterminator="\n")
+        places = [f"{axis.name} [{axis.unit}]" if axis.unit else axis.name for axis in (self.x, self.y)]
+        table.writerow(["band", "mode", "tongue", f"largest growth [{self.growth_unit}]", *places])
+        for number, band in enumerate(self, 1):
+            names = ["" if name is None else name for name in (band.mode, band.tongue)]
+            for x, y in zip(band.x.tolist(), band.y.tolist(), strict=True):
+                table.writerow([number, *names, band.largest_growth, x, y])
+        with files.whole_file(path) as file:
+            file.write(text.getvalue().encode())
+        return path
+
+    def to_xarray(self) -> Any:
+        """Return an xarray.Dataset of bands and vertices (needs xarray: pip install floquetrod[xarray]).
+
+        The dimensions are "band" and "vertex", to which ``vertex_band`` gives the band, counted from 0; a mode or
+        tongue that is not known is -1.
+        """
+        import xarray
+
+        arrays = self.as_arrays()
+        x, y = (axis.name for axis in (self.x, self.y))
+        data = {
+            "mode": ("band", arrays["mode"]),
+            "tongue": ("band", arrays["tongue"]),
+            "largest_growth": ("band", arrays["growth"], {"units": self.growth_unit}),
+            "vertex_band": ("vertex", np.repeat(np.arange(len(self)), arrays["size"])),
+            x: ("vertex", arrays["x"], {"units": self.x.unit}),
+            y: ("vertex", arrays["y"], {"units": self.y.unit}),
+        }
+        names = ("growth_tolerance", "hairlines", "accuracy", "resolution")
+        return xarray.Dataset(data, attrs={name: getattr(self, name) for name in names})
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the bands as shapes, orange, thin ones as lines, named where there is room; return the axes."""
+        from floquetrod.plotting.bands import draw_bands
+
+        return draw_bands(self, ax)
+
+    def as_arrays(self) -> dict[str, NDArray[Any]]:
+        """Return the bands as arrays: one entry a band, and ``x``, ``y`` with all vertices after each other."""
+        nothing = [np.empty(0)]
+        return {
+            "size": np.array([band.x.size for band in self], dtype=np.int64),
+            "mode": np.array([-1 if band.mode is None else band.mode for band in self], dtype=np.int64),
+            "tongue": np.array([-1 if band.tongue is None else band.tongue for band in self], dtype=np.int64),
+            "growth": np.array([band.largest_growth for band in self], dtype=np.float64),
+            "place": np.array([band.place for band in self], dtype=np.float64).reshape(-1, 2),
+            "x": np.concatenate(nothing + [band.x for band in self]),
+            "y": np.concatenate(nothing + [band.y for band in self]),
+        }
+
+    @staticmethod
+    def bands_of(arrays: dict[str, NDArray[Any]]) -> tuple[Band, ...]:
+        """Return the bands that `as_arrays` describes; ValueError where the arrays do not fit each other."""
+        size = files.field(arrays, "size", np.int64, (None,))
+        each = (size.size,)
+        mode, tongue = (files.field(arrays, name, np.int64, each) for name in ("mode", "tongue"))
+        growth = files.field(arrays, "growth", np.float64, each)
+        place = files.field(arrays, "place", np.float64, (size.size, 2))
+        if (size < 3).any():
+            raise ValueError("a band has fewer than three vertices")
+        total = (int(size.sum()),)
+        x, y = (files.field(arrays, name, np.float64, total, finite=True) for name in ("x", "y"))
+        at = np.concatenate([[0], np.cumsum(size)]).tolist()
+        return tuple(
+            Band(
+                x[at[i] : at[i + 1]],
+                y[at[i] : at[i + 1]],
+                None if mode[i] < 0 else int(mode[i]),
+                None if tongue[i] < 0 else int(tongue[i]),
+                float(growth[i]),
+                (float(place[i, 0]), float(place[i, 1])),
+            )
+            for i in range(size.size)
+        )
