@@ -117,13 +117,14 @@ def mode_box(box: Any, mode: int) -> tuple[float, float, float, float]:
 
 
 @kernel
-def tail_bound(box: Any, level: float, last: int) -> float:
+def tail_bound(box: Any, last: int) -> float:
     """Return a proved bound in 1/s on the growth of every mode after ``last`` freed of its damping; infinite if none.
 
-    From m0 = last + 1 on, and c1 m^4 >= Omega^2 - lambda^2 + level^2, kappa / p grows with m, and every factor of
-    `flux_bound` falls, but the first times p: that one is at most (c2 dF)^2 over a lower bound of its pivot / m^4.
-    The bound holds for growth above ``level``.
+    Let level be the least lambda.  From m0 = last + 1 on, and c1 m^4 >= Omega^2 - lambda^2 + level^2, kappa / p grows
+    with m, and every factor of `flux_bound` falls, but the first times p: that one is at most (c2 dF)^2 over a lower
+    bound of its pivot / m^4.  Growth up to the level is not bounded: the larger of both counts.
     """
+    level = box[DAMPING, 0]
     m0 = last + 1.0
     m2 = m0 * m0
     m4 = m2 * m2
@@ -198,16 +199,16 @@ def tail_modes(box: Any, tolerance: float, smallest: float, most: int) -> tuple[
     """
     target = down(box[DAMPING, 0] + max(tolerance, smallest))
     low, high = 0, 1
-    while high < most and not tail_bound(box, target, high) <= target:
+    while high < most and not tail_bound(box, high) <= target:
         low, high = high, 2 * high
     high = min(high, most)
     while high - low > 1:
         middle = (low + high) // 2
-        if tail_bound(box, target, middle) <= target:
+        if tail_bound(box, middle) <= target:
             high = middle
         else:
             low = middle
-    bound = tail_bound(box, target, high)
+    bound = tail_bound(box, high)
     return high, max(0.0, up(bound - box[DAMPING, 0]))
 
 

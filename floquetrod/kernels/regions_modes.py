@@ -10,7 +10,8 @@ from __future__ import annotations
 import math
 
 from floquetrod._util.compilation import kernel
-from floquetrod.kernels.intervals import down, up
+from floquetrod.kernels.intervals import PI_HIGH, PI_LOW, down, sinh_squared, up
+from floquetrod.kernels.regions_excess import excess
 
 QUIET, GROWS, UNKNOWN = 1, 0, -1
 """Answers: every point of the box grows at no more than the level; every one faster; neither is proved."""
@@ -148,6 +149,10 @@ def mode_status(
         lifted = down(kappa_low + max(0.0, down(level_low * level_low)))
         if flux_bound(lifted, p_high, slow, fast, level_low) <= level_low:
             return QUIET
+    if kappa_low > p_high and math.sqrt(kappa_high) - math.sqrt(kappa_low) > 0.5 * fast + math.sqrt(kappa_low) * (
+        fast / slow - 1.0
+    ):
+        return UNKNOWN  # more than two tongues wide: no verdict can be the same everywhere, or only by `flux_bound`
     p = 0.5 * (p_low + p_high)
     shift = up(max(p_high - p, p - p_low))
     least = exact_count(down(kappa_low - shift), p, fast, True)
@@ -155,5 +160,37 @@ def mode_status(
         if least % 2 == 1:
             return QUIET
         if level_high == 0.0:
+            return GROWS
+    return _by_excess(kappa_low, kappa_high, p_low, p_high, slow, fast, level_low, level_high)
+
+
+@kernel
+def _by_excess(
+    kappa_low: float,
+    kappa_high: float,
+    p_low: float,
+    p_high: float,
+    slow: float,
+    fast: float,
+    level_low: float,
+    level_high: float,
+) -> int:
+    """Return `mode_status` from enclosures of the excess: that of the parity of the nearest tongue, then the other."""
+    few, _ = sinh_squared(min(down(PI_LOW * down(level_low / fast)), 300.0)) if level_low > 0.0 else (0.0, 0.0)
+    many = 0.0
+    if level_high > 0.0:
+        x = up(PI_HIGH * up(level_high / slow))
+        many = sinh_squared(x)[1] if x < 300.0 else math.inf
+    nearest = int(2.0 * math.sqrt(max(0.5 * (kappa_low + kappa_high), 0.0)) / (0.5 * (slow + fast)) + 0.5) % 2
+    al, ah = excess(kappa_low, kappa_high, p_low, p_high, slow, fast, nearest)
+    bl, bh = -math.inf, math.inf
+    for attempt in range(2):
+        if attempt == 1:
+            bl, bh = excess(kappa_low, kappa_high, p_low, p_high, slow, fast, 1 - nearest)
+        one = min(ah, up(-1.0 - bl))
+        other = min(bh, up(-1.0 - al))
+        if (one < 0.0 and other < 0.0) or max(one, other) < few:
+            return QUIET
+        if max(al, down(-1.0 - bh)) > many or max(bl, down(-1.0 - ah)) > many:
             return GROWS
     return UNKNOWN
