@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.compilation import kernel
 from floquetrod.kernels.intervals import down, multiply, square, up
+from floquetrod.kernels.regions_excess import excess
 from floquetrod.kernels.regions_modes import GROWS, UNKNOWN, mode_status
 
 MEAN, AMPLITUDE, FREQUENCY, BENDING, PUSH, SWING, DAMPING = range(7)
@@ -86,11 +87,15 @@ def start_search(boxes: Any, pending: Any, shares: Any, counts: Any, examples: A
     """Make the first of ``boxes`` the one to be subdivided."""
     pending[0, 0] = -1
     pending[0, 1] = 1
-    shares[:3] = 0.0
+    for i in range(3):
+        shares[i] = 0.0
+        for row in range(7):
+            examples[i, row, 0] = math.nan
+            examples[i, row, 1] = math.nan
     shares[3] = 1.0
-    counts[:] = 0
+    for i in range(len(counts)):
+        counts[i] = 0
     counts[WAITING] = 1
-    examples[:] = math.nan
 
 
 @kernel
@@ -262,6 +267,82 @@ def _side_to_bisect(box: Any, mode: int) -> int:
 
 
 @kernel
+def _at(box: Any, along: float, point: Any) -> None:
+    """Fill ``point`` with the point of a box on the way to its smallest a, at its largest amplitude."""
+    for row in range(7):
+        falls = row in (BENDING, SWING)
+        share = 1.0 - along if falls else along
+        if row == AMPLITUDE:
+            share = 1.0
+        elif row == DAMPING:
+            share = 0.0
+        value = box[row, 0] + share * (box[row, 1] - box[row, 0])
+        point[row, 0] = min(max(value, box[row, 0]), box[row, 1])
+        point[row, 1] = point[row, 0]
+
+
+@kernel
+def _excess_at(box: Any, mode: int, parity: int, along: float, point: Any) -> float:
+    """Return the excess of a mode at `_at`, about, and leave the point in ``point``."""
+    _at(box, along, point)
+    kl, kh, pl, ph = mode_box(point, mode)
+    low, high = excess(kl, kh, pl, ph, point[FREQUENCY, 0], point[FREQUENCY, 0], parity)
+    return 0.5 * (low + high) if low > -math.inf and high < math.inf else -math.inf
+
+
+@kernel
+def aim(box: Any, mode: int, point: Any) -> None:
+    """Fill ``point`` with the middle of the first tongue of a mode in a box, about, where it grows if it does anywhere.
+
+    Between two tongues of the other parity the excess has one maximum along a: a golden section finds it.
+    """
+    kl, kh, _, _ = mode_box(box, mode)
+    low = 2.0 * math.sqrt(max(kl, 0.0)) / box[FREQUENCY, 1]
+    high = 2.0 * math.sqrt(max(kh, 0.0)) / box[FREQUENCY, 0]
+    order = min(math.ceil(low - 0.2), math.floor(high + 0.2))
+    parity = int(order) % 2
+    left, right = 0.0, 1.0
+    for _ in range(2):
+        wanted = order + 0.6 if left == 0.0 else order - 0.6
+        below, above = 0.0, 1.0
+        for _ in range(12):
+            middle = 0.5 * (below + above)
+            _at(box, middle, point)
+            middle_kappa, _, _, _ = mode_box(point, mode)
+            if 2.0 * math.sqrt(max(middle_kappa, 0.0)) > wanted * point[FREQUENCY, 0]:
+                below = middle
+            else:
+                above = middle
+        if left == 0.0:
+            left = below
+        else:
+            right = above
+    ratio = 0.6180339887498949
+    first = right - ratio * (right - left)
+    second = left + ratio * (right - left)
+    at_first = _excess_at(box, mode, parity, first, point)
+    at_second = _excess_at(box, mode, parity, second, point)
+    for _ in range(50):
+        if at_first >= at_second:
+            right, second, at_second = second, first, at_first
+            first = right - ratio * (right - left)
+            at_first = _excess_at(box, mode, parity, first, point)
+        else:
+            left, first, at_first = first, second, at_second
+            second = left + ratio * (right - left)
+            at_second = _excess_at(box, mode, parity, second, point)
+    _at(box, first if at_first >= at_second else second, point)
+
+
+@kernel
+def _copy(box: Any, boxes: Any, place: int) -> None:
+    """Store a box among others."""
+    for row in range(7):
+        boxes[place, row, 0] = box[row, 0]
+        boxes[place, row, 1] = box[row, 1]
+
+
+@kernel
 def certify_box(
     boxes: Any,
     pending: Any,
@@ -276,10 +357,11 @@ def certify_box(
     """Examine up to ``steps`` boxes of a `BoxSearch`, and return whether it goes on: call again.
 
     It ends when no box is left, when there is no room for more, or when one has been proved quiet and one growing.
-    ``shares``, ``counts`` and ``examples`` then tell the answer: all quiet where the parts proved growing, given up and
-    waiting are none, and so on.
+    ``shares``, ``counts`` and ``examples`` then tell the answer: all quiet where no part was proved growing, was given up
+    or is waiting, and so on.  "Quiet" is said of modes 1 to ``last``; `tail_modes` covers the others.
     """
     room = len(boxes)
+    point = np.empty((7, 2))
     for _ in range(steps):
         if counts[WAITING] == 0 or (counts[QUIET_PARTS] > 0 and counts[GROWING_PARTS] > 0):
             return False
@@ -311,9 +393,9 @@ def certify_box(
         if grows > 0 or left == 0:
             kind = 1 if grows > 0 else 0
             if counts[QUIET_PARTS + kind] == 0:
-                examples[kind] = box
-            if grows > 0:
-                counts[GROWING_MODE] = grows
+                _copy(box, examples, kind)
+                if grows > 0:
+                    counts[GROWING_MODE] = grows
             counts[QUIET_PARTS + kind] += 1
             shares[kind] += share
             continue
@@ -321,17 +403,24 @@ def certify_box(
         row = _side_to_bisect(box, undecided)
         if row < 0:
             counts[OPEN_PARTS] += 1
-            examples[2] = box
+            _copy(box, examples, 2)
             shares[2] += share
             continue
+        if counts[GROWING_PARTS] == 0 and counts[DONE] & (counts[DONE] - 1) == 0:  # 1, 2, 4, 8, ...: now and then
+            aim(box, undecided, point)
+            if status_of_mode(point, undecided, tolerance_low, tolerance_high) == GROWS:
+                counts[GROWING_PARTS] = 1
+                counts[GROWING_MODE] = undecided
+                _copy(point, examples, 1)
         middle = 0.5 * (box[row, 0] + box[row, 1])
         for half in range(2):
             there = (counts[FIRST] + counts[WAITING]) % room
-            boxes[there] = box
+            _copy(box, boxes, there)
             boxes[there, row, 1 - half] = middle
             if left < pending.shape[1]:
                 pending[there, 0] = left
-                pending[there, 1 : left + 1] = pending[here, 1 : left + 1]
+                for i in range(1, left + 1):
+                    pending[there, i] = pending[here, i]
             else:
                 pending[there, 0] = -1
                 pending[there, 1] = undecided
@@ -375,16 +464,19 @@ def certify_cells(
         box[AMPLITUDE, 1] = amplitude_high[i]
         box[FREQUENCY, 0] = frequency_low[i]
         box[FREQUENCY, 1] = frequency_high[i]
-        box[BENDING:] = rod
+        for row in range(4):
+            box[BENDING + row, 0] = rod[row, 0]
+            box[BENDING + row, 1] = rod[row, 1]
         last, bound = tail_modes(box, tolerance_low, smallest, most)
         start_search(boxes, pending, shares, counts, examples, last)
         certify_box(boxes, pending, shares, counts, examples, last, tolerance_low, tolerance_high, max_boxes)
-        rest = counts[WAITING] + counts[OPEN_PARTS] + (0 if bound <= max(tolerance_low, smallest) else 1)
-        if counts[GROWING_PARTS] > 0 and counts[QUIET_PARTS] > 0:
+        rest = counts[WAITING] + counts[OPEN_PARTS]
+        others = bound <= max(tolerance_low, smallest)  # the modes not looked at are quiet
+        if counts[GROWING_PARTS] > 0 and counts[QUIET_PARTS] > 0 and others:
             out[i] = -1
-        elif rest == 0 and counts[GROWING_PARTS] == 0:
+        elif counts[GROWING_PARTS] == 0 and rest == 0 and others:
             out[i] = 1
-        elif counts[GROWING_PARTS] > 0 and counts[WAITING] + counts[OPEN_PARTS] == 0:
+        elif counts[QUIET_PARTS] == 0 and rest == 0:
             out[i] = 0
         else:
             out[i] = -2
