@@ -357,7 +357,7 @@ def certify_box(
     """Examine up to ``steps`` boxes of a `BoxSearch`, and return whether it goes on: call again.
 
     It ends when no box is left, when there is no room for more, or when one has been proved quiet and one growing.
-    ``shares``, ``counts`` and ``examples`` then tell the answer: all quiet where no part was proved growing, was given up
+    ``shares``, ``counts`` and ``examples`` then tell the answer: all quiet where no part was proved growing, given up
     or is waiting, and so on.  "Quiet" is said of modes 1 to ``last``; `tail_modes` covers the others.
     """
     room = len(boxes)
