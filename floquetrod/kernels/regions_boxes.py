@@ -39,8 +39,8 @@ def mode_box(box: Any, mode: int) -> tuple[float, float, float, float]:
     if box[AMPLITUDE, 1] > 0.0:
         al, ah = multiply(pl, ph, box[AMPLITUDE, 0], box[AMPLITUDE, 1])
         al = max(al, 0.0)
-    m4 = m2 * m2
-    bl, bh = multiply(box[BENDING, 0], box[BENDING, 1], m4, m4)
+    bl, bh = multiply(box[BENDING, 0], box[BENDING, 1], m2, m2)
+    bl, bh = multiply(bl, bh, m2, m2)  # m2 is exact as a double, its square need not be
     dl, dh = square(box[DAMPING, 0], box[DAMPING, 1])
     low = down(down(bl - fh) + down(box[SWING, 0] - dh))
     high = up(up(bh - fl) + up(box[SWING, 1] - dl))
@@ -58,7 +58,7 @@ def tail_bound(box: Any, last: int) -> float:
     level = box[DAMPING, 0]
     m0 = last + 1.0
     m2 = m0 * m0
-    m4 = m2 * m2
+    m4 = down(m2 * m2)
     c1 = box[BENDING, 0]
     push = up(box[PUSH, 1] * box[AMPLITUDE, 1])
     mean = up(box[MEAN, 1] * (box[PUSH, 1] if box[MEAN, 1] > 0.0 else box[PUSH, 0]))
