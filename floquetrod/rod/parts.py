@@ -17,6 +17,14 @@ _LARGEST_FRICTION = 1e6  # (a choice: beyond any)
 ON_A_FLOOR = math.pi**2 / 3.0 - 1.0
 """Added-mass coefficient of a cylinder that touches a plane floor, 2.29."""
 
+LIMITS: dict[str, tuple[float, float]] = {
+    **dict.fromkeys(("youngs_modulus", "density", "radius", "length", "channel_radius", "gravity"), (_LEAST, _LARGEST)),
+    **dict.fromkeys(("damping_rate", "inner_radius", "fluid_inside", "fluid_outside"), (0.0, _LARGEST)),
+    "added_mass_coefficient": (0.0, _LARGEST),
+    "inclination": (_LEAST, 0.5 * math.pi),
+}
+"""Least and largest of each parameter of a rod that is a number, whatever the others are."""
+
 
 def parameter(name: str, value: Any, unit: str) -> float:
     """Return a parameter of a rod, greater than zero, in its SI unit."""
