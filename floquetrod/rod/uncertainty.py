@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 
 _AT_ONCE = 1 << 17  # samples held at a time (a choice: some 10 MB)
 _COUPLED_AT_ONCE = 1 << 8  # of coupled modes, which take milliseconds each (a choice)
-_MOST_SAMPLES = 10**10  # an hour or two (a choice)
+_MOST_SAMPLES = 10**8  # a minute or two (a choice)
 _REPLICATES = 16  # independent sets of points whose spread gives the errors of Sobol indices (a choice)
 _LEAST_POINTS, _MOST_POINTS = 1 << 8, 1 << 20  # of a Sobol index (choices: too few for anything, and held at once)
 _LEAST_EVENTS = 16  # unstable points, and stable ones, expected in each replicate (a choice: none has none)
@@ -133,10 +133,10 @@ class Sampling:
             self._refuse(sample)
         except ValueError as error:
             listed = ", ".join(f"{name} = {value:.6g}" for name, value in sample.items())
+            remedy = ".  Truncate the distribution, with scipy.stats.truncnorm for example" if good.any() else ""
             raise ValueError(
                 f"parameters must give rods and loads that can be, but {np.count_nonzero(~good):,} of {good.size:,} "
-                f"samples do not, such as {listed}: {error}.  Truncate the distribution, with scipy.stats.truncnorm "
-                "for example"
+                f"samples do not, such as {listed}: {error}{remedy}"
             ) from None
 
     def _refuse(self, sample: Mapping[str, float]) -> NoReturn:
