@@ -13,7 +13,8 @@ from scipy import stats
 
 import floquetrod as fr
 from floquetrod.rod import formulas
-from floquetrod.rod.uncertainty import Sampling, SobolIndex, quantiles, sobol_indices
+from floquetrod.rod.distributions import Sampling, quantiles
+from floquetrod.rod.uncertainty import SobolIndex, sobol_indices
 
 ROD = fr.Rod.nitinol()
 UNIT = ROD.critical_force
