@@ -43,6 +43,8 @@ if TYPE_CHECKING:
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.rod import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.stability import RodStability as RodStability
+    from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
+    from floquetrod.rod.uncertainty import probability_of_instability as probability_of_instability
     from floquetrod.simulation.checkpoints import CheckpointWarning as CheckpointWarning
     from floquetrod.simulation.integration import SimulationDiverged as SimulationDiverged
     from floquetrod.simulation.problem import Simulation as Simulation
@@ -64,6 +66,7 @@ _WHERE = {
     "FrictionalMathieu": "equations",
     "Hill": "equations",
     "HillSystem": "equations",
+    "InstabilityProbability": "rod.uncertainty",
     "Mathieu": "equations",
     "FiniteTimeCriterion": "mathieu.criterion",
     "PeriodicSystem": "equations",
@@ -86,6 +89,7 @@ _WHERE = {
     "friction": "friction",
     "mathieu": "mathieu",
     "methods": "floquet.methods",
+    "probability_of_instability": "rod.uncertainty",
     "simulation": "simulation",
     "simulate": "simulation.simulate",
     "stability": "floquet.dispatch",

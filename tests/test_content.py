@@ -63,6 +63,9 @@ MADE: dict[str, Callable[[], Any]] = {
     "RodStability": lambda: ROD.stability(LOAD),
     "FrictionalRodStability": lambda: ROD.stability(LOAD, friction=0.1, kick=0.05),
     "StabilityIntervals": lambda: ROD.stable_mean_forces(LOAD.amplitude, 150.0),
+    "InstabilityProbability": lambda: fr.probability_of_instability(
+        ROD, LOAD, {"mean": (0.0, 1.0)}, samples=100, seed=1
+    ),
     "FiniteTimeCriterion": fr.FiniteTimeCriterion,
     "Perturbation": lambda: fr.Perturbation.case("C"),
     "Fate": lambda: fr.friction.fate(RUBBING, 3.0),

@@ -40,6 +40,7 @@ MISTAKES = [
     ("simulator.md", "[-2 * sigma, l]]", "[2 * sigma, l]]"),
     ("simulator.md", "R * rate / r", "R * rate / (2 * r)"),
     ("simulator.md", "(depth + C * speed)", "(depth - C * speed)"),
+    ("uncertainty.md", "(c1 * m**4 + pendulum_squared)", "(c1 * m**4 - pendulum_squared)"),
 ]
 
 

@@ -127,6 +127,39 @@ def _mode_stable(
 
 
 @kernel
+def rod_is_stable(
+    w2: float,
+    mass: float,
+    rigidity: float,
+    pendulum: float,
+    mean: float,
+    amplitude: float,
+    omega: float,
+    damping_rate: float,
+    tolerance: float,
+    slowest: float,
+    last: int,
+    suspect: int,
+) -> tuple[bool, int, int]:
+    """Return whether no mode of a rod grows faster than ``tolerance`` (1/s), how many were needed and which to suspect.
+
+    Growth below ``slowest`` (1/s) may be left out.  ``last`` and ``suspect`` are the answers for a rod and load nearby:
+    neighbours need about as many modes and mostly fail in the same one, which is tested first.
+    """
+    forcing, compression, bending, gravity, c, last = _modes_of_load(
+        w2, mass, rigidity, pendulum, mean, amplitude, omega, damping_rate, slowest, last
+    )
+    level = tolerance / omega
+    suspect = min(suspect, last)
+    if not _mode_stable(forcing, compression, bending, gravity, suspect, c, level):
+        return False, last, suspect
+    for mode in range(1, last + 1):
+        if mode != suspect and not _mode_stable(forcing, compression, bending, gravity, mode, c, level):
+            return False, last, mode
+    return True, last, suspect
+
+
+@kernel
 def modes_stable_fill(
     mean: Any,
     amplitude: Any,
@@ -142,26 +175,26 @@ def modes_stable_fill(
 ) -> None:
     """Fill ``out`` with whether no mode of a rod grows faster than ``tolerance`` under each load (rates per second).
 
-    Rates below ``smallest`` may be left out.  Neighbouring loads need about as many modes and mostly fail in the same
-    one, which is tested first.
+    Rates below ``smallest`` may be left out.
     """
     slowest = max(tolerance, smallest)
     last = 1
     suspect = 1
     for i in range(len(mean)):
-        forcing, compression, bending, gravity, c, last = _modes_of_load(
-            w2, mass, rigidity, pendulum, mean[i], amplitude[i], frequency[i], damping_rate, slowest, last
+        out[i], last, suspect = rod_is_stable(
+            w2,
+            mass,
+            rigidity,
+            pendulum,
+            mean[i],
+            amplitude[i],
+            frequency[i],
+            damping_rate,
+            tolerance,
+            slowest,
+            last,
+            suspect,
         )
-        level = tolerance / frequency[i]
-        suspect = min(suspect, last)
-        stable = _mode_stable(forcing, compression, bending, gravity, suspect, c, level)
-        if stable:
-            for mode in range(1, last + 1):
-                if mode != suspect and not _mode_stable(forcing, compression, bending, gravity, mode, c, level):
-                    stable = False
-                    suspect = mode
-                    break
-        out[i] = stable
 
 
 @kernel

@@ -40,6 +40,7 @@ LEFT_OUT = {
     "Comparison": "constructed by compare",
     "Proof": "constructed by certify",
     "FrictionalRodStability": "constructed by Rod.stability",
+    "InstabilityProbability": "constructed by probability_of_instability",
     "CheckpointWarning": "a warning",
     "SimulationDiverged": "an exception",
     "SquareWave": "another name of Meissner",
@@ -257,6 +258,11 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.from_toml": Call(fr.Rod.from_toml, {"path": str(place / "rod.toml")}),
         "Rod.catalogue": Call(fr.Rod.catalogue, {"name": "2.00x0.156 CT90", "bore": "4.778in", "length": 60.0}),
         "Rod.lock_up": Call(ROD.lock_up, {"friction": 0.3, "far_force": 0.1}),
+        "probability_of_instability": Call(
+            fr.probability_of_instability,
+            {"rod": ROD, "load": LOAD, "parameters": {"length": (3.0, 3.1)}, "samples": 30, "seed": 1, "workers": 1}
+            | {"growth_tolerance": 0.1, "confidence": 0.9},
+        ),
         "Rod.replace": Call(ROD.replace, {"length": 3.0, "damping_rate": 1.0}),
         "Rod.wavenumber": Call(ROD.wavenumber, {"mode": 3}),
         "Rod.natural_frequency": Call(ROD.natural_frequency, {"mode": 3}),

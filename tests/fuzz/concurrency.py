@@ -178,6 +178,7 @@ def values() -> dict[str, Any]:
         "RodStability": ROD.stability(LOAD),
         "FrictionalRodStability": ROD.stability(LOAD, friction=0.1, kick=0.05),
         "StabilityIntervals": ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1),
+        "InstabilityProbability": fr.probability_of_instability(ROD, LOAD, {"mean": (0.3, 0.4)}, samples=100, seed=1),
         "Margin": ROD.stability(LOAD, growth_tolerance=0.1).mean_force_margin,
         "Chart": fr.mathieu.chart((0.0, 1.0, 5), (-1.0, 0.0, 4), growth=True),
         "map": fr.stability_map(ROD, mean=(0.0, 1.7, 4), amplitude=0.3, frequency=(20.0, 200.0, 5), growth=True),
@@ -205,6 +206,7 @@ VERDICTS = (
         "RodStability",
         "FrictionalRodStability",
         "StabilityIntervals",
+        "InstabilityProbability",
     ),
     *("Fate", "EscapeRanges", "Chart", "Simulation"),
 )

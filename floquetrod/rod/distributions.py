@@ -1,0 +1,164 @@
+"""Numbers of a rod and a load that are distributed: their quantiles, and the verdicts on samples of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.compilation import over_chunks
+from floquetrod.kernels.rod_samples import samples_stable_fill
+from floquetrod.rod import formulas, parts
+from floquetrod.rod.constants import NEGLIGIBLE_GROWTH, are_in_reach, at_once, extent
+from floquetrod.rod.load import LIMITS, Load, Loads
+from floquetrod.rod.rod import Rod
+
+Floats = NDArray[np.float64]
+
+_AT_ONCE = 1 << 17  # samples held at a time (a choice: some 10 MB)
+_COUPLED_AT_ONCE = 1 << 8  # of coupled modes, which take milliseconds each (a choice)
+_EXAMPLE = "a pair (low, high) or a frozen distribution such as scipy.stats.norm(3.1, 0.02)"
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """A rod and a load, some of whose numbers are distributed; ``parameters`` holds these by name."""
+
+    rod: Rod
+    load: Load
+    parameters: Mapping[str, Any]
+    growth_tolerance: float
+    workers: int | None
+
+    @property
+    def example(self) -> Rod:
+        """One of the rods, which has weight along it if any of them has."""
+        return self.rod.replace(inclination=0.5) if "inclination" in self.parameters else self.rod
+
+    @cached_property
+    def are_coupled(self) -> bool:
+        """Whether the modes of some of the rods depend on each other."""
+        return not self.example.coupled_numbers.has_mathieu_modes(self.load)
+
+    @property
+    def at_once(self) -> int:
+        """How many samples are judged at a time."""
+        return _COUPLED_AT_ONCE if self.are_coupled else _AT_ONCE
+
+    def verdicts(self, levels: Floats) -> NDArray[np.int8]:
+        """Return 1, 0 or -1, stable, unstable or undecided, at levels of probability (quantities, samples)."""
+        values = {
+            name: quantiles(name, given, level)
+            for (name, given), level in zip(self.parameters.items(), levels, strict=True)
+        }
+        loads = [np.broadcast_to(values.get(name, getattr(self.load, name)), levels.shape[1:]) for name in LIMITS]
+        rods: dict[str, Any] = {name: values.get(name, known) for name, known in self.rod.parameters.items()}
+        self._require(self._exist(rods, loads), values)
+        if self.are_coupled:
+            found = self.rod.verdicts(
+                *loads, growth_tolerance=self.growth_tolerance, like=self.load, workers=self.workers
+            )
+            return np.asarray(found)
+        mean, amplitude, frequency = loads
+        w2, mass, rigidity, swing, damping = formulas.mode_parameters(rods, np.sin)
+        constants = (w2, mass, rigidity, np.sqrt(swing), damping)
+        extents = extent(*constants[:4], np.maximum(0.0, mean + amplitude), np.abs(mean) + amplitude)
+        self._require(are_in_reach(constants, extents, frequency), values)
+        modes, fastest = extents
+        out = np.empty(levels.shape[1], dtype=np.bool_)
+        over_chunks(
+            samples_stable_fill,
+            [*loads, *(np.broadcast_to(np.asarray(part, dtype=np.float64), out.shape) for part in constants)],
+            out,
+            self.growth_tolerance,
+            NEGLIGIBLE_GROWTH,
+            workers=self.workers,
+            chunk=at_once(float(np.max(modes)), float(np.max(fastest / frequency))),
+        )
+        return out.view(np.int8)
+
+    def _exist(self, rods: Mapping[str, Any], loads: list[Floats]) -> NDArray[np.bool_]:
+        """Return which samples are a rod under a load."""
+        good = np.ones(loads[0].shape, dtype=np.bool_)
+        for values, limits in zip(loads, LIMITS.values(), strict=True):
+            good &= (limits.least <= values) & (values <= limits.largest)
+        for name, values in rods.items():
+            least, largest = parts.LIMITS[name]
+            good &= (least <= values) & (values <= largest)
+        if good.all():
+            section = formulas.section_numbers(rods["radius"], rods["inner_radius"])
+            own = formulas.own_mass(rods["density"], rods["fluid_inside"], section)
+            good &= formulas.has_wall(rods["radius"], rods["inner_radius"])
+            good &= formulas.fits(rods["radius"], rods["channel_radius"])
+            good &= formulas.sinks(own, formulas.weighing_mass(own, rods["fluid_outside"], section))
+        return good
+
+    def _require(self, good: NDArray[np.bool_], values: Mapping[str, Floats]) -> None:
+        """Raise ValueError unless all samples are good: what a rod or load made of the first that is not raises."""
+        if good.all():
+            return
+        sample = {name: float(several[np.argmin(good)]) for name, several in values.items()}
+        try:
+            self._refuse(sample)
+        except ValueError as error:
+            listed = ", ".join(f"{name} = {value:.6g}" for name, value in sample.items())
+            remedy = ".  Truncate the distribution, with scipy.stats.truncnorm for example" if good.any() else ""
+            raise ValueError(
+                f"parameters must give rods and loads that can be, but {np.count_nonzero(~good):,} of {good.size:,} "
+                f"samples do not, such as {listed}: {error}{remedy}"
+            ) from None
+
+    def _refuse(self, sample: Mapping[str, float]) -> NoReturn:
+        """Raise ValueError for a sample that is no rod under a load."""
+        rod = self.rod.replace(**{name: value for name, value in sample.items() if name not in LIMITS})
+        load = self.load.with_numbers(*(sample.get(name, getattr(self.load, name)) for name in LIMITS))
+        rod.mode_constants.require_in_reach(Loads.single(load))
+        raise ValueError("it is out of range")
+
+
+def quantiles(name: str, given: Any, levels: Floats) -> Floats:
+    """Return the quantiles of what ``name`` is distributed by, at levels between 0 and 1."""
+    if isinstance(given, tuple):
+        low, high = given
+        return np.asarray(low + (high - low) * levels)
+    try:
+        found: NDArray[Any] = np.asarray(_quantile_function(given)(levels))
+    except ValueError:  # parameters of several distributions, which do not broadcast
+        found = np.empty(0)
+    if found.shape != levels.shape or found.dtype.kind not in "iuf":
+        raise TypeError(f"parameters[{name!r}] must be the distribution of one number, {_EXAMPLE}; got several")
+    return found.astype(np.float64, copy=False)
+
+
+def _quantile_function(given: Any) -> Any:
+    """Return the quantile function of a distribution of either kind of SciPy's, None of anything else."""
+    found = getattr(given, "ppf", None) or getattr(given, "icdf", None)
+    loose = isinstance(given, type) or hasattr(given, "freeze")  # a family of distributions
+    return found if callable(found) and not loose else None
+
+
+def distributions(parameters: Any) -> dict[str, Any]:
+    """Return the argument ``parameters``, checked, its pairs as tuples of floats."""
+    if not isinstance(parameters, Mapping):
+        raise TypeError(f"parameters must map names to distributions, got {validate.short(parameters)}")
+    if not parameters:
+        raise ValueError("parameters must name at least one number of the rod or the load, got none")
+    allowed = (*LIMITS, *parts.LIMITS)
+    checked: dict[str, Any] = {}
+    for name, given in parameters.items():
+        if name not in allowed:
+            raise ValueError(f"parameters must be among {', '.join(allowed)}, got {validate.short(name)}")
+        argument = f"parameters[{name!r}]"
+        if isinstance(given, tuple | list):
+            checked[name] = validate.interval(argument, given)
+            continue
+        if _quantile_function(given) is None:
+            raise TypeError(f"{argument} must be {_EXAMPLE}, got {validate.short(given)}")
+        quantiles(name, given, np.array([0.25, 0.5, 0.75]))
+        checked[name] = given
+    return checked

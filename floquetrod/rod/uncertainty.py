@@ -1,0 +1,305 @@
+"""How probable it is that a rod is unstable when its parameters and its load are known by distributions only."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.content import NoTruthValue
+from floquetrod.rod.assumptions import assumptions
+from floquetrod.rod.constants import HAIRLINE_GROWTH
+from floquetrod.rod.distributions import Sampling, distributions
+from floquetrod.rod.load import LIMITS, AnyLoad, Progress, require_load
+from floquetrod.rod.rod import Rod
+
+Floats = NDArray[np.float64]
+
+_MOST_SAMPLES = 10**8  # a minute or two (a choice)
+_REPLICATES = 16  # independent sets of points whose spread gives the errors of Sobol indices (a choice)
+_LEAST_POINTS, _MOST_POINTS = 1 << 8, 1 << 20  # of a Sobol index (choices: too few for anything, and held at once)
+_LEAST_EVENTS = 16  # unstable points, and stable ones, expected in each replicate (a choice: none has none)
+_HALF_CELL = 2.0**-31  # half the spacing of SciPy's Sobol points: moved by it they lie within (0, 1)
+
+
+class SobolIndex(NamedTuple):
+    """What share of the variance of the verdict is due to one uncertain quantity.
+
+    Attributes
+    ----------
+    first : float
+        First-order index: the share that would go if this quantity were known.
+    total : float
+        Total index: the share that would stay if everything else were known.
+    first_interval, total_interval : tuple of float
+        Confidence intervals of both.
+    """
+
+    first: float
+    total: float
+    first_interval: tuple[float, float]
+    total_interval: tuple[float, float]
+
+
+@dataclass(frozen=True, repr=False)
+class InstabilityProbability(NoTruthValue):
+    """How probable it is that a rod is unstable.
+
+    Attributes
+    ----------
+    probability : float
+        The share of samples that are unstable.
+    interval : tuple of float
+        Confidence interval of the probability by Clopper and Pearson, whose coverage is at least ``confidence``.
+        Samples that could not be decided count as stable at its lower end and as unstable at its upper.
+    confidence : float
+    samples, unstable, undecided : int
+        Drawn, and how many of them are unstable, or could not be decided.
+    growth_tolerance : float
+        Growth in 1/s up to which a mode counts as stable.
+    seed : int
+        What gives the same samples again.
+    assumptions : tuple of str
+    sampling : Sampling
+        The rod, the load and the distributions.
+    """
+
+    ask = ".probability and .interval"
+
+    probability: float
+    interval: tuple[float, float]
+    confidence: float
+    samples: int
+    unstable: int
+    undecided: int
+    growth_tolerance: float
+    seed: int
+    assumptions: tuple[str, ...]
+    sampling: Sampling = field(compare=False)
+
+    @cached_property
+    def importance(self) -> dict[str, SobolIndex] | None:
+        """Sobol indices by name: how much each quantity matters for the verdict; None where `note` says why not.
+
+        Computed when first asked for, from about as many further samples as the probability took, by
+        `scipy.stats.sobol_indices`.  Their confidence intervals come from the spread of 16 independent sets of points.
+        """
+        if self._too_few:
+            return None
+        if len(self.sampling.parameters) == 1:
+            return dict.fromkeys(self.sampling.parameters, SobolIndex(1.0, 1.0, (1.0, 1.0), (1.0, 1.0)))
+        return sobol_indices(self.sampling, self._points, self._streams[1], self.confidence)
+
+    @property
+    def most_important(self) -> str | None:
+        """The quantity with the largest total index, None where `importance` is."""
+        found = self.importance
+        return None if found is None else max(found, key=lambda name: found[name].total)
+
+    @property
+    def note(self) -> str:
+        """What could not be decided or computed, "" where nothing."""
+        found = []
+        if self.undecided:
+            found.append(f"{self.undecided:,} of the samples could not be decided")
+        if self._too_few:
+            found.append(self._too_few)
+        return "; ".join(found)
+
+    def __repr__(self) -> str:
+        """Return the probability as a sentence."""
+        low, high = self.interval
+        digits = 4 if self.unstable else 2
+        unsure = f", {self.undecided:,} undecided" if self.undecided else ""
+        return (
+            f"<unstable with probability {self.probability:.{digits}g}, between {low:.{digits}g} and "
+            f"{high:.{digits}g} with {100.0 * self.confidence:g} % confidence; {self.samples:,} samples{unsure}>"
+        )
+
+    @property
+    def _streams(self) -> list[np.random.SeedSequence]:
+        """Seeds of the samples and of the points of Sobol indices."""
+        return np.random.SeedSequence(self.seed).spawn(2)
+
+    @property
+    def _points(self) -> int:
+        """Number of points of a Sobol index: a power of two, with which it takes about as long as the samples."""
+        several = self.samples // (len(self.sampling.parameters) + 2)
+        return min(max(1 << max(several.bit_length() - 1, 0), _LEAST_POINTS), _MOST_POINTS)
+
+    @property
+    def _too_few(self) -> str:
+        """Why there are no Sobol indices, "" where there are."""
+        fewer, kind = min((self.unstable, "unstable"), (self.samples - self.unstable, "stable"))
+        if not fewer:
+            return f"no sample was {kind}: nothing is more important than anything else"
+        if 2 * self._points * fewer >= _LEAST_EVENTS * _REPLICATES * self.samples:
+            return ""
+        remedy = "; take more samples" if self._points < _MOST_POINTS else ""
+        return f"{fewer:,} {kind} samples are too few to say what is most important{remedy}"
+
+
+def probability_of_instability(
+    rod: Rod,
+    load: AnyLoad,
+    parameters: Mapping[str, Any],
+    *,
+    samples: int = 1_000_000,
+    growth_tolerance: float = HAIRLINE_GROWTH,
+    seed: int | None = None,
+    confidence: float = 0.95,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> InstabilityProbability:
+    """Return how probable it is that a rod is unstable under a load when some of their numbers are distributed.
+
+    Parameters
+    ----------
+    rod : Rod
+    load : AxialLoad, AxialWave or ForceRecord
+        Both give everything that ``parameters`` does not.
+    parameters : mapping
+        Distributions by name: of "mean", "amplitude" (N) and "frequency" (rad/s) of the load, and of the parameters of
+        the rod that are numbers ("length", "youngs_modulus", ...), in SI units.  Each a pair (low, high), between which
+        all values are equally probable, or a distribution of `scipy.stats` with its parameters given; what has a method
+        ``ppf`` or ``icdf``, the quantile function, will do.  They are independent of each other.
+    samples : int
+        Number of rods and loads drawn at random.
+    growth_tolerance : float
+        Growth rate in 1/s up to which a mode counts as stable; the default leaves out what grows less than tenfold in a
+        month.
+    seed : int, optional
+        The same gives the same samples, on any number of threads; by default a new one, which the result tells.
+    confidence : float
+        Of the intervals, between 0 and 1.
+    workers : int, optional
+        Threads; by default one per core.
+    progress : callable, optional
+        Called with the numbers of samples judged and to judge.
+
+    Returns
+    -------
+    InstabilityProbability
+
+    Raises
+    ------
+    ValueError
+        For samples that are no rod or no load, with how many there are; for parameters of a rod whose modes are
+        coupled, where only the numbers of the load may be distributed.
+    TypeError
+        For what is no distribution.
+
+    Examples
+    --------
+    >>> import floquetrod as fr
+    >>> rod = fr.Rod.nitinol()
+    >>> load = fr.AxialLoad(mean=0.34 * rod.critical_force, amplitude=0.2 * rod.critical_force, frequency=150.0)
+    >>> found = fr.probability_of_instability(
+    ...     rod, load, {"length": (3.09, 3.11), "frequency": (145.0, 155.0)}, samples=20_000, seed=1
+    ... )
+    >>> found
+    <unstable with probability 0.092, between 0.08803 and 0.09609 with 95 % confidence; 20,000 samples>
+    >>> found.most_important
+    'frequency'
+    """
+    validate.instance("rod", rod, Rod, "Rod.nitinol(), say")
+    load = require_load("load", load)
+    samples = validate.integer("samples", samples, 1, _MOST_SAMPLES)
+    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    confidence = validate.positive("confidence", confidence, "0.95, say")
+    if confidence >= 1.0:
+        raise ValueError(f"confidence must be less than 1, got {confidence:g}; 0.95, say")
+    seed = _entropy() if seed is None else validate.integer("seed", seed, 0, 2**128 - 1)
+    workers = validate.workers(workers)
+    validate.progress(progress)
+    sampling = Sampling(rod, load, distributions(parameters), tolerance, workers)
+    if sampling.are_coupled:
+        for name in parameters:
+            if name not in LIMITS:
+                raise sampling.example._refusal(f"{name} in parameters", load)
+
+    from scipy.stats import binomtest
+
+    rng = np.random.default_rng(np.random.SeedSequence(seed).spawn(2)[0])
+    unstable = undecided = 0
+    for done in range(0, samples, sampling.at_once):
+        levels = rng.random((len(parameters), min(sampling.at_once, samples - done)))
+        verdicts = sampling.verdicts(np.maximum(levels, 2.0**-54))  # a level of 0 would be an infinite quantile
+        unstable += int(np.count_nonzero(verdicts == 0))
+        undecided += int(np.count_nonzero(verdicts == -1))
+        if progress is not None:
+            progress(done + verdicts.size, samples)
+    low = binomtest(unstable, samples).proportion_ci(confidence, "exact").low
+    high = binomtest(unstable + undecided, samples).proportion_ci(confidence, "exact").high
+    return InstabilityProbability(
+        unstable / samples,
+        (float(low), float(high)),
+        confidence,
+        samples,
+        unstable,
+        undecided,
+        tolerance,
+        seed,
+        (*assumptions(rod, load), f"{', '.join(parameters)}: independent of each other"),
+        sampling,
+    )
+
+
+def sobol_indices(
+    sampling: Sampling, points: int, seed: np.random.SeedSequence, confidence: float
+) -> dict[str, SobolIndex]:
+    """Return first-order and total Sobol indices of being unstable, two quantities at least, from ``points`` points.
+
+    SciPy's own intervals, a bootstrap corrected for bias and skewness, take as many passes over the points as there are
+    points.  Here they come from `_REPLICATES` independently scrambled Sobol sequences, by Student's distribution.
+    """
+    from scipy import stats
+
+    names = tuple(sampling.parameters)
+    each = points // _REPLICATES
+    sets = [
+        stats.qmc.Sobol(2 * len(names), seed=np.random.default_rng(child)).random(each) + _HALF_CELL
+        for child in seed.spawn(_REPLICATES)
+    ]
+    a, b = np.split(np.concatenate(sets).T, 2)
+
+    def unstable(levels: Floats) -> Floats:
+        """Return 1 where unstable, else 0, by replicate."""
+        blocks = range(0, points, sampling.at_once)
+        found = [sampling.verdicts(levels[:, start : start + blocks.step]) for start in blocks]
+        flat = np.asarray(np.concatenate(found) == 0, dtype=np.float64)
+        return flat.reshape(_REPLICATES, each)
+
+    mixed = []
+    for i in range(len(names)):
+        levels = a.copy()
+        levels[i] = b[i]
+        mixed.append(unstable(levels))
+    values = {"f_A": unstable(a), "f_B": unstable(b), "f_AB": np.stack(mixed)}
+    pooled = stats.sobol_indices(
+        func={name: array.reshape(*array.shape[:-2], 1, points) for name, array in values.items()}, n=points
+    )
+    spread = stats.sobol_indices(func=values, n=each)
+    reach = float(stats.t.ppf(0.5 + 0.5 * confidence, _REPLICATES - 1)) / _REPLICATES**0.5
+
+    def with_interval(value: float, replicates: Floats) -> tuple[float, tuple[float, float]]:
+        """Return an index and its confidence interval."""
+        error = reach * float(replicates.std(ddof=1))
+        return value, (value - error, value + error)
+
+    found = {}
+    for i, name in enumerate(names):
+        first, first_interval = with_interval(float(pooled.first_order[i]), spread.first_order[:, i])
+        total, total_interval = with_interval(float(pooled.total_order[i]), spread.total_order[:, i])
+        found[name] = SobolIndex(first, total, first_interval, total_interval)
+    return found
+
+
+def _entropy() -> int:
+    """Return a seed that has not been used."""
+    return int(np.random.SeedSequence().generate_state(1, np.uint64)[0])
