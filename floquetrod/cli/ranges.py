@@ -100,7 +100,7 @@ def _ranges(options: argparse.Namespace) -> Answer:
             }
             for part in found
         ],
-        "ends_are": "[mode, tongue], a resonance of coupled modes, or null at an end of the search",
+        "ends_are": "[mode, tongue], a resonance of coupled modes, 'unnamed', or null at an end of the search",
         "version": fr.__version__,
     }
     return Answer(json.dumps(record, indent=2, allow_nan=False))

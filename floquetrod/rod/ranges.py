@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -30,14 +30,17 @@ QUANTITIES: dict[Quantity, tuple[str, str]] = {
 _PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
 
 
-Cause: TypeAlias = tuple[int, int] | Resonance | None
-"""What closes a stability interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search."""
+Cause: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"] | None
+"""What closes a stability interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search.
+
+"unnamed" where coupled modes grow, or may grow, and none could be named: beyond 200 of them, or where undecided.
+"""
 
 
 class StabilityInterval(NamedTuple):
     """Stable from ``low`` to ``high``; what closes each end is (mode, tongue), where modes are coupled a `Resonance`.
 
-    None at an end of the search.
+    "unnamed" where that could not be told; None at an end of the search.
     """
 
     low: float
@@ -159,7 +162,7 @@ def first_unstable(varied: Quantity, rod: ModalRod, largest: Load, growth_tolera
         bounds = (0.0, getattr(largest, varied))
         coupled = _coupled(varied, rod, largest, bounds, tolerance)
         none = largest.varied(varied, 0.0)
-        if coupled.verdicts(Loads.single(none), tolerance, quick=True)[0] != 1:
+        if coupled.answers(Loads.single(none), tolerance, quick=True).status[0] != 1:
             return 0.0
         change = first_change(varied, coupled, largest, bounds, tolerance)
         return math.inf if change is None else change
@@ -183,8 +186,7 @@ def _coupled(
     varied: Quantity, rod: ModalRod, largest: Load, bounds: tuple[float, float], tolerance: float
 ) -> CoupledModes:
     """Return as many coupled modes as all loads within bounds need."""
-    numbers = {name: np.full(33, getattr(largest, name)) for name in QUANTITIES}
-    loads = Loads((33,), **(numbers | {varied: np.linspace(*bounds, 33)}))
+    loads = Loads.along(largest, varied, np.linspace(*bounds, 33))
     return CoupledModes(rod.coupled_numbers, largest, rod.coupled_numbers.modes_needed(loads, largest, tolerance))
 
 
@@ -217,4 +219,6 @@ def _between(unstable: UnstableLoads, bounds: tuple[float, float]) -> Iterator[S
 def _end(end: Cause) -> str:
     if end is None:
         return "end of the search"
+    if end == "unnamed":
+        return "not named"
     return str(end) if isinstance(end, Resonance) else f"mode {end[0]}, tongue {end[1]}"
