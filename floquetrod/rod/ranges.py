@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.sampled import UnstablePart, first_change, unstable_parts
 from floquetrod.rod.tongues import UnstableLoads, unstable_loads
+from floquetrod.rod.unstable_bands import Named, Searched, UnstableBand
 
 QUANTITIES: dict[Quantity, tuple[str, str]] = {
     "mean": ("mean force", "N"),
@@ -30,7 +32,7 @@ QUANTITIES: dict[Quantity, tuple[str, str]] = {
 _PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
 
 
-Cause: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"] | None
+Cause: TypeAlias = Named | None
 """What closes a stability interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search.
 
 "unnamed" where coupled modes grow, or may grow, and none could be named: beyond 200 of them, or where undecided.
@@ -69,6 +71,8 @@ class StabilityIntervals(NoTruthValue):
         Resonance tongues within the stability intervals in which a mode grows, but nowhere faster than the tolerance.
     resolution : float
         Unstable parts up to this width may have been missed, in ``unit``: 0 where the search is complete.
+    searched : Searched
+        Rod and load, from which `unstable` is computed.
 
     Iterating gives the intervals; ``value in intervals`` asks whether a value is stable.
     """
@@ -83,6 +87,7 @@ class StabilityIntervals(NoTruthValue):
     modes: int
     hairlines: int
     resolution: float
+    searched: Searched = field(repr=False, compare=False)
 
     def __iter__(self) -> Iterator[StabilityInterval]:
         """Iterate over the intervals."""
@@ -101,6 +106,22 @@ class StabilityIntervals(NoTruthValue):
             for part in self.intervals
         )
 
+    @cached_property
+    def unstable(self) -> tuple[UnstableBand, ...]:
+        """What lies between the stability intervals: the fastest growth, and the damping required; computed once.
+
+        Where modes are independent, growth is evaluated at 17 loads in every tongue of a band and refined about the
+        largest: along the mean force, where growth in a tongue is concave (docs/ranges.md), that is its maximum; along
+        the others a second, narrower maximum in a tongue may be passed over.  The damping is sampled: at the same
+        loads, and in all modes at the ends and in the middle of each band, refined about the largest.
+
+        Where modes are coupled, growth is evaluated at 17 loads of each band and refined about the largest, to a
+        thousandth of the band; the damping is that of this one load.
+        """
+        ends = [self.bounds[0], *(end for part in self.intervals for end in part[:2]), self.bounds[1]]
+        pairs = zip(ends[::2], ends[1::2], strict=True)
+        return self.searched.unstable_bands([(low, high) for low, high in pairs if low < high])
+
     @property
     def note(self) -> str:
         """What has been left out."""
@@ -115,17 +136,25 @@ class StabilityIntervals(NoTruthValue):
         return self.table(self.unit, 1.0)
 
     def table(self, unit: str, size: float) -> str:
-        """Return the intervals as a table in another unit, ``size`` of `unit` each: ("Hz", 2 pi), say."""
+        """Return what is stable and what is not, in order, in another unit, ``size`` of `unit` each: ("Hz", 2 pi), say.
+
+        Behind unstable bands stand what grows fastest in it, how fast and where, and the damping required.
+        """
         if not isinstance(unit, str):
             raise TypeError(f"unit must be a word such as 'Hz', got {validate.short(unit)}")
         size = validate.positive("size", size, "give it in the unit of the intervals")
         low, high = (value / size for value in self.bounds)
         lines = [f"stable {self.quantity} in {unit}, between {low:.6g} and {high:.6g}"]
-        for part in self.intervals:
-            ends = (_end(end) for end in (part.low_end, part.high_end))
-            lines.append(f"  {part.low / size:12.9g} to {part.high / size:12.9g}   " + " ... ".join(ends))
+        rows = [(part.low, part.high, f"{_end(part.low_end)} ... {_end(part.high_end)}") for part in self.intervals]
+        rows += _unstable_rows(self.unstable, size) if self.unstable else ()
+        lines += [f"  {low / size:12.9g} to {high / size:12.9g}   {text}" for low, high, text in sorted(rows)]
         if not self.intervals:
             lines.append("  none")
+        if self.unstable:
+            what = "this load" if self.searched.has_coupled_modes else "the band"
+            lines.append(
+                f"  (unstable: fastest growth, at which load, and damping rate from which on {what} is stable)"
+            )
         if self.resolution:
             lines.append(f"  (unstable parts narrower than {self.resolution / size:.2g} {unit} may have been missed)")
         return "\n".join([*lines, f"  ({self.note})"])
@@ -147,12 +176,16 @@ def stability_intervals(
         coupled = _coupled(varied, rod, largest, bounds, tolerance)
         parts, resolution = unstable_parts(varied, coupled, largest, bounds, tolerance, progress)
         closed = tuple(_stable_between(parts, bounds))
-        return StabilityIntervals(name, unit, bounds, closed, tolerance, coupled.count, 0, resolution)
+        searched = Searched(rod, varied, largest, tolerance, coupled.count)
+        return StabilityIntervals(name, unit, bounds, closed, tolerance, coupled.count, 0, resolution, searched)
     system = _system(rod, largest, tolerance)
     found = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
     intervals = tuple(_between(found, bounds))
     last = system.modes[-1]
-    return StabilityIntervals(name, unit, bounds, intervals, tolerance, last, found.hairlines, found.resolution)
+    searched = Searched(rod, varied, largest, tolerance, last)
+    return StabilityIntervals(
+        name, unit, bounds, intervals, tolerance, last, found.hairlines, found.resolution, searched
+    )
 
 
 def first_unstable(varied: Quantity, rod: ModalRod, largest: Load, growth_tolerance: float) -> float:
@@ -214,6 +247,23 @@ def _between(unstable: UnstableLoads, bounds: tuple[float, float]) -> Iterator[S
         at, closed_by = part.high, cause
     if at < high:
         yield StabilityInterval(at, high, closed_by, None)
+
+
+def _unstable_rows(bands: Sequence[UnstableBand], size: float) -> Iterator[tuple[float, float, str]]:
+    """Yield ends and text of unstable bands, the texts in columns."""
+    columns = [
+        (
+            _end(band.cause),
+            f"{band.worst_growth:.4g}",
+            f"{band.at / size:.6g}",
+            "none" if math.isinf(band.required_damping) else f"{band.required_damping:.4g} 1/s",
+        )
+        for band in bands
+    ]
+    cause, growth, at, _ = (max(len(text) for text in column) for column in zip(*columns, strict=True))
+    for band, (what, fast, where, damping) in zip(bands, columns, strict=True):
+        text = f"unstable: {what:<{cause}}   {fast:>{growth}} 1/s at {where:<{at}}   damping {damping}"
+        yield band.low, band.high, text
 
 
 def _end(end: Cause) -> str:
