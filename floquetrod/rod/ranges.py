@@ -108,7 +108,7 @@ class StabilityIntervals(NoTruthValue):
 
     @cached_property
     def unstable(self) -> tuple[UnstableBand, ...]:
-        """What lies between the stability intervals: the fastest growth, and the damping required; computed once.
+        """What lies between the stability intervals, the fastest growth and the damping required there; computed once.
 
         Where modes are independent, growth is evaluated at 17 loads in every tongue of a band and refined about the
         largest: along the mean force, where growth in a tongue is concave (docs/ranges.md), that is its maximum; along
