@@ -151,7 +151,7 @@ class StabilityIntervals(NoTruthValue):
         if not self.intervals:
             lines.append("  none")
         if self.unstable:
-            what = "this load" if self.searched.has_coupled_modes else "the band"
+            what = "this load" if self.searched.has_coupled_modes else "the band, as sampled,"
             lines.append(
                 f"  (unstable: fastest growth, at which load, and damping rate from which on {what} is stable)"
             )
