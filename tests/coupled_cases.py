@@ -28,6 +28,23 @@ TUBING = fr.Rod(
 ENDS = tuple(f"{upper}-{lower}" for upper, lower in product(("hinged", "clamped", "guided", "free"), repeat=2))
 
 
+def solid_like(tube: fr.Rod) -> fr.Rod:
+    """Return the solid rod without fluids that has the stiffness, inertia, weight and clearance of a tube."""
+    radius = 0.02
+    area, second = math.pi * radius**2, 0.25 * math.pi * radius**4
+    return fr.Rod(
+        tube.flexural_rigidity / second,
+        tube.mass_per_length / area,
+        radius,
+        tube.length,
+        radius + tube.radial_clearance,
+        tube.weight_per_length / tube.mass_per_length,
+        tube.damping_rate,
+        inclination=tube.inclination,
+        ends=tube.ends,
+    )
+
+
 class Known(NamedTuple):
     """A rod, a load and the growth rate in 1/s, known to half a unit of its last digit."""
 

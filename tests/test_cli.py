@@ -308,6 +308,12 @@ def test_ranges(capsys: pytest.CaptureFixture[str]) -> None:
     record = json.loads(capsys.readouterr().out)
     assert record["stable"][0]["high_end"] == [7, 1]
     assert record["stable"][0]["high_N"] == pytest.approx(0.126187679, abs=1e-9)
+    assert len(record["unstable"]) == len(record["stable"]) == 5
+    assert record["unstable"][0]["low_N"] == record["stable"][0]["high_N"]
+    assert record["unstable"][0]["cause"] == [7, 1]
+    for name in ("worst_growth_rate_per_s", "required_damping_rate_per_s"):
+        assert record["unstable"][0][name] == pytest.approx(4.351, abs=1e-3)
+    assert record["unstable"][-1]["required_damping_rate_per_s"] is None
     for change, message in (
         ({"--mean": "0.1Fcr"}, "exactly one of --mean, --amplitude, --frequency must be a range"),
         ({"--mean": "1:0.1"}, "--mean must be a range whose first end is the lower one"),

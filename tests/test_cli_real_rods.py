@@ -14,6 +14,7 @@ from matplotlib import pyplot
 
 import floquetrod as fr
 from floquetrod import cli
+from floquetrod.floquet.systems import resonances
 from floquetrod.rod.load import AxialWave
 
 mpl.use("Agg")
@@ -198,6 +199,16 @@ def test_ranges_name_resonances_and_their_resolution(record: str, capsys: pytest
     like = fr.AxialLoad(0.0, 1.0, 1.0, waveform=measured.waveform)
     wanted = fr.Rod.nitinol().stable_mean_forces(measured.amplitude, measured.frequency, (0.0, 0.3), like=like)
     assert [part["low_N"] for part in sampled["stable"]] == [part.low for part in wanted]
+
+
+def test_ranges_say_where_a_resonance_has_no_name(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(resonances, "_MOST_MODES", 2)  # in place of 200
+    question = ["ranges", "--rod", WIRE, "--amplitude", "0.2Fcr", "--frequency", "20Hz", "--mean", "0:0.6Fcr"]
+    found = answer(capsys, *question)
+    assert (found["stable"][0]["low_end"], found["stable"][0]["high_end"]) == (None, "unnamed")
+    assert "'unnamed'" in found["ends_are"]
 
 
 def test_ranges_take_waves(capsys: pytest.CaptureFixture[str]) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from floquetrod.floquet.systems import resonances
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.load import Load
 
@@ -188,6 +189,20 @@ def test_ranges_are_those_of_a_scan(kind: str, quantity: str, bounds: tuple[floa
     text = repr(found)
     assert "may have been missed" in text
     assert "resonance" in text or "buckling" in text
+
+
+def test_ends_whose_cause_cannot_be_named_are_ends_of_unstable_parts(monkeypatch: pytest.MonkeyPatch) -> None:
+    bounds = (0.0, 0.6 * UNIT)
+    named = ROD.stable_amplitudes(MEAN, FREQUENCY, bounds, like=KINDS["sine"], growth_tolerance=0.01)
+    monkeypatch.setattr(resonances, "_MOST_MODES", 2)  # in place of 200
+    found = ROD.stable_amplitudes(MEAN, FREQUENCY, bounds, like=KINDS["sine"], growth_tolerance=0.01)
+    assert [part[:2] for part in found] == [part[:2] for part in named]
+    assert isinstance(named.intervals[0].high_end, Resonance)
+    first = found.intervals[0]
+    assert (first.low_end, first.high_end) == (None, "unnamed")
+    assert "   end of the search ... not named\n" in repr(found)
+    assert first.low in found
+    assert first.high not in found
 
 
 def test_critical_loads_are_where_growth_begins() -> None:

@@ -73,6 +73,20 @@ def test_free_vibration_is_that_of_a_beam(ends: str) -> None:
     assert np.sqrt(found[rigid : rigid + 4]) == pytest.approx(np.square(cases.beam_wavenumbers(ends)), rel=1e-8)
 
 
+@pytest.mark.parametrize("ends", COUPLED)
+def test_natural_frequencies_are_those_of_the_equations_without_force(ends: str) -> None:
+    rod = WIRE.replace(ends=ends)
+    stiffness = rod.modal_system(fr.AxialLoad(0.0, 0.0, 1.0), range(1, 41)).stiffness
+    found = np.sqrt(np.linalg.eigvalsh(stiffness)[:20])
+    assert rod.natural_frequency(np.arange(1, 21)) == pytest.approx(found, rel=1e-9)
+    assert rod.natural_frequency(7) == pytest.approx(found[6], rel=1e-9)
+    assert rod.wavenumber([[2], [1]]).tolist() == [[rod.wavenumber(2)], [rod.wavenumber(1)]]
+    assert np.count_nonzero(rod.wavenumber(np.arange(1, 6)) == 0.0) == cases.rigid_motions(ends)
+    for wrong in (0, 2.5, [1.0, 1.5]):
+        with pytest.raises(ValueError, match=r"^mode must be a whole number from 1 on for a rod with"):
+            rod.wavenumber(wrong)
+
+
 def test_textbook_numbers_of_beams() -> None:
     shown = {"clamped-clamped": 22.3733, "clamped-hinged": 15.4182, "clamped-free": 3.5160, "clamped-guided": 5.5933}
     for ends, value in shown.items():
@@ -196,19 +210,7 @@ def test_a_weak_inclination_changes_growth_smoothly() -> None:
 @pytest.mark.parametrize("ends", ["hinged", "clamped", "clamped-free"])
 def test_a_tube_is_the_solid_rod_of_the_same_stiffness_inertia_and_weight(ends: str) -> None:
     tube = TUBING.replace(length=40.0, inclination=math.radians(70.0), damping_rate=0.05, ends=ends)
-    radius = 0.02
-    area, second = math.pi * radius**2, 0.25 * math.pi * radius**4
-    solid = fr.Rod(
-        tube.flexural_rigidity / second,
-        tube.mass_per_length / area,
-        radius,
-        tube.length,
-        radius + tube.radial_clearance,
-        tube.weight_per_length / tube.mass_per_length,
-        tube.damping_rate,
-        inclination=tube.inclination,
-        ends=ends,
-    )
+    solid = cases.solid_like(tube)
     load = fr.AxialLoad(0.3 * tube.critical_force, 0.4 * tube.critical_force, 2.2 * tube.pendulum_frequency)
     one, other = tube.stability(load), solid.stability(load)
     assert one.growth_rate > 0.05

@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from coupled_cases import solid_like
 from floquetrod import cli
 from floquetrod.rod.mode_friction import mode_friction
 from floquetrod.rod.parts import ON_A_FLOOR, Channel, Fluids, Section
@@ -176,16 +177,8 @@ tubes = st.builds(
 @settings(max_examples=25, deadline=None)
 @given(tubes)
 def test_a_tube_is_the_solid_rod_of_the_same_stiffness_inertia_and_weight(tube: fr.Rod) -> None:
-    radius = 0.02
-    area, second = math.pi * radius**2, 0.25 * math.pi * radius**4
-    solid = fr.Rod(
-        tube.flexural_rigidity / second,
-        tube.mass_per_length / area,
-        radius,
-        tube.length,
-        radius + tube.radial_clearance,
-        tube.weight_per_length * math.sin(tube.inclination) / tube.mass_per_length,
-    )
+    alike = solid_like(tube)
+    solid = alike.replace(gravity=alike.gravity * math.sin(tube.inclination), inclination=0.5 * math.pi)
     assert tube.critical_force == pytest.approx(solid.critical_force, rel=1e-12)
     assert tube.critical_mode == pytest.approx(solid.critical_mode, rel=1e-12)
     load = pushes(tube)

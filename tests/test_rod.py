@@ -318,7 +318,7 @@ def test_more_of_a_load_never_needs_fewer_modes(
 def test_damping_can_destabilise_a_mode() -> None:
     # In the strip beta > 0 that vibration stabilises no damping is enough, and none is needed.
     assert fr.mathieu.is_stable(1.0, 0.378)
-    assert damping_to_stabilise(1.0, 0.378) == math.inf
+    assert damping_to_stabilise(np.array([1.0]), np.array([0.378])) == math.inf
     for c in (0.1, 1.0, 10.0):
         assert fr.mathieu.growth_rate(1.0, 0.378, c) > 0.0
     assert fr.mathieu.growth_rate(1.0, 0.378, 30.0) == pytest.approx(0.378 / 60.0, rel=1e-2)

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from typing import TypeVar
 
 import floquetrod as fr
 from floquetrod import units
 from floquetrod.cli.common import KINDS, LARGEST, read_quantity, read_range
-from floquetrod.rod.load import AxialWave, Load, Quantity, Waveform
+from floquetrod.rod.load import Load, Quantity, kind
 from floquetrod.rod.modal import ModalRod
 from floquetrod.units import Unit
 
 _L = TypeVar("_L", bound=Load)
-_SINE: Waveform = "sine"
 
 LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "force")
 """What `add_kind` adds."""
@@ -57,14 +57,12 @@ def read_kind(options: argparse.Namespace, record: fr.ForceRecord | None) -> Loa
             "all along the rod; add --wave held, free or driven"
         )
     at = 0.5 if options.mean_at is None else _fraction(options.mean_at)
-    numbers, shape = (0.0, 0.0, 1.0), _SINE
-    if record is not None:
-        numbers, shape = (record.mean, record.amplitude, record.frequency), record.waveform
+    load = replace(kind(record), mean_at=at)
     if options.wave is None:
-        return fr.AxialLoad(*numbers, mean_at=at, waveform=shape)
+        return load
     given = "0" if options.axial_damping is None else options.axial_damping
     damping = units.quantity(given, "--axial-damping", "rate", least=0.0, largest=LARGEST)
-    return AxialWave(*numbers, far_end=options.wave, axial_damping=damping, mean_at=at, waveform=shape)
+    return fr.AxialWave(**load.as_dict(), far_end=options.wave, axial_damping=damping)
 
 
 def _fraction(text: str) -> float | None:

@@ -14,6 +14,7 @@ from floquetrod.cli.common import (
     add_command,
     add_rod,
     add_units,
+    number,
     read_rod,
     read_tolerance,
     read_units,
@@ -26,7 +27,7 @@ from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.ranges import Cause
 
 _HELP = """\
-List every stability interval of one quantity of the load: give the other two, and what to search.
+List what is stable and what is not along one quantity of the load: give the other two, and what to search.
 
 examples:
   floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150 --mean 0:1.2Fcr
@@ -38,10 +39,12 @@ examples:
 
 The ends are those of resonance tongues, not points of a grid.  Tongues in which nothing grows faster than
 --growth-tolerance, by default 1e-6 1/s (tenfold in a month), are left out and counted; with 0 every one is listed.  The
-answer is in the unit of the range, or of --unit; --json is in N and rad/s.
+answer is in the unit of the range, or of --unit; --json is in N and rad/s.  Of unstable bands it gives what grows
+fastest, how fast in 1/s and where, and the rod's damping rate in 1/s from which on all of the band is stable.
 
 Where ends, weight along an inclined rod or axial waves (--wave) couple the modes, loads are sampled: the ends are those
-of resonances, and the answer says how narrow an unstable part may have been missed.
+of resonances, and the answer says how narrow an unstable part may have been missed.  The damping rate is then that of
+the load at which growth is fastest.
 """
 
 
@@ -100,7 +103,21 @@ def _ranges(options: argparse.Namespace) -> Answer:
             }
             for part in found
         ],
-        "ends_are": "[mode, tongue], a resonance of coupled modes, or null at an end of the search",
+        "unstable": [
+            {
+                f"low_{unit}": band.low,
+                f"high_{unit}": band.high,
+                "worst_growth_rate_per_s": band.worst_growth,
+                f"worst_at_{unit}": band.at,
+                "cause": _end(band.cause),
+                "required_damping_rate_per_s": number(band.required_damping),
+            }
+            for band in found.unstable
+        ],
+        "ends_are": "[mode, tongue], a resonance of coupled modes, 'unnamed', or null at an end of the search",
+        "required_damping_is": "that of the load whose growth is worst"
+        if found.searched.has_coupled_modes
+        else "sampled over the band; null where no damping suffices",
         "version": fr.__version__,
     }
     return Answer(json.dumps(record, indent=2, allow_nan=False))

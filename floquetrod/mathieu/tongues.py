@@ -165,8 +165,10 @@ def along_amplitude(b: Floats, above: Floats, low: Floats, high: Floats) -> Tong
     return Tongues(*_collect(parts, index, order, nothing, low, high), left_out, resolution)
 
 
-def damping_to_stabilise(alpha: float, beta: float) -> float:
-    """Return the smallest c from which on every larger damping stabilises the equation, infinite where none does.
+def damping_to_stabilise(alpha: Floats, beta: Floats, least: Floats | float = 0.0) -> Floats:
+    """Return the smallest c from which on every larger damping stabilises each equation, infinite where none does.
+
+    Answers below ``least`` may be zero instead, which takes less work.
 
     Stable means u(beta + c^2) <= c, u the undamped growth.  For beta > 0 strong damping leaves A' = p A / (2 c), which
     grows at beta / (2 c): no damping suffices.  For beta <= 0 put b = beta + c^2.  In tongue 0 solutions without zeros
@@ -174,27 +176,40 @@ def damping_to_stabilise(alpha: float, beta: float) -> float:
     2, ... between beta and tongue 0, from the top: the largest b of the first that has u > sqrt(b - beta), where u and
     the root are both concave in b.
     """
-    if beta > 0.0 or (beta == 0.0 and alpha == 0.0):
-        return math.inf
-    q = 2.0 * abs(alpha)
-    if q == 0.0:
-        return 0.0
-    for order in range(1, int(_counts(np.array([-4.0 * beta]), np.array([q]))[0]) // 2 + 1):
-        bottom = -0.25 * characteristic.characteristic_value(order, q, False)
-        top = -0.25 * characteristic.characteristic_value(order, q, True)
-        bottom, top = max(beta, min(bottom, top)), max(bottom, top)
-        # u <= alpha / (pi sqrt(-b)) wherever b < 0 (energy u'^2 - b u^2): a tongue too far above beta is out of reach.
-        if top <= beta or (top < 0.0 and bottom - beta > alpha * alpha / (math.pi**2 * -top)):
-            continue
-        parts = parts_above(
-            lambda b, i: _growth(np.full(b.size, alpha), b),
-            np.array([bottom]),
-            np.array([top]),
-            level(0.0, 1.0, beta, size=1),
-        )
-        if parts.last.size:
-            return math.sqrt(max(0.0, float(parts.last.max()) - beta))
-    return 0.0
+    q = 2.0 * np.abs(alpha)
+    floor = beta + np.square(least)
+    found = np.where((beta > 0.0) | ((beta == 0.0) & (q == 0.0)), np.inf, 0.0)
+    left = np.flatnonzero((found == 0.0) & (q > 0.0))
+    tongues = np.zeros(q.size, dtype=np.int64)
+    tongues[left] = _counts(-4.0 * beta[left], q[left]) // 2
+    met: list[tuple[Ints, Ints]] = []
+    for order in range(1, int(tongues.max(initial=0)) + 1):
+        left = left[tongues[left] >= order]
+        # Tongue n lies within q / 2 of b = -n^2 / 4, which tells most of those out of reach.
+        bottom, top = (np.maximum(floor[left], -0.25 * order**2 + side * q[left]) for side in (-0.5, 0.5))
+        near = left[~_out_of_reach(alpha[left], beta[left], bottom, top)]
+        met.append((near, np.full(near.size, order)))
+    if not met:
+        return found
+    which, orders = (np.concatenate(values) for values in zip(*met, strict=True))
+    a, b = (-0.25 * _characteristic(orders, q[which], odd) for odd in (False, True))
+    bottom, top = np.maximum(floor[which], np.minimum(a, b)), np.maximum(a, b)
+    reached = (top > floor[which]) & ~_out_of_reach(alpha[which], beta[which], bottom, top)
+    which, bottom, top = _only(reached, which, bottom, top)
+    above = level(0.0, 1.0, beta[which], size=which.size)
+    parts = parts_above(functools.partial(_growth_in, alpha[which]), bottom, top, above)
+    last = parts.last - beta[which[parts.which]]
+    np.maximum.at(found, which[parts.which], np.sqrt(np.maximum(0.0, last)))
+    return found
+
+
+def _out_of_reach(alpha: Floats, beta: Floats, bottom: Floats, top: Floats) -> NDArray[np.bool_]:
+    """Return which tongues from ``bottom`` to ``top`` lie too far above beta for sqrt(b - beta) to be exceeded there.
+
+    u <= alpha / (pi sqrt(-b)) wherever b < 0 (energy u'^2 - b u^2).
+    """
+    with np.errstate(divide="ignore"):
+        return (top < 0.0) & (bottom - beta > alpha * alpha / (math.pi**2 * -top))
 
 
 def _in_tongues(
@@ -317,6 +332,10 @@ def _growth(alpha: Floats, b: Floats) -> Floats:
 
 def _growth_at(b: Floats, alpha: Floats, which: Ints) -> Floats:
     return _growth(alpha, b[which])
+
+
+def _growth_in(alpha: Floats, b: Floats, which: Ints) -> Floats:
+    return _growth(alpha[which], b)
 
 
 def _counts(a: Floats, q: Floats) -> Ints:

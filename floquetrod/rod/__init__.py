@@ -8,6 +8,7 @@ from floquetrod.rod.mode_friction import ModeFriction
 from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.parts import Channel, Ends, Fluids, Material, Section
 from floquetrod.rod.ranges import StabilityInterval
+from floquetrod.rod.unstable_bands import UnstableBand
 from floquetrod.rod.verdict import Margin
 
 __all__ = [
@@ -23,4 +24,5 @@ __all__ = [
     "ModeFriction",
     "Section",
     "StabilityInterval",
+    "UnstableBand",
 ]

@@ -26,6 +26,7 @@ _POLYNOMIALS = 4  # added (a choice: more would raise the highest frequency furt
 _SAME = 1e-7  # length of what is left of a polynomial beside the beam functions below which it adds nothing
 _POINTS = 24  # of Gauss-Legendre quadrature in a panel, exact to rounding for 6 half waves of a product
 _PER_PANEL = 12.0  # largest wavenumber times length of a panel
+_LARGE = 200  # functions beyond which only one basis is kept (a choice)
 
 _DERIVATIVES = {"hinged": (0, 2), "clamped": (0, 1), "guided": (1, 3), "free": (2, 3)}
 """Derivatives that vanish at an end."""
@@ -80,9 +81,16 @@ class Basis:
         return np.asarray(self.transform @ _all_functions(self.ends, self.count, x)[0])
 
 
-@functools.lru_cache(maxsize=16)
 def basis(ends: Ends, count: int) -> Basis:
-    """Return the first ``count`` beam functions, rigid motions included, and polynomials where they help."""
+    """Return the first ``count`` beam functions, rigid motions included, and polynomials where they help.
+
+    The last ones are kept, but of those with more than 200 functions, up to a hundred megabytes each, only one.
+    """
+    return (_large_basis if count > _LARGE else _small_basis)(ends, count)
+
+
+def _basis(ends: Ends, count: int) -> Basis:
+    """Return what `basis` does, computed."""
     waves = wavenumbers(ends, count)
     panels = math.ceil(float(waves[-1]) / _PER_PANEL) + 1
     points, weights = np.polynomial.legendre.leggauss(_POINTS)
@@ -109,6 +117,10 @@ def basis(ends: Ends, count: int) -> Basis:
     for part in (nodes, weights, bending, values, slopes, transform):
         part.flags.writeable = False
     return Basis(ends, count, bending, nodes, weights, values, slopes, transform)
+
+
+_small_basis = functools.lru_cache(maxsize=16)(_basis)
+_large_basis = functools.lru_cache(maxsize=1)(_basis)
 
 
 def _orthogonal(rows: Floats, count: int) -> Floats:

@@ -22,7 +22,9 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
+from floquetrod.floquet.verdict import tolerated
 from floquetrod.rod.beam import Basis, basis
 from floquetrod.rod.constants import HAIRLINE_GROWTH, ModeConstants
 from floquetrod.rod.load import AxialLoad, Load, Loads
@@ -46,6 +48,8 @@ class RodNumbers(NamedTuple):
     constants : ModeConstants
     ends : Ends
     length : float
+    critical_mode : float
+        The mode, not rounded, that the critical force of a long rod buckles.
     weight_along : float
         w_e cos(inclination) in N/m.
     wave_speed : float
@@ -55,15 +59,9 @@ class RodNumbers(NamedTuple):
     constants: ModeConstants
     ends: Ends
     length: float
+    critical_mode: float
     weight_along: float
     wave_speed: float
-
-    @property
-    def critical_mode(self) -> float:
-        """The mode, not rounded, that the critical force of a long rod buckles."""
-        constants = self.constants
-        stiffness = constants.rigidity / constants.mass_per_length
-        return self.length / math.pi * math.sqrt(constants.pendulum_frequency / math.sqrt(stiffness))
 
     def has_mathieu_modes(self, load: Load) -> bool:
         """Return whether each mode obeys an equation of Mathieu's: hinged ends, a uniform force that is a pure sine."""
@@ -201,12 +199,21 @@ class CoupledModes:
         return self.numbers.are_modes_apart(self.like)
 
     def answers(
-        self, loads: Loads, workers: int | None = None, *, quick: bool = False
-    ) -> tuple[NDArray[np.int8], Floats]:
-        """Return statuses (1 stable, 0 unstable, -1 undecided) and growth rates in 1/s, estimates where undecided.
+        self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, *, quick: bool = False
+    ) -> ManyVerdicts:
+        """Return statuses and growth rates in 1/s of the fastest solutions, estimates where undecided.
 
+        The status is 1 where no solution grows faster than the tolerance (1/s), 0 where one does, -1 where undecided.
         With ``quick`` more loads are undecided, those next to a boundary, none of which then takes long.
         """
+        status, growth = np.empty(loads.size, dtype=np.int8), np.empty(loads.size)
+        for part in self._parts(loads):
+            status[part], growth[part] = self._answers(loads.part(part), workers, quick)
+        status[tolerated(growth, growth_tolerance)] = 1
+        return ManyVerdicts(status, growth)
+
+    def _answers(self, loads: Loads, workers: int | None, quick: bool) -> ManyVerdicts:
+        """Return statuses without tolerance, and growth rates, of loads whose matrices are held at once."""
         if not loads.amplitude.any():  # any period serves: a short one takes the least work
             stiffest = float(np.abs(self._static[0]).sum(axis=1).max())
             loads = loads._replace(frequency=np.full(loads.size, math.sqrt(stiffest)))
@@ -216,29 +223,7 @@ class CoupledModes:
         status, growth = verdicts(_one_by_one(system), workers=workers, quick=quick)
         status, growth = status.reshape(-1, self.size), growth.reshape(-1, self.size)
         worst = np.where((status == 0).any(axis=1), 0, status.min(axis=1)).astype(np.int8)
-        return worst, growth.max(axis=1)
-
-    def verdicts(
-        self, loads: Loads, growth_tolerance: float, workers: int | None = None, *, quick: bool = False
-    ) -> NDArray[np.int8]:
-        """Return 1 where no solution grows faster than the tolerance (1/s), 0 where one does, -1 where undecided.
-
-        ``quick`` as in `answers`.
-        """
-        found = np.empty(loads.size, dtype=np.int8)
-        for part in self._parts(loads):
-            status, growth = self.answers(loads.part(part), workers, quick=quick)
-            if growth_tolerance > 0.0:
-                status = np.where(growth <= growth_tolerance, 1, np.where(status == 1, 1, status))
-            found[part] = status
-        return found
-
-    def growth(self, loads: Loads, workers: int | None) -> Floats:
-        """Return the growth rate of the fastest solution in 1/s."""
-        found = np.empty(loads.size)
-        for part in self._parts(loads):
-            found[part] = self.answers(loads.part(part), workers, quick=False)[1]
-        return found
+        return ManyVerdicts(worst, growth.max(axis=1))
 
     def resonances(self, load: Load) -> tuple[Resonance, ...]:
         """Return what grows under one load, the fastest first, modes numbered as those without axial force."""
@@ -284,19 +269,12 @@ class CoupledLoads:
     loads: Loads
     growth_tolerance: float = 0.0
 
-    def verdicts(self, workers: int | None = None) -> NDArray[np.int8]:
-        """Return 1 where nothing grows faster than the tolerance, 0 where something does, -1 where undecided."""
-        found = np.empty(self.loads.size, dtype=np.int8)
+    def answers(self, workers: int | None = None) -> ManyVerdicts:
+        """Return statuses and growth rates in 1/s as `CoupledModes.answers` does."""
+        status, growth = np.empty(self.loads.size, dtype=np.int8), np.empty(self.loads.size)
         for chosen, modes, loads in self._groups():
-            found[chosen] = modes.verdicts(loads, self.growth_tolerance, workers)
-        return found
-
-    def growth(self, workers: int | None = None) -> Floats:
-        """Return the growth rate of the fastest solution in 1/s."""
-        found = np.empty(self.loads.size)
-        for chosen, modes, loads in self._groups():
-            found[chosen] = modes.growth(loads, workers)
-        return found
+            status[chosen], growth[chosen] = modes.answers(loads, self.growth_tolerance, workers)
+        return ManyVerdicts(status, growth)
 
     def _groups(self) -> Iterator[tuple[NDArray[np.intp], CoupledModes, Loads]]:
         """Yield loads of neighbouring frequencies, by their indices, with their modes."""
@@ -312,14 +290,7 @@ class CoupledLoads:
 
 def _direct(system: HillSystem) -> tuple[Resonance, ...]:
     """Return what grows in a system of modes that are apart, each by its own equation, the fastest first."""
-    batch = HillSystem(
-        system.stiffness[None],
-        [matrix[None] for matrix in system.cosines],
-        [matrix[None] for matrix in system.sines],
-        damping=system.damping,
-        period=np.array([system.period]),
-    )
-    status, growth = verdicts(_one_by_one(batch))
+    status, growth = verdicts(_one_by_one(system))
     found = []
     for i in np.argsort(-growth, kind="stable").tolist():
         if status[i] == 0:
@@ -331,7 +302,7 @@ def _direct(system: HillSystem) -> tuple[Resonance, ...]:
 
 
 def _one_by_one(systems: HillSystem) -> HillSystem:
-    """Return the diagonals of a batch (b, n, n) as a batch of single equations (b n, 1, 1)."""
+    """Return the diagonals of a system (n, n), or of a batch (b, n, n), as single equations (b n, 1, 1)."""
 
     def diagonal(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.diagonal(matrix, axis1=-2, axis2=-1).reshape(-1, 1, 1)

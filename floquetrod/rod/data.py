@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod.rod import formulas
+from floquetrod.rod.beam import wavenumbers
 from floquetrod.rod.buckling import BucklingForce, buckling_forces
 from floquetrod.rod.catalogue import pipe_in_a_hole
 from floquetrod.rod.constants import MOST_MODES, ModeConstants
@@ -359,7 +360,8 @@ class RodData:
         <locks up 103.9 m from the far end with friction 0.2>
         """
         friction = friction_coefficient(friction)
-        return LockUp(friction, far_force, self.critical_force, self.weight_per_length, self.inclination)
+        across = self.channel.gravity_across * self._weighing
+        return LockUp(friction, far_force, self.critical_force, across, self.weight_along)
 
     @property
     def wave_speed(self) -> float:
@@ -371,9 +373,23 @@ class RodData:
         return require_load("load", load).frequency * self.length / (2.0 * math.pi) / self.wave_speed
 
     def wavenumber(self, mode: Any) -> Any:
-        """Return w_m = m pi / L in 1/m."""
+        """Return the wavenumber in 1/m of free motion in a mode without axial force: m pi / L where ends are hinged.
+
+        With other ends modes are whole numbers from 1 on, rigid motions, whose wavenumber is 0, before all others;
+        ValueError for any other number.
+        """
         modes = _modes(mode)
-        return shaped(modes * self.end_conditions.first_wavenumber(self.length), modes.shape)
+        if self.end_conditions.are_hinged:
+            return shaped(modes * self.end_conditions.first_wavenumber(self.length), modes.shape)
+        wrong = (modes < 1.0) | (modes != np.floor(modes))
+        if wrong.any():
+            raise ValueError(
+                f"mode must be a whole number from 1 on for a rod with {self.ends} ends, got {modes[wrong][0]:g}; "
+                "modes in between have a wavenumber with hinged ends only"
+            )
+        chosen = modes.astype(np.int64)
+        waves = wavenumbers(self.end_conditions, int(chosen.max(initial=1))) / self.length
+        return shaped(waves[chosen - 1], modes.shape)
 
     def natural_frequency(self, mode: Any) -> Any:
         """Return the frequency in rad/s of free motion in a mode, without axial force or damping."""

@@ -82,6 +82,12 @@ class Loads(NamedTuple):
         """Return one load as arrays of one element."""
         return cls((), *(np.array([value]) for value in (load.mean, load.amplitude, load.frequency)))
 
+    @classmethod
+    def along(cls, load: Load, quantity: Quantity, values: NDArray[np.float64]) -> Loads:
+        """Return loads of which one quantity takes flat ``values`` and the others are those of ``load``."""
+        numbers = {name: np.full(values.shape, getattr(load, name)) for name in LIMITS}
+        return cls(values.shape, **(numbers | {quantity: values}))
+
     @property
     def size(self) -> int:
         """Number of loads."""

@@ -21,7 +21,7 @@ class LockUp:
 
     With xi the distance from the far end, where the compression is F_0, and F_p the critical force,
 
-        dF/dxi = mu w_e sin(inclination) (1 + F^2 / F_p^2) - w_e cos(inclination)
+        dF/dxi = mu w_across (1 + F^2 / F_p^2) - w_along
 
     where the string is compressed: a helix pressed against the wall by its own force, R F^2 / (4 E I) per length on top
     of its weight.  Where it is pulled it lies straight, and the term in F^2 is absent.  Solved in closed form.
@@ -34,10 +34,8 @@ class LockUp:
         F_0, effective compression at the far end in N; negative for a pull.
     critical_force : float
         F_p in N.
-    weight_per_length : float
-        Weight in fluid w_e in N/m.
-    inclination : float
-        Angle of the channel from the vertical in radians.
+    weight_across, weight_along : float
+        Weight in fluid across and along the channel in N/m, w_e sin(inclination) and w_e cos(inclination).
 
     Examples
     --------
@@ -53,8 +51,8 @@ class LockUp:
     friction: float
     far_force: float
     critical_force: float
-    weight_per_length: float
-    inclination: float
+    weight_across: float
+    weight_along: float
 
     def __post_init__(self) -> None:
         """Check and clean the force at the far end; what is of the rod has been."""
@@ -108,10 +106,8 @@ class LockUp:
     @cached_property
     def _rates(self) -> tuple[float, float, float]:
         """A and b in N/m, and sqrt(|a b|)."""
-        horizontal = self.inclination == 0.5 * math.pi  # whose cosine rounds to 6e-17
-        across = self.friction * math.sin(self.inclination)
-        a = self.weight_per_length * (across - (0.0 if horizontal else math.cos(self.inclination)))
-        b = self.weight_per_length * across
+        b = self.friction * self.weight_across
+        a = b - self.weight_along
         return a, b, math.sqrt(abs(a)) * math.sqrt(b)
 
     @cached_property

@@ -8,10 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
 from floquetrod._util.version import __version__
+from floquetrod.floquet.verdict import tolerated
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
-from floquetrod.rod.load import LIMITS, AnyLoad, Quantity, kind, require_load
+from floquetrod.rod.coupled import CoupledLoads
+from floquetrod.rod.load import LIMITS, AnyLoad, Loads, Quantity, kind, require_load
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.rod import Rod
 
@@ -104,6 +107,11 @@ def stability_map(
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
         along: dict[Quantity, Any] = {across: x.values, up: values, fixed[0]: value}
         load = along["mean"], along["amplitude"], along["frequency"]
+        if growth and criterion is None and not independent:  # one computation gives both
+            loads = Loads.of(*load)
+            status, rate = CoupledLoads(rod.coupled_numbers, kind(like), loads).answers(workers)
+            status[tolerated(rate, tolerance)] = 1
+            return tuple(shaped(part, loads.shape) for part in (status, rate, np.where(rate > 0.0, -1, 0)))
         found = rod.verdicts(
             *load,
             growth_tolerance=tolerance,

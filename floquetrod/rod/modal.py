@@ -23,7 +23,14 @@ class ModalRod(RodData):
     @cached_property
     def coupled_numbers(self) -> RodNumbers:
         """What coupled modes need of the rod."""
-        return RodNumbers(self.mode_constants, self.end_conditions, self.length, self.weight_along, self.wave_speed)
+        return RodNumbers(
+            self.mode_constants,
+            self.end_conditions,
+            self.length,
+            self.critical_mode,
+            self.weight_along,
+            self.wave_speed,
+        )
 
     def modal_system(self, load: AnyLoad, modes: Iterable[int] | None = None) -> ModalSystem | HillSystem:
         """Return the equations of the rod's modes under a load.

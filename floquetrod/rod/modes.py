@@ -105,8 +105,7 @@ class ModalSystem:
 
         The rate meant is the rod's whole ``damping_rate``, whatever it is now.
         """
-        pairs = zip(self.alpha.tolist(), self.beta.tolist(), strict=True)
-        return self.frequency * max(damping_to_stabilise(a, b) for a, b in pairs)
+        return self.frequency * float(damping_to_stabilise(self.alpha, self.beta).max())
 
     @property
     def cutoff(self) -> str:

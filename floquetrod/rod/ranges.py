@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple, TypeAlias
 
@@ -19,6 +20,7 @@ from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.sampled import UnstablePart, first_change, unstable_parts
 from floquetrod.rod.tongues import UnstableLoads, unstable_loads
+from floquetrod.rod.unstable_bands import Named, Searched, UnstableBand
 
 QUANTITIES: dict[Quantity, tuple[str, str]] = {
     "mean": ("mean force", "N"),
@@ -30,14 +32,17 @@ QUANTITIES: dict[Quantity, tuple[str, str]] = {
 _PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
 
 
-Cause: TypeAlias = tuple[int, int] | Resonance | None
-"""What closes a stability interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search."""
+Cause: TypeAlias = Named | None
+"""What closes a stability interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search.
+
+"unnamed" where coupled modes grow, or may grow, and none could be named: beyond 200 of them, or where undecided.
+"""
 
 
 class StabilityInterval(NamedTuple):
     """Stable from ``low`` to ``high``; what closes each end is (mode, tongue), where modes are coupled a `Resonance`.
 
-    None at an end of the search.
+    "unnamed" where that could not be told; None at an end of the search.
     """
 
     low: float
@@ -66,6 +71,8 @@ class StabilityIntervals(NoTruthValue):
         Resonance tongues within the stability intervals in which a mode grows, but nowhere faster than the tolerance.
     resolution : float
         Unstable parts up to this width may have been missed, in ``unit``: 0 where the search is complete.
+    searched : Searched
+        Rod and load, from which `unstable` is computed.
 
     Iterating gives the intervals; ``value in intervals`` asks whether a value is stable.
     """
@@ -80,6 +87,7 @@ class StabilityIntervals(NoTruthValue):
     modes: int
     hairlines: int
     resolution: float
+    searched: Searched = field(repr=False, compare=False)
 
     def __iter__(self) -> Iterator[StabilityInterval]:
         """Iterate over the intervals."""
@@ -98,6 +106,22 @@ class StabilityIntervals(NoTruthValue):
             for part in self.intervals
         )
 
+    @cached_property
+    def unstable(self) -> tuple[UnstableBand, ...]:
+        """What lies between the stability intervals, the fastest growth and the damping required there; computed once.
+
+        Where modes are independent, growth is evaluated at 17 loads in every tongue of a band and refined about the
+        largest: along the mean force, where growth in a tongue is concave (docs/ranges.md), that is its maximum; along
+        the others a second, narrower maximum in a tongue may be passed over.  The damping is sampled: at the same
+        loads, and in all modes at the ends and in the middle of each band, refined about the largest.
+
+        Where modes are coupled, growth is evaluated at 17 loads of each band and refined about the largest, to a
+        thousandth of the band; the damping is that of this one load.
+        """
+        ends = [self.bounds[0], *(end for part in self.intervals for end in part[:2]), self.bounds[1]]
+        pairs = zip(ends[::2], ends[1::2], strict=True)
+        return self.searched.unstable_bands([(low, high) for low, high in pairs if low < high])
+
     @property
     def note(self) -> str:
         """What has been left out."""
@@ -108,21 +132,32 @@ class StabilityIntervals(NoTruthValue):
         return text
 
     def __repr__(self) -> str:
-        """Return the intervals as a table."""
-        return self.table(self.unit, 1.0)
+        """Return the stability intervals as a table; `table` also says what happens between them."""
+        return self._table(self.unit, 1.0, ())
 
     def table(self, unit: str, size: float) -> str:
-        """Return the intervals as a table in another unit, ``size`` of `unit` each: ("Hz", 2 pi), say."""
+        """Return what is stable and what is not, in order, in another unit, ``size`` of `unit` each: ("Hz", 2 pi), say.
+
+        Behind unstable bands stand what grows fastest in it, how fast and where, and the damping required.
+        """
         if not isinstance(unit, str):
             raise TypeError(f"unit must be a word such as 'Hz', got {validate.short(unit)}")
         size = validate.positive("size", size, "give it in the unit of the intervals")
+        return self._table(unit, size, self.unstable)
+
+    def _table(self, unit: str, size: float, unstable: tuple[UnstableBand, ...]) -> str:
         low, high = (value / size for value in self.bounds)
         lines = [f"stable {self.quantity} in {unit}, between {low:.6g} and {high:.6g}"]
-        for part in self.intervals:
-            ends = (_end(end) for end in (part.low_end, part.high_end))
-            lines.append(f"  {part.low / size:12.9g} to {part.high / size:12.9g}   " + " ... ".join(ends))
+        rows = [(part.low, part.high, f"{_end(part.low_end)} ... {_end(part.high_end)}") for part in self.intervals]
+        rows += _unstable_rows(unstable, size) if unstable else ()
+        lines += [f"  {low / size:12.9g} to {high / size:12.9g}   {text}" for low, high, text in sorted(rows)]
         if not self.intervals:
             lines.append("  none")
+        if unstable:
+            what = "this load" if self.searched.has_coupled_modes else "the band, as sampled,"
+            lines.append(
+                f"  (unstable: fastest growth, at which load, and damping rate from which on {what} is stable)"
+            )
         if self.resolution:
             lines.append(f"  (unstable parts narrower than {self.resolution / size:.2g} {unit} may have been missed)")
         return "\n".join([*lines, f"  ({self.note})"])
@@ -144,12 +179,16 @@ def stability_intervals(
         coupled = _coupled(varied, rod, largest, bounds, tolerance)
         parts, resolution = unstable_parts(varied, coupled, largest, bounds, tolerance, progress)
         closed = tuple(_stable_between(parts, bounds))
-        return StabilityIntervals(name, unit, bounds, closed, tolerance, coupled.count, 0, resolution)
+        searched = Searched(rod, varied, largest, tolerance, coupled.count)
+        return StabilityIntervals(name, unit, bounds, closed, tolerance, coupled.count, 0, resolution, searched)
     system = _system(rod, largest, tolerance)
     found = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
     intervals = tuple(_between(found, bounds))
     last = system.modes[-1]
-    return StabilityIntervals(name, unit, bounds, intervals, tolerance, last, found.hairlines, found.resolution)
+    searched = Searched(rod, varied, largest, tolerance, last)
+    return StabilityIntervals(
+        name, unit, bounds, intervals, tolerance, last, found.hairlines, found.resolution, searched
+    )
 
 
 def first_unstable(varied: Quantity, rod: ModalRod, largest: Load, growth_tolerance: float) -> float:
@@ -159,7 +198,7 @@ def first_unstable(varied: Quantity, rod: ModalRod, largest: Load, growth_tolera
         bounds = (0.0, getattr(largest, varied))
         coupled = _coupled(varied, rod, largest, bounds, tolerance)
         none = largest.varied(varied, 0.0)
-        if coupled.verdicts(Loads.single(none), tolerance, quick=True)[0] != 1:
+        if coupled.answers(Loads.single(none), tolerance, quick=True).status[0] != 1:
             return 0.0
         change = first_change(varied, coupled, largest, bounds, tolerance)
         return math.inf if change is None else change
@@ -183,8 +222,7 @@ def _coupled(
     varied: Quantity, rod: ModalRod, largest: Load, bounds: tuple[float, float], tolerance: float
 ) -> CoupledModes:
     """Return as many coupled modes as all loads within bounds need."""
-    numbers = {name: np.full(33, getattr(largest, name)) for name in QUANTITIES}
-    loads = Loads((33,), **(numbers | {varied: np.linspace(*bounds, 33)}))
+    loads = Loads.along(largest, varied, np.linspace(*bounds, 33))
     return CoupledModes(rod.coupled_numbers, largest, rod.coupled_numbers.modes_needed(loads, largest, tolerance))
 
 
@@ -214,7 +252,26 @@ def _between(unstable: UnstableLoads, bounds: tuple[float, float]) -> Iterator[S
         yield StabilityInterval(at, high, closed_by, None)
 
 
+def _unstable_rows(bands: Sequence[UnstableBand], size: float) -> Iterator[tuple[float, float, str]]:
+    """Yield ends and text of unstable bands, the texts in columns."""
+    columns = [
+        (
+            _end(band.cause),
+            f"{band.worst_growth:.4g}",
+            f"{band.at / size:.6g}",
+            "none" if math.isinf(band.required_damping) else f"{band.required_damping:.4g} 1/s",
+        )
+        for band in bands
+    ]
+    cause, growth, at, _ = (max(len(text) for text in column) for column in zip(*columns, strict=True))
+    for band, (what, fast, where, damping) in zip(bands, columns, strict=True):
+        text = f"unstable: {what:<{cause}}   {fast:>{growth}} 1/s at {where:<{at}}   damping {damping}"
+        yield band.low, band.high, text
+
+
 def _end(end: Cause) -> str:
     if end is None:
         return "end of the search"
+    if end == "unnamed":
+        return "not named"
     return str(end) if isinstance(end, Resonance) else f"mode {end[0]}, tongue {end[1]}"

@@ -393,7 +393,7 @@ class Rod(ModalRod):
                 if given is not None:
                     raise self._refusal(name, kind(like))
             loads = Loads.of(mean, amplitude, frequency)
-            found = CoupledLoads(self.coupled_numbers, kind(like), loads, tolerance).verdicts(workers)
+            found = CoupledLoads(self.coupled_numbers, kind(like), loads, tolerance).answers(workers).status
             return shaped(found, loads.shape)
         systems = self.modal_systems(mean, amplitude, frequency, like=like)
         if rubbing is not None:
@@ -422,7 +422,7 @@ class Rod(ModalRod):
         """
         if not self.coupled_numbers.has_mathieu_modes(kind(like)):
             loads = Loads.of(mean, amplitude, frequency)
-            growth = CoupledLoads(self.coupled_numbers, kind(like), loads).growth(workers)
+            growth = CoupledLoads(self.coupled_numbers, kind(like), loads).answers(workers).growth
             mode = np.where(growth > 0.0, -1, 0)
             return shaped(growth, loads.shape), shaped(mode, loads.shape)
         systems = self.modal_systems(mean, amplitude, frequency, like=like)

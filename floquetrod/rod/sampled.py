@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,12 +28,12 @@ _ACCURACY = 1e-10  # relative, of a change
 
 @dataclass(frozen=True)
 class UnstablePart:
-    """A part that is not stable between ``low`` and ``high``, and what grows just inside each end."""
+    """A part that is not stable between ``low`` and ``high``, and what grows just inside each end, if it has a name."""
 
     low: float
     high: float
-    low_cause: Resonance | None
-    high_cause: Resonance | None
+    low_cause: Resonance | Literal["unnamed"]
+    high_cause: Resonance | Literal["unnamed"]
 
 
 def unstable_parts(
@@ -89,12 +90,10 @@ def _changes(
 
 
 def _stable(varied: Quantity, modes: CoupledModes, load: Load, places: Floats, tolerance: float) -> NDArray[np.bool_]:
-    numbers = {name: np.full(places.shape, getattr(load, name)) for name in ("mean", "amplitude", "frequency")}
-    loads = Loads(places.shape, **(numbers | {varied: places}))
-    return np.equal(modes.verdicts(loads, tolerance, quick=True), 1)
+    return np.equal(modes.answers(Loads.along(load, varied, places), tolerance, quick=True).status, 1)
 
 
-def _cause(varied: Quantity, modes: CoupledModes, load: Load, at: float) -> Resonance | None:
-    """Return the fastest resonance at a place."""
+def _cause(varied: Quantity, modes: CoupledModes, load: Load, at: float) -> Resonance | Literal["unnamed"]:
+    """Return the fastest resonance at a place, "unnamed" where there is no name for it."""
     named = modes.resonances(load.varied(varied, at))
-    return named[0] if named else None
+    return named[0] if named else "unnamed"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.verdict import Cost, Stability, Status
+from floquetrod.floquet.verdict import Cost, Stability, Status, tolerated
 from floquetrod.rod.assumptions import assumptions
 from floquetrod.rod.load import Load, Quantity
 from floquetrod.rod.modal import ModalRod
@@ -80,7 +80,7 @@ class RodStability(RodVerdict):
     def unstable_modes(self) -> tuple[int, ...]:
         """Modes that grow faster than the tolerance."""
         found = zip(self.modes, self.mode_verdicts, self.mode_growth_rates, strict=True)
-        return tuple(m for m, v, rate in found if v.status == "unstable" and _grows(rate, self.growth_tolerance))
+        return tuple(m for m, v, rate in found if v.status == "unstable" and not tolerated(rate, self.growth_tolerance))
 
     @property
     def fastest_mode(self) -> int | None:
@@ -130,7 +130,9 @@ def classify_modes(rod: ModalRod, system: ModalSystem, growth_tolerance: float) 
     """Classify every mode and put the verdicts together."""
     verdicts = tuple(stability(equation) for equation in system.equations)
     rates = np.array([verdict.growth_rate for verdict in verdicts]) * system.frequency
-    grows = [v.status == "unstable" and _grows(r, growth_tolerance) for v, r in zip(verdicts, rates, strict=True)]
+    grows = [
+        v.status == "unstable" and not tolerated(r, growth_tolerance) for v, r in zip(verdicts, rates, strict=True)
+    ]
     unsure = [v.status == "undecided" and not r < growth_tolerance for v, r in zip(verdicts, rates, strict=True)]
     status: Status = "unstable" if any(grows) else "undecided" if any(unsure) else "stable"
     exponents = [exponent * system.frequency for verdict in verdicts for exponent in verdict.exponents]
@@ -155,7 +157,3 @@ def classify_modes(rod: ModalRod, system: ModalSystem, growth_tolerance: float) 
 def growth_of_modes(rod: ModalRod, load: Load, modes: Iterable[int]) -> NDArray[np.float64]:
     """Return the growth rates in 1/s of modes that are independent."""
     return classify_modes(rod, rod.independent_modes(load, modes), 0.0).mode_growth_rates
-
-
-def _grows(rate: float, tolerance: float) -> bool:
-    return rate > tolerance or tolerance == 0.0  # an unstable mode may grow at a rate too small for a double

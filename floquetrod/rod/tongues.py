@@ -60,7 +60,7 @@ def unstable_loads(
     is not searched either.
     """
     if not union:
-        return _search(varied, system, tolerance, [bounds])
+        return tongues_within(varied, system, tolerance, [bounds])
     chosen = _likely_first(varied, system, bounds)
     found: list[UnstableInterval] = []
     hairlines, resolution, done, size = 0, 0.0, 0, 1
@@ -70,7 +70,7 @@ def unstable_loads(
             left = [gap for gap in left if nearest in gap]
         if not left:
             break
-        part = _search(varied, replace(system, modes=chosen[done : done + size]), tolerance, left)
+        part = tongues_within(varied, replace(system, modes=chosen[done : done + size]), tolerance, left)
         found += part.intervals
         hairlines, resolution = hairlines + part.hairlines, max(resolution, part.resolution)
         done, size = done + size, 2 * size
@@ -98,10 +98,10 @@ def _likely_first(varied: Quantity, system: ModalSystem, bounds: tuple[float, fl
     return tuple(system.modes[i] for i in np.argsort(-(top.beta + top.alpha), kind="stable"))
 
 
-def _search(
+def tongues_within(
     varied: Quantity, system: ModalSystem, tolerance: float, intervals: Sequence[tuple[float, float]]
 ) -> UnstableLoads:
-    """Search every mode over every interval."""
+    """Search every mode over every interval: return all that grows there, ends to the bit those of the intervals."""
     mode = np.repeat(np.arange(len(system.modes)), len(intervals))  # the index of each search's mode
     low, high = (
         np.tile(np.asarray(ends, dtype=np.float64), len(system.modes)) for ends in zip(*intervals, strict=True)
