@@ -45,6 +45,7 @@ def first_row(order: int, odd_solution: bool) -> float:
 
 @kernel
 def corner_shift(order: int, q: float, odd_solution: bool) -> float:
+    """Return what is added to the first diagonal entry of that chain."""
     if order % 2 == 0:
         return 0.0
     return -q if odd_solution else q

@@ -21,9 +21,7 @@ _CLOSE = 1e-8  # share of a tongue to which its summit is located: growth is the
 
 
 @kernel
-def tongue_end(
-    order: int, odd_solution: bool, slope: float, q0: float, q1: float, low: float, high: float
-) -> float:
+def tongue_end(order: int, odd_solution: bool, slope: float, q0: float, q1: float, low: float, high: float) -> float:
     """Return the place on a line, between ``low`` and ``high``, from which on a lies above a_order, or b_order."""
     if order == 0 and odd_solution:
         return low
@@ -49,9 +47,7 @@ def squared_rate(u: float, slope: float, q0: float, q1: float, w0: float, w1: fl
 
 
 @kernel
-def summit(
-    slope: float, q0: float, q1: float, w0: float, w1: float, low: float, high: float
-) -> tuple[float, float]:
+def summit(slope: float, q0: float, q1: float, w0: float, w1: float, low: float, high: float) -> tuple[float, float]:
     """Return where on a line, between ``low`` and ``high``, the squared rate is largest, and its value there.
 
     Brent's method: parabolas through the best three places, golden sections where they do not help.
@@ -109,7 +105,7 @@ def summit(
             if here >= at_second or second == best:
                 third, at_third = second, at_second
                 second, at_second = place, here
-            elif here >= at_third or third == best or third == second:
+            elif here >= at_third or third in (best, second):
                 third, at_third = place, here
     return best, value
 
@@ -155,7 +151,7 @@ def _crossing(
 
 
 @kernel
-def level_edge(
+def level_edges(
     order: int,
     slope: float,
     q0: float,
@@ -165,34 +161,33 @@ def level_edge(
     low: float,
     high: float,
     target: float,
+    lower: bool,
     upper: bool,
-) -> float:
-    """Return the lower or the upper end in u of the part of a tongue whose squared rate exceeds ``target``.
+) -> tuple[float, float]:
+    """Return the lower and the upper end in u of the part of a tongue whose squared rate exceeds ``target``.
 
-    That is the tongue's own end where ``target`` is zero, and the summit where nothing exceeds it.  Tongue 0 begins at
-    ``low``.
+    They are the tongue's own ends where ``target`` is zero, and both the summit where nothing exceeds it.  Tongue 0
+    begins at ``low``.  Of an end not asked for, neither ``lower`` nor ``upper``, any value is returned.
     """
-    last = tongue_end(order, False, slope, q0, q1, low, high)
-    if target == 0.0 and upper:
-        return last
-    start = tongue_end(order, True, slope, q0, q1, low, high)
+    first = tongue_end(order, True, slope, q0, q1, low, high) if lower or target > 0.0 else low
+    last = tongue_end(order, False, slope, q0, q1, low, high) if upper or target > 0.0 else high
     if target == 0.0:
-        return start
-    top = start
-    most = -1.0
-    if order == 0:
-        most = squared_rate(start, slope, q0, q1, w0, w1)
+        return first, last
+    top = first
+    most = squared_rate(first, slope, q0, q1, w0, w1) if order == 0 else -1.0
     if most <= target:
-        top, most = summit(slope, q0, q1, w0, w1, start, last)
+        top, most = summit(slope, q0, q1, w0, w1, first, last)
     if most <= target:
-        return top
-    end = last if upper else start
-    if end == top:
-        return end
-    at_end = squared_rate(end, slope, q0, q1, w0, w1) - target
-    if at_end >= 0.0:
-        return end
-    return _crossing(slope, q0, q1, w0, w1, target, top, most - target, end, at_end)
+        return top, top
+    if lower and first != top:
+        at_end = squared_rate(first, slope, q0, q1, w0, w1) - target
+        if at_end < 0.0:
+            first = _crossing(slope, q0, q1, w0, w1, target, top, most - target, first, at_end)
+    if upper and last != top:
+        at_end = squared_rate(last, slope, q0, q1, w0, w1) - target
+        if at_end < 0.0:
+            last = _crossing(slope, q0, q1, w0, w1, target, top, most - target, last, at_end)
+    return first, last
 
 
 @kernel
@@ -206,20 +201,19 @@ def edge_fill(
     low: Any,
     high: Any,
     target: Any,
+    lower: Any,
     upper: Any,
     out: Any,
 ) -> None:
-    """Fill ``out`` with `level_edge`."""
+    """Fill ``out`` (n, 2) with `level_edges`."""
     for i in range(len(order)):
-        out[i] = level_edge(
-            order[i], slope[i], q0[i], q1[i], w0[i], w1[i], low[i], high[i], target[i], upper[i]
+        out[i, 0], out[i, 1] = level_edges(
+            order[i], slope[i], q0[i], q1[i], w0[i], w1[i], low[i], high[i], target[i], lower[i], upper[i]
         )
 
 
 @kernel
-def ridge_fill(
-    order: Any, slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: Any, high: Any, out: Any
-) -> None:
+def ridge_fill(order: Any, slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: Any, high: Any, out: Any) -> None:
     """Fill ``out`` with the largest squared rate of whole tongues."""
     for i in range(len(order)):
         start = tongue_end(order[i], True, slope[i], q0[i], q1[i], low[i], high[i])
@@ -229,6 +223,11 @@ def ridge_fill(
 
 @kernel
 def summit_fill(slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: Any, high: Any, out: Any) -> None:
-    """Fill ``out`` (n, 2) with `summit`."""
+    """Fill ``out`` (n, 2) with `summit` on pieces of tongues, growth at whose ends is not zero."""
     for i in range(len(slope)):
-        out[i, 0], out[i, 1] = summit(slope[i], q0[i], q1[i], w0[i], w1[i], low[i], high[i])
+        place, value = summit(slope[i], q0[i], q1[i], w0[i], w1[i], low[i], high[i])
+        for end in (low[i], high[i]):
+            at_end = squared_rate(end, slope[i], q0[i], q1[i], w0[i], w1[i])
+            if at_end >= value:
+                place, value = end, at_end
+        out[i, 0], out[i, 1] = place, value

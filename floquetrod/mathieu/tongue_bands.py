@@ -28,9 +28,10 @@ class ExactMathieuBands:
         c, tolerance = self.damping, self.growth_tolerance
         family = Family(np.array([-c * c]), np.ones(1), c + tolerance, c + (tolerance or HAIRLINE_GROWTH))
         first, last = self.x.values.tolist()
+        low, high = self.y.values.tolist()
         return make_bands(
             family,
-            Plane("mean", "amplitude", 1.0, *self.y.values.tolist(), (first, last)),
+            Plane("mean", "amplitude", 1.0, low, high, (first, last)),
             self.x,
             self.y,
             lines_across=True,

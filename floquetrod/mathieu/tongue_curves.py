@@ -26,9 +26,10 @@ _SEARCH = 150.0  # what an edge where growth equals a level takes, in counts
 
 
 class Plane(NamedTuple):
-    """A window: lines ``along`` one quantity from ``low`` to ``high``, one for each value of another in ``span``.
+    """A window: lines ``along`` one quantity from ``low`` to ``high``, one for each value of another.
 
-    ``fixed`` is the third quantity.  An amplitude may be negative: it only shifts time.
+    That is the one they are ``over``, whose values are in ``span``; ``fixed`` is the third quantity.  An amplitude may
+    be negative: it only shifts time.
     """
 
     along: Literal["mean", "frequency"]
@@ -75,27 +76,39 @@ class TongueCurves:
         """Return some of the tongues."""
         return replace(self, order=self.order[chosen], stiffness=self.stiffness[chosen], gain=self.gain[chosen])
 
-    def edges(self, i: Ints, at: Floats, top: Flags) -> Floats:
-        """Return the upper edge where ``top``, else the lower, of the tongues ``i`` on the lines ``at``.
+    def edges(self, i: Ints, at: Floats) -> tuple[Floats, Floats]:
+        """Return the lower and the upper edges of the tongues ``i`` on the lines ``at``.
 
-        Where nothing exceeds the level it is where growth is largest; for the upper edge of tongue 0 along the mean it
-        is infinite.  Along the frequency, edges beyond the window may stand anywhere beyond it.
+        Where nothing exceeds the level both are where growth is largest; the upper edge of tongue 0 along the mean is
+        infinite.  Along the frequency, edges beyond the window may stand anywhere beyond it.
         """
-        lines = self._lines(i, at)
-        order = self.order[i]
-        out = np.empty(order.size)
-        target = np.full(order.size, self.rate**2)
+        every = np.ones(at.size, dtype=np.bool_)
+        ends = self._ends(i, at, every, every)
+        return self._place(ends[:, 1], i, at), self._upper(ends[:, 0], i, at)
+
+    def edge(self, i: Ints, at: Floats, top: Flags) -> Floats:
+        """Return the upper of the `edges` where ``top``, else the lower."""
+        ends = self._ends(i, at, top, ~top)
+        return np.where(top, self._upper(ends[:, 0], i, at), self._place(ends[:, 1], i, at))
+
+    def _upper(self, u: Floats, i: Ints, at: Floats) -> Floats:
+        place = self._place(u, i, at)
+        return np.where(self.order[i] == 0, np.inf, place) if self.plane.along == "mean" else place
+
+    def _ends(self, i: Ints, at: Floats, lower: Flags, upper: Flags) -> Floats:
+        """Return both ends in u, those asked for."""
+        lines, order = self._lines(i, at), self.order[i]
+        out = np.empty((order.size, 2))
         cost = _SEARCH if self.rate else _BISECTION
         over_chunks(
             kernels.edge_fill,
-            (order, *lines, target, ~top),
+            (order, *lines, np.full(order.size, self.rate**2), lower, upper),
             out,
             chunk=256,
             interpret_up_to=few(*_extent(lines), cost),
             patience=PATIENCE,
         )
-        place = self._place(out, i, at)
-        return np.where(top & (order == 0), np.inf, place) if self.plane.along == "mean" else place
+        return out
 
     def ridge(self, i: Ints, at: Floats) -> Floats:
         """Return the square of the largest growth rate of the tongues ``i`` on the lines ``at``.

@@ -27,7 +27,7 @@ _DEEPEST = 40  # halvings of a chord at most
 
 
 class Ranges(NamedTuple):
-    """Lines from ``first`` to ``last`` on which the tongues ``which`` exceed the level; a tip is where they begin to."""
+    """Lines from ``first`` to ``last`` on which the tongues ``which`` exceed the level, at a tip for the first time."""
 
     which: Ints
     first: Floats
@@ -128,7 +128,12 @@ def _ranges(curves: TongueCurves, first: Floats, last: Floats) -> Ranges:
 
 def _edge(curves: TongueCurves, ranges: Ranges, j: Ints, share: Floats, top: Flags) -> Floats:
     """Return edges at shares of ranges."""
-    return curves.edges(ranges.which[j], ranges.at(j, share), top)
+    return curves.edge(ranges.which[j], ranges.at(j, share), top)
+
+
+def _edges(curves: TongueCurves, ranges: Ranges, j: Ints, share: Floats) -> tuple[Floats, Floats]:
+    """Return lower and upper edges at shares of ranges."""
+    return curves.edges(ranges.which[j], ranges.at(j, share))
 
 
 def _pieces(curves: TongueCurves, ranges: Ranges) -> _Pieces:
@@ -142,17 +147,13 @@ def _pieces(curves: TongueCurves, ranges: Ranges) -> _Pieces:
     new = np.append(True, (j[1:] != j[:-1]) | (share[1:] > share[:-1]))[: j.size]
     j, share = j[new], share[new]
     left = np.flatnonzero(j[1:] == j[:-1])
-    both = np.concatenate([np.zeros(left.size, dtype=np.bool_), np.ones(left.size, dtype=np.bool_)])
-    middle = 0.5 * (share[left] + share[left + 1])
-    low, top = _edge(curves, ranges, np.tile(j[left], 2), np.tile(middle, 2), both).reshape(2, -1)
+    low, top = _edges(curves, ranges, j[left], 0.5 * (share[left] + share[left + 1]))
     held = (low < plane.high) & (top > plane.low)
     left, low, top = left[held], low[held], top[held]
     bends = np.column_stack([low > plane.low, top < plane.high])
     # Ends of pieces that hang together are asked once.
     nodes = np.unique(np.concatenate([left, left + 1]))
-    both = np.repeat([False, True], nodes.size)
-    found = _edge(curves, ranges, np.tile(j[nodes], 2), np.tile(share[nodes], 2), both).reshape(2, -1)
-    found = _snapped(found, plane.low, plane.high)
+    found = _snapped(np.stack(_edges(curves, ranges, j[nodes], share[nodes])), plane.low, plane.high)
     found[1] = np.maximum(found[0], found[1])
     number = np.searchsorted(nodes, np.column_stack([left, left + 1]))
     edges = np.stack([found[0][number], found[1][number]], axis=1)
@@ -178,20 +179,18 @@ def _meetings(curves: TongueCurves, ranges: Ranges) -> tuple[Ints, Floats]:
     share = np.linspace(0.0, 1.0, 2 if monotone else _SAMPLES)
     every = np.repeat(np.arange(ranges.which.size), share.size)
     cells: list[tuple[Ints, Floats, Floats, Flags, Floats]] = []  # range, ends, edge, limit
-    for top in (False, True):
-        flag = np.full(every.size, top)
-        y = _edge(curves, ranges, every, np.tile(share, ranges.which.size), flag).reshape(-1, share.size)
+    for top, y in enumerate(_edges(curves, ranges, every, np.tile(share, ranges.which.size))):
+        y = y.reshape(-1, share.size)
         for limit in (plane.low, plane.high):
             distance = y - limit
             j, k = np.nonzero((distance[:, 1:] > 0.0) != (distance[:, :-1] > 0.0))
-            cells.append((j, share[k], share[k + 1], np.full(j.size, top), np.full(j.size, limit)))
+            cells.append((j, share[k], share[k + 1], np.full(j.size, top == 1), np.full(j.size, limit)))
             if not monotone:
-                cells += _dips(curves, ranges, share, distance, top, limit)
+                cells += _dips(curves, ranges, share, distance, top == 1, limit)
     j, low, high, flag, limits = (np.concatenate(parts) for parts in zip(*cells, strict=True))
 
     def beyond(x: Floats, k: Ints) -> Floats:
-        found = _edge(curves, ranges, j[k], x, flag[k]) - limits[k]
-        return np.clip(found, -1e300, 1e300)
+        return np.asarray(np.clip(_edge(curves, ranges, j[k], x, flag[k]) - limits[k], -1e300, 1e300))
 
     number = np.arange(j.size)
     return j, roots(beyond, low, high, beyond(low, number), beyond(high, number))
@@ -213,7 +212,7 @@ def _dips(
     flag = np.full(j.size, top)
 
     def height(x: Floats, some: Ints) -> Floats:
-        return -side[some] * (_edge(curves, ranges, j[some], x, flag[some]) - limit)
+        return np.asarray(-side[some] * (_edge(curves, ranges, j[some], x, flag[some]) - limit))
 
     place, value = _golden(height, share[k], share[k + 1], _TURNS)
     across = value > 0.0
@@ -246,8 +245,7 @@ def _largest(curves: TongueCurves, ranges: Ranges, pieces: _Pieces) -> tuple[Flo
     j, begin, end = pieces.j[first], pieces.first[first], pieces.last[last]
 
     def on_line(share: Floats, some: Ints) -> tuple[Floats, Floats]:
-        both = np.repeat([False, True], share.size)
-        low, top = _edge(curves, ranges, np.tile(j[some], 2), np.tile(share, 2), both).reshape(2, -1)
+        low, top = _edges(curves, ranges, j[some], share)
         low, top = np.clip(low, plane.low, plane.high), np.clip(top, plane.low, plane.high)
         return curves.summits(ranges.which[j[some]], ranges.at(j[some], share), low, np.maximum(low, top))
 
@@ -291,7 +289,7 @@ def _vertices(
     for _ in range(_DEEPEST):
         middle = 0.5 * (a + b)
         x = ranges.at(pieces.j[piece], middle)
-        y = np.clip(curves.edges(ranges.which[pieces.j[piece]], x, side == 1), plane.low, plane.high)
+        y = np.clip(curves.edge(ranges.which[pieces.j[piece]], x, side == 1), plane.low, plane.high)
         found.append((pieces.outline[piece], side == 1, middle, x, y))
         dx, dy = (xb - xa) / width, (yb - ya) / height
         length = np.hypot(dx, dy)
@@ -312,9 +310,7 @@ def _vertices(
     return outline, flag, share, line, place
 
 
-def _polygons(
-    vertices: tuple[Ints, Flags, Floats, Floats, Floats], count: int
-) -> tuple[Ints, Floats, Floats]:
+def _polygons(vertices: tuple[Ints, Flags, Floats, Floats, Floats], count: int) -> tuple[Ints, Floats, Floats]:
     """Return sizes, lines and places of polygons: lower edges forwards, upper ones back.
 
     Of vertices that coincide one is left, of those on one straight edge of the window the first and the last.
@@ -329,7 +325,9 @@ def _polygons(
         before = np.where(_begins(outline), stop[outline] - 1, number - 1)
         after = np.where(np.append(_begins(outline)[1:], True), (stop - size)[outline], number + 1)
         if straight:
-            drop = ((line == line[before]) & (line == line[after])) | ((place == place[before]) & (place == place[after]))
+            drop = ((line == line[before]) & (line == line[after])) | (
+                (place == place[before]) & (place == place[after])
+            )
         else:
             drop = (line == line[before]) & (place == place[before])
         outline, line, place = outline[~drop], line[~drop], place[~drop]

@@ -13,6 +13,7 @@ from floquetrod.mathieu.tongue_outlines import Outlines, outlines
 from floquetrod.mathieu.tongues import counts, growth_bounds, ladders, where_bounded
 
 _AT_ONCE = 2048  # tongues outlined between two reports of progress: some tenths of a second (a choice)
+_ASKED = 1 << 16  # tongues asked at once whether they may exceed the level: some megabytes (a choice)
 _CELLS = 32  # parts of a range of amplitudes in which tongues are counted (a choice)
 
 
@@ -131,7 +132,8 @@ def _tongues(family: Family, plane: Plane) -> tuple[Ints, Ints, int]:
         most.append(counts(far + margin, q))
     met = np.max(met_most, axis=0) // 2 - (np.min(met_least, axis=0) + 1) // 2 + 1
     which, order = ladders((np.min(least, axis=0) + 1) // 2, np.where(matters, np.max(most, axis=0) // 2, -1))
-    tall = _tall(family, plane, which, order, strongest)
+    parts = [slice(start, start + _ASKED) for start in range(0, which.size, _ASKED)]
+    tall = np.concatenate([_tall(family, plane, which[part], order[part], strongest) for part in parts] or [which > 0])
     return which[tall], order[tall], int(np.maximum(met, 0).sum())
 
 
@@ -153,9 +155,11 @@ def _tall(
     """
     line = np.full(which.size, strongest)
     if plane.over == "frequency":
-        top = plane._replace(along="frequency", over="amplitude", fixed=plane.high, low=plane.span[0], high=plane.span[1])
+        top = plane._replace(
+            along="frequency", over="amplitude", fixed=plane.high, low=plane.span[0], high=plane.span[1]
+        )
         curves = TongueCurves(top, order, family.stiffness[which], family.gain[which], 0.0)
-        edge = curves.edges(np.arange(which.size), line, np.zeros(which.size, dtype=np.bool_))
+        edge, _ = curves.edges(np.arange(which.size), line)
         line = np.clip(edge, *plane.span)
     curves = TongueCurves(plane, order, family.stiffness[which], family.gain[which], 0.0)
     return curves.ridge(np.arange(which.size), line) > family.least**2

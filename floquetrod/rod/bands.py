@@ -12,7 +12,7 @@ from floquetrod.mathieu.tongue_curves import Plane
 from floquetrod.mathieu.tongue_regions import Family
 from floquetrod.plane import Axis, Bands, Progress
 from floquetrod.rod.constants import HAIRLINE_GROWTH, ModeConstants
-from floquetrod.rod.load import AxialLoad, Quantity
+from floquetrod.rod.load import LIMITS, AxialLoad, Quantity
 
 
 @dataclass(frozen=True)
@@ -42,9 +42,12 @@ class ExactRodBands:
 
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
         """Return the bands of every mode that can matter."""
-        ends = {self.across: self.x.values.tolist(), self.up: self.y.values.tolist()}
-        largest = {name: ends[name][1] if name in ends else self.fixed for name in ("mean", "amplitude", "frequency")}
-        load = AxialLoad(largest["mean"], largest["amplitude"], largest["frequency"])
+        ranges: dict[Quantity, tuple[float, float]] = {
+            name: (float(axis.values[0]), float(axis.values[1]))
+            for name, axis in ((self.across, self.x), (self.up, self.y))
+        }
+        mean, amplitude, frequency = (ranges.get(name, (self.fixed, self.fixed))[1] for name in LIMITS)
+        load = AxialLoad(mean, amplitude, frequency)
         last, _ = self.constants.modes_needed(load, self.growth_tolerance)
         modes = np.arange(1.0, last + 1.0)
         gain, stiffness = mode_coefficients(*mode_family(*self.constants[:4], 0.0, 1.0, 1.0), modes)
@@ -55,12 +58,13 @@ class ExactRodBands:
             damping + self.growth_tolerance,
             damping + (self.growth_tolerance or HAIRLINE_GROWTH),
         )
-        if "mean" in ends:  # tongues of lines along the mean, and along the frequency, are single intervals
-            over = "frequency" if "frequency" in ends else "amplitude"
-            plane = Plane("mean", over, self.fixed, *ends["mean"], (ends[over][0], ends[over][1]))
+        # Parts of tongues are single intervals on lines along the mean, and on those along the frequency.
+        if "mean" not in ranges:
+            plane = Plane("frequency", "amplitude", self.fixed, *ranges["frequency"], ranges["amplitude"])
+        elif "frequency" in ranges:
+            plane = Plane("mean", "frequency", self.fixed, *ranges["mean"], ranges["frequency"])
         else:
-            low, high = ends["amplitude"]
-            plane = Plane("frequency", "amplitude", self.fixed, *ends["frequency"], (low, high))
+            plane = Plane("mean", "amplitude", self.fixed, *ranges["mean"], ranges["amplitude"])
         return make_bands(
             family,
             plane,
