@@ -151,7 +151,8 @@ def _tall(
 
     Growth in a tongue, where it is fastest on a line, falls with the frequency and rises with the amplitude: the line
     to ask is the one of the largest amplitude, or that of the lowest frequency at which the tongue reaches the window,
-    which it does at the largest mean.
+    which it does at the largest mean.  (Observed.  Along the frequency it first falls with the amplitude where the mean
+    alone buckles a mode: those are all kept.)
     """
     line = np.full(which.size, strongest)
     if plane.over == "frequency":
@@ -162,4 +163,7 @@ def _tall(
         edge, _ = curves.edges(np.arange(which.size), line)
         line = np.clip(edge, *plane.span)
     curves = TongueCurves(plane, order, family.stiffness[which], family.gain[which], 0.0)
-    return curves.ridge(np.arange(which.size), line) > family.least**2
+    tall = curves.ridge(np.arange(which.size), line) > family.least**2
+    if plane.along == "frequency":
+        tall |= family.stiffness[which] < family.gain[which] * plane.fixed
+    return tall
