@@ -18,7 +18,7 @@ _NUDGE = 1e-30  # stands in for a pivot of exactly zero
 
 
 @kernel
-def _chain_count(x: float, q: float, first: float, shift: float) -> int:
+def chain_count(x: float, q: float, first: float, shift: float) -> int:
     """Return how many eigenvalues of the chain with diagonal first^2 + shift, (first + 2)^2, ... lie below ``x``."""
     size = abs(q)
     k = first
@@ -36,7 +36,7 @@ def _chain_count(x: float, q: float, first: float, shift: float) -> int:
 
 
 @kernel
-def _first(order: int, odd_solution: bool) -> float:
+def first_row(order: int, odd_solution: bool) -> float:
     """Return the square root of the first diagonal entry of the chain that holds a_order or b_order."""
     if order % 2 == 1:
         return 1.0
@@ -44,7 +44,8 @@ def _first(order: int, odd_solution: bool) -> float:
 
 
 @kernel
-def _shift(order: int, q: float, odd_solution: bool) -> float:
+def corner_shift(order: int, q: float, odd_solution: bool) -> float:
+    """Return what is added to the first diagonal entry of that chain."""
     if order % 2 == 0:
         return 0.0
     return -q if odd_solution else q
@@ -53,8 +54,8 @@ def _shift(order: int, q: float, odd_solution: bool) -> float:
 @kernel
 def characteristic_value(order: int, q: float, odd_solution: bool) -> float:
     """Return a_order(q), or b_order(q) when ``odd_solution``."""
-    first = _first(order, odd_solution)
-    shift = _shift(order, q, odd_solution)
+    first = first_row(order, odd_solution)
+    shift = corner_shift(order, q, odd_solution)
     wanted = int((order - first) / 2.0)  # eigenvalues below it in its chain
     centre = float(order) * float(order)
     if q == 0.0:
@@ -66,7 +67,7 @@ def characteristic_value(order: int, q: float, odd_solution: bool) -> float:
         middle = 0.5 * (low + high)
         if middle <= low or middle >= high:
             break
-        if _chain_count(middle, q, first, shift) > wanted:
+        if chain_count(middle, q, first, shift) > wanted:
             high = middle
         else:
             low = middle
@@ -129,8 +130,8 @@ def tongue_width(order: int, q: float) -> float:
     b = characteristic_value(order, q, True)
     top = math.sqrt(max(a, b, 0.0) + 2.0 * abs(q))
     rows = int(0.5 * max(top, float(order))) + 40
-    u = _eigenvector(a, q, _first(order, False), _shift(order, q, False), rows + 1)
-    v = _eigenvector(b, q, _first(order, True), _shift(order, q, True), rows)
+    u = _eigenvector(a, q, first_row(order, False), corner_shift(order, q, False), rows + 1)
+    v = _eigenvector(b, q, first_row(order, True), corner_shift(order, q, True), rows)
     offset = 0 if order % 2 == 1 else 1
     total = 0.0
     for i in range(rows):

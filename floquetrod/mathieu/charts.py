@@ -15,6 +15,7 @@ from floquetrod.equations import Equation, Mathieu
 from floquetrod.floquet import one_by_one
 from floquetrod.mathieu.arrays import growth_rate, is_stable
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.mathieu.tongue_bands import ExactMathieuBands
 from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
 
 
@@ -90,6 +91,7 @@ def chart(
         criterion="" if criterion is None else str(criterion),
         rows_at_once=None if equation is Mathieu else 1,
         progress=progress,
+        source=ExactMathieuBands(x.ends, y.ends, c, tolerance) if equation is Mathieu and criterion is None else None,
     )
 
 

@@ -24,7 +24,7 @@ _FEWEST = 32  # points in a tongue crossed along the amplitude where growth need
 _SPACING = 1e-3  # of points along the amplitude there, at the most, as a share of the range (a choice)
 _FINEST = 2.0**-12  # share of such a tongue down to which pieces seen to be convex are divided (a choice)
 _INTERPRETED_ROWS = 4000.0  # of Hill's matrices, left to the interpreter: about a millisecond (heuristic)
-_PATIENCE = 300  # times as many before anything is compiled: what compiling takes at the least (heuristic)
+PATIENCE = 300  # times as many before anything is compiled: what compiling takes at the least (heuristic)
 
 
 class Tongues(NamedTuple):
@@ -51,13 +51,13 @@ def along_mean(alpha: Floats, above: Floats, low: Floats, high: Floats) -> Tongu
     free = q == 0.0
     start = np.where(free, high, low)
     bound = np.flatnonzero((above > 0.0) & ~free)
-    start[bound] = _where_bounded(
-        lambda b, i: _growth_bounds(-4.0 * b, q[bound[i]]) <= above[bound[i]],
+    start[bound] = where_bounded(
+        lambda b, i: growth_bounds(-4.0 * b, q[bound[i]]) <= above[bound[i]],
         low[bound],
         np.clip(-0.5 * q[bound], low[bound], high[bound]),
     )
-    begin, end, whole = (_counts(-4.0 * b, q) // 2 for b in (start, high, low))
-    index, order = _ladders(end, begin)
+    begin, end, whole = (counts(-4.0 * b, q) // 2 for b in (start, high, low))
+    index, order = ladders(end, begin)
     index, order = _only(~free[index], index, order)
     a, b = (_characteristic(order, q[index], odd) for odd in (False, True))
     bottom = np.clip(-0.25 * np.maximum(a, b), low[index], high[index])
@@ -85,18 +85,18 @@ def along_frequency(alpha: Floats, b: Floats, rate: Floats, low: Floats, high: F
 
     def count(omega: Floats, i: Ints) -> Ints:
         x = omega**-2.0
-        return _counts(a[i] * x, q[i] * x)
+        return counts(a[i] * x, q[i] * x)
 
     start = np.where(free, high, low)
     bound = np.flatnonzero((rate > 0.0) & ~free & (a > 2.0 * q))
-    start[bound] = _where_bounded(
-        lambda omega, i: _growth_bounds(a[bound[i]] / omega**2, q[bound[i]] / omega**2) * omega <= rate[bound[i]],
+    start[bound] = where_bounded(
+        lambda omega, i: growth_bounds(a[bound[i]] / omega**2, q[bound[i]] / omega**2) * omega <= rate[bound[i]],
         low[bound],
         high[bound],
     )
     every = np.arange(q.size)
     begin, end, whole = count(start, every), count(high, every), count(low, every)
-    index, target = _ladders(end, begin)  # the count is `target` just above the frequency sought, or more below
+    index, target = ladders(end, begin)  # the count is `target` just above the frequency sought, or more below
     climbs = target < begin[index]
     place = start[index].copy()
     sought = np.flatnonzero(climbs)
@@ -136,11 +136,11 @@ def along_amplitude(b: Floats, above: Floats, low: Floats, high: Floats) -> Tong
     start = low.copy()
     bound = np.flatnonzero((above > 0.0) & (b < 0.0))
     a = -4.0 * b
-    start[bound] = _where_bounded(
-        lambda alpha, i: _growth_bounds(a[bound[i]], 2.0 * alpha) <= above[bound[i]], low[bound], high[bound]
+    start[bound] = where_bounded(
+        lambda alpha, i: growth_bounds(a[bound[i]], 2.0 * alpha) <= above[bound[i]], low[bound], high[bound]
     )
     index, count, bottom, top = _amplitude_pieces(b, start, high)
-    left_out = int((np.abs(_counts(a, 2.0 * start) - _counts(a, 2.0 * low)) // 2).sum())
+    left_out = int((np.abs(counts(a, 2.0 * start) - counts(a, 2.0 * low)) // 2).sum())
     index, order, bottom, top = _only(count % 2 == 0, index, count // 2, bottom, top)
     # Chebyshev points lie at most pi / 2 times as far apart as even ones.
     points = np.maximum(_FEWEST, np.ceil(0.5 * math.pi / _SPACING * (top - bottom) / (high - low)[index]))
@@ -181,7 +181,7 @@ def damping_to_stabilise(alpha: Floats, beta: Floats, least: Floats | float = 0.
     found = np.where((beta > 0.0) | ((beta == 0.0) & (q == 0.0)), np.inf, 0.0)
     left = np.flatnonzero((found == 0.0) & (q > 0.0))
     tongues = np.zeros(q.size, dtype=np.int64)
-    tongues[left] = _counts(-4.0 * beta[left], q[left]) // 2
+    tongues[left] = counts(-4.0 * beta[left], q[left]) // 2
     met: list[tuple[Ints, Ints]] = []
     for order in range(1, int(tongues.max(initial=0)) + 1):
         left = left[tongues[left] >= order]
@@ -251,7 +251,7 @@ def _only(kept: NDArray[np.bool_], *arrays: NDArray[Any]) -> tuple[NDArray[Any],
     return tuple(array[kept] for array in arrays)
 
 
-def _ladders(start: Ints, stop: Ints) -> tuple[Ints, Ints]:
+def ladders(start: Ints, stop: Ints) -> tuple[Ints, Ints]:
     """Return (question, number) for the numbers from ``start`` to ``stop``, both included, of every question."""
     sizes = np.maximum(stop - start + 1, 0)
     index = np.repeat(np.arange(start.size), sizes)
@@ -259,7 +259,7 @@ def _ladders(start: Ints, stop: Ints) -> tuple[Ints, Ints]:
     return index, np.arange(index.size) - first + start[index]
 
 
-def _where_bounded(settled: Callable[[Floats, Ints], NDArray[np.bool_]], low: Floats, high: Floats) -> Floats:
+def where_bounded(settled: Callable[[Floats, Ints], NDArray[np.bool_]], low: Floats, high: Floats) -> Floats:
     """Return a place up to which ``settled`` holds, which it does from ``low`` up to some place or nowhere."""
     every = np.arange(low.size)
     if not low.size:
@@ -295,15 +295,15 @@ def _amplitude_pieces(b: Floats, low: Floats, high: Floats) -> tuple[Ints, Ints,
     """
 
     def count(alpha: Floats, i: Ints) -> Ints:
-        return _counts(-4.0 * b[i], 2.0 * alpha)
+        return counts(-4.0 * b[i], 2.0 * alpha)
 
     cells = np.where((b < 0.0) & (low < high), round(1.0 / _SPACING), 1)
-    owner, number = _ladders(np.zeros(b.size, dtype=np.int64), cells)
+    owner, number = ladders(np.zeros(b.size, dtype=np.int64), cells)
     place = low[owner] + (high - low)[owner] * (number / cells[owner])
     found = count(place, owner)
     cell = np.flatnonzero((owner[1:] == owner[:-1]) & (found[1:] != found[:-1]))
     least, most = np.minimum(found[cell], found[cell + 1]), np.maximum(found[cell], found[cell + 1])
-    passed, target = _ladders(least, most - 1)
+    passed, target = ladders(least, most - 1)
     left, right = place[cell][passed], place[cell + 1][passed]
     falling = found[cell][passed] > target
     at = _passages(count, owner[cell][passed], target, np.where(falling, left, right), np.where(falling, right, left))
@@ -324,8 +324,8 @@ def _growth(alpha: Floats, b: Floats) -> Floats:
         inputs,
         out,
         chunk=1024,
-        interpret_up_to=_few(-4.0 * b, 2.0 * alpha, 4.0),
-        patience=_PATIENCE,
+        interpret_up_to=few(-4.0 * b, 2.0 * alpha, 4.0),
+        patience=PATIENCE,
     )
     return out
 
@@ -338,19 +338,21 @@ def _growth_in(alpha: Floats, b: Floats, which: Ints) -> Floats:
     return _growth(alpha[which], b)
 
 
-def _counts(a: Floats, q: Floats) -> Ints:
+def counts(a: Floats, q: Floats) -> Ints:
+    """Return how many characteristic values lie below each a."""
     out = np.empty(a.size, dtype=np.int64)
-    over_chunks(mathieu_counts.count_fill, (a, q), out, chunk=4096, interpret_up_to=_few(a, q, 1.0), patience=_PATIENCE)
+    over_chunks(mathieu_counts.count_fill, (a, q), out, chunk=4096, interpret_up_to=few(a, q, 1.0), patience=PATIENCE)
     return out
 
 
-def _growth_bounds(a: Floats, q: Floats) -> Floats:
+def growth_bounds(a: Floats, q: Floats) -> Floats:
+    """Return a bound on the growth per unit tau, which falls as a grows and rises with q; infinite for a <= 2 q."""
     out = np.empty(a.size)
-    over_chunks(mathieu.growth_bound_fill, (a, q), out, chunk=4096, interpret_up_to=_few(a, q, 1.0), patience=_PATIENCE)
+    over_chunks(mathieu.growth_bound_fill, (a, q), out, chunk=4096, interpret_up_to=few(a, q, 1.0), patience=PATIENCE)
     return out
 
 
-def _few(a: Floats, q: Floats, cost: float) -> int:
+def few(a: Floats, q: Floats, cost: float) -> int:
     """Return up to how many equations are left to the interpreter: the larger they are, the fewer."""
     rows = 20.0 + math.sqrt(max(0.0, float(np.max(a + 2.0 * np.abs(q), initial=0.0))))
     return int(_INTERPRETED_ROWS / (cost * rows))
@@ -360,8 +362,8 @@ def _characteristic(order: Ints, q: Floats, odd_solution: bool) -> Floats:
     """Return a_order(q) or, for ``odd_solution``, b_order(q); for b_0, which does not exist, a_0."""
     out = np.empty(order.size)
     odd = np.full(order.size, odd_solution) & (order > 0)
-    few = _few(4.0 * order.astype(np.float64) ** 2, q, 50.0)  # a count for each step of a bisection
+    most = few(4.0 * order.astype(np.float64) ** 2, q, 50.0)  # a count for each step of a bisection
     over_chunks(
-        characteristic.characteristic_fill, (order, q, odd), out, chunk=1024, interpret_up_to=few, patience=_PATIENCE
+        characteristic.characteristic_fill, (order, q, odd), out, chunk=1024, interpret_up_to=most, patience=PATIENCE
     )
     return out

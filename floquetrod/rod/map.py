@@ -13,6 +13,7 @@ from floquetrod._util.version import __version__
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.rod.bands import ExactRodBands
 from floquetrod.rod.coupled import CoupledLoads
 from floquetrod.rod.load import LIMITS, AnyLoad, Loads, Quantity, kind, require_load
 from floquetrod.rod.mode_friction import friction_and_kick
@@ -138,4 +139,6 @@ def stability_map(
     rate, mode = rest if growth else (None, None)
     words = "" if criterion is None else str(criterion)
     undecided = int((verdicts == -1).sum())
-    return Chart(x, y, verdicts == 1, rate, mode, "1/s", subject, tolerance, words, undecided, __version__)
+    exact = independent and rubbing is None and criterion is None
+    source = ExactRodBands(rod.mode_constants, across, up, x.ends, y.ends, value, tolerance) if exact else None
+    return Chart(x, y, verdicts == 1, rate, mode, "1/s", subject, tolerance, words, undecided, __version__, source)

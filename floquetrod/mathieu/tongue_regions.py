@@ -1,0 +1,169 @@
+"""Which tongues can meet a window of loads, and their outlines, a batch at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from floquetrod.mathieu.bands import Floats, Ints
+from floquetrod.mathieu.tongue_curves import Plane, TongueCurves
+from floquetrod.mathieu.tongue_outlines import Outlines, outlines
+from floquetrod.mathieu.tongues import counts, growth_bounds, ladders, where_bounded
+
+_AT_ONCE = 2048  # tongues outlined between two reports of progress: some tenths of a second (a choice)
+_ASKED = 1 << 16  # tongues asked at once whether they may exceed the level: some megabytes (a choice)
+_CELLS = 32  # parts of a range of amplitudes in which tongues are counted (a choice)
+
+
+class Family(NamedTuple):
+    """Equations with ``stiffness`` (1/s^2) and ``gain``, as in `TongueCurves`, compared with a level.
+
+    ``rate`` (1/s) is what growth without damping must exceed; ``least`` what the largest growth of a tongue must, to be
+    more than a hairline.
+    """
+
+    stiffness: Floats
+    gain: Floats
+    rate: float
+    least: float
+
+
+class Regions(NamedTuple):
+    """Outlines of tongues ``order`` of the equations ``which``, and how many tongues of the window were left out."""
+
+    which: Ints
+    order: Ints
+    outlines: Outlines
+    hairlines: int
+
+
+def unstable_regions(
+    family: Family, plane: Plane, accuracy: float, progress: Callable[[int, int], None] | None
+) -> Regions:
+    """Return the outlines of all tongues that meet a window and exceed the level there."""
+    which, order, met = _tongues(family, plane)
+    first, last = (np.full(which.size, end) for end in plane.span)
+    if plane.span[0] < 0.0 < plane.span[1]:  # all tongues but 0 have no width without forcing: a part on either side
+        split = np.flatnonzero(order > 0)
+        which, order = np.concatenate([which, which[split]]), np.concatenate([order, order[split]])
+        first, last = np.concatenate([first, np.zeros(split.size)]), np.concatenate([last, last[split]])
+        last[split] = 0.0
+    curves = TongueCurves(plane, order, family.stiffness[which], family.gain[which], family.rate)
+    found = []
+    for start in range(0, which.size, _AT_ONCE):
+        part = slice(start, start + _AT_ONCE)
+        piece = outlines(curves.some(part), first[part], last[part], accuracy)
+        found.append(piece._replace(which=piece.which + start))
+        if progress is not None:
+            progress(min(start + _AT_ONCE, which.size), which.size)
+    joined = _joined(found)
+    tall = joined.growth > family.least
+    joined = _some(joined, tall)
+    which, order = which[joined.which], order[joined.which]
+    drawn = len(set(zip(which.tolist(), order.tolist(), strict=True)))
+    return Regions(which, order, joined, max(0, met - drawn))
+
+
+def _joined(found: list[Outlines]) -> Outlines:
+    if not found:
+        nothing, number = np.empty(0), np.empty(0, dtype=np.int64)
+        return Outlines(number, number, nothing, nothing, nothing, np.empty((0, 2)))
+    return Outlines(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+
+
+def _some(found: Outlines, chosen: np.ndarray[tuple[int, ...], np.dtype[np.bool_]]) -> Outlines:
+    """Return some of the outlines."""
+    of_vertex = np.repeat(chosen, found.size)
+    return Outlines(
+        found.which[chosen],
+        found.size[chosen],
+        found.line[of_vertex],
+        found.place[of_vertex],
+        found.growth[chosen],
+        found.peak[chosen],
+    )
+
+
+def _tongues(family: Family, plane: Plane) -> tuple[Ints, Ints, int]:
+    """Return (equation, order) of all tongues that may exceed the level in the window, and how many there are in all.
+
+    The count of characteristic values below a mode falls as the mean or the frequency rises.  Between two amplitudes
+    none of them moves by more than twice the change of q (Weyl).  A bound on growth, which falls as the mean falls, and
+    at given forces with the frequency, leaves out high tongues.
+    """
+    every = np.arange(family.gain.size)
+    strongest = max(map(abs, plane.span)) if plane.over == "amplitude" else plane.fixed
+    if strongest == 0.0:
+        return every, np.zeros(every.size, dtype=np.int64), 0  # nothing but static buckling
+    means = (plane.low, plane.high) if plane.along == "mean" else (plane.fixed, plane.fixed)
+    slow, fast = _frequencies(plane)
+
+    def coefficients(i: Ints, mean: Floats, amplitude: float, omega: Floats | float) -> tuple[Floats, Floats]:
+        x = 4.0 / (omega * omega) if isinstance(omega, float) else 4.0 / omega**2
+        return x * (family.stiffness[i] - family.gain[i] * mean), 0.5 * x * family.gain[i] * amplitude
+
+    def settled(place: Floats, i: Ints) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+        """Return whether nothing grows up to a frequency, or up to a mean at the only one."""
+        mean, omega = (np.full(i.size, means[1]), place) if slow < fast else (place, np.full(i.size, fast))
+        a, q = coefficients(i, mean, strongest, omega)
+        return growth_bounds(a, q) * omega <= family.least
+
+    low, high = (slow, fast) if slow < fast else means
+    ends = np.full(every.size, low), np.full(every.size, high)
+    start = where_bounded(settled, *ends)
+    matters = start < high
+    amplitudes = np.linspace(*plane.span, _CELLS + 1) if plane.over == "amplitude" else np.array([strongest])
+    least, most, met_least, met_most = ([] for _ in range(4))  # counts for each amplitude
+    step = (plane.span[1] - plane.span[0]) / _CELLS if amplitudes.size > 1 else 0.0
+    for amplitude in np.abs(amplitudes).tolist():
+        if amplitude == 0.0:
+            amplitude = 1e-9 * strongest  # without forcing tongues have no width, and no count is even
+        fewest, q = coefficients(every, np.full(every.size, means[1]), amplitude, fast)
+        margin = coefficients(every, np.zeros(every.size), step, fast)[1]
+        met_least.append(counts(fewest, q))
+        least.append(counts(fewest - margin, q))
+        furthest, q = coefficients(every, np.full(every.size, means[0]), amplitude, slow)
+        met_most.append(counts(furthest, q))
+        mean, omega = (np.full(every.size, means[0]), start) if slow < fast else (start, np.full(every.size, fast))
+        far, q = coefficients(every, mean, amplitude, omega)
+        margin = coefficients(every, np.zeros(every.size), step, omega)[1]
+        most.append(counts(far + margin, q))
+    met = np.max(met_most, axis=0) // 2 - (np.min(met_least, axis=0) + 1) // 2 + 1
+    which, order = ladders((np.min(least, axis=0) + 1) // 2, np.where(matters, np.max(most, axis=0) // 2, -1))
+    parts = [slice(start, start + _ASKED) for start in range(0, which.size, _ASKED)]
+    tall = np.concatenate([_tall(family, plane, which[part], order[part], strongest) for part in parts] or [which > 0])
+    return which[tall], order[tall], int(np.maximum(met, 0).sum())
+
+
+def _frequencies(plane: Plane) -> tuple[float, float]:
+    """Return the lowest and the highest frequency of a window."""
+    if plane.along == "frequency":
+        return plane.low, plane.high
+    return plane.span if plane.over == "frequency" else (plane.fixed, plane.fixed)
+
+
+def _tall(
+    family: Family, plane: Plane, which: Ints, order: Ints, strongest: float
+) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
+    """Return which tongues may exceed the level in the window.
+
+    Growth in a tongue, where it is fastest on a line, falls with the frequency and rises with the amplitude: the line
+    to ask is the one of the largest amplitude, or that of the lowest frequency at which the tongue reaches the window,
+    which it does at the largest mean.  (Observed.  Along the frequency it first falls with the amplitude where the mean
+    alone buckles a mode: those are all kept.)
+    """
+    line = np.full(which.size, strongest)
+    if plane.over == "frequency":
+        top = plane._replace(
+            along="frequency", over="amplitude", fixed=plane.high, low=plane.span[0], high=plane.span[1]
+        )
+        curves = TongueCurves(top, order, family.stiffness[which], family.gain[which], 0.0)
+        edge, _ = curves.edges(np.arange(which.size), line)
+        line = np.clip(edge, *plane.span)
+    curves = TongueCurves(plane, order, family.stiffness[which], family.gain[which], 0.0)
+    tall = curves.ridge(np.arange(which.size), line) > family.least**2
+    if plane.along == "frequency":
+        tall |= family.stiffness[which] < family.gain[which] * plane.fixed
+    return tall
