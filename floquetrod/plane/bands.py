@@ -96,16 +96,23 @@ class Bands(NoTruthValue, ByContent):
 
     def __repr__(self) -> str:
         """Say how many there are, and what has been left out."""
-        text = f"{len(self.bands)} unstable band{'s' * (len(self.bands) != 1)} over {self.x.name} and {self.y.name}"
-        return f"<{text}; {self.note}>" if self.note else f"<{text}>"
+        return f"<{self.y.name} over {self.x.name}; {self.caption}>"
+
+    @property
+    def caption(self) -> str:
+        """How many bands there are, and what has been left out."""
+        return "; ".join(filter(None, [f"{len(self.bands):,} unstable band{'s' * (len(self.bands) != 1)}", self.note]))
 
     @property
     def note(self) -> str:
         """What has been left out, "" where nothing."""
         parts = []
         if self.hairlines:
-            slow = f"{self.growth_tolerance:g} {self.growth_unit}".strip()
-            parts.append(f"{self.hairlines} tongue{'s' * (self.hairlines > 1)} left out that grow at most at {slow}")
+            number = (
+                f"{self.hairlines:,} {'' if self.growth_tolerance else 'hairline '}tongue{'s' * (self.hairlines > 1)}"
+            )
+            slow = f" (growth up to {self.growth_tolerance:g} {self.growth_unit})" if self.growth_tolerance else ""
+            parts.append(f"{number} left out{slow}")
         if any(self.resolution):
             x, y = (
                 f"{size:.2g} {axis.unit}".strip() for size, axis in zip(self.resolution, (self.x, self.y), strict=True)
