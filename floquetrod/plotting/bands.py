@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from floquetrod.plotting import labels, palette
 from floquetrod.plotting.charts import finish, growth_label, new_axes
 
-_LINE = 0.8
+_LINE = 0.6
 """Width in points of a band's edge, and of a band thinner than that."""
 
 _MOST_VERTICES = 100_000
@@ -51,7 +51,7 @@ def said(bands: Any) -> str:
     return "; ".join(filter(None, [bands.caption, labels.explanation(bands.bands)]))
 
 
-def fill(ax: Any, bands: Sequence[Any], colour: str, *, line: float = _LINE, zorder: float = 1.0) -> None:
+def fill(ax: Any, bands: Collection[Any], colour: str, *, line: float = _LINE, zorder: float = 1.0) -> None:
     """Fill bands with a colour; unless ``line``, in points, is 0, they are seen however thin they are."""
     from matplotlib.collections import PolyCollection
 
