@@ -209,8 +209,15 @@ def test_captions_say_what_is_left_out() -> None:
     assert title() == "1 unstable band"
     assert title(hairlines=1200) == "1 unstable band; 1,200 hairline tongues left out"
     tolerant = title(hairlines=1, growth_tolerance=0.1)
-    assert tolerant == "1 unstable band; 1 tongue left out (growth up to 0.1 1/s)"
+    assert tolerant == "1 unstable band of growth above 0.1 1/s; 1 slower tongue left out"
     assert "bands narrower than 0.01 by 0.02 may have been missed" in title(resolution=(0.01, 0.02))
+
+
+def test_captions_say_what_is_tested_and_what_is_not_known() -> None:
+    chart = replace(chart_of(bands_of()), criterion="a test", undecided=3)
+    ax = chart.plot()
+    pyplot.close(ax.figure)
+    assert ax.get_title().replace("\n", " ").endswith("0 unstable bands; a test; 3 of 1600 points undecided")
 
 
 def test_labels_name_what_is_known() -> None:

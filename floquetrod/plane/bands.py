@@ -100,19 +100,19 @@ class Bands(NoTruthValue, ByContent):
 
     @property
     def caption(self) -> str:
-        """How many bands there are, and what has been left out."""
-        return "; ".join(filter(None, [f"{len(self.bands):,} unstable band{'s' * (len(self.bands) != 1)}", self.note]))
+        """How many bands there are, of which growth, and what has been left out."""
+        count = f"{len(self.bands):,} unstable band{'s' * (len(self.bands) != 1)}"
+        if self.growth_tolerance:
+            count += f" of growth above {self.growth_tolerance:g} {self.growth_unit}"
+        return "; ".join(filter(None, [count, self.note]))
 
     @property
     def note(self) -> str:
         """What has been left out, "" where nothing."""
         parts = []
         if self.hairlines:
-            number = (
-                f"{self.hairlines:,} {'' if self.growth_tolerance else 'hairline '}tongue{'s' * (self.hairlines > 1)}"
-            )
-            slow = f" (growth up to {self.growth_tolerance:g} {self.growth_unit})" if self.growth_tolerance else ""
-            parts.append(f"{number} left out{slow}")
+            kind = "slower" if self.growth_tolerance else "hairline"
+            parts.append(f"{self.hairlines:,} {kind} tongue{'s' * (self.hairlines > 1)} left out")
         if any(self.resolution):
             x, y = (
                 f"{size:.2g} {axis.unit}".strip() for size, axis in zip(self.resolution, (self.x, self.y), strict=True)

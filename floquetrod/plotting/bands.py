@@ -42,7 +42,8 @@ def draw_banded_chart(chart: Any, ax: Any = None) -> Any:
         image.set_visible(len(bands) > 0)
         ax.figure.colorbar(image, ax=ax, label=growth_label(chart.growth_unit))
     labels.add_labels(ax, bands.bands, halo=chart.growth_rate is not None)
-    _frame(ax, bands, f"{chart.heading}: {said(bands)}")
+    undecided = f"{chart.undecided} of {chart.stable.size} points undecided" if chart.undecided else ""
+    _frame(ax, bands, "; ".join(filter(None, [f"{chart.heading}: {said(bands)}", chart.criterion, undecided])))
     return ax
 
 
