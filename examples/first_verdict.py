@@ -27,7 +27,7 @@ for share in (0.05, 0.20, 0.34, 0.52, 0.63):
 # %%
 # Why stability comes and goes: each mode is a point on the chart of Mathieu's equation, and a mean force lifts all.
 # Mode 7 has passed through the first tongue when mode 8 enters it, and so on.
-axes = fr.mathieu.chart((0.0, 0.2, 300), (-0.8, 0.1, 300)).plot()
+axes = fr.mathieu.chart((0.0, 0.2, 100), (-0.8, 0.1, 100)).plot()
 for (share, verdict), marker in zip(verdicts.items(), "os^Dv", strict=True):
     alpha, beta = np.array([(mode.alpha, mode.beta) for mode in verdict.mode_equations]).T
     style = palette.POINT | {"marker": marker, "linestyle": "none", "markersize": 5}
@@ -35,6 +35,8 @@ for (share, verdict), marker in zip(verdicts.items(), "os^Dv", strict=True):
     growing = [mode - 1 for mode in verdict.unstable_modes]
     axes.plot(alpha[growing], beta[growing], **style | {"markerfacecolor": "black"})
 axes.set(xlim=(0.0, 0.2), ylim=(-0.8, 0.1))
-axes.set_title("modes of the rod under five mean forces; orange: unstable, filled: the mode grows", fontsize="small")
+axes.set_title(
+    "modes of the rod under five mean forces; orange: tongues, numbered, filled: the mode grows", fontsize="small"
+)
 axes.legend(fontsize="small", loc="lower right")
 plt.show()

@@ -23,7 +23,7 @@ def trap(a: float, q: float) -> fr.HillSystem:
 
 # %%
 # The two directions are independent, so the chart is that of two equations.
-q, a = np.linspace(0.0, 1.0, 1001), np.linspace(0.0, 0.3, 400)[:, None]
+q, a = np.linspace(0.0, 1.0, 1001), np.linspace(0.0, 0.3, 50)[:, None]
 stable = {
     "x": fr.mathieu.is_stable(*fr.conventions.from_aq(a=a, q=q)),
     "y": fr.mathieu.is_stable(*fr.conventions.from_aq(a=-a, q=-q)),
@@ -44,6 +44,9 @@ def edge_y(q: Any) -> Any:
     return -fr.mathieu.characteristic_values(0, q, "a")
 
 
+edge = np.minimum(edge_x(q), edge_y(q))
+clear = np.abs(a - edge) > 1e-9
+print("verdicts on a grid agree with the boundaries:", bool((both == (a < edge))[clear].all()))
 apex_q = brentq(lambda q: edge_x(q) - edge_y(q), 0.5, 0.9, xtol=1e-14)
 apex_a = edge_x(apex_q)
 print(f"apex at q = {apex_q:.4f}, a = {apex_a:.4f}")
@@ -58,7 +61,7 @@ x, y = fr.conventions.from_aq(a=slope * q, q=q), fr.conventions.from_aq(a=-slope
 passed = q[fr.mathieu.is_stable(*x) & fr.mathieu.is_stable(*y) & (q > 0.0)]
 print(f"on the line of 0.98 of the apex's slope: stable from q = {passed[0]:.3f} to {passed[-1]:.3f}")
 _, axes = plt.subplots(figsize=(8.0, 4.6), layout="constrained")
-axes.pcolormesh(q, a[:, 0], ~both, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True)
+axes.fill_between(q, edge, 0.3, color=palette.UNSTABLE, linewidth=0.0)
 axes.plot(q, edge_x(q), color="black", label="boundary of $x$, $a = b_1(q)$")
 axes.plot(q, edge_y(q), color="black", linestyle="--", label="boundary of $y$, $a = -a_0(q)$")
 axes.plot(q, slope * q, color="black", linestyle=":", label="one setting, all masses")

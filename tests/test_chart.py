@@ -154,7 +154,7 @@ def test_a_chart_as_an_xarray_dataset() -> None:
 
 @pytest.mark.parametrize("growth", [True, False])
 def test_plots_are_labelled(growth: bool) -> None:
-    ax = small_map(growth).plot()
+    ax = small_map(growth).plot(bands=False)
     assert ax.get_xlabel() == r"frequency $\omega$ / (rad/s)"
     assert ax.get_ylabel() == r"mean force $F_\mathrm{ave}$ / N"
     assert "points stable" in ax.get_title()

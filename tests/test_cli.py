@@ -417,7 +417,7 @@ def test_a_map_speaks_the_units_of_its_ranges(
     load = ["--mean", "0:1.1Fcr", "--amplitude", "0.3N", "--frequency", "5:30Hz", "--mark", "0.5Fcr,10Hz"]
     out = ["--out", str(tmp_path / "map.png"), "--out", str(tmp_path / "map.npz")]
     for extra, right, top, unit in (([], 30.0, 1.1, "Hz"), (["--unit", "rpm,N"], 1800.0, 1.1 * 1.696030137, "rpm")):
-        assert cli.main(["map", "--rod", "nitinol", *load, "--points", "6x5", *out, *extra]) == 0
+        assert cli.main(["map", "--rod", "nitinol", *load, "--points", "6x5", "--pixels", *out, *extra]) == 0
         axes = drawn.pop()
         assert axes.collections[0].get_coordinates()[-1, -1].tolist() == pytest.approx([right * 13 / 12, top * 9 / 8])
         assert axes.get_xlabel().endswith(f" / {unit}")

@@ -33,14 +33,20 @@ Draw a rod's stability over two of mean force, amplitude and frequency; the thir
 examples:
   floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --out map.png
   floquetrod map --rod nitinol --frequency 150 --mean 0:1.1Fcr --amplitude 0:0.5Fcr --growth --out map.npz
+  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --growth-tolerance 0.1 --out m.svg
+  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --pixels --points 1200x900
   floquetrod map --rod my_rod.toml --amplitude 2N --mean 0:12N --frequency 5Hz:60Hz --mark 6N,24Hz
   floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --paper-criterion exact --out m.png
   floquetrod map --rod nitinol --amplitude 0.7Fcr --mean 0:1.1Fcr --frequency 20:200 --friction 0.1 --kick 50mm/s
   floquetrod map --rod examples/wire.toml --frequency 20Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --points 60x40
   floquetrod map --rod examples/well.toml --frequency 4Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --wave free --points 40x30
 
-A .png, .pdf or .svg file is a figure, a .npz file all the numbers (floquetrod.Chart.load reads it); give --out twice
-for both.  Axes and caption are in the units of the ranges, or of --unit; a .npz file is in N and rad/s.
+The unstable bands are drawn as shapes between their boundaries; a label 7·1 says mode 7, tongue 1.  With --pixels the
+verdicts at the --points are drawn instead.
+
+A .png, .pdf or .svg file is a figure, a .csv file the vertices of the bands, a .npz file all the numbers
+(floquetrod.Chart.load reads it); give --out twice for both.  Axes, caption and .csv are in the units of the ranges, or
+of --unit; a .npz file is in N and rad/s.
 
 Where ends, weight along an inclined rod or axial waves (--wave) couple the modes, a point takes a millisecond and more:
 begin with few of them.
@@ -58,6 +64,9 @@ def add(commands: Any) -> None:
     add_kind(chart)
     for name in KINDS:
         chart.add_argument(f"--{name}", help="a range such as 0:1.1Fcr or 5Hz:60Hz, or one value")
+    shape = chart.add_mutually_exclusive_group()
+    shape.add_argument("--bands", action="store_true", help="draw the unstable bands as shapes (the default)")
+    shape.add_argument("--pixels", action="store_true", help="draw the points in place of bands")
     chart.add_argument("--points", default="400x300", help="columns x rows (default 400x300)")
     chart.add_argument("--growth", action="store_true", help="shade by growth rate")
     chart.add_argument(
@@ -78,7 +87,9 @@ def _map(options: argparse.Namespace) -> Answer:
     rod = read_rod(options)
     paths = options.out or [Path("map.png")]
     for path in paths:
-        check_out(path, (*charts.FIGURES, ".npz"))
+        check_out(path, (*charts.FIGURES, ".csv", ".npz"))
+        if path.suffix == ".csv" and options.pixels:
+            raise ValueError(f"--out {path}: a .csv file holds the vertices of bands; leave out --pixels")
     columns, rows = _points(options.points)
     like = read_kind(options, read_record(options))
     values = read_values(options, rod, like)
@@ -105,16 +116,21 @@ def _map(options: argparse.Namespace) -> Answer:
         like=like if like.departures else None,
         progress=Progress("points"),
     )
+    bands = options.bands or (not options.pixels and chart.source is not None)
+    if bands:
+        chart.find_bands(progress=Progress("steps along boundaries"))
     drawn = chart.in_units(**{name: shown[name].name for name in ("kick", *KINDS)[rubbing is None :]})
     for path in paths:
         if path.suffix == ".npz":
             chart.save(path)
-            continue
-        axes = drawn.plot()
-        if point is not None:
-            x, y = (shown[name].of(value) for name, value in point.items())
-            charts.mark(axes, x, y, "the load")
-        charts.save_figure(axes, path)
+        elif path.suffix == ".csv":
+            drawn.bands.to_csv(path)
+        else:
+            axes = drawn.plot(bands=bands)
+            if point is not None:
+                x, y = (shown[name].of(value) for name, value in point.items())
+                charts.mark(axes, x, y, "the load")
+            charts.save_figure(axes, path)
     written = [str(path) for path in paths]
     share = float(chart.stable.mean())
     if options.json:
@@ -122,10 +138,13 @@ def _map(options: argparse.Namespace) -> Answer:
             "written": written,
             "points": int(chart.stable.size),
             "stable_share": share,
+            "bands": len(chart.bands) if bands else None,
+            "tongues_left_out": chart.bands.hairlines if bands else None,
             "version": fr.__version__,
         }
         return Answer(json.dumps(record, indent=2, allow_nan=False))
-    return Answer(f"{drawn.caption}\nwritten: {', '.join(written)}")
+    lines = [drawn.caption, *([drawn.bands.caption] if bands else []), f"written: {', '.join(written)}"]
+    return Answer("\n".join(lines))
 
 
 def _points(text: str) -> tuple[int, int]:

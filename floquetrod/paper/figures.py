@@ -6,16 +6,18 @@ import functools
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.square_wave import square_wave
 from floquetrod.paper.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
+from floquetrod.plane import Band, Bands
+from floquetrod.plotting import palette
 from floquetrod.plotting import paper as drawing
-from floquetrod.plotting.paper import Band, Tongue
+from floquetrod.plotting.paper import Interval
 from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.map import stability_map
 from floquetrod.rod.tongues import unstable_loads
 
 LOADS = (0.288, 85.0), (0.20, 150.0), (0.34, 150.0)
@@ -23,6 +25,9 @@ LOADS = (0.288, 85.0), (0.20, 150.0), (0.34, 150.0)
 
 The first is unstable in a tongue the 100-period test cannot see, the others are of claim F3-b.
 """
+
+FREQUENCIES, FORCES = (20.0, 200.0), (0.0, 1.1)
+"""What the maps of Figures 3 and 6 range over: rad/s and F_cr."""
 
 SHOWN = 1e-4
 """Growth per unit tau from which Figure 3(a)-(d) shows a tongue: the many weaker ones would cover the page."""
@@ -39,10 +44,9 @@ def figure_2(chart: int) -> Any:
         load = AxialLoad(force * UNIT, 0.2 * UNIT, frequency)
         system = ROD.independent_modes(load, range(1, 11))
         mode_alpha, mode_beta = system.alpha, system.beta
-        fine_alpha = np.linspace(0.0, 1.25 * mode_alpha[-1], 500)
-        fine_beta = np.linspace(1.1 * mode_beta.min(), -0.3 * mode_beta.min(), 500)
-        exact = ~mathieu.is_stable(fine_alpha, fine_beta[:, None])
-        drawing.draw_plane(ax, fine_alpha, fine_beta, exact, mathieu.transition_curves(fine_alpha, range(4)))
+        upto, lowest = 1.25 * mode_alpha[-1], mode_beta.min()
+        bands = mathieu.chart((0.0, upto, 2), (1.1 * lowest, -0.3 * lowest, 2)).bands
+        drawing.draw_exact_plane(ax, bands, mathieu.transition_curves(np.linspace(0.0, upto, 500), range(4)))
         drawing.draw_modes(ax, mode_alpha, mode_beta, ~mathieu.is_stable(mode_alpha, mode_beta))
         words = rf"$F_\mathrm{{ave}} = {force:g}\,F_\mathrm{{cr}}$, $\omega = {frequency:g}$ rad/s"
         ax.set_title(words, fontsize="medium")
@@ -60,17 +64,18 @@ def figure_2(chart: int) -> Any:
 def figure_3(points: tuple[int, int]) -> Any:
     """Draw maps over frequency and mean force at four amplitudes, and the unstable modes at two frequencies."""
     figure, axes = drawing.panels(3, 2, (8.0, 10.4))
-    omega, force = np.linspace(20.0, 200.0, points[0]), np.linspace(0.0, 1.1, points[1])
+    omega, force = np.linspace(*FREQUENCIES, points[0]), np.linspace(*FORCES, points[1])
     for ax, amplitude in zip(axes, (0.1, 0.2, 0.3, 0.5), strict=False):
         failing = ~ROD.is_stable(force[:, None] * UNIT, amplitude * UNIT, omega, criterion=EXACT)
-        drawing.draw_map(ax, omega, force, failing, tongues(amplitude, omega[::2], force[-1]))
+        drawing.draw_map(ax, omega, force, failing, tongues(amplitude), palette.UNSEEN)
         ax.set_title(rf"$\Delta F = {amplitude}\,F_\mathrm{{cr}}$", fontsize="medium")
     for ax, frequency in zip(axes[4:], (85.0, 150.0), strict=True):
-        drawing.draw_bands(ax, unstable_bands(0.2, frequency, 1.1), 1.1)
+        drawing.draw_intervals(ax, unstable_intervals(0.2, frequency, 1.1), 1.1)
         ax.set_title(rf"$\Delta F = 0.2\,F_\mathrm{{cr}}$, $\omega = {frequency:g}$ rad/s", fontsize="medium")
     drawing.caption(
         figure,
-        "(a)-(d) The reference rod: dark where the 100-period test fails, light where the rod is unstable but grows "
+        "(a)-(d) The reference rod: dark the points where the 100-period test fails, light the bands, between their "
+        "exact boundaries, where the rod is unstable but grows "
         f"too slowly for it (between {SHOWN:g} and about {EXACT.threshold:.3f} per unit tau; weaker tongues are left "
         "out). (e), (f) The unstable modes against the mean force, exact and complete: dark where growth passes that "
         "threshold.",
@@ -79,37 +84,29 @@ def figure_3(points: tuple[int, int]) -> Any:
     return figure
 
 
-def unstable_bands(amplitude: float, frequency: float, upto: float) -> list[Band]:
+def unstable_intervals(amplitude: float, frequency: float, upto: float) -> list[Interval]:
     """Return every unstable interval of the mean force (all in F_cr), mode by mode, thin ones first."""
     last = ROD.modes_needed(AxialLoad(upto * UNIT, amplitude * UNIT, frequency))[0]
     system = ROD.independent_modes(AxialLoad(0.0, amplitude * UNIT, frequency), range(1, last + 1))
     return [
-        Band(r.low / UNIT, r.high / UNIT, r.mode, tolerance > 0.0)
+        Interval(r.low / UNIT, r.high / UNIT, r.mode, tolerance > 0.0)
         for tolerance in (0.0, EXACT.threshold * frequency)
         for r in unstable_loads("mean", system, tolerance, (0.0, upto * UNIT)).intervals
     ]
 
 
-def tongues(amplitude: float, omega: NDArray[np.float64], upto: float) -> list[Tongue]:
-    """Return every tongue of every mode that grows by more than `SHOWN` somewhere, as curves over frequency."""
-    found: dict[tuple[int, int], list[tuple[int, float, float]]] = {}
-    for column, frequency in enumerate(omega.tolist()):
-        top = AxialLoad(upto * UNIT, amplitude * UNIT, frequency)
-        system = ROD.independent_modes(top, range(1, ROD.modes_needed(top, SHOWN * frequency)[0] + 1))
-        bands = unstable_loads("mean", system, 0.0, (0.0, upto * UNIT)).intervals
-        middles = np.array([0.5 * (max(band.low, 0.0) + min(band.high, upto * UNIT)) for band in bands])
-        systems = ROD.modal_systems(middles, amplitude * UNIT, frequency)
-        growth = mathieu.growth_rate(*systems.coefficients(np.array([band.mode for band in bands])))
-        for band, rate in zip(bands, growth, strict=True):
-            if rate > SHOWN:
-                found.setdefault((band.mode, band.tongue), []).append((column, band.low / UNIT, band.high / UNIT))
-    result = []
-    for ends in found.values():
-        low, high = np.full(omega.size, np.nan), np.full(omega.size, np.nan)
-        for column, *pair in ends:
-            low[column], high[column] = pair
-        result.append(Tongue(omega, low, np.minimum(high, upto)))
-    return result
+def bands(amplitude: float, growth_tolerance: float) -> Bands:
+    """Return the unstable bands over frequency (rad/s) and mean force (F_cr) of Figures 3 and 6."""
+    ends = (*FREQUENCIES, 2), (FORCES[0] * UNIT, FORCES[1] * UNIT, 2)  # two points: bands are not made of them
+    chart = stability_map(
+        ROD, mean=ends[1], amplitude=amplitude * UNIT, frequency=ends[0], growth_tolerance=growth_tolerance
+    )
+    return chart.in_units(mean="Fcr").bands
+
+
+def tongues(amplitude: float) -> list[Band]:
+    """Return every unstable band that grows by more than `SHOWN` where it grows fastest."""
+    return [band for band in bands(amplitude, 0.0) if band.largest_growth > SHOWN * band.place[0]]
 
 
 def figure_8(points: int, chart: int) -> Any:

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from floquetrod import friction, mathieu
 from floquetrod.paper.claims import ROD, UNIT, WINDOW, window
+from floquetrod.paper.figures import FORCES, FREQUENCIES, bands
 from floquetrod.paper.friction_claims import AMPLITUDE, FRICTION, GAMMA, KICK, KICKS
+from floquetrod.plotting import palette
 from floquetrod.plotting import paper as drawing
 from floquetrod.rod.load import AxialLoad
 from floquetrod.rod.mode_friction import kicks_of
@@ -42,13 +44,16 @@ def figure_5(points: int) -> Any:
 def figure_6(points: int) -> Any:
     """Draw maps over frequency and mean force with more and less friction, and the kick each mode needs."""
     figure, axes = drawing.panels(3, 2, (8.0, 10.4))
-    omega, force = np.linspace(20.0, 200.0, points), np.linspace(0.0, 1.1, points)
+    omega, force = np.linspace(*FREQUENCIES, points), np.linspace(*FORCES, points)
     loads = force[:, None] * UNIT, AMPLITUDE * UNIT, omega
     for ax, (mu, kick) in zip(axes, ((FRICTION, KICK), (None, None), (0.1, 0.035), (0.05, 0.05)), strict=False):
+        if kick is None:
+            drawing.draw_map(ax, omega, force, None, bands(AMPLITUDE, SLOWEST).bands, palette.UNSTABLE)
+            ax.set_title("no friction", fontsize="medium")
+            continue
         escapes = ~ROD.is_stable(*loads, growth_tolerance=SLOWEST, friction=mu, kick=kick)
-        drawing.draw_map(ax, omega, force, escapes, [])
-        words = rf"$\mu = {mu:g}$, {1e3 * kick:g} mm/s" if kick is not None else "no friction"
-        ax.set_title(words, fontsize="medium")
+        drawing.draw_map(ax, omega, force, escapes, [], palette.UNSTABLE)
+        ax.set_title(rf"$\mu = {mu:g}$, {1e3 * kick:g} mm/s", fontsize="medium")
     for ax, frequency in zip(axes[4:], (85.0, 150.0), strict=True):
         shares = np.linspace(0.0, 1.1, 2 * points)
         drawing.draw_kicks(ax, shares, mode_kicks(shares, frequency), 1e3 * KICK)
@@ -78,7 +83,7 @@ def mode_kicks(shares: NDArray[np.float64], frequency: float) -> dict[int, NDArr
 def figure_kick(points: int) -> Any:
     """Draw the map of the smallest kick that buckles the rod."""
     figure, axes = drawing.panels(1, 1, (7.0, 5.4))
-    omega, force = np.linspace(20.0, 200.0, points), np.linspace(0.0, 1.1, points)
+    omega, force = np.linspace(*FREQUENCIES, points), np.linspace(*FORCES, points)
     kick = ROD.critical_kicks(
         force[:, None] * UNIT, AMPLITUDE * UNIT, omega, friction=FRICTION, growth_tolerance=SLOWEST
     ).kick

@@ -96,16 +96,23 @@ class Bands(NoTruthValue, ByContent):
 
     def __repr__(self) -> str:
         """Say how many there are, and what has been left out."""
-        text = f"{len(self.bands)} unstable band{'s' * (len(self.bands) != 1)} over {self.x.name} and {self.y.name}"
-        return f"<{text}; {self.note}>" if self.note else f"<{text}>"
+        return f"<{self.y.name} over {self.x.name}; {self.caption}>"
+
+    @property
+    def caption(self) -> str:
+        """How many bands there are, of which growth, and what has been left out."""
+        count = f"{len(self.bands):,} unstable band{'s' * (len(self.bands) != 1)}"
+        if self.growth_tolerance:
+            count += f" of growth above {self.growth_tolerance:g} {self.growth_unit}"
+        return "; ".join(filter(None, [count, self.note]))
 
     @property
     def note(self) -> str:
         """What has been left out, "" where nothing."""
         parts = []
         if self.hairlines:
-            slow = f"{self.growth_tolerance:g} {self.growth_unit}".strip()
-            parts.append(f"{self.hairlines} tongue{'s' * (self.hairlines > 1)} left out that grow at most at {slow}")
+            kind = "slower" if self.growth_tolerance else "hairline"
+            parts.append(f"{self.hairlines:,} {kind} tongue{'s' * (self.hairlines > 1)} left out")
         if any(self.resolution):
             x, y = (
                 f"{size:.2g} {axis.unit}".strip() for size, axis in zip(self.resolution, (self.x, self.y), strict=True)

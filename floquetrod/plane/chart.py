@@ -89,6 +89,8 @@ class Chart(NoTruthValue, ByContent):
     def find_bands(self, accuracy: float = ACCURACY, *, progress: Progress | None = None) -> Bands:
         """Return the unstable bands as polygons between the boundaries, not made of the chart's points.
 
+        The chart keeps those of the default accuracy as `bands`.
+
         Parameters
         ----------
         accuracy : float
@@ -103,20 +105,29 @@ class Chart(NoTruthValue, ByContent):
         """
         accuracy = validate.within("accuracy", accuracy, 1e-6, 0.1, "it is a share of each axis")
         validate.progress(progress)
+        if accuracy == ACCURACY and "bands" in self.__dict__:
+            return self.bands
         if self.source is None:
             raise ValueError(
                 "bands must be computed before a chart is saved: a file holds those of chart.bands, and this one none"
             )
-        return self.source(accuracy, progress)
+        found = self.source(accuracy, progress)
+        if accuracy == ACCURACY:
+            self._keep(found)
+        return found
+
+    @property
+    def heading(self) -> str:
+        """What is charted, and the values of what does not vary."""
+        fixed = ", ".join(f"{name} {value:.6g} {unit}".strip() for name, value, unit in self.subject["fixed"])
+        return ", ".join(filter(None, [self.subject["kind"], fixed]))
 
     @property
     def caption(self) -> str:
         """One sentence that says what is shown."""
-        fixed = ", ".join(f"{name} {value:.6g} {unit}".strip() for name, value, unit in self.subject["fixed"])
         share = f"{100.0 * self.stable.mean():.1f} % of {self.stable.size} points stable"
         tolerance = f"; growth up to {self.growth_tolerance:g} {self.growth_unit} counts as stable"
-        text = ", ".join(filter(None, [self.subject["kind"], fixed]))
-        text += f": {share}" + (tolerance if self.growth_tolerance else "")
+        text = f"{self.heading}: {share}" + (tolerance if self.growth_tolerance else "")
         text += f"; {self.undecided} undecided" if self.undecided else ""
         return text + (f"; {self.criterion}" if self.criterion else "")
 
@@ -166,8 +177,27 @@ class Chart(NoTruthValue, ByContent):
         """Return the caption, axes included."""
         return f"<{self.y.name} over {self.x.name}; {self.caption}>"
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw the chart, orange where unstable (darker the faster, if growth is known); return the matplotlib axes."""
+    def plot(self, ax: Any = None, *, bands: bool | None = None) -> Any:
+        """Draw the chart, orange where unstable (darker the faster, if growth is known); return the matplotlib axes.
+
+        Parameters
+        ----------
+        ax : matplotlib axes, optional
+            What to draw on; by default those of a new figure.
+        bands : bool, optional
+            Whether to draw `bands`, shapes named by mode and tongue where there is room, or the chart's points as
+            pixels; by default bands, where the chart knows them.
+
+        Raises
+        ------
+        ValueError
+            Where bands are asked for and the chart does not know them, see `find_bands`.
+        """
+        known = self.source is not None or "bands" in self.__dict__
+        if known if bands is None else validate.flag("bands", bands):
+            from floquetrod.plotting.bands import draw_banded_chart
+
+            return draw_banded_chart(self, ax)
         from floquetrod.plotting.charts import draw_chart
 
         return draw_chart(self, ax)

@@ -25,15 +25,24 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
     else:
         growth = np.where(chart.stable, np.nan, np.nan_to_num(chart.growth_rate))  # unknown where undecided
         mesh = ax.pcolormesh(x, y, growth, cmap=palette.shades(), vmin=0.0, rasterized=True)
-        units = {"per tau": "per unit of $\\tau$", "per unit time": "per unit of time"}
-        unit = units.get(chart.growth_unit, f"/ ({chart.growth_unit})")
-        ax.figure.colorbar(mesh, ax=ax, label=f"growth rate {unit}")
+        ax.figure.colorbar(mesh, ax=ax, label=growth_label(chart.growth_unit))
     if chart.stable.any() and not chart.stable.all():
         ax.contour(x, y, chart.stable, levels=[0.5], colors="black", linewidths=0.6)
-    ax.set_xlabel(chart.x.label)
-    ax.set_ylabel(chart.y.label)
-    ax.set_title("\n".join(textwrap.wrap(chart.caption, 70)), fontsize="small")
+    finish(ax, chart, chart.caption)
     return ax
+
+
+def finish(ax: Any, plane: Any, caption: str) -> None:
+    """Label the axes of a chart or of bands, and set its title."""
+    ax.set_xlabel(plane.x.label)
+    ax.set_ylabel(plane.y.label)
+    ax.set_title("\n".join(textwrap.wrap(caption, 70)), fontsize="small")
+
+
+def growth_label(unit: str) -> str:
+    """Return the label of a scale of growth rates."""
+    units = {"per tau": "per unit of $\\tau$", "per unit time": "per unit of time"}
+    return f"growth rate {units.get(unit, f'/ ({unit})')}"
 
 
 def draw_curves(curves: Any, ax: Any = None) -> Any:

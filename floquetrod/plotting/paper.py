@@ -3,29 +3,23 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Collection, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.plotting import palette
+from floquetrod.plotting.bands import fill
 
 
-class Band(NamedTuple):
+class Interval(NamedTuple):
     """An unstable interval of mean force (F_cr) of one mode; ``seen``: growth passes the test's threshold."""
 
     low: float
     high: float
     mode: int
     seen: bool
-
-
-class Tongue(NamedTuple):
-    """One tongue of one mode: its ends in mean force (F_cr) over frequency (rad/s), NaN where too weak to show."""
-
-    omega: NDArray[np.float64]
-    low: NDArray[np.float64]
-    high: NDArray[np.float64]
 
 
 def draw_plane(
@@ -38,12 +32,15 @@ def draw_plane(
     """Draw unstable points of the (alpha, beta) plane under the transition curves, if given."""
     _shade(ax, alpha, beta, unstable)
     if curves is not None:
-        for values in (*curves.even, *curves.odd):
-            ax.plot(curves.alpha, values, color="black", linewidth=0.7)
-    ax.set_xlim(alpha[0], alpha[-1])
-    ax.set_ylim(beta[0], beta[-1])
-    ax.set_xlabel(r"$\alpha$")
-    ax.set_ylabel(r"$\beta$")
+        _draw_curves(ax, curves)
+    _frame(ax, (alpha[0], alpha[-1]), (beta[0], beta[-1]), r"$\alpha$", r"$\beta$")
+
+
+def draw_exact_plane(ax: Any, bands: Any, curves: Any) -> None:
+    """Draw the unstable bands of the (alpha, beta) plane under the transition curves."""
+    fill(ax, bands, palette.UNSTABLE)
+    _draw_curves(ax, curves)
+    _frame(ax, bands.x.values, bands.y.values, r"$\alpha$", r"$\beta$")
 
 
 def draw_boundary(
@@ -85,29 +82,25 @@ def draw_map(
     ax: Any,
     omega: NDArray[np.float64],
     force: NDArray[np.float64],
-    failing: NDArray[np.bool_],
-    tongues: list[Tongue],
+    failing: NDArray[np.bool_] | None,
+    bands: Collection[Any],
+    colour: str,
 ) -> None:
-    """Draw a map over frequency (rad/s) and mean force (F_cr): dark where the test fails, light where it is blind."""
-    for tongue in tongues:
-        ax.fill_between(tongue.omega, tongue.low, tongue.high, color=palette.UNSEEN, linewidth=0.8)
-    _shade(ax, omega, force, failing)
-    ax.set_xlim(omega[0], omega[-1])
-    ax.set_ylim(force[0], force[-1])
-    ax.set_xlabel(r"$\omega$ / (rad/s)")
-    ax.set_ylabel(r"$F_\mathrm{ave} / F_\mathrm{cr}$")
+    """Draw a map over frequency (rad/s) and mean force (F_cr): bands in a colour, over them what fails a test."""
+    fill(ax, bands, colour)
+    if failing is not None:
+        _shade(ax, omega, force, failing)
+    _frame(ax, (omega[0], omega[-1]), (force[0], force[-1]), r"$\omega$ / (rad/s)", r"$F_\mathrm{ave} / F_\mathrm{cr}$")
 
 
-def draw_bands(ax: Any, bands: list[Band], upto: float) -> None:
+def draw_intervals(ax: Any, intervals: list[Interval], upto: float) -> None:
     """Draw the unstable intervals of the mean force, a row for each mode."""
-    for band in bands:
-        colour = palette.UNSTABLE if band.seen else palette.UNSEEN
-        ax.broken_barh([(band.low, band.high - band.low)], (band.mode - 0.4, 0.8), facecolor=colour, edgecolor="none")
-        ax.plot([band.low, band.low], [band.mode - 0.4, band.mode + 0.4], color=colour, linewidth=1.0)  # however thin
-    ax.set_xlim(0.0, upto)
-    ax.set_ylim(0.4, max((band.mode for band in bands), default=1) + 0.6)
-    ax.set_xlabel(r"$F_\mathrm{ave} / F_\mathrm{cr}$")
-    ax.set_ylabel("unstable mode $m$")
+    for low, high, mode, seen in intervals:
+        colour = palette.UNSTABLE if seen else palette.UNSEEN
+        ax.broken_barh([(low, high - low)], (mode - 0.4, 0.8), facecolor=colour, edgecolor="none")
+        ax.plot([low, low], [mode - 0.4, mode + 0.4], color=colour, linewidth=1.0)  # however thin
+    top = max((interval.mode for interval in intervals), default=1) + 0.6
+    _frame(ax, (0.0, upto), (0.4, top), r"$F_\mathrm{ave} / F_\mathrm{cr}$", "unstable mode $m$")
     ax.yaxis.get_major_locator().set_params(integer=True)
 
 
@@ -165,6 +158,19 @@ def panels(rows: int, columns: int, size: tuple[float, float]) -> tuple[Any, lis
 def caption(figure: Any, text: str, width: int) -> None:
     """Write the caption under the figure."""
     figure.supxlabel("\n".join(textwrap.wrap(text, width)), fontsize="small", x=0.01, ha="left")
+
+
+def _draw_curves(ax: Any, curves: Any) -> None:
+    for values in (*curves.even, *curves.odd):
+        ax.plot(curves.alpha, values, color="black", linewidth=0.7)
+
+
+def _frame(ax: Any, across: Sequence[float], up: Sequence[float], right: str, above: str) -> None:
+    """Set the limits of axes and their labels."""
+    ax.set_xlim(*across)
+    ax.set_ylim(*up)
+    ax.set_xlabel(right)
+    ax.set_ylabel(above)
 
 
 def _shade(ax: Any, x: NDArray[np.float64], y: NDArray[np.float64], where: NDArray[np.bool_]) -> None:
