@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod.rod import formulas
 from floquetrod.rod.buckling import BucklingForce, buckling_forces
 from floquetrod.rod.catalogue import pipe_in_a_hole
 from floquetrod.rod.constants import MOST_MODES, ModeConstants
@@ -50,8 +51,6 @@ _PLAIN: dict[str, float | str] = {
     "ends": "hinged",
 }
 """Values of a solid rod in a horizontal channel without fluids."""
-
-_FLOATING = 1e-9  # weight over that without buoyancy up to which a rod counts as floating: rounding is near (a choice)
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -146,7 +145,7 @@ class RodData:
         channel.clearance(section)  # raises where the rod does not fit
         for name, number in cleaned.items():
             object.__setattr__(self, name, number)
-        if self._weighing <= _FLOATING * self._own_mass:
+        if not formulas.sinks(self._own_mass, self._weighing):
             raise ValueError(
                 f"fluid_outside must be lighter than the rod with what is inside, got {self.fluid_outside:g} kg/m^3 "
                 f"for density = {self.density:g} and fluid_inside = {self.fluid_inside:g}, a weight of "
@@ -220,6 +219,11 @@ class RodData:
         return {name: value for name, value in sheet.items() if value != optional.get(name)}
 
     @property
+    def parameters(self) -> dict[str, float]:
+        """All parameters but the ends, numbers in SI units by name."""
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.name != "ends"}
+
+    @property
     def departures(self) -> str:
         """What this rod has that a solid rod in a horizontal channel without fluids has not, "" where nothing."""
         found = ((name, getattr(self, name)) for name, plain in _PLAIN.items() if getattr(self, name) != plain)
@@ -267,12 +271,15 @@ class RodData:
     @property
     def flexural_rigidity(self) -> float:
         """E I in N m^2."""
-        return self.material.youngs_modulus * self.section.second_moment
+        return float(formulas.rigidity(self.youngs_modulus, self.section.numbers))
 
     @property
     def mass_per_length(self) -> float:
         """Inertia m_t = rho A_s + rho_i A_i + C_a rho_o A_o in kg/m, of material, fluid inside and added mass."""
-        return self._own_mass + self.fluids.added_mass_coefficient * self.fluids.outside * self.section.outer_area
+        fluids = self.fluids
+        return float(
+            formulas.inertia(self._own_mass, fluids.outside, fluids.added_mass_coefficient, self.section.numbers)
+        )
 
     @property
     def weight_per_length(self) -> float:
@@ -287,17 +294,17 @@ class RodData:
     @property
     def effective_gravity(self) -> float:
         """What pulls the rod to the floor over its inertia, w_e sin(inclination) / m_t, in m/s^2."""
-        return self.channel.gravity_across * (self._weighing / self.mass_per_length)
+        return float(formulas.effective_gravity(self.channel.gravity_across, self._weighing / self.mass_per_length))
 
     @property
     def _own_mass(self) -> float:
         """Mass of the material and of the fluid inside, in kg/m."""
-        return self.material.density * self.section.area + self.fluids.inside * self.section.inner_area
+        return float(formulas.own_mass(self.material.density, self.fluids.inside, self.section.numbers))
 
     @property
     def _weighing(self) -> float:
         """Own mass less that of the fluid displaced, in kg/m."""
-        return self._own_mass - self.fluids.outside * self.section.outer_area
+        return float(formulas.weighing_mass(self._own_mass, self.fluids.outside, self.section.numbers))
 
     @property
     def radial_clearance(self) -> float:
@@ -307,7 +314,7 @@ class RodData:
     @property
     def pendulum_frequency(self) -> float:
         """Frequency sqrt(w_e sin(inclination) / (R m_t)) in rad/s at which a rigid rod swings in the channel."""
-        return math.sqrt(self.effective_gravity / self.radial_clearance)
+        return math.sqrt(formulas.pendulum_squared(self.effective_gravity, self.radial_clearance))
 
     @property
     def critical_force(self) -> float:
@@ -376,13 +383,9 @@ class RodData:
     @cached_property
     def mode_constants(self) -> ModeConstants:
         """What the mode equations need of the rod."""
-        return ModeConstants(
-            self.end_conditions.first_wavenumber(self.length) ** 2,
-            self.mass_per_length,
-            self.flexural_rigidity,
-            self.pendulum_frequency,
-            self.damping_rate,
-        )
+        found = formulas.mode_parameters(self.parameters)
+        swing = math.sqrt(found.pendulum_squared)
+        return ModeConstants(found.w2, found.mass_per_length, found.rigidity, swing, found.damping_rate)
 
 
 def _modes(mode: Any) -> NDArray[np.float64]:

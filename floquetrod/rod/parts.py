@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from floquetrod._util import validate
+from floquetrod.rod import formulas
+from floquetrod.rod.formulas import SectionNumbers
 
 _LEAST, _LARGEST = 1e-12, 1e15  # of any parameter in its SI unit: what is computed from them stays in range (a choice)
 _LARGEST_FRICTION = 1e6  # (a choice: beyond any)
-_THINNEST = 1e-6  # wall of a tube in outer radii: far below any, and area and second moment keep ten digits (a choice)
 
 ON_A_FLOOR = math.pi**2 / 3.0 - 1.0
 """Added-mass coefficient of a cylinder that touches a plane floor, 2.29."""
@@ -117,7 +118,7 @@ class Section:
         """Check and clean the parameters."""
         radius = parameter("radius", self.radius, "m")
         inner = size("inner_radius", self.inner_radius, "m; 0 for a solid rod")
-        if inner > (1.0 - _THINNEST) * radius:
+        if not formulas.has_wall(radius, inner):
             raise ValueError(
                 f"inner_radius, half of inner_diameter, must be less than the outer radius, got inner_radius = "
                 f"{inner:g} m and radius = {radius:g} m; both are radii, not diameters"
@@ -128,22 +129,27 @@ class Section:
     @property
     def area(self) -> float:
         """Area of the material, A_s = pi (r_o^2 - r_i^2), in m^2."""
-        return math.pi * (self.radius**2 - self.inner_radius**2)
+        return float(formulas.ring(self.radius, self.inner_radius))
 
     @property
     def outer_area(self) -> float:
         """Area within the outer radius, A_o = pi r_o^2, in m^2."""
-        return math.pi * self.radius**2
+        return float(formulas.disc(self.radius))
 
     @property
     def inner_area(self) -> float:
         """Area of the bore, A_i = pi r_i^2, in m^2."""
-        return math.pi * self.inner_radius**2
+        return float(formulas.disc(self.inner_radius))
 
     @property
     def second_moment(self) -> float:
         """Second moment of area, I = pi (r_o^4 - r_i^4) / 4, in m^4."""
-        return 0.25 * math.pi * (self.radius**4 - self.inner_radius**4)
+        return float(formulas.second_moment(self.radius, self.inner_radius))
+
+    @property
+    def numbers(self) -> SectionNumbers:
+        """The areas and the second moment together."""
+        return formulas.section_numbers(self.radius, self.inner_radius)
 
 
 @dataclass(frozen=True)
@@ -206,7 +212,7 @@ class Channel:
     @property
     def gravity_across(self) -> float:
         """Component of gravity across the channel, g sin(inclination), in m/s^2."""
-        return self.gravity * math.sin(self.inclination)
+        return float(formulas.gravity_across(self.gravity, self.inclination))
 
     @property
     def gravity_along(self) -> float:
@@ -215,12 +221,12 @@ class Channel:
 
     def clearance(self, section: Section) -> float:
         """Return R = channel radius - rod radius in m; ValueError where the section does not fit."""
-        if section.radius >= self.radius:
+        if not formulas.fits(section.radius, self.radius):
             raise ValueError(
                 f"channel_radius must exceed the rod's radius, got channel_radius = {self.radius:g} m and "
                 f"radius = {section.radius:g} m; both are radii, not diameters"
             )
-        return self.radius - section.radius
+        return float(formulas.clearance(section.radius, self.radius))
 
 
 CONDITIONS = ("hinged", "clamped", "guided", "free")
@@ -263,4 +269,4 @@ class Ends:
 
     def first_wavenumber(self, length: float) -> float:
         """Return w_1 = pi / L in 1/m; mode m of a rod with hinged ends has m times as much."""
-        return math.pi / length
+        return float(formulas.first_wavenumber(length))
