@@ -20,7 +20,9 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
     """Draw a `floquetrod.plane.Chart`: white where stable, orange where not, darker with growth where it is known."""
     ax = new_axes() if ax is None else ax
     x, y = chart.x.values, chart.y.values
-    if chart.growth_rate is None:
+    if chart.cells is not None:
+        _draw_cells(chart, ax)
+    elif chart.growth_rate is None:
         ax.pcolormesh(x, y, ~chart.stable, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True)
     else:
         growth = np.where(chart.stable, np.nan, np.nan_to_num(chart.growth_rate))  # unknown where undecided
@@ -28,12 +30,24 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
         units = {"per tau": "per unit of $\\tau$", "per unit time": "per unit of time"}
         unit = units.get(chart.growth_unit, f"/ ({chart.growth_unit})")
         ax.figure.colorbar(mesh, ax=ax, label=f"growth rate {unit}")
-    if chart.stable.any() and not chart.stable.all():
+    if chart.cells is None and chart.stable.any() and not chart.stable.all():
         ax.contour(x, y, chart.stable, levels=[0.5], colors="black", linewidths=0.6)
     ax.set_xlabel(chart.x.label)
     ax.set_ylabel(chart.y.label)
     ax.set_title("\n".join(textwrap.wrap(chart.caption, 70)), fontsize="small")
     return ax
+
+
+def _draw_cells(chart: Any, ax: Any) -> None:
+    """Draw what is proved of each cell: white where stable, orange where not, hatched where neither holds of it all."""
+    edges = [np.concatenate([v[:1], 0.5 * (v[1:] + v[:-1]), v[-1:]]) for v in (chart.x.values, chart.y.values)]
+    ax.pcolormesh(*edges, chart.cells == 0, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True)
+    for value, hatch in ((-1, "////"), (-2, "xxxx")):
+        there = np.where(chart.cells == value, 0.5, np.nan)
+        if not np.isnan(there).all():
+            ax.pcolormesh(*edges, there, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True)
+            hatched = np.ma.masked_invalid(there)
+            ax.pcolor(*edges, hatched, hatch=hatch, facecolor="none", edgecolor="grey", linewidth=0.0, alpha=0.0)
 
 
 def draw_curves(curves: Any, ax: Any = None) -> Any:
