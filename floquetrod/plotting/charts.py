@@ -39,15 +39,18 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
 
 
 def _draw_cells(chart: Any, ax: Any) -> None:
-    """Draw what is proved of each cell: white where stable, orange where not, hatched where neither holds of it all."""
-    edges = [np.concatenate([v[:1], 0.5 * (v[1:] + v[:-1]), v[-1:]]) for v in (chart.x.values, chart.y.values)]
-    ax.pcolormesh(*edges, chart.cells == 0, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True)
-    for value, hatch in ((-1, "////"), (-2, "xxxx")):
-        there = np.where(chart.cells == value, 0.5, np.nan)
-        if not np.isnan(there).all():
-            ax.pcolormesh(*edges, there, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True)
-            hatched = np.ma.masked_invalid(there)
-            ax.pcolor(*edges, hatched, hatch=hatch, facecolor="none", edgecolor="grey", linewidth=0.0, alpha=0.0)
+    """Draw what is proved of each cell: white stable, orange unstable, grey each in parts, hatched where undecided."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgba
+
+    across, up = (np.concatenate([v[:1], 0.5 * (v[1:] + v[:-1]), v[-1:]]) for v in (chart.x.values, chart.y.values))
+    colours = np.array([to_rgba(c) for c in (palette.NEUTRAL, palette.NEUTRAL, palette.UNSTABLE, palette.STABLE)])
+    ax.pcolormesh(across, up, colours[chart.cells + 2], rasterized=True)
+    rectangles = [
+        [(across[i], up[j]), (across[i + 1], up[j]), (across[i + 1], up[j + 1]), (across[i], up[j + 1])]
+        for j, i in np.argwhere(chart.cells == -2)
+    ]
+    ax.add_collection(PolyCollection(rectangles, **palette.OPEN))
 
 
 def draw_curves(curves: Any, ax: Any = None) -> Any:

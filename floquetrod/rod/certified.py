@@ -1,4 +1,4 @@
-"""Maps whose cells are proofs: blocks of cells first, and what a block leaves open in quarters, down to single cells."""
+"""Maps whose cells are proofs: blocks of cells first, what a block leaves open in quarters, down to single cells."""
 
 from __future__ import annotations
 

@@ -156,6 +156,6 @@ def _require_provable(rod: Rod, like: AnyLoad | None, tolerance: float, **others
         raise rod.refusal("certified", kind(like))
     if tolerance == 0.0 and rod.damping_rate == 0.0:
         raise ValueError(
-            "certified needs a growth_tolerance above 0, 1e-6 1/s say, or a rod with damping: without, tongues too thin "
-            "to matter are everywhere, and no cell is stable"
+            "certified needs a growth_tolerance above 0, 1e-6 1/s say, or a rod with damping: without, tongues too "
+            "thin to matter are everywhere, and no cell is stable"
         )

@@ -117,8 +117,8 @@ def certify(
         return certify_box(parameters, growth_tolerance, max_boxes, prove)
     if boxed:
         raise TypeError(
-            f"{boxed[0]} must be a number, got {validate.short(parameters[boxed[0]])}: boxes of parameters are proved of "
-            "the class Mathieu only; give one equation at a time"
+            f"{boxed[0]} must be a number, got {validate.short(parameters[boxed[0]])}: boxes of parameters are proved "
+            "of the class Mathieu only; give one equation at a time"
         )
     if growth_tolerance:
         raise TypeError("growth_tolerance is for the class Mathieu and its parameters only; leave it out")
