@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import textwrap
 from typing import Any
 
 import floquetrod as fr
@@ -150,13 +151,18 @@ def _report(proof: RegionProof, shown: dict[str, Unit]) -> str:
     lines.append(f"{'modes':9} 1 to {proof.modes}: {rest}")
     if proof.note:
         lines.append(f"{'note':9} {proof.note}")
-    lines.append(f"{'assumes':9} {'; '.join(proof.assumptions)}")
+    lines += _assumed(proof)
     return "\n".join(lines)
 
 
 def _table(safe: SafeBox, shown: dict[str, Unit]) -> str:
     """Return the table of a safe box, and what its proof assumes."""
-    return f"{safe.table(**{name: shown[name].name for name in KINDS})}\nassumes: {'; '.join(safe.proof.assumptions)}"
+    return "\n".join([safe.table(**{name: shown[name].name for name in KINDS}), *_assumed(safe.proof)])
+
+
+def _assumed(proof: RegionProof) -> list[str]:
+    """Return lines about what a proof rests on."""
+    return textwrap.wrap(f"{'assumes':9} {'; '.join(proof.assumptions)}", 110, subsequent_indent=" " * 10)
 
 
 def _side(side: Side, shown: dict[str, Unit]) -> str:

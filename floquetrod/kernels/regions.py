@@ -1,14 +1,6 @@
 """Kernels that prove how the modes of a rod behave under every load and every rod of a box, subdividing it.
 
-A box is an array (7, 2) of doubles: the lowest and highest values of
-
-    0  F       mean force, N                     3  c1       E I w^4 / mu, 1/s^2       w = pi / length
-    1  dF      amplitude of the force, N         4  c2       w^2 / mu, 1/(N s^2)       mu mass per length
-    2  omega   frequency, rad/s                  5  Omega^2  square of the pendulum frequency, 1/s^2
-                                                 6  lambda   damping rate, 1/s
-
-Mode m moves as A'' + 2 lambda A' + (c1 m^4 - c2 m^2 (F + dF sin omega t) + Omega^2) A = 0.  All numbers are in seconds,
-and all conclusions are proved, rounding included.
+What a box is says `floquetrod.kernels.regions_boxes`; all conclusions are proved, rounding included.
 """
 
 from __future__ import annotations
@@ -20,12 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import kernel
-from floquetrod.kernels.intervals import down, multiply, square, up
+from floquetrod.kernels.regions_boxes import (
+    AMPLITUDE,
+    BENDING,
+    DAMPING,
+    FREQUENCY,
+    MEAN,
+    PUSH,
+    SWING,
+    mode_box,
+    status_of_mode,
+    tail_modes,
+)
 from floquetrod.kernels.regions_excess import excess
-from floquetrod.kernels.regions_modes import GROWS, UNKNOWN, mode_status
-
-MEAN, AMPLITUDE, FREQUENCY, BENDING, PUSH, SWING, DAMPING = range(7)
-"""Rows of a box."""
+from floquetrod.kernels.regions_modes import GROWS, QUIET, UNKNOWN
 
 DONE, WAITING, FIRST, QUIET_PARTS, GROWING_PARTS, OPEN_PARTS, GROWING_MODE, OPEN_MODE = range(8)
 """Entries of `BoxSearch.counts`."""
@@ -46,11 +46,11 @@ class BoxSearch(NamedTuple):
     shares : ndarray, shape (n + 3,)
         The first three: shares of the volume proved quiet, proved growing, and given up.  Then that of each box.
     counts : ndarray of int, shape (8,)
-        Boxes examined; boxes waiting and where the first of them is; parts proved quiet, proved growing, given up
-        (too small to be bisected); the mode that grows in the growing example, and the mode last found undecided
-        (0 where there is none).
+        Boxes examined; boxes waiting and where the first of them is; parts proved quiet, proved growing (single points
+        found on the way count as parts), given up (too small to be bisected); the mode that grows in the growing
+        example, and the mode last found undecided (0 where there is none).
     examples : ndarray, shape (3, 7, 2)
-        A box proved quiet, a box proved growing, a box given up; NaN where there is none.
+        A box proved quiet, a box proved growing, a box given up; NaN where there is none.  They may be single points.
     last : int
         Modes 1 to ``last`` are looked at.
     """
@@ -99,134 +99,6 @@ def start_search(boxes: Any, pending: Any, shares: Any, counts: Any, examples: A
 
 
 @kernel
-def mode_box(box: Any, mode: int) -> tuple[float, float, float, float]:
-    """Enclose kappa and p, both in 1/s^2, of a mode freed of its damping: u'' + (kappa - p sin omega t) u = 0.
-
-    Returns
-    -------
-    kappa_low, kappa_high, p_low, p_high : float
-    """
-    m2 = float(mode) * float(mode)
-    pl, ph = multiply(box[PUSH, 0], box[PUSH, 1], m2, m2)
-    fl, fh = multiply(pl, ph, box[MEAN, 0], box[MEAN, 1])
-    al, ah = 0.0, 0.0
-    if box[AMPLITUDE, 1] > 0.0:
-        al, ah = multiply(pl, ph, box[AMPLITUDE, 0], box[AMPLITUDE, 1])
-        al = max(al, 0.0)
-    m4 = m2 * m2
-    bl, bh = multiply(box[BENDING, 0], box[BENDING, 1], m4, m4)
-    dl, dh = square(box[DAMPING, 0], box[DAMPING, 1])
-    low = down(down(bl - fh) + down(box[SWING, 0] - dh))
-    high = up(up(bh - fl) + up(box[SWING, 1] - dl))
-    return low, high, al, ah
-
-
-@kernel
-def tail_bound(box: Any, last: int) -> float:
-    """Return a proved bound in 1/s on the growth of every mode after ``last`` freed of its damping; infinite if none.
-
-    Let level be the least lambda.  From m0 = last + 1 on, and c1 m^4 >= Omega^2 - lambda^2 + level^2, kappa / p grows
-    with m, and every factor of `flux_bound` falls, but the first times p: that one is at most (c2 dF)^2 over a lower
-    bound of its pivot / m^4.  Growth up to the level is not bounded: the larger of both counts.
-    """
-    level = box[DAMPING, 0]
-    m0 = last + 1.0
-    m2 = m0 * m0
-    m4 = m2 * m2
-    c1 = box[BENDING, 0]
-    push = up(box[PUSH, 1] * box[AMPLITUDE, 1])
-    mean = up(box[MEAN, 1] * (box[PUSH, 1] if box[MEAN, 1] > 0.0 else box[PUSH, 0]))
-    swing = down(down(box[SWING, 0] - up(box[DAMPING, 1] * box[DAMPING, 1])) + max(0.0, down(level * level)))
-    most = up(up(box[SWING, 1] - max(0.0, down(box[DAMPING, 0] * box[DAMPING, 0]))) + up(level * level))
-    if not down(c1 * m4) >= most:
-        return math.inf
-    kappa = down(down(down(c1 * m4) - up(mean * m2)) + swing)
-    p = up(push * m2) if box[AMPLITUDE, 1] > 0.0 else 0.0
-    slow = box[FREQUENCY, 0]
-    fast = box[FREQUENCY, 1]
-    if not (kappa > 0.0 and slow > 0.0):
-        return math.inf
-    if p == 0.0:
-        return 0.0
-    quarter = up(up(fast * fast) * 0.5)
-    worst = 0.0
-    for parity in range(2):
-        best = math.inf
-        k = float(parity)
-        while True:
-            first = down(down(2.0 * kappa) - up(k * k * quarter))
-            if not first >= p:
-                break
-            room = down(2.0 * c1 - up(2.0 * max(mean, 0.0) / m2))
-            room = down(room + min(down(down(2.0 * swing - up(k * k * quarter)) / m4), 0.0))
-            if not room > 0.0:
-                break
-            bound = up(up(push * push) / room)
-            pivot = first
-            settled = True
-            j = 2.0 - k
-            while j <= k:
-                pivot = down(down(down(2.0 * kappa) - up(j * j * quarter)) - up(up(p * p) / pivot))
-                if not pivot >= p:
-                    settled = False
-                    break
-                bound = up(bound * up(p / pivot))
-                j += 2.0
-            if not settled:
-                break
-            best = min(best, up(bound / down(2.0 * (k + 2.0) * slow)))
-            k += 2.0
-        worst = max(worst, best)
-    return worst
-
-
-@kernel
-def tail_modes(box: Any, tolerance: float, smallest: float, most: int) -> tuple[int, float]:
-    """Return the number of modes that must be looked at, and what is proved of all others.
-
-    Parameters
-    ----------
-    box : ndarray, shape (7, 2)
-        See above.
-    tolerance : float
-        Growth in 1/s that counts as none.
-    smallest : float
-        Where tolerance is smaller, growth in 1/s up to which modes are left out all the same.
-    most : int
-        No more modes than these.
-
-    Returns
-    -------
-    last : int
-        Every mode after it grows by no more than max(tolerance, smallest); ``most`` where that cannot be proved.
-    bound : float
-        On the growth of every mode after ``last``, damping taken off, in 1/s; infinite where none is proved.
-    """
-    target = down(box[DAMPING, 0] + max(tolerance, smallest))
-    low, high = 0, 1
-    while high < most and not tail_bound(box, high) <= target:
-        low, high = high, 2 * high
-    high = min(high, most)
-    while high - low > 1:
-        middle = (low + high) // 2
-        if tail_bound(box, middle) <= target:
-            high = middle
-        else:
-            low = middle
-    bound = tail_bound(box, high)
-    return high, max(0.0, up(bound - box[DAMPING, 0]))
-
-
-@kernel
-def status_of_mode(box: Any, mode: int, tolerance_low: float, tolerance_high: float) -> int:
-    """Return `mode_status` of a mode over a box; its growth is judged against damping plus tolerance."""
-    kl, kh, pl, ph = mode_box(box, mode)
-    low = max(0.0, down(box[DAMPING, 0] + tolerance_low)) if box[DAMPING, 0] > 0.0 else tolerance_low
-    high = up(box[DAMPING, 1] + tolerance_high) if box[DAMPING, 1] > 0.0 else tolerance_high
-    return mode_status(kl, kh, pl, ph, box[FREQUENCY, 0], box[FREQUENCY, 1], low, high)
-
-
-@kernel
 def _side_to_bisect(box: Any, mode: int) -> int:
     """Return the row of the box whose width keeps the mode undecided most, -1 where all are too narrow."""
     m2 = float(mode) * float(mode)
@@ -267,15 +139,15 @@ def _side_to_bisect(box: Any, mode: int) -> int:
 
 
 @kernel
-def _at(box: Any, along: float, point: Any) -> None:
-    """Fill ``point`` with the point of a box on the way to its smallest a, at its largest amplitude."""
+def _at(box: Any, along: float, force: float, point: Any) -> None:
+    """Fill ``point`` with a point of a box: on the way to the smallest a, and on that to the largest amplitude."""
     for row in range(7):
         falls = row in (BENDING, SWING)
         share = 1.0 - along if falls else along
         if row == AMPLITUDE:
-            share = 1.0
+            share = force
         elif row == DAMPING:
-            share = 0.0
+            share = 1.0 - force
         value = box[row, 0] + share * (box[row, 1] - box[row, 0])
         point[row, 0] = min(max(value, box[row, 0]), box[row, 1])
         point[row, 1] = point[row, 0]
@@ -284,7 +156,7 @@ def _at(box: Any, along: float, point: Any) -> None:
 @kernel
 def _excess_at(box: Any, mode: int, parity: int, along: float, point: Any) -> float:
     """Return the excess of a mode at `_at`, about, and leave the point in ``point``."""
-    _at(box, along, point)
+    _at(box, along, 1.0, point)
     kl, kh, pl, ph = mode_box(point, mode)
     low, high = excess(kl, kh, pl, ph, point[FREQUENCY, 0], point[FREQUENCY, 0], parity)
     return 0.5 * (low + high) if low > -math.inf and high < math.inf else -math.inf
@@ -307,7 +179,7 @@ def aim(box: Any, mode: int, point: Any) -> None:
         below, above = 0.0, 1.0
         for _ in range(12):
             middle = 0.5 * (below + above)
-            _at(box, middle, point)
+            _at(box, middle, 1.0, point)
             middle_kappa, _, _, _ = mode_box(point, mode)
             if 2.0 * math.sqrt(max(middle_kappa, 0.0)) > wanted * point[FREQUENCY, 0]:
                 below = middle
@@ -331,7 +203,16 @@ def aim(box: Any, mode: int, point: Any) -> None:
             left, first, at_first = first, second, at_second
             second = left + ratio * (right - left)
             at_second = _excess_at(box, mode, parity, second, point)
-    _at(box, first if at_first >= at_second else second, point)
+    _at(box, first if at_first >= at_second else second, 1.0, point)
+
+
+@kernel
+def _quiet(box: Any, last: int, tolerance_low: float, tolerance_high: float) -> bool:
+    """Return whether modes 1 to ``last`` are proved quiet."""
+    quiet = 0
+    while quiet < last and status_of_mode(box, quiet + 1, tolerance_low, tolerance_high) == QUIET:
+        quiet += 1
+    return quiet == last
 
 
 @kernel
@@ -406,7 +287,15 @@ def certify_box(
             _copy(box, examples, 2)
             shares[2] += share
             continue
-        if counts[GROWING_PARTS] == 0 and counts[DONE] & (counts[DONE] - 1) == 0:  # 1, 2, 4, 8, ...: now and then
+        now_and_then = counts[DONE] & (counts[DONE] - 1) == 0  # 1, 2, 4, 8, ...
+        if now_and_then and counts[QUIET_PARTS] == 0:
+            for end in range(2):
+                _at(box, float(end), 0.0, point)
+                if _quiet(point, last, tolerance_low, tolerance_high):
+                    counts[QUIET_PARTS] = 1
+                    _copy(point, examples, 0)
+                    break
+        if now_and_then and counts[GROWING_PARTS] == 0:
             aim(box, undecided, point)
             if status_of_mode(point, undecided, tolerance_low, tolerance_high) == GROWS:
                 counts[GROWING_PARTS] = 1

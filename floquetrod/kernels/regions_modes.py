@@ -21,9 +21,10 @@ _ROWS = 20_000  # rows of a chain after which nothing is concluded
 
 @kernel
 def flux_bound(kappa: float, p: float, slow: float, fast: float, enough: float) -> float:
-    """Return a bound in 1/s on the growth for all kappa and frequencies from there up to ``fast``, all p up to there.
+    """Return a bound in 1/s on the growth of every mode with at least this kappa, at most this p, omega in a range.
 
-    The sums over K of docs/regions.md; the first that is at most ``enough`` is returned.  Infinite where there is none.
+    That of docs/regions.md, the lowest of a few K for each parity, or the first that is at most ``enough``; infinite
+    where there is none.
     """
     if p == 0.0 and kappa > 0.0:
         return 0.0
@@ -87,9 +88,10 @@ def _chain_count(kappa: float, g: float, h: float, first: float, shift: float, d
 
 @kernel
 def exact_count(kappa: float, p: float, fast: float, high: bool) -> int:
-    """Return how many characteristic values lie below: a lower bound on that count for omega <= fast ...
+    """Return how many characteristic values lie below kappa where p is exact, and omega^2 / 4 rounded up or down.
 
-    The four numbers are exact.  -1 where rounding hides the answer.
+    The number falls with omega: up (``high``) gives at most what it is at ``fast``, down at least.  -1 where rounding
+    hides the answer.
     """
     h = up(up(fast * fast) * 0.25) if high else down(down(fast * fast) * 0.25)
     g = 0.5 * p

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from floquetrod._util.compilation import over_chunks
 from floquetrod.floquet.proof.region import as_box
 from floquetrod.kernels import regions as kernels
-from floquetrod.rod.constants import MOST_MODES, NEGLIGIBLE_GROWTH
+from floquetrod.rod.constants import MOST_MODES
 from floquetrod.rod.load import Load, Progress, Quantity
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.rod_box import QUANTITIES, RodBox
@@ -71,7 +71,7 @@ def certified_cells(
                 constants,
                 tolerance,
                 tolerance,
-                NEGLIGIBLE_GROWTH,
+                0.0,
                 MOST_MODES,
                 parts,
                 workers=workers,

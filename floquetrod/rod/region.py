@@ -30,7 +30,10 @@ from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.rod_box import QUANTITIES, RodBox, RodExample
 from floquetrod.rod.tongues import gaps, unstable_loads
 
-_BOXES_A_ROD = 128  # parts of a box looked at before its rods are halved (a choice: some milliseconds)
+_BOXES_A_ROD = 64  # parts of a box looked at before its rods are halved (a choice: a millisecond or so)
+_FEWEST_RODS = 16  # boxes of rods looked at, at least; at most one for each so many parts (a choice)
+_BOTH = {"stable", "unstable"}
+_CANDIDATES = 8  # times that parts are tried as examples, one of each kind (a choice: some milliseconds each)
 _LEAST_GROWTH = 1e-9  # in 1/s: growth that an example is searched with where less would do (a choice)
 
 
@@ -85,6 +88,7 @@ class _Proving:
     growing: float = 0.0
     unfinished: bool = False
     too_narrow: bool = False
+    tried: int = 0
     examples: dict[str, RodExample] = field(default_factory=dict)
     candidates: dict[str, tuple[RodBox, Any]] = field(default_factory=dict)
 
@@ -97,7 +101,9 @@ class _Proving:
     def proof(self) -> RegionProof:
         """Work until the box is decided, or the work allowed is done."""
         waiting: deque[tuple[RodBox, float]] = deque([(self.box, 1.0)])
-        while waiting and self.boxes < self.max_boxes:
+        rods = max(_FEWEST_RODS, self.max_boxes // _BOXES_A_ROD)
+        while waiting and self.boxes < self.max_boxes and rods > 0:
+            rods -= 1
             part, share = waiting.popleft()
             found = self._subdivided(part, _BOXES_A_ROD)
             if self._is_mixed():
@@ -106,6 +112,9 @@ class _Proving:
                 self._search_lines(part, middle_only=True)
                 if self._is_mixed():
                     break
+            if not self.searches and found.growing_box is not None and not part.varied_parameters:
+                self.unfinished = True
+                break
             if not _is_decided(found) and part.varied_parameters:
                 waiting.extend((half, 0.5 * share) for half in part.halves())
                 continue
@@ -141,7 +150,8 @@ class _Proving:
         The numbers of the modes are halved one by one, so that a part may hold those of no rod: a load on a rod is
         proved anew.
         """
-        if {"stable", "unstable"} <= self.examples.keys() | self.candidates.keys():
+        if self.searches and self.tried < _CANDIDATES and _BOTH <= self.examples.keys() | self.candidates.keys():
+            self.tried += 1
             for status, (part, example) in list(self.candidates.items()):
                 load = part.like.with_numbers(*(0.5 * (low + high) for low, high in example[:3].tolist()))
                 if status not in self.examples:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import product
@@ -165,6 +166,7 @@ def _rod_sides(rod: ModalRod, given: Mapping[str, Any] | None) -> dict[str, Inte
     return sides
 
 
+@functools.lru_cache(maxsize=64)
 def _sine(angle: Interval) -> Interval:
     """Return an enclosure of the sine, which rises from 0 to pi/2."""
     low, high = (_sine_of(Interval.of(end)) for end in _ends(angle))

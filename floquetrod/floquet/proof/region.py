@@ -12,6 +12,7 @@ from floquetrod._util import validate
 from floquetrod._util.compilation import compiled_for, runner
 from floquetrod._util.content import NoTruthValue
 from floquetrod.kernels import regions as kernels
+from floquetrod.kernels.regions_boxes import DAMPING, tail_modes
 
 MAX_BOXES = 100_000
 """Parts of a box looked at before a proof is given up, by default: a second or a few (a choice)."""
@@ -196,9 +197,13 @@ def subdivide(
 
 
 def modes_of_box(box: Sequence[float], tolerance: float, negligible: float, most: int) -> tuple[int, float]:
-    """Return how many modes to look at over a box, at most ``most``, and a bound in 1/s on the growth of all others."""
+    """Return how many modes to look at over a box, at most ``most``, and a bound in 1/s on the growth of all others.
+
+    The bound is at most the tolerance; ``negligible`` where neither tolerance nor damping makes a bound of 0 possible.
+    """
+    smallest = 0.0 if tolerance > 0.0 or box[2 * DAMPING] > 0.0 else negligible
     with np.errstate(all="ignore"):
-        last, bound = kernels.tail_modes(as_box(box), tolerance, negligible, most)
+        last, bound = tail_modes(as_box(box), tolerance, smallest, most)
     return int(last), float(bound)
 
 
