@@ -25,6 +25,9 @@ _CRITICAL = "critical force"
 _BANDS = "band_"
 """What names of arrays of bands begin with in a file."""
 
+CELLS = {"proved stable": 1, "proved unstable": 0, "with a boundary": -1, "undecided": -2}
+"""What the values of `Chart.cells` mean."""
+
 ACCURACY = 1.0 / 3000.0
 """Accuracy of bands as a share of each axis: half a pixel of a picture 1,500 pixels wide (a choice)."""
 
@@ -64,6 +67,9 @@ class Chart(NoTruthValue, ByContent):
         Version of the package that made it.
     source : callable or None
         What `find_bands` asks; None where it is not known, as in a chart read from a file.
+    cells : ndarray (ny, nx) of int8 or None
+        What is proved of the rectangle about each point, up to the middle between it and its neighbours: 1 stable
+        everywhere, 0 unstable everywhere, -1 each somewhere, -2 neither proved.  None unless asked for.
     """
 
     ask = ".stable, an array"
@@ -80,6 +86,7 @@ class Chart(NoTruthValue, ByContent):
     undecided: int
     version: str
     source: BandSource | None = field(default=None, compare=False)
+    cells: NDArray[np.int8] | None = None
 
     @cached_property
     def bands(self) -> Bands:
@@ -129,6 +136,9 @@ class Chart(NoTruthValue, ByContent):
         tolerance = f"; growth up to {self.growth_tolerance:g} {self.growth_unit} counts as stable"
         text = f"{self.heading}: {share}" + (tolerance if self.growth_tolerance else "")
         text += f"; {self.undecided} undecided" if self.undecided else ""
+        if self.cells is not None:
+            counts = [int((self.cells == value).sum()) for value in CELLS.values()]
+            text += "; cells: " + ", ".join(f"{n} {name}" for name, n in zip(CELLS, counts, strict=True) if n)
         return text + (f"; {self.criterion}" if self.criterion else "")
 
     def in_units(self, **names: str) -> Chart:
@@ -186,14 +196,14 @@ class Chart(NoTruthValue, ByContent):
             What to draw on; by default those of a new figure.
         bands : bool, optional
             Whether to draw `bands`, shapes named by mode and tongue where there is room, or the chart's points as
-            pixels; by default bands, where the chart knows them.
+            pixels; by default bands, where the chart knows them and has no `cells` that are proved.
 
         Raises
         ------
         ValueError
             Where bands are asked for and the chart does not know them, see `find_bands`.
         """
-        known = self.source is not None or "bands" in self.__dict__
+        known = self.cells is None and (self.source is not None or "bands" in self.__dict__)
         if known if bands is None else validate.flag("bands", bands):
             from floquetrod.plotting.bands import draw_banded_chart
 
@@ -208,7 +218,7 @@ class Chart(NoTruthValue, ByContent):
         An older file of that name stays whole until the new one is complete.
         """
         arrays: dict[str, Any] = {"x": self.x.values, "y": self.y.values, "stable": self.stable}
-        for name in ("growth_rate", "first_mode"):
+        for name in ("growth_rate", "first_mode", "cells"):
             if getattr(self, name) is not None:
                 arrays[name] = getattr(self, name)
         meta: dict[str, Any] = {
@@ -240,7 +250,7 @@ class Chart(NoTruthValue, ByContent):
         import xarray
 
         coords = {axis.name: (axis.name, axis.values, {"units": axis.unit}) for axis in (self.x, self.y)}
-        names = ("stable", "growth_rate", "first_mode")
+        names = ("stable", "growth_rate", "first_mode", "cells")
         data = {n: ((self.y.name, self.x.name), getattr(self, n)) for n in names if getattr(self, n) is not None}
         attributes = {n: getattr(self, n) for n in ("growth_unit", "growth_tolerance", "criterion", "version")}
         return xarray.Dataset(data, coords, attributes)
@@ -269,10 +279,21 @@ def _chart(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Chart:
         files.entry(meta, "criterion", str),
         undecided,
         files.entry(meta, "version", str),
+        cells=_cells(arrays, shape),
     )
     if "bands" in meta:
         chart._keep(_bands(chart, files.entry(meta, "bands", dict), arrays))
     return chart
+
+
+def _cells(arrays: dict[str, NDArray[Any]], shape: tuple[int, int]) -> NDArray[np.int8] | None:
+    """Return the cells that a file of a chart describes, None without any."""
+    if "cells" not in arrays:
+        return None
+    cells = files.field(arrays, "cells", np.int8, shape)
+    if not np.isin(cells, list(CELLS.values())).all():
+        raise ValueError(f"cells must be {', '.join(map(str, CELLS.values()))}")
+    return cells
 
 
 def _bands(chart: Chart, meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Bands:

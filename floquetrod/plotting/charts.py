@@ -20,13 +20,15 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
     """Draw a `floquetrod.plane.Chart`: white where stable, orange where not, darker with growth where it is known."""
     ax = new_axes() if ax is None else ax
     x, y = chart.x.values, chart.y.values
-    if chart.growth_rate is None:
+    if chart.cells is not None:
+        _draw_cells(chart, ax)
+    elif chart.growth_rate is None:
         ax.pcolormesh(x, y, ~chart.stable, cmap=palette.verdicts(), vmin=0.0, vmax=1.0, rasterized=True)
     else:
         growth = np.where(chart.stable, np.nan, np.nan_to_num(chart.growth_rate))  # unknown where undecided
         mesh = ax.pcolormesh(x, y, growth, cmap=palette.shades(), vmin=0.0, rasterized=True)
         ax.figure.colorbar(mesh, ax=ax, label=growth_label(chart.growth_unit))
-    if chart.stable.any() and not chart.stable.all():
+    if chart.cells is None and chart.stable.any() and not chart.stable.all():
         ax.contour(x, y, chart.stable, levels=[0.5], colors="black", linewidths=0.6)
     finish(ax, chart, chart.caption)
     return ax
@@ -43,6 +45,21 @@ def growth_label(unit: str) -> str:
     """Return the label of a scale of growth rates."""
     units = {"per tau": "per unit of $\\tau$", "per unit time": "per unit of time"}
     return f"growth rate {units.get(unit, f'/ ({unit})')}"
+
+
+def _draw_cells(chart: Any, ax: Any) -> None:
+    """Draw what is proved of each cell: white stable, orange unstable, grey each in parts, hatched where undecided."""
+    from matplotlib.collections import PolyCollection
+    from matplotlib.colors import to_rgba
+
+    across, up = (np.concatenate([v[:1], 0.5 * (v[1:] + v[:-1]), v[-1:]]) for v in (chart.x.values, chart.y.values))
+    colours = np.array([to_rgba(c) for c in (palette.NEUTRAL, palette.NEUTRAL, palette.UNSTABLE, palette.STABLE)])
+    ax.pcolormesh(across, up, colours[chart.cells + 2], rasterized=True)
+    rectangles = [
+        [(across[i], up[j]), (across[i + 1], up[j]), (across[i + 1], up[j + 1]), (across[i], up[j + 1])]
+        for j, i in np.argwhere(chart.cells == -2)
+    ]
+    ax.add_collection(PolyCollection(rectangles, **palette.OPEN))
 
 
 def draw_curves(curves: Any, ax: Any = None) -> Any:

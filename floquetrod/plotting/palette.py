@@ -23,6 +23,9 @@ FASTEST = "#4a1500"
 NO_KICK: dict[str, Any] = {"facecolor": STABLE, "hatch": "////", "edgecolor": NEUTRAL, "linewidth": 0.0}
 """Style of an area where no kick buckles a rod that is held by friction."""
 
+OPEN: dict[str, Any] = {"facecolor": NEUTRAL, "hatch": "xxxxxx", "edgecolor": "black", "linewidth": 0.0}
+"""Style of an area where stability is undecided."""
+
 BOX: dict[str, Any] = {"boxstyle": "round", "facecolor": STABLE, "edgecolor": "black", "linewidth": 0.6}
 """Style of the box about a remark."""
 

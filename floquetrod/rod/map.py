@@ -14,6 +14,7 @@ from floquetrod.floquet.verdict import tolerated
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
 from floquetrod.rod.bands import ExactRodBands
+from floquetrod.rod.certified import certified_cells
 from floquetrod.rod.coupled import CoupledLoads
 from floquetrod.rod.load import LIMITS, AnyLoad, Loads, Quantity, kind, require_load
 from floquetrod.rod.mode_friction import friction_and_kick
@@ -43,6 +44,7 @@ def stability_map(
     friction: float | None = None,
     kick: float | None = None,
     like: AnyLoad | None = None,
+    certified: bool = False,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> Chart:
@@ -66,10 +68,14 @@ def stability_map(
         ``growth``, which is that without friction.
     like : AxialLoad, AxialWave or ForceRecord, optional
         What everything else of the loads is taken from; by default a sine, uniform but for the weight along the rod.
+    certified : bool
+        Whether to prove, too, what holds in the cell about every point, see `Chart.cells`: nothing then hides between
+        the points.  For independent modes and stability for all time, with damping or a growth tolerance: without
+        either, tongues too thin to matter are everywhere.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional
-        Called with the numbers of points done and to do.
+        Called with the numbers of points, then of cells, done and to do.
 
     Examples
     --------
@@ -104,6 +110,8 @@ def stability_map(
     across, up = (name for name in _AXES if name not in fixed)
     x, y = (Axis(*_AXES[name], axis_values(name, given[name])) for name in (across, up))
     value = validate.finite(fixed[0], given[fixed[0]])
+    if validate.flag("certified", certified):
+        _require_provable(rod, like, tolerance, criterion=criterion, friction=rubbing)
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
         along: dict[Quantity, Any] = {across: x.values, up: values, fixed[0]: value}
@@ -141,4 +149,26 @@ def stability_map(
     undecided = int((verdicts == -1).sum())
     exact = independent and rubbing is None and criterion is None
     source = ExactRodBands(rod.mode_constants, across, up, x.ends, y.ends, value, tolerance) if exact else None
-    return Chart(x, y, verdicts == 1, rate, mode, "1/s", subject, tolerance, words, undecided, __version__, source)
+    cells = None
+    if certified:
+        axes = {across: x.values, up: y.values}
+        cells = certified_cells(rod, kind(like), axes, (fixed[0], value), tolerance, workers, progress)
+    return Chart(
+        x, y, verdicts == 1, rate, mode, "1/s", subject, tolerance, words, undecided, __version__, source, cells
+    )
+
+
+def _require_provable(rod: Rod, like: AnyLoad | None, tolerance: float, **others: Any) -> None:
+    """Raise ValueError for a map whose cells cannot be proved."""
+    given = [name for name, value in others.items() if value is not None]
+    if given:
+        raise ValueError(
+            f"certified is about stability for all time without friction; leave out either it or {given[0]}"
+        )
+    if not rod.coupled_numbers.has_mathieu_modes(kind(like)):
+        raise rod.refusal("certified", kind(like))
+    if tolerance == 0.0 and rod.damping_rate == 0.0:
+        raise ValueError(
+            "certified needs a growth_tolerance above 0, 1e-6 1/s say, or a rod with damping: without, tongues too "
+            "thin to matter are everywhere, and no cell is stable"
+        )

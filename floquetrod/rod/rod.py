@@ -25,9 +25,9 @@ from floquetrod.rod.friction import (
     kicked_loads,
 )
 from floquetrod.rod.load import AnyLoad, Load, Loads, Progress, kind, load_bounds, require_load
-from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.parts import friction_coefficient
+from floquetrod.rod.proved import ProvedRod
 from floquetrod.rod.ranges import StabilityIntervals, first_unstable, stability_intervals
 from floquetrod.rod.stability import RodStability, classify_modes
 
@@ -39,7 +39,7 @@ class UniformForceWarning(UserWarning):
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Rod(ModalRod):
+class Rod(ProvedRod):
     """A straight elastic rod or tube of circular section on the floor of a straight circular channel.
 
     Parameters
@@ -75,7 +75,8 @@ class Rod(ModalRod):
     Notes
     -----
     Eq. (1) of DOI 10.1115/1.4031710, with the inertia, weight and bending stiffness of a tube in fluids.  Parts,
-    properties are those of `floquetrod.rod.data.RodData`, modal systems those of `floquetrod.rod.modal.ModalRod`.
+    properties are those of `floquetrod.rod.data.RodData`, modal systems those of `floquetrod.rod.modal.ModalRod`,
+    proofs those of `floquetrod.rod.proved.ProvedRod`.
 
     Examples
     --------
@@ -160,7 +161,7 @@ class Rod(ModalRod):
         self._warn_unless_uniform(load)
         if not self.coupled_numbers.has_mathieu_modes(load):
             if friction is not None:
-                raise self._refusal("friction", load)
+                raise self.refusal("friction", load)
             return classify_coupled(self, load, None if modes is None else chosen_count(modes), growth_tolerance)
         # The growth rate is that of all modes, tolerated or not.
         linear = classify_modes(self, self.independent_modes(load, modes), growth_tolerance)
@@ -184,7 +185,7 @@ class Rod(ModalRod):
         friction = friction_coefficient(friction)
         linear = self.stability(load, growth_tolerance=growth_tolerance)
         if not isinstance(linear, RodStability):
-            raise self._refusal("friction", linear.load)
+            raise self.refusal("friction", linear.load)
         return critical_kick(linear, friction)
 
     def critical_kicks(
@@ -391,7 +392,7 @@ class Rod(ModalRod):
         if not self.coupled_numbers.has_mathieu_modes(kind(like)):
             for name, given in (("friction", rubbing), ("criterion", criterion)):
                 if given is not None:
-                    raise self._refusal(name, kind(like))
+                    raise self.refusal(name, kind(like))
             loads = Loads.of(mean, amplitude, frequency)
             found = CoupledLoads(self.coupled_numbers, kind(like), loads, tolerance).answers(workers).status
             return shaped(found, loads.shape)
@@ -428,14 +429,6 @@ class Rod(ModalRod):
         systems = self.modal_systems(mean, amplitude, frequency, like=like)
         growth, mode = systems.fastest(workers)
         return shaped(growth, systems.loads.shape), shaped(mode, systems.loads.shape)
-
-    def _refusal(self, name: str, load: Load) -> ValueError:
-        found = self.coupled_numbers.departures(load)
-        remedy = "; mean_at=None neglects the weight along the rod" if "weight along the rod" in found else ""
-        return ValueError(
-            f"{name} needs independent modes, those of hinged ends under a sine that is uniform along the rod, got "
-            f"{', '.join(found)}{remedy}"
-        )
 
     def _warn_unless_uniform(self, load: Load) -> None:
         ratio = self.wave_ratio(load)

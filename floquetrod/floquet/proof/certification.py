@@ -13,13 +13,22 @@ from fractions import Fraction
 from typing import Any
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.equations import Equation, HillSystem, Mathieu, PeriodicSystem
 from floquetrod.equations.matrices import require_one
 from floquetrod.floquet.proof import band, chains
 from floquetrod.floquet.proof.closed_form import trace_factors
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved, arithmetic, cosh_sinhc, enclose, pi, rational
 from floquetrod.floquet.proof.pivots import Count
-from floquetrod.floquet.proof.problem import MOST_DIGITS, ExactProblem, exact_problem, problem_of_one
+from floquetrod.floquet.proof.problem import (
+    LISTS,
+    MOST_DIGITS,
+    ExactProblem,
+    Parameters,
+    exact_problem,
+    problem_of_one,
+)
+from floquetrod.floquet.proof.region import MAX_BOXES, RegionProof
+from floquetrod.floquet.proof.region_equation import certify_box
 from floquetrod.floquet.proof.result import Enclosure, Proof
 from floquetrod.floquet.proof.series import time_unit, undamped_series
 from floquetrod.floquet.proof.systems import certify_system
@@ -30,9 +39,16 @@ _FIRST_DIGITS = 15
 
 
 def certify(
-    equation: Equation | type[Equation] | HillSystem | PeriodicSystem, *, max_digits: int = 200, **parameters: Any
-) -> Proof:
+    equation: Equation | type[Equation] | HillSystem | PeriodicSystem,
+    *,
+    max_digits: int = 200,
+    growth_tolerance: float = 0.0,
+    max_boxes: int = MAX_BOXES,
+    **parameters: Any,
+) -> Proof | RegionProof:
     """Prove an equation or a system stable or unstable, in interval arithmetic of as many digits as it takes.
+
+    Or every equation of Mathieu's with parameters in a box, in doubles, the box halved where needed.
 
     Parameters
     ----------
@@ -42,15 +58,20 @@ def certify(
         coefficients within its ``coefficient_error``.
     max_digits : int
         Decimal digits at which to stop trying, 5 to 10,000.
+    growth_tolerance : float
+        Growth per unit tau that counts as none; other than 0 for the class `Mathieu` only.
+    max_boxes : int
+        Of a box: parts of it to look at before it is given up.
     **parameters
         Of the class, by name: numbers that are taken exactly, int, float, Fraction, Decimal or text such as "1/3" or
-        "-0.1".  The period of a `Hill` is the double nearest to 2 pi where it is left out.
+        "-0.1".  The period of a `Hill` is the double nearest to 2 pi where it is left out.  Of `Mathieu` each may be
+        (low, high), all values between which are meant.
 
     Returns
     -------
-    Proof
+    Proof or RegionProof
         "undecided" on a boundary, as far as the digits allowed can tell, or when the arithmetic would take more than
-        several seconds.
+        several seconds.  The second where a parameter is (low, high), or growth tolerated.
 
     Raises
     ------
@@ -71,6 +92,11 @@ def certify(
     >>> certify(Mathieu, alpha="1e-30", beta=Fraction(-1, 4) - Fraction(1, 10**30)).status
     'stable'
 
+    Every equation of a box:
+
+    >>> certify(Mathieu, alpha=(0.4, 0.5), beta=(-0.8, -0.7)).status
+    'stable'
+
     Two equal oscillators, which no search for separate multipliers can decide:
 
     >>> certify(HillSystem([[1.3, 0.0], [0.0, 1.3]], cosines=[[[0.2, 0.0], [0.0, 0.2]]], period=3.7)).status
@@ -82,6 +108,20 @@ def certify(
             raise TypeError(f"{', '.join(parameters)} must be of the system: certify takes a system as a value only")
         require_one(equation, "equation")
         return _certify_system(equation, max_digits)
+    boxed = [name for name, value in parameters.items() if isinstance(value, tuple) and name not in LISTS]
+    if equation is Mathieu and (boxed or growth_tolerance):
+
+        def prove(exact: Parameters) -> Proof:
+            return _certify(exact_problem(Mathieu, exact), max_digits)
+
+        return certify_box(parameters, growth_tolerance, max_boxes, prove)
+    if boxed:
+        raise TypeError(
+            f"{boxed[0]} must be a number, got {validate.short(parameters[boxed[0]])}: boxes of parameters are proved "
+            "of the class Mathieu only; give one equation at a time"
+        )
+    if growth_tolerance:
+        raise TypeError("growth_tolerance is for the class Mathieu and its parameters only; leave it out")
     return _certify(exact_problem(equation, parameters), max_digits)
 
 

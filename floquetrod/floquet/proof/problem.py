@@ -113,23 +113,23 @@ def _read(kind: Any, parameters: Parameters) -> ExactProblem:
     unknown = [name for name in parameters if name not in names]
     if unknown:
         raise TypeError(f"{', '.join(unknown)} is no parameter of {kind.__name__}; they are {', '.join(names)}")
-    exact = {name: _exact(name, value, several=name in _LISTS) for name, value in parameters.items()}
+    exact = {name: _exact(name, value, several=name in LISTS) for name, value in parameters.items()}
     equation: Equation = kind(**{name: _nearest(name, value) for name, value in exact.items()})
     if exact.get("damping", 0) < 0:  # by less than a double shows
         raise ValueError("damping must be zero or more, got less; growth of the free motion is not damping")
     for field in fields(kind):
-        exact.setdefault(field.name, _exact(field.name, getattr(equation, field.name), several=field.name in _LISTS))
+        exact.setdefault(field.name, _exact(field.name, getattr(equation, field.name), several=field.name in LISTS))
     given = [
-        (f"{name}[{i}]" if name in _LISTS else name, value)
+        (f"{name}[{i}]" if name in LISTS else name, value)
         for name in parameters
-        for i, value in enumerate(exact[name] if name in _LISTS else (exact[name],))
+        for i, value in enumerate(exact[name] if name in LISTS else (exact[name],))
     ]
     inexact = tuple((name, value) for name, value in given if value != Fraction(float(value)))
     reader = next(reader for base, reader in _READERS.items() if issubclass(kind, base))
     return ExactProblem(equation, reader(exact), exact["damping"], exact.get("period"), inexact)
 
 
-_LISTS = ("cosines", "sines")
+LISTS = ("cosines", "sines")
 """Parameters that are sequences of numbers."""
 
 

@@ -1,0 +1,206 @@
+"""`floquetrod certify`: proofs for every load of a box, on every rod within its tolerances."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import textwrap
+from typing import Any
+
+import floquetrod as fr
+from floquetrod import units
+from floquetrod.cli.common import (
+    KINDS,
+    LARGEST,
+    Answer,
+    Progress,
+    add_command,
+    add_rod,
+    add_units,
+    read_rod,
+    read_tolerance,
+    read_units,
+)
+from floquetrod.cli.loads import add_kind, read_kind, read_record, read_values, require_quantities
+from floquetrod.floquet.proof.region import MAX_BOXES, RegionProof, Side
+from floquetrod.rod.constants import HAIRLINE_GROWTH
+from floquetrod.rod.ranges import QUANTITIES
+from floquetrod.rod.safe_box import SafeBox
+from floquetrod.units import Unit
+
+_HELP = """\
+Prove that a rod is stable, or unstable, under every load of a box, and whatever it is within its tolerances.
+
+examples:
+  floquetrod certify --rod nitinol --mean 0.33Fcr:0.35Fcr --amplitude 0.2Fcr --frequency 150 --growth-tolerance 0.05
+  floquetrod certify --rod my_rod.toml --mean 3.5N:4.5N --amplitude 2N --frequency 14Hz:15Hz --vary length=5.95:6.05
+  floquetrod certify --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 150 --growth-tolerance 0.05
+  floquetrod certify --rod my_rod.toml --mean 4N --amplitude 2N --frequency 14.5Hz --largest --vary length=5.95:6.05
+  floquetrod certify --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 149:151 --json --exit-code
+
+stable: no mode, of any rod, grows faster than --growth-tolerance under any load of the box; by default 1e-6 1/s,
+tenfold in a month.  unstable: some mode does under every load.  mixed: each somewhere, with a proved example of both.
+undecided: the work of --max-boxes was not enough.  All in interval arithmetic, rounded outwards, for all modes.
+--largest: the widest proved box about a load, given as three numbers, as a table.
+exit status: 0 whatever is proved; with --exit-code 0 stable, 1 unstable or mixed, 3 undecided; 2 for input it cannot
+use.
+"""
+
+_STATUS = {"stable": 0, "unstable": 1, "mixed": 1, "undecided": 3}
+"""Exit statuses of --exit-code."""
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parser."""
+    certify = add_command(commands, "certify", "prove stability for every load of a box", _HELP, _certify)
+    add_rod(certify)
+    add_units(certify)
+    add_kind(certify)
+    certify.set_defaults(growth_tolerance=f"{HAIRLINE_GROWTH:g}")
+    for name in KINDS:
+        certify.add_argument(f"--{name}", help="a value, or a range such as 0.3Fcr:0.4Fcr")
+    certify.add_argument(
+        "--vary",
+        action="append",
+        default=[],
+        metavar="NAME=LOW:HIGH",
+        help="a tolerance of the rod, such as length=3.05:3.15 or radius=0.79mm:0.81mm; may be repeated",
+    )
+    certify.add_argument("--largest", action="store_true", help="search the widest safe box about one load")
+    certify.add_argument("--max-boxes", type=int, default=MAX_BOXES, help=f"work allowed (default {MAX_BOXES})")
+    certify.add_argument(
+        "--exit-code", action="store_true", help="exit with 1 when unstable or mixed, 3 when undecided"
+    )
+
+
+def _certify(options: argparse.Namespace) -> Answer:
+    require_quantities(options)
+    rod = read_rod(options)
+    like = read_kind(options, read_record(options))
+    values = read_values(options, rod, like)
+    tolerance, shown = read_tolerance(options), read_units(options, rod)
+    tolerances = dict(_tolerance(text) for text in options.vary)
+    if len(tolerances) < len(options.vary):
+        raise ValueError(f"--vary must name a parameter once, got {', '.join(options.vary)}")
+    if options.largest:
+        wide = next((name for name, ends in values.items() if len(ends) > 1), None)
+        if wide is not None:
+            raise ValueError(
+                f"--largest needs one load to search about, got --{wide} {getattr(options, wide)}; give one value"
+            )
+        load = like.with_numbers(**{name: value for name, (value,) in values.items()})
+        found = rod.largest_safe_box(load, growth_tolerance=tolerance, rod=tolerances, progress=Progress("sides moved"))
+        return _answer(options, found.proof, _table(found, shown), found)
+    box: dict[str, Any] = {name: tuple(ends) if len(ends) > 1 else ends[0] for name, ends in values.items()}
+    proof = rod.certify(
+        **box,
+        growth_tolerance=tolerance,
+        rod=tolerances,
+        like=like if like.departures else None,
+        max_boxes=options.max_boxes,
+        progress=Progress("boxes"),
+    )
+    return _answer(options, proof, _report(proof, shown), None)
+
+
+def _answer(options: argparse.Namespace, proof: RegionProof, text: str, safe: SafeBox | None) -> Answer:
+    """Return the answer, as JSON where that is asked for."""
+    if options.json:
+        text = json.dumps(_record(proof, safe), indent=2, allow_nan=False)
+    return Answer(text, _STATUS[proof.status] if options.exit_code else 0)
+
+
+def _tolerance(text: str) -> tuple[str, tuple[float, float]]:
+    """Return a parameter of the rod and both ends of it in SI units; an end without a unit has that of the other."""
+    name, equals, ends = text.partition("=")
+    name = name.strip().replace("-", "_")
+    kind = units.ROD_KINDS.get(name)
+    if not equals or kind is None:
+        raise ValueError(f"--vary must be a parameter of the rod and its range, such as length=3.05:3.15, got {text!r}")
+    first, colon, last = ends.partition(":")
+    if not colon:
+        first = last = ends
+    unit = units.unit_of(last) or ""
+    given = (first + (unit if units.unit_of(first) == "" else ""), last)
+    low, high = (units.quantity(end, "--vary", kind, largest=LARGEST * LARGEST, given=repr(text)) for end in given)
+    if low > high:
+        raise ValueError(f"--vary must be a range whose first end is the lower one, got {text!r}")
+    return name, (low, high)
+
+
+def _report(proof: RegionProof, shown: dict[str, Unit]) -> str:
+    """Return the lines of a proof."""
+    limit = f"{proof.growth_tolerance:g} 1/s"
+    heading = {
+        "stable": f"PROVED STABLE: under no load of the box does a mode grow faster than {limit}",
+        "unstable": f"PROVED UNSTABLE: under every load of the box a mode grows faster than {limit}",
+        "mixed": f"MIXED: under some loads of the box a mode grows faster than {limit}, under others none",
+        "undecided": "UNDECIDED",
+    }[proof.status]
+    lines = [heading, "", *(f"{'load' if i == 0 else '':9} {_side(s, shown)}" for i, s in enumerate(proof.box[:3]))]
+    lines += [f"{'rods' if i == 0 else '':9} {side}" for i, side in enumerate(proof.box[3:])]
+    for example in proof.examples:
+        numbers = ", ".join(f"{name} {shown[name].show(getattr(example.load, name))}" for name in KINDS)
+        sizes = "".join(
+            f", {s.name.replace('_', ' ')} {getattr(example.rod, s.name):g} {s.unit}" for s in proof.box[3:]
+        )
+        lines.append(f"{'example':9} {example.status}: {numbers}{sizes}: {example.statement}")
+    rest = "no higher mode grows"
+    if proof.left_out_bound > 0.0:
+        rest = f"every higher mode grows at less than {proof.left_out_bound:.1g} 1/s"
+    lines.append(f"{'modes':9} 1 to {proof.modes}: {rest}")
+    if proof.note:
+        lines.append(f"{'note':9} {proof.note}")
+    lines += _assumed(proof)
+    return "\n".join(lines)
+
+
+def _table(safe: SafeBox, shown: dict[str, Unit]) -> str:
+    """Return the table of a safe box, and what its proof assumes."""
+    return "\n".join([safe.table(**{name: shown[name].name for name in KINDS}), *_assumed(safe.proof)])
+
+
+def _assumed(proof: RegionProof) -> list[str]:
+    """Return lines about what a proof rests on."""
+    return textwrap.wrap(f"{'assumes':9} {'; '.join(proof.assumptions)}", 110, subsequent_indent=" " * 10)
+
+
+def _side(side: Side, shown: dict[str, Unit]) -> str:
+    """Return one side of a box of loads in the units asked for."""
+    unit = shown[side.name]
+    name = next(words for key, (words, _) in QUANTITIES.items() if key == side.name)
+    if side.low == side.high:
+        return f"{name} {unit.show(side.low)}"
+    return f"{name} {unit.of(side.low):.6g} to {unit.show(side.high)}"
+
+
+def _record(proof: RegionProof, safe: SafeBox | None) -> dict[str, Any]:
+    """Return the proof for JSON, in SI units."""
+    record: dict[str, Any] = {
+        "status": proof.status,
+        "box": [{"name": side.name, "low": side.low, "high": side.high, "unit": side.unit} for side in proof.box],
+        "growth_tolerance_per_s": proof.growth_tolerance,
+        "examples": [
+            {
+                "status": example.status,
+                "mean_N": example.load.mean,
+                "amplitude_N": example.load.amplitude,
+                "frequency_rad_per_s": example.load.frequency,
+                "rod": example.rod.as_dict(),
+                "statement": example.statement,
+            }
+            for example in proof.examples
+        ],
+        "modes": proof.modes,
+        "left_out_bound_per_s": proof.left_out_bound if proof.left_out_bound < float("inf") else None,
+        "boxes": proof.boxes,
+        "share_stable": proof.shares.stable,
+        "share_unstable": proof.shares.unstable,
+        "statement": proof.statement,
+        "note": proof.note,
+        "assumptions": list(proof.assumptions),
+        "version": fr.__version__,
+    }
+    if safe is not None:
+        record["safe"] = [each._asdict() for each in safe.ranges]
+    return record

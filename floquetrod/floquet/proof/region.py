@@ -1,0 +1,212 @@
+"""What is proved of a whole box, of an equation's parameters or of loads and rods, and the search that proves it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple, TypeAlias
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.compilation import compiled_for, runner
+from floquetrod._util.content import NoTruthValue
+from floquetrod.kernels import regions as kernels
+from floquetrod.kernels.regions_boxes import DAMPING, tail_modes
+
+MAX_BOXES = 100_000
+"""Parts of a box looked at before a proof is given up, by default: a second or a few (a choice)."""
+
+_MOST_AT_ONCE = 100_000  # parts that wait in one search: tens of megabytes (a choice)
+_STEPS = 2_000  # parts looked at between two reports of progress: some tens of milliseconds (a choice)
+_PATIENCE = 200  # modes of single boxes judged by interpreted kernels before they are compiled (a choice)
+
+RegionStatus: TypeAlias = Literal["stable", "unstable", "mixed", "undecided"]
+
+
+class Side(NamedTuple):
+    """One side of a box: every value of a quantity from ``low`` to ``high``, both included, in ``unit``."""
+
+    name: str
+    low: float
+    high: float
+    unit: str
+
+    def __str__(self) -> str:
+        """Return, say, "mean 0.5 to 0.6 N"."""
+        values = f"{self.low:.6g}" if self.low == self.high else f"{self.low:.6g} to {self.high:.6g}"
+        return f"{self.name.replace('_', ' ')} {values} {self.unit}".strip()
+
+
+class Shares(NamedTuple):
+    """How much of a box, by volume, was proved stable and unstable; the rest is open."""
+
+    stable: float
+    unstable: float
+
+
+@dataclass(frozen=True, repr=False)
+class RegionProof(NoTruthValue):
+    """What is proved of every point of a box.
+
+    Attributes
+    ----------
+    subject : Rod or type
+        The rod, which gives what does not vary; of an equation its class.
+    status : {"stable", "unstable", "mixed", "undecided"}
+        "stable": at every point nothing grows faster than ``growth_tolerance``; "unstable": at every point something
+        does; "mixed": each holds somewhere, see ``examples``; "undecided": the work allowed was not enough.
+    box : tuple of Side
+        The box.
+    examples : tuple
+        Where mixed, a point proved stable and one proved unstable: `RodExample` with a load and a rod, of an equation
+        `Proof`.  One of them where only one was found.
+    growth_tolerance : float
+        Growth in ``growth_unit`` that counts as none.
+    growth_unit : str
+        "1/s", of an equation "per tau".
+    modes : int
+        Modes looked at, 1 to this; 1 for an equation.
+    left_out_bound : float
+        Bound on the growth of every other mode, over the whole box; 0 for an equation.
+    boxes : int
+        Parts of the box that were looked at.
+    shares : Shares
+        How much of the box was proved stable, and unstable.
+    statement : str
+        What was proved, in a sentence.
+    note : str
+        Where undecided, why.
+    assumptions : tuple of str
+        What the proof rests on.
+    """
+
+    ask = ".stable (True, False, or None when mixed or undecided)"
+
+    subject: Any
+    status: RegionStatus
+    box: tuple[Side, ...]
+    examples: tuple[Any, ...]
+    growth_tolerance: float
+    growth_unit: str
+    modes: int
+    left_out_bound: float
+    boxes: int
+    shares: Shares
+    statement: str
+    note: str
+    assumptions: tuple[str, ...]
+
+    @property
+    def stable(self) -> bool | None:
+        """True, False, or None when mixed or undecided."""
+        return {"stable": True, "unstable": False}.get(self.status)
+
+    def __repr__(self) -> str:
+        """Return the proof as a sentence."""
+        work = f"{self.boxes} box{'es' * (self.boxes != 1)}"
+        return f"<{self.status}: {self.statement} ({'; '.join(filter(None, [self.note, work]))})>"
+
+
+def side_ends(name: str, value: Any, element: Callable[[str, Any], Any]) -> tuple[Any, Any]:
+    """Return both ends of a side given as (low, high), or as a number, which is both."""
+    if not isinstance(value, tuple | list):
+        number = element(name, value)
+        return number, number
+    if len(value) != 2:
+        raise TypeError(f"{name} must be a number or two, (low, high), got {validate.short(value)}")
+    low, high = (element(f"{name}[{i}]", end) for i, end in enumerate(value))
+    if low > high:
+        raise ValueError(f"{name} must not decrease, got ({low}, {high}); give the lower end first")
+    return low, high
+
+
+class Found(NamedTuple):
+    """What a subdivision of one box of loads and of the numbers of the modes came to.
+
+    Attributes
+    ----------
+    quiet, growing : float
+        Shares of the volume proved to have no growth beyond the tolerance, and to have some.
+    finished : bool
+        Whether nothing is open.
+    too_narrow : bool
+        Whether parts are open that cannot be halved any more.
+    quiet_box, growing_box : ndarray (7, 2) or None
+        A part proved quiet, and one proved growing.
+    growing_mode : int
+        The mode that grows in it; 0 without.
+    boxes : int
+        Parts looked at.
+    """
+
+    quiet: float
+    growing: float
+    finished: bool
+    too_narrow: bool
+    quiet_box: Any
+    growing_box: Any
+    growing_mode: int
+    boxes: int
+
+
+def subdivide(
+    box: Sequence[float],
+    last: int,
+    tolerance: float,
+    max_boxes: int,
+    progress: Callable[[int], None] | None = None,
+) -> Found:
+    """Prove what can be proved of the modes 1 to ``last`` over a box, halved until it is decided.
+
+    Parameters
+    ----------
+    box : sequence of float
+        Ends of F, dF, omega, c1, c2, Omega^2 and lambda, see `floquetrod.kernels.regions`.
+    last : int
+    tolerance : float
+        Growth in 1/s that counts as none.
+    max_boxes : int
+        Parts to look at before it is given up.  It ends, too, once one is proved quiet and one growing.
+    progress : callable, optional
+        Called with the number of parts looked at, now and then.
+    """
+    search = kernels.box_search(as_box(box), last, min(max_boxes, _MOST_AT_ONCE))
+    counts = search.counts
+    # The box as a whole is judged by interpreted kernels, while there are few: most need no more, and no numba.
+    first: Any = runner(kernels.certify_box, last, interpret_up_to=1, patience=_PATIENCE)
+    with np.errstate(all="ignore"):
+        goes_on = first(*search, tolerance, tolerance, 1)
+    if goes_on and counts[kernels.WAITING]:
+        run: Any = compiled_for(kernels.certify_box, *search, tolerance, tolerance, _STEPS)
+        while goes_on and counts[kernels.DONE] < max_boxes:
+            goes_on = run(*search, tolerance, tolerance, min(_STEPS, max_boxes - int(counts[kernels.DONE])))
+            if progress is not None:
+                progress(int(counts[kernels.DONE]))
+    quiet, growing = (None if np.isnan(part).any() else part for part in search.examples[:2])
+    return Found(
+        float(search.shares[0]),
+        float(search.shares[1]),
+        not counts[kernels.WAITING] and not counts[kernels.OPEN_PARTS],
+        counts[kernels.OPEN_PARTS] > 0,
+        quiet,
+        growing,
+        int(counts[kernels.GROWING_MODE]),
+        int(counts[kernels.DONE]),
+    )
+
+
+def modes_of_box(box: Sequence[float], tolerance: float, negligible: float, most: int) -> tuple[int, float]:
+    """Return how many modes to look at over a box, at most ``most``, and a bound in 1/s on the growth of all others.
+
+    The bound is at most the tolerance; ``negligible`` where neither tolerance nor damping makes a bound of 0 possible.
+    """
+    smallest = 0.0 if tolerance > 0.0 or box[2 * DAMPING] > 0.0 else negligible
+    with np.errstate(all="ignore"):
+        last, bound = tail_modes(as_box(box), tolerance, smallest, most)
+    return int(last), float(bound)
+
+
+def as_box(box: Sequence[float]) -> Any:
+    """Return the array that kernels take a box as."""
+    return np.array(box, dtype=np.float64).reshape(7, 2)

@@ -1,0 +1,135 @@
+"""Boxes of parameters of Mathieu's equation, proved stable or unstable."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from floquetrod._util import validate
+from floquetrod._util.interval import Interval
+from floquetrod.equations import Mathieu
+from floquetrod.floquet.proof.problem import Parameters, exact_number
+from floquetrod.floquet.proof.region import RegionProof, RegionStatus, Shares, Side, side_ends, subdivide
+from floquetrod.floquet.proof.result import Proof
+
+_NAMES = ("alpha", "beta", "damping")
+
+
+class ExactSides(NamedTuple):
+    """Exact ends of the parameters of A'' + 2 c A' = (beta + alpha sin tau) A."""
+
+    alpha: tuple[Fraction, Fraction]
+    beta: tuple[Fraction, Fraction]
+    damping: tuple[Fraction, Fraction]
+
+
+def certify_box(
+    parameters: dict[str, Any], growth_tolerance: Any, max_boxes: Any, prove: Callable[[Parameters], Proof]
+) -> RegionProof:
+    """Return what `certify` does of Mathieu's equation with parameters some of which are (low, high).
+
+    ``prove`` proves one equation, by its exact parameters.
+    """
+    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    max_boxes = validate.integer("max_boxes", max_boxes, 1, 10**9)
+    sides = _sides(parameters)
+    alpha, beta, damping = (Interval.hull(ends) for ends in sides)
+    # A mode of a rod with c1 = Omega^2 = 0, c2 = 1 and omega = 1; the sign of alpha only shifts time.
+    unit, none = Interval.of(1.0), Interval.of(0.0)
+    numbers = (beta, abs(alpha), unit, none, unit, none, damping)
+    box = [end for side in numbers for end in (side.low, side.high)]
+    found = subdivide(box, 1, tolerance, max_boxes)
+    status: RegionStatus = "undecided"
+    examples: tuple[Proof, ...] = ()
+    if found.finished and found.growing_box is None:
+        status = "stable"
+    elif found.finished and found.quiet_box is None:
+        status = "unstable"
+    else:
+        parts = (("stable", found.quiet_box), ("unstable", found.growing_box))
+        every = (_example(sides, wanted, part, tolerance, prove) for wanted, part in parts if part is not None)
+        examples = tuple(each for each in every if each is not None)
+        status = "mixed" if len(examples) == 2 else "undecided"
+    shares = Shares(found.quiet, found.growing)
+    if status in ("stable", "unstable"):
+        shares = Shares(float(status == "stable"), float(status == "unstable"))
+    named = tuple(Side(name, float(ends[0]), float(ends[1]), "") for name, ends in zip(_NAMES, sides, strict=True))
+    return RegionProof(
+        subject=Mathieu,
+        status=status,
+        box=named,
+        examples=examples,
+        growth_tolerance=tolerance,
+        growth_unit="per tau",
+        modes=1,
+        left_out_bound=0.0,
+        boxes=found.boxes,
+        shares=shares,
+        statement=_statement(status, named, tolerance),
+        note=_note(status, shares, found.boxes),
+        assumptions=("doubles are added, multiplied and divided as IEEE 754 says, rounded to nearest",),
+    )
+
+
+def _sides(parameters: dict[str, Any]) -> ExactSides:
+    """Return the exact ends of all parameters."""
+    unknown = [name for name in parameters if name not in _NAMES]
+    if unknown:
+        raise TypeError(f"{', '.join(unknown)} is no parameter of Mathieu; they are {', '.join(_NAMES)}")
+    missing = [name for name in _NAMES[:2] if name not in parameters]
+    if missing:
+        raise TypeError(f"{missing[0]} must be given, a number or (low, high)")
+    given = {"damping": 0} | parameters
+    sides = ExactSides(*(side_ends(name, given[name], exact_number) for name in _NAMES))
+    for name, ends in zip(_NAMES, sides, strict=True):
+        for end in ends:
+            validate.within(name, end, -validate.LARGEST, validate.LARGEST)
+    if sides.damping[0] < 0:
+        raise ValueError("damping must be zero or more, got less; growth of the free motion is not damping")
+    return sides
+
+
+def _example(
+    sides: ExactSides, status: str, part: Any, tolerance: float, prove: Callable[[Parameters], Proof]
+) -> Proof | None:
+    """Return the proof of one point, in the middle of a part; None where it does not have this status."""
+    (beta, alpha, damping) = (Fraction(0.5 * (part[row, 0] + part[row, 1])) for row in (0, 1, 6))
+    if -alpha >= sides.alpha[0] and not alpha <= sides.alpha[1]:
+        alpha = -alpha
+    point = [min(max(x, low), high) for x, (low, high) in zip((alpha, beta, damping), sides, strict=True)]
+    alpha, beta, damping = point
+    # Growth above the tolerance is growth of the equation whose damping is larger by it.
+    level = damping + Fraction(tolerance)
+    proof = prove({"alpha": alpha, "beta": beta + damping**2 - level**2, "damping": level})
+    if proof.status != status:
+        return None
+    equation = Mathieu(*(float(x) for x in point))
+    exact = tuple((name, x) for name, x in zip(_NAMES, point, strict=True) if x != Fraction(float(x)))
+    if tolerance == 0.0:
+        return proof
+    limit = f"{tolerance:g} per tau"
+    statement = f"no solution grows faster than {limit}" if proof.stable else f"a solution grows faster than {limit}"
+    return Proof(equation, proof.status, proof.interval, proof.digits, statement, proof.enclosures, exact=exact)
+
+
+def _statement(status: RegionStatus, box: tuple[Side, ...], tolerance: float) -> str:
+    """Return what was proved, in a sentence."""
+    where = f"for every {', '.join(str(side) for side in box)}"
+    grows = f"grows faster than {tolerance:g} per tau" if tolerance else "grows"
+    return {
+        "stable": f"{where} no solution {grows}",
+        "unstable": f"{where} a solution {grows}",
+        "mixed": f"{where}: at some points a solution {grows}, at some none",
+        "undecided": f"{where} nothing is proved of all",
+    }[status]
+
+
+def _note(status: RegionStatus, shares: Shares, boxes: int) -> str:
+    """Return why nothing was decided."""
+    if status != "undecided":
+        return ""
+    return (
+        f"stopped after {boxes} parts; {100.0 * shares.stable:.3g} % of it proved stable, "
+        f"{100.0 * shares.unstable:.3g} % unstable"
+    )
