@@ -221,7 +221,7 @@ def probability_of_instability(
     if sampling.are_coupled:
         for name in parameters:
             if name not in LIMITS:
-                raise sampling.example._refusal(f"{name} in parameters", load)
+                raise sampling.example.refusal(f"{name} in parameters", load)
 
     from scipy.stats import binomtest
 
