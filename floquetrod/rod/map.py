@@ -13,6 +13,7 @@ from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
 from floquetrod.rod.load import LIMITS, AnyLoad, Quantity, kind, require_load
 from floquetrod.rod.mode_friction import friction_and_kick
+from floquetrod.rod.plane import LoadPlane
 from floquetrod.rod.rod import Rod
 
 _AXES: dict[Quantity, tuple[str, str, str]] = {
@@ -101,19 +102,11 @@ def stability_map(
     x, y = (Axis(*_AXES[name], axis_values(name, given[name])) for name in (across, up))
     value = validate.finite(fixed[0], given[fixed[0]])
 
+    plane = LoadPlane(rod, across, up, fixed[0], value, tolerance, criterion, friction, kick, like, workers)
+
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
-        along: dict[Quantity, Any] = {across: x.values, up: values, fixed[0]: value}
-        load = along["mean"], along["amplitude"], along["frequency"]
-        found = rod.verdicts(
-            *load,
-            growth_tolerance=tolerance,
-            criterion=criterion,
-            friction=friction,
-            kick=kick,
-            like=like,
-            workers=workers,
-        )
-        return (found, *rod.fastest(*load, like=like, workers=workers)) if growth else (found,)
+        found = plane.verdicts(x.values, values)
+        return (found, *plane.fastest(x.values, values)) if growth else (found,)
 
     kinds = (np.int8, np.float64, np.int64)[: 3 if growth else 1]
     independent = rod.coupled_numbers.has_mathieu_modes(kind(like))
@@ -130,4 +123,6 @@ def stability_map(
     rate, mode = rest if growth else (None, None)
     words = "" if criterion is None else str(criterion)
     undecided = int((verdicts == -1).sum())
-    return Chart(x, y, verdicts == 1, rate, mode, "1/s", subject, tolerance, words, undecided, __version__)
+    exact = independent and criterion is None and rubbing is None
+    source = None if exact else plane.traced(x, y, verdicts)
+    return Chart(x, y, verdicts == 1, rate, mode, "1/s", subject, tolerance, words, undecided, __version__, source)

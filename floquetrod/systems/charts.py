@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -78,9 +79,10 @@ def chart(
     first = _member(family, {x_name: float(x_values[0]), y_name: float(y_values[0])}, None)
     kinds = {_kind(first)}
 
+    judge = _Judge(family, (x_name, y_name), first, tolerance, workers)
+
     def row(values: NDArray[np.float64]) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
-        points = [{x_name: column, y_name: values.item()} for column in x_values.tolist()]
-        members = [_member(family, point, first) for point in points]
+        members = judge.members(x_values, np.full(x_values.size, values.item()))
         kinds.update(map(_kind, members))
         status, rate = _verdicts(members, tolerance, workers)
         return status[None, :], rate[None, :]
@@ -95,7 +97,27 @@ def chart(
         subject=lambda: {"kind": ", ".join(sorted(kinds)), "fixed": []},
         rows_at_once=1,
         progress=progress,
+        judge=judge,
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Verdicts on a family's members at any places."""
+
+    family: Callable[..., Problem]
+    names: tuple[str, str]
+    like: Problem
+    tolerance: float
+    workers: int | None
+
+    def members(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Problem]:
+        points = (dict(zip(self.names, place, strict=True)) for place in zip(x.tolist(), y.tolist(), strict=True))
+        return [_member(self.family, point, self.like) for point in points]
+
+    def __call__(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
+        """Return status and growth rate at places."""
+        return _verdicts(self.members(x, y), self.tolerance, self.workers)
 
 
 def _verdicts(
