@@ -51,6 +51,7 @@ def charted(
     progress: Progress | None,
     source: BandSource | None = None,
     judge: Judge | None = None,
+    quick: Judge | None = None,
 ) -> Chart:
     """Return the chart of verdicts that ``classify`` computes, a few rows at a time.
 
@@ -66,11 +67,13 @@ def charted(
         What finds the bands of the chart.
     judge : callable (x (n,), y (n,)) -> (status, growth rate), optional
         What judges any points; in place of a source, it lets the bands be traced.
+    quick : callable, optional
+        As in `TracedBands`.
     """
     kinds = np.int8, np.float64
     status, rate = fill_rows(classify, y.values, x.values.size, kinds, progress, rows_at_once)
     if judge is not None:
-        source = TracedBands(judge, x, y, status == 0, growth_unit, growth_tolerance)
+        source = TracedBands(judge, x, y, status == 0, growth_unit, growth_tolerance, quick=quick)
     return Chart(
         x,
         y,

@@ -34,12 +34,23 @@ class OutOfBudget(Exception):
 class Plane:
     """A judge over shares of two axes, with a count of what was asked."""
 
-    def __init__(self, judge: Judge, x: Axis, y: Axis, level: float, most: int) -> None:
+    def __init__(
+        self,
+        judge: Judge,
+        x: Axis,
+        y: Axis,
+        level: float,
+        most: int,
+        quick: Judge | None = None,
+        vertex: float = VERTEX,
+    ) -> None:
         self.judge = judge
+        self.quick = quick or judge
         self.low = np.array([x.values[0], y.values[0]])
         self.high = np.array([x.values[-1], y.values[-1]])
         self.level = level
         self.most = most
+        self.vertex = vertex
         self.judged = 0
 
     def shares(self, places: Floats) -> Floats:
@@ -52,8 +63,11 @@ class Plane:
         result: Floats = np.clip(self.low + shares * (self.high - self.low), self.low, self.high)
         return np.where(shares >= 1.0, self.high, result)
 
-    def unstable(self, shares: Floats) -> tuple[Bools, Floats]:
-        """Return where a place is unstable, and by how much its growth exceeds the level (NaN where not known)."""
+    def unstable(self, shares: Floats, *, quick: bool = False) -> tuple[Bools, Floats]:
+        """Return where a place is unstable, and by how much its growth exceeds the level (NaN where not known).
+
+        Quickly, what would take long may stay undecided.
+        """
         inside = ((shares >= 0.0) & (shares <= 1.0)).all(axis=1)
         unstable, excess = np.zeros(len(shares), dtype=np.bool_), np.full(len(shares), np.nan)
         count = int(inside.sum())
@@ -62,7 +76,7 @@ class Plane:
                 raise OutOfBudget
             self.judged += count
             place = self.places(shares[inside])
-            status, rate = self.judge(place[:, 0], place[:, 1])
+            status, rate = (self.quick if quick else self.judge)(place[:, 0], place[:, 1])
             unstable[inside] = status == 0
             excess[inside] = rate - self.level
         return unstable, excess
@@ -81,7 +95,7 @@ class Plane:
         slow = np.zeros(len(span), dtype=np.int64)  # how often running the bracket was not halved
         below = np.zeros(len(span), dtype=np.bool_)  # whether the next place aims at the unstable side of a prediction
         for _ in range(2 * _HALVINGS):
-            active = np.flatnonzero((high - low) * length > VERTEX)
+            active = np.flatnonzero((high - low) * length > self.vertex)
             if not active.size:
                 break
             width = high[active] - low[active]
@@ -89,7 +103,7 @@ class Plane:
             error = np.abs(guess - last[active])
             last[active] = guess
             error = np.where(np.isfinite(error), error, 0.1 * width)
-            shift = np.maximum(error, 0.4 * VERTEX / length[active])
+            shift = np.maximum(error, 0.4 * self.vertex / length[active])
             aim = guess + np.where(below[active], -shift, shift)
             middle = low[active] + 0.5 * width
             fit = (aim > low[active]) & (aim < high[active]) & (slow[active] < 2)
@@ -104,7 +118,7 @@ class Plane:
             known_t[new] = np.column_stack([known_t[new, 1:], t[unstable & (excess > 0.0)]])
             known_g[new] = np.column_stack([known_g[new, 1:], excess[unstable & (excess > 0.0)]])
         result: Floats = inside + (0.5 * (low + high))[:, None] * span
-        near = (np.abs(result) < 2.0 * VERTEX, np.abs(result - 1.0) < 2.0 * VERTEX)
+        near = (np.abs(result) < 2.0 * self.vertex, np.abs(result - 1.0) < 2.0 * self.vertex)
         return np.where(near[0], 0.0, np.where(near[1], 1.0, result))
 
     def march(

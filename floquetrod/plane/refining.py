@@ -85,7 +85,7 @@ def refined(plane: Plane, outline: Outline, accuracy: float, report: Report) -> 
     for _ in range(_MOST_ROUNDS):
         some = np.flatnonzero(~outline.done)
         start, end = outline.sides(some)
-        outline.done[some[outline.on_edge(some) | (np.hypot(*(end - start).T) < THINNEST)]] = True
+        outline.done[some[outline.on_edge(some) | (np.hypot(*(end - start).T) < THINNEST * plane.vertex)]] = True
         some = np.flatnonzero(~outline.done)
         report(outline.size - some.size, outline.size)
         if not some.size:

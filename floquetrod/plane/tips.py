@@ -5,15 +5,13 @@ A tongue may be of either colour: an unstable one going out of a region, or a st
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from floquetrod.plane.judging import Bools, Floats, Ints, Plane, between
 from floquetrod.plane.outline import Outline
 
-THINNEST = 1e-9
-"""Width, as a share of the axes, at which a tongue is no longer followed: it is drawn to ten vertices' accuracy."""
+THINNEST = 10.0
+"""Width at which a tongue is no longer followed, in multiples of the accuracy of vertices."""
 
 _MOST_STEPS = 600  # of one tip (a choice)
 _TOUCHING = 1e-6  # share of a step by which it may end before the edge of the plane that it goes to (rounding)
@@ -109,7 +107,7 @@ def follow(plane: Plane, outline: Outline, sides: Ints, unstable: Bools, accurac
         ended = _advance(plane, outline, some, accuracy) if some else set()
         rest = []
         for front in fronts:
-            if id(front) in ended or front.is_at_tip(accuracy) or front.width < THINNEST:
+            if id(front) in ended or front.is_at_tip(accuracy) or front.width < THINNEST * plane.vertex:
                 continue
             if front.steps > _MOST_STEPS:
                 given_up += 1
@@ -124,13 +122,13 @@ def _hits(plane: Plane, fronts: list[_Front]) -> list[Floats | None]:
     """Return a place in each tongue near where its middle is expected, None where there is none."""
     colour = np.array([front.colour for front in fronts])
     places = np.array([front.target for front in fronts])
-    found: Any = _inside(places) & (plane.unstable(places)[0] == colour)
+    found = _inside(places) & (plane.unstable(places, quick=True)[0] == colour)
     result: list[Floats | None] = [place if hit else None for place, hit in zip(places, found, strict=True)]
     missed = np.flatnonzero(~found)
     if missed.size:
         across = np.array([fronts[i].next_across * fronts[i].expected for i in missed])
         tries = places[missed, None] + _OFFSETS[:, None] * across[:, None]
-        verdict, _ = plane.unstable(tries.reshape(-1, 2))
+        verdict, _ = plane.unstable(tries.reshape(-1, 2), quick=True)
         good = (verdict.reshape(missed.size, -1) == colour[missed, None]) & _inside(tries)
         for row, i in enumerate(missed.tolist()):
             if good[row].any():
@@ -139,8 +137,7 @@ def _hits(plane: Plane, fronts: list[_Front]) -> list[Floats | None]:
 
 
 def _inside(places: Floats) -> Bools:
-    result: Bools = ((places >= 0.0) & (places <= 1.0)).all(axis=-1)
-    return result
+    return np.asarray(((places >= 0.0) & (places <= 1.0)).all(axis=-1))
 
 
 def _advance(plane: Plane, outline: Outline, some: list[tuple[_Front, Floats]], accuracy: float) -> set[int]:

@@ -11,7 +11,7 @@ from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Band, Bands
 from floquetrod.plane.chart import Progress
 from floquetrod.plane.contours import crossings
-from floquetrod.plane.judging import Bools, Floats, Judge, OutOfBudget, Plane
+from floquetrod.plane.judging import VERTEX, Bools, Floats, Judge, OutOfBudget, Plane
 from floquetrod.plane.outline import Outline
 from floquetrod.plane.polygons import contains, with_holes_joined
 from floquetrod.plane.refining import outlined, refined
@@ -20,7 +20,8 @@ _FEWEST, _MOST, _EACH = 30_000, 300_000, 30
 """Points judged at most: ``_EACH`` for each of the chart's, at least the first and at most the second (a choice)."""
 
 _STARTS = 64  # points of a band at which growth is looked at first (a choice)
-_CLIMBS = 16  # rounds of looking for larger growth nearby (a choice): steps shrink to 1e-4 of the grid's
+_CLIMBS = 40  # rounds of looking for larger growth nearby, at most (a choice)
+_SMALL = 1e-3  # step of that at which it ends, as a share of the grid's (a choice)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,12 @@ class TracedBands:
     unstable : ndarray (ny, nx) of bool
     growth : callable (x (n,), y (n,)) -> growth rate, optional
         Growth where ``judge`` does not tell it.
+    quick : callable (x (n,), y (n,)) -> (status, growth rate), optional
+        A judge that leaves undecided what would take long, for thin tongues: they end where it decides nothing.
+    most : int
+        Points judged at most.
+    vertex : float
+        How far vertices may be from the boundary, as a share of the axes; tongues ten times as thin are not followed.
     growth_unit, growth_tolerance
         As in `Chart`.
 
@@ -53,11 +60,14 @@ class TracedBands:
     growth_unit: str
     growth_tolerance: float
     growth: Callable[[Floats, Floats], Floats] | None = None
+    quick: Judge | None = None
+    most: int = _MOST
+    vertex: float = VERTEX
 
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
         """Return the bands; ``accuracy`` is coarser in them than asked for where that would need too many points."""
-        most = min(_MOST, max(_FEWEST, _EACH * self.unstable.size))
-        plane = Plane(self.judge, self.x, self.y, self.growth_tolerance, most)
+        most = min(self.most, max(_FEWEST, _EACH * self.unstable.size))
+        plane = Plane(self.judge, self.x, self.y, self.growth_tolerance, most, self.quick, self.vertex)
         steps = np.array([np.diff(axis.values).max() for axis in (self.x, self.y)])
         outline = Outline()
         reached = accuracy
@@ -108,7 +118,7 @@ class TracedBands:
         across, up = (part.ravel() for part in np.meshgrid(columns, rows))
         some = self.unstable[up, across]
         points = np.column_stack([u[across[some]], v[up[some]]])
-        points = points[contains(ring, points)]
+        points = points[_inside(ring, points)]
         if not len(points):
             points = _within(ring)
         points = points[:: -(-len(points) // _STARTS)]
@@ -118,11 +128,13 @@ class TracedBands:
             return points[int(free.argmax())], float("nan")
         best = int(np.nanargmax(rates))
         place, growth = points[best], float(rates[best])
-        step = np.array([np.diff(line).max() for line in (u, v)])
+        step, last = (high - low) / 8.0, _SMALL * np.array([np.diff(line).max() for line in (u, v)])
         star = np.array([(i, j) for i in (-1, 0, 1) for j in (-1, 0, 1) if i or j])
         for _ in range(_CLIMBS):
+            if (step < last).all():
+                break
             near = np.clip(place + star * step, 0.0, 1.0)
-            near = near[contains(ring, near)]
+            near = near[_inside(ring, near)]
             rates = self._rates(plane, near) if len(near) else np.empty(0)
             if (rates > growth).any():
                 best = int(np.nanargmax(rates))
@@ -130,6 +142,11 @@ class TracedBands:
             else:
                 step = 0.5 * step
         return place, growth
+
+
+def _inside(ring: Floats, places: Floats) -> Bools:
+    """Return which places lie within a ring, those on the edge of the plane too."""
+    return contains(ring, places + 1e-9 * (0.5 - places))
 
 
 def _within(ring: Floats) -> Floats:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -98,6 +98,7 @@ def chart(
         rows_at_once=1,
         progress=progress,
         judge=judge,
+        quick=replace(judge, quick=True),
     )
 
 
@@ -110,6 +111,7 @@ class _Judge:
     like: Problem
     tolerance: float
     workers: int | None
+    quick: bool = False
 
     def members(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Problem]:
         points = (dict(zip(self.names, place, strict=True)) for place in zip(x.tolist(), y.tolist(), strict=True))
@@ -117,17 +119,17 @@ class _Judge:
 
     def __call__(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
         """Return status and growth rate at places."""
-        return _verdicts(self.members(x, y), self.tolerance, self.workers)
+        return _verdicts(self.members(x, y), self.tolerance, self.workers, self.quick)
 
 
 def _verdicts(
-    members: Sequence[Problem], tolerance: float, workers: int | None
+    members: Sequence[Problem], tolerance: float, workers: int | None, quick: bool = False
 ) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
     """Return 1 where stable, 0 where not and -1 where undecided, and the growth rates."""
     systems = [member for member in members if not isinstance(member, Equation)]
     if not systems:
         return one_by_one.verdicts(members, tolerance)
-    answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=workers))
+    answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=workers, quick=quick))
     status, rate = (np.array(column) for column in zip(*answers, strict=True))
     status[(status == UNSTABLE) & tolerated(rate, tolerance)] = STABLE
     return status.astype(np.int8), rate
