@@ -10,8 +10,15 @@ from numpy.typing import NDArray
 
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, TracedBands
+from floquetrod.plane.judging import VERTEX
 from floquetrod.rod.load import AnyLoad, Quantity
 from floquetrod.rod.rod import Rod
+
+_MOST_FAST, _MOST_SLOW = 100_000, 4000
+"""Points judged at most for bands: by a criterion, and of coupled modes or with friction, a minute or so (a choice)."""
+
+_VERTEX_SLOW = 1e-6
+"""How far their vertices may be from the boundary, as a share of the axes: nearer to it verdicts take much longer."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +73,9 @@ class LoadPlane:
         """Return the source that traces the bands of a map; growth is not known with friction or a criterion."""
         plain = self.criterion is None and self.friction is None
         growth = self.growth if plain else None
-        return TracedBands(self, x, y, verdicts == 0, "1/s", self.growth_tolerance, growth)
+        fast = self.criterion is not None and self.friction is None
+        most, vertex = (_MOST_FAST, VERTEX) if fast else (_MOST_SLOW, _VERTEX_SLOW)
+        return TracedBands(self, x, y, verdicts == 0, "1/s", self.growth_tolerance, growth, most=most, vertex=vertex)
 
     def _load(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[Any, Any, Any]:
         along: dict[Quantity, Any] = {self.across: x, self.up: y, self.fixed: self.value}
