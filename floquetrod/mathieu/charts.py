@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -73,6 +74,8 @@ def chart(
         criterion.require_alone(growth_tolerance=tolerance)
         equations.require(example, (Mathieu,), by="FiniteTimeCriterion")
     classify = _classify_mathieu if equation is Mathieu else functools.partial(_classify_each, equation)
+    judge: Any = None if equation is Mathieu else _JudgeEach(equation, c, tolerance)
+    judge = judge if criterion is None else _JudgeByCriterion(criterion, c, workers)
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
         status, rate = classify(x.values, values, c, tolerance, growth, workers)
@@ -92,7 +95,41 @@ def chart(
         rows_at_once=None if equation is Mathieu else 1,
         progress=progress,
         source=ExactMathieuBands(x.ends, y.ends, c, tolerance) if equation is Mathieu and criterion is None else None,
+        judge=judge,
+        prompt=criterion is None,
     )
+
+
+@dataclass(frozen=True)
+class _JudgeEach:
+    """Verdicts on members of a family of equations at any places."""
+
+    equation: Callable[[float, float, float], Equation]
+    damping: float
+    tolerance: float
+
+    def __call__(
+        self, alpha: NDArray[np.float64], beta: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
+        """Return status and growth rate."""
+        members = [self.equation(x, y, self.damping) for x, y in zip(alpha.tolist(), beta.tolist(), strict=True)]
+        return one_by_one.verdicts(members, self.tolerance)
+
+
+@dataclass(frozen=True)
+class _JudgeByCriterion:
+    """Verdicts by the paper's test on Mathieu's equation at any places; growth is not known."""
+
+    criterion: FiniteTimeCriterion
+    damping: float
+    workers: int | None
+
+    def __call__(
+        self, alpha: NDArray[np.float64], beta: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
+        """Return status and NaN."""
+        stable = self.criterion.is_stable(alpha, beta, self.damping, workers=self.workers)
+        return np.asarray(stable).astype(np.int8), np.full(alpha.size, np.nan)
 
 
 def _classify_mathieu(
@@ -112,6 +149,6 @@ def _classify_each(
     *_: Any,
 ) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
     """Return 1 where stable, 0 where not and -1 where undecided, and the growth rate, one equation after another."""
-    members = [equation(x, y, c) for y in beta.ravel().tolist() for x in alpha.tolist()]
-    status, rate = one_by_one.verdicts(members, tolerance)
+    places = (part.ravel() for part in np.meshgrid(alpha, beta))
+    status, rate = _JudgeEach(equation, c, tolerance)(*places)
     return status.reshape(beta.size, -1), rate.reshape(beta.size, -1)

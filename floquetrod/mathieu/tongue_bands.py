@@ -23,6 +23,11 @@ class ExactMathieuBands:
     damping: float
     growth_tolerance: float
 
+    @property
+    def prompt(self) -> bool:
+        """True: they take about as long as a chart does."""
+        return True
+
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
         """Return the bands of every tongue."""
         c, tolerance = self.damping, self.growth_tolerance

@@ -6,5 +6,17 @@ from floquetrod.plane.axes import Axis, axis_values
 from floquetrod.plane.bands import Band, Bands
 from floquetrod.plane.chart import BandSource, Chart, Progress
 from floquetrod.plane.filling import charted, fill_rows
+from floquetrod.plane.tracing import TracedBands
 
-__all__ = ["Axis", "Band", "BandSource", "Bands", "Chart", "Progress", "axis_values", "charted", "fill_rows"]
+__all__ = [
+    "Axis",
+    "Band",
+    "BandSource",
+    "Bands",
+    "Chart",
+    "Progress",
+    "TracedBands",
+    "axis_values",
+    "charted",
+    "fill_rows",
+]

@@ -27,7 +27,7 @@ class Band(ByContent):
     ----------
     x, y : ndarray (n,)
         Vertices of the polygon about it, in order, the first not repeated, in the units of the axes.  Each lies on a
-        boundary or on the edge of the plane.
+        boundary or on the edge of the plane.  A stable hole is joined to the outside by a seam, passed both ways.
     mode, tongue : int or None
         Mode of a rod that grows, and its resonance tongue; None where there is none, or where it is not known.
     largest_growth : float

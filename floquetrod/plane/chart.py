@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,8 +34,19 @@ ACCURACY = 1.0 / 3000.0
 Progress = Callable[[int, int], None]
 """Called with what is done and its total."""
 
-BandSource = Callable[[float, Progress | None], Bands]
-"""Finds the bands of a chart with an accuracy, in the units in which the chart was computed; can be pickled."""
+
+class BandSource(Protocol):
+    """What finds the bands of a chart, in the units in which the chart was computed; can be pickled.
+
+    ``prompt`` says whether they take about as long as the chart itself, so that they may be drawn unasked.
+    """
+
+    @property
+    def prompt(self) -> bool:
+        """Whether the bands are found about as fast as the chart."""
+
+    def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
+        """Return the bands with an accuracy as a share of each axis."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -196,14 +207,16 @@ class Chart(NoTruthValue, ByContent):
             What to draw on; by default those of a new figure.
         bands : bool, optional
             Whether to draw `bands`, shapes named by mode and tongue where there is room, or the chart's points as
-            pixels; by default bands, where the chart knows them and has no `cells` that are proved.
+            pixels; by default bands, where they have been found or are found about as fast as the chart, and no `cells`
+            have been proved.
 
         Raises
         ------
         ValueError
             Where bands are asked for and the chart does not know them, see `find_bands`.
         """
-        known = self.cells is None and (self.source is not None or "bands" in self.__dict__)
+        prompt = self.source is not None and self.source.prompt
+        known = self.cells is None and (prompt or "bands" in self.__dict__)
         if known if bands is None else validate.flag("bands", bands):
             from floquetrod.plotting.bands import draw_banded_chart
 
@@ -322,6 +335,11 @@ class _Scaled:
     x: Axis
     y: Axis
     factors: tuple[float, float]
+
+    @property
+    def prompt(self) -> bool:
+        """Whether the bands are found about as fast as the chart."""
+        return self.source.prompt
 
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
         """Return the bands in these units."""

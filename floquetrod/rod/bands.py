@@ -40,6 +40,11 @@ class ExactRodBands:
     fixed: float
     growth_tolerance: float
 
+    @property
+    def prompt(self) -> bool:
+        """True: they take about as long as a chart does."""
+        return True
+
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
         """Return the bands of every mode that can matter."""
         ranges: dict[Quantity, tuple[float, float]] = {

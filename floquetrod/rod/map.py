@@ -8,16 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
 from floquetrod._util.version import __version__
-from floquetrod.floquet.verdict import tolerated
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.plane import Axis, BandSource, Chart, Progress, axis_values, fill_rows
 from floquetrod.rod.bands import ExactRodBands
 from floquetrod.rod.certified import certified_cells
-from floquetrod.rod.coupled import CoupledLoads
-from floquetrod.rod.load import LIMITS, AnyLoad, Loads, Quantity, kind, require_load
+from floquetrod.rod.load import LIMITS, AnyLoad, Quantity, kind, require_load
 from floquetrod.rod.mode_friction import friction_and_kick
+from floquetrod.rod.plane import LoadPlane
 from floquetrod.rod.rod import Rod
 
 _AXES: dict[Quantity, tuple[str, str, str]] = {
@@ -113,24 +111,12 @@ def stability_map(
     if validate.flag("certified", certified):
         _require_provable(rod, like, tolerance, criterion=criterion, friction=rubbing)
 
+    plane = LoadPlane(rod, across, up, fixed[0], value, tolerance, criterion, friction, kick, like, workers)
+
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
-        along: dict[Quantity, Any] = {across: x.values, up: values, fixed[0]: value}
-        load = along["mean"], along["amplitude"], along["frequency"]
-        if growth and criterion is None and not independent:  # one computation gives both
-            loads = Loads.of(*load)
-            status, rate = CoupledLoads(rod.coupled_numbers, kind(like), loads).answers(workers)
-            status[tolerated(rate, tolerance)] = 1
-            return tuple(shaped(part, loads.shape) for part in (status, rate, np.where(rate > 0.0, -1, 0)))
-        found = rod.verdicts(
-            *load,
-            growth_tolerance=tolerance,
-            criterion=criterion,
-            friction=friction,
-            kick=kick,
-            like=like,
-            workers=workers,
-        )
-        return (found, *rod.fastest(*load, like=like, workers=workers)) if growth else (found,)
+        if growth:
+            return plane.with_growth(x.values, values)
+        return (plane.verdicts(x.values, values),)
 
     kinds = (np.int8, np.float64, np.int64)[: 3 if growth else 1]
     independent = rod.coupled_numbers.has_mathieu_modes(kind(like))
@@ -147,8 +133,9 @@ def stability_map(
     rate, mode = rest if growth else (None, None)
     words = "" if criterion is None else str(criterion)
     undecided = int((verdicts == -1).sum())
-    exact = independent and rubbing is None and criterion is None
-    source = ExactRodBands(rod.mode_constants, across, up, x.ends, y.ends, value, tolerance) if exact else None
+    source: BandSource = plane.traced(x, y, verdicts)
+    if independent and rubbing is None and criterion is None:
+        source = ExactRodBands(rod.mode_constants, across, up, x.ends, y.ends, value, tolerance)
     cells = None
     if certified:
         axes = {across: x.values, up: y.values}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -78,9 +79,10 @@ def chart(
     first = _member(family, {x_name: float(x_values[0]), y_name: float(y_values[0])}, None)
     kinds = {_kind(first)}
 
+    judge = _Judge(family, (x_name, y_name), first, tolerance, workers)
+
     def row(values: NDArray[np.float64]) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
-        points = [{x_name: column, y_name: values.item()} for column in x_values.tolist()]
-        members = [_member(family, point, first) for point in points]
+        members = judge.members(x_values, np.full(x_values.size, values.item()))
         kinds.update(map(_kind, members))
         status, rate = _verdicts(members, tolerance, workers)
         return status[None, :], rate[None, :]
@@ -95,17 +97,39 @@ def chart(
         subject=lambda: {"kind": ", ".join(sorted(kinds)), "fixed": []},
         rows_at_once=1,
         progress=progress,
+        judge=judge,
+        quick=replace(judge, quick=True),
     )
 
 
+@dataclass(frozen=True, eq=False)
+class _Judge:
+    """Verdicts on a family's members at any places."""
+
+    family: Callable[..., Problem]
+    names: tuple[str, str]
+    like: Problem
+    tolerance: float
+    workers: int | None
+    quick: bool = False
+
+    def members(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Problem]:
+        points = (dict(zip(self.names, place, strict=True)) for place in zip(x.tolist(), y.tolist(), strict=True))
+        return [_member(self.family, point, self.like) for point in points]
+
+    def __call__(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
+        """Return status and growth rate at places."""
+        return _verdicts(self.members(x, y), self.tolerance, self.workers, self.quick)
+
+
 def _verdicts(
-    members: Sequence[Problem], tolerance: float, workers: int | None
+    members: Sequence[Problem], tolerance: float, workers: int | None, quick: bool = False
 ) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
     """Return 1 where stable, 0 where not and -1 where undecided, and the growth rates."""
     systems = [member for member in members if not isinstance(member, Equation)]
     if not systems:
         return one_by_one.verdicts(members, tolerance)
-    answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=workers))
+    answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=workers, quick=quick))
     status, rate = (np.array(column) for column in zip(*answers, strict=True))
     status[(status == UNSTABLE) & tolerated(rate, tolerance)] = STABLE
     return status.astype(np.int8), rate

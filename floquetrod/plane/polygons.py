@@ -1,0 +1,65 @@
+"""Polygons: areas, what they contain, and holes joined to what is about them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from floquetrod.plane.judging import Bools, Floats
+
+
+def area(ring: Floats) -> float:
+    """Return the area within a ring (n, 2), positive where it runs counter-clockwise."""
+    x, y = (ring - ring[0]).T
+    return 0.5 * float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
+
+
+def contains(ring: Floats, points: Floats) -> Bools:
+    """Return which points lie within a ring, by the number of sides to their right."""
+    inside = np.zeros(len(points), dtype=np.bool_)
+    px, py = points.T
+    for (x0, y0), (x1, y1) in zip(ring.tolist(), np.roll(ring, -1, axis=0).tolist(), strict=True):
+        if y0 != y1:
+            inside ^= ((py < y0) != (py < y1)) & (px < x0 + (py - y0) * (x1 - x0) / (y1 - y0))
+    return inside
+
+
+def with_holes_joined(rings: list[Floats]) -> list[Floats]:
+    """Return the counter-clockwise rings, each with the clockwise ones within it joined by seams of no width."""
+    outer = sorted((ring for ring in rings if area(ring) > 0.0), key=area)
+    holes: list[list[Floats]] = [[] for _ in outer]
+    for ring in rings:
+        if area(ring) < 0.0:
+            around = (i for i, out in enumerate(outer) if contains(out, ring).mean() > 0.5)
+            which = next(around, None)
+            if which is not None:
+                holes[which].append(ring)
+    return [_joined(ring, inner) for ring, inner in zip(outer, holes, strict=True)]
+
+
+def _joined(ring: Floats, holes: list[Floats]) -> Floats:
+    """Return one ring of an outer one and its holes: from the rightmost hole on, each joined to its nearest vertex."""
+    for hole in sorted(holes, key=lambda hole: -float(hole[:, 0].max())):
+        start = int(hole[:, 0].argmax())
+        first = _visible(ring, hole[start], [hole])
+        ring = np.concatenate([ring[: first + 1], np.roll(hole, -start, axis=0), hole[start : start + 1], ring[first:]])
+    return ring
+
+
+def _visible(ring: Floats, point: Floats, others: list[Floats]) -> int:
+    """Return the vertex of a ring nearest to a point from which no side is in the way."""
+    order = np.argsort(np.hypot(*(ring - point).T), kind="stable")
+    for vertex in order.tolist():
+        if not any(_crosses(line, point, ring[vertex]) for line in (ring, *others)):
+            return int(vertex)
+    return int(order[0])
+
+
+def _crosses(ring: Floats, start: Floats, end: Floats) -> bool:
+    """Return whether a line crosses a side of a ring elsewhere than at its ends."""
+    a, b = ring, np.roll(ring, -1, axis=0)
+
+    def turn(p: Floats, q: Floats, r: Floats) -> Floats:
+        left, right = q - p, r - p
+        return np.asarray(left[..., 0] * right[..., 1] - left[..., 1] * right[..., 0])
+
+    return bool(np.any((turn(a, b, start) * turn(a, b, end) < 0.0) & (turn(start, end, a) * turn(start, end, b) < 0.0)))

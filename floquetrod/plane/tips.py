@@ -1,0 +1,240 @@
+"""Tongues followed from where an outline ends bluntly to their tips, cross-section by cross-section.
+
+A tongue may be of either colour: an unstable one going out of a region, or a stable one that goes into it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from floquetrod.plane.judging import Bools, Floats, Ints, Plane, between
+from floquetrod.plane.outline import Outline
+
+THINNEST = 10.0
+"""Width at which a tongue is no longer followed, in multiples of the accuracy of vertices."""
+
+_MOST_STEPS = 600  # of one tip (a choice)
+_TOUCHING = 1e-6  # share of a step by which it may end before the edge of the plane that it goes to (rounding)
+_LOOKS = 16  # parts of a step in which sides in the way are looked for (a choice)
+_LONGEST = 0.08  # step along a tongue, as a share of the axes (a choice)
+_OFFSETS = np.array([-1, 1, -2, 2, -3, 3, -4, 4]) / 3.0  # across a tongue, in widths, where its middle is missed
+
+
+class _Front:
+    """The last cross-section of a tongue that is followed, and the middles of those before it."""
+
+    def __init__(self, outline: Outline, side: int, unstable: bool) -> None:
+        start, end = (place[0] for place in outline.sides(np.array([side])))
+        self.side, self.colour = side, unstable
+        self.middles = [0.5 * (start + end)]
+        self.width = float(np.hypot(*(end - start)))
+        self.widths = [self.width]
+        self.across = (end - start) / self.width
+        right = np.array([self.across[1], -self.across[0]])
+        self.ahead = right if unstable else -right
+        self.step = self.width
+        self.steps = 0
+        self.at_edge = self.failed = False
+
+    def aim(self, at: float) -> Floats:
+        """Return the middle expected at a distance from the last one: a polynomial of the last four by arc length."""
+        if len(self.middles) == 1:
+            return np.asarray(self.middles[0] + at * self.ahead)
+        recent = np.array(self.middles[-4:])
+        return _curve(recent, at, recent)
+
+    def plan(self) -> None:
+        """Set where the next cross-section is looked for: its middle, direction and width."""
+        here = self.middles[-1]
+        place = self.aim(self.step)
+        widths = np.array(self.widths[-3:])
+        guess = _curve(np.array(self.middles[-3:]), self.step, widths[:, None])[0] if widths.size > 1 else widths[0]
+        self.expected = float(np.clip(guess, self.width / 3.0, 2.0 * self.width))
+        forward = place - here
+        across = np.array([-forward[1], forward[0]]) / np.hypot(*forward)
+        corners = np.array([place, place + 0.75 * self.expected * across, place - 0.75 * self.expected * across])
+        beyond = (corners < 0.0).any(axis=0) | (corners > 1.0).any(axis=0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = np.where(beyond, np.where(forward > 0.0, 1.0 - here, -here) / forward, np.inf)
+        axis = int(share.argmin())
+        self.at_edge = bool(share[axis] <= 1.0 + 2.0 * self.expected / np.hypot(*forward))
+        if self.at_edge:
+            place = here + float(share[axis]) * forward
+            place[axis] = float(forward[axis] > 0.0)
+            across = np.array([float(axis == 1), float(axis == 0)])
+        self.target = place
+        self.next_across = across if across @ self.across >= 0.0 else -across
+        self.distance = float(np.hypot(*(place - here)))
+
+    def retreat(self, share: float = 0.5) -> None:
+        """Take a shorter step next."""
+        self.step *= share
+        self.failed = True
+
+    def is_at_tip(self, accuracy: float) -> bool:
+        """Return whether the last step has failed and the next one would be too short to matter."""
+        short = 0.5 * accuracy if len(self.middles) > 3 else min(0.5 * accuracy, self.width / 8.0)
+        return self.failed and self.step < short
+
+
+def follow(plane: Plane, outline: Outline, sides: Ints, unstable: Bools, accuracy: float) -> int:
+    """Follow the tongues that begin at blunt sides to their tips, the edge of the plane, or another outline.
+
+    Parameters
+    ----------
+    unstable : ndarray of bool
+        Of each side, whether the tongue is unstable and goes outward, or stable and goes inward.
+    accuracy : float
+        How far the tip and the middle between two cross-sections may be from where they should, as a share of the axes.
+
+    Returns
+    -------
+    Number of tips that were given up before that.
+    """
+    fronts = [_Front(outline, int(side), bool(colour)) for side, colour in zip(sides, unstable, strict=True)]
+    for side in sides.tolist():
+        outline.done[side] = True
+    given_up = 0
+    while fronts:
+        for front in fronts:
+            front.steps += 1
+            front.plan()
+        hit = _hits(plane, fronts)
+        for front, place in zip(fronts, hit, strict=True):
+            if place is None:
+                front.retreat()
+        some = [(front, place) for front, place in zip(fronts, hit, strict=True) if place is not None]
+        ended = _advance(plane, outline, some, accuracy) if some else set()
+        rest = []
+        for front in fronts:
+            if id(front) in ended or front.is_at_tip(accuracy) or front.width < THINNEST * plane.vertex:
+                continue
+            if front.steps > _MOST_STEPS:
+                given_up += 1
+                continue
+            rest.append(front)
+        # another front may have been joined to this one, or have taken its side
+        fronts = [front for front in rest if outline.done[front.side]]
+    return given_up
+
+
+def _hits(plane: Plane, fronts: list[_Front]) -> list[Floats | None]:
+    """Return a place in each tongue near where its middle is expected, None where there is none."""
+    colour = np.array([front.colour for front in fronts])
+    places = np.array([front.target for front in fronts])
+    found = _inside(places) & (plane.unstable(places, quick=True)[0] == colour)
+    result: list[Floats | None] = [place if hit else None for place, hit in zip(places, found, strict=True)]
+    missed = np.flatnonzero(~found)
+    if missed.size:
+        across = np.array([fronts[i].next_across * fronts[i].expected for i in missed])
+        tries = places[missed, None] + _OFFSETS[:, None] * across[:, None]
+        verdict, _ = plane.unstable(tries.reshape(-1, 2), quick=True)
+        good = (verdict.reshape(missed.size, -1) == colour[missed, None]) & _inside(tries)
+        for row, i in enumerate(missed.tolist()):
+            if good[row].any():
+                result[i] = tries[row, int(good[row].argmax())]
+    return result
+
+
+def _inside(places: Floats) -> Bools:
+    return np.asarray(((places >= 0.0) & (places <= 1.0)).all(axis=-1))
+
+
+def _advance(plane: Plane, outline: Outline, some: list[tuple[_Front, Floats]], accuracy: float) -> set[int]:
+    """Find the cross-sections about places in tongues and append them; return which fronts have come to their end."""
+    across = np.array([front.next_across for front, _ in some])
+    start = np.array([place for _, place in some])
+    width = np.array([max(front.width, front.expected) for front, _ in some])
+    colour = np.array([front.colour for front, _ in some])
+    along = np.concatenate([-across, across])
+    start2, colour2 = np.concatenate([start, start]), np.concatenate([colour, colour])
+    width2 = np.concatenate([width, width])
+    found, before, now = plane.march(start2, along, 0.35 * width2, 4.0 * width2, colour2)
+    walls = np.full((2 * len(some), 2), np.nan)
+    ends = between(start2, along, before, now, colour2)
+    walls[found] = plane.boundary(ends[0][found], ends[1][found])
+    first, second = walls[: len(some)], walls[len(some) :]
+    both = found[: len(some)] & found[len(some) :]
+    ways = [_halfway(front, p, q) for (front, _), p, q in zip(some, first, second, strict=True)]
+    halfway, sags = np.array([way[0] for way in ways]), [way[1] for way in ways]
+    connected = plane.unstable(np.where(both[:, None], halfway, -1.0))[0] == colour
+    ended: set[int] = set()
+    for k, (front, _) in enumerate(some):
+        if not outline.done[front.side]:
+            continue
+        if not both[k] or not connected[k]:
+            front.retreat()
+            if front.step < front.width / 8.0:
+                ended.add(id(front))
+            continue
+        middle = 0.5 * (first[k] + second[k])
+        sag = sags[k]
+        near_edge = front.at_edge and front.distance < 4.0 * front.width
+        if sag > accuracy and front.step > accuracy and not near_edge:
+            front.retreat(max(0.2, 0.8 * float(np.sqrt(accuracy / sag))))
+            continue
+        reach, hit = _met(outline, front, middle)
+        if front.at_edge and (hit < 0 or outline.on_edge(np.array([hit]))[0]):
+            _append(outline, front, first[k], second[k], done=False)
+            if hit >= 0:
+                outline.join(front.side, hit)
+            ended.add(id(front))
+        elif hit < 0:
+            _append(outline, front, first[k], second[k], done=True)
+            front.failed = False
+            front.step = min(front.step * min(2.0, 0.9 * float(np.sqrt(accuracy / max(sag, 1e-300)))), _LONGEST)
+        elif reach > max(2.0 * accuracy, 2.0 * front.width):
+            front.step = 0.9 * reach
+        else:
+            outline.join(front.side, hit)
+            ended.add(id(front))
+    return ended
+
+
+def _met(outline: Outline, front: _Front, middle: Floats) -> tuple[float, int]:
+    """Return how far along a tongue, on the way to a new middle, another side is met, and that side; -1 if none."""
+    length = float(np.hypot(*(middle - front.middles[-1])))
+    recent = np.array([*front.middles[-3:], middle])
+    way = np.array([_curve(recent, -length * share, recent) for share in np.linspace(1.0, 0.0, _LOOKS + 1)])
+    along = np.diff(way, axis=0)
+    distance, hit = outline.hits(way[:-1], along, np.full(_LOOKS, front.side))
+    met = np.flatnonzero(distance <= (1.0 + _TOUCHING if front.at_edge else 1.0))
+    if not met.size:
+        return np.inf, -1
+    first = int(met[0])
+    return length * (first + float(distance[first])) / _LOOKS, int(hit[first])
+
+
+def _halfway(front: _Front, first: Floats, second: Floats) -> tuple[Floats, float]:
+    """Return the middle of a tongue half-way to a new cross-section, and how far its walls are from straight lines.
+
+    By polynomials of the last cross-sections and the new one.
+    """
+    middle = 0.5 * (first + second)
+    middles = np.array([*front.middles[-3:], middle])
+    widths = np.array([*front.widths[-3:], np.hypot(*(second - first))])[:, None]
+    back = -0.5 * float(np.hypot(*(middle - front.middles[-1])))
+    place, width = _curve(middles, back, middles), _curve(middles, back, widths)[0]
+    sag = np.hypot(*(place - 0.5 * (middles[-2] + middle))) + 0.5 * abs(width - widths[-2:].mean())
+    return place, float(sag)
+
+
+def _curve(places: Floats, at: float, values: Floats) -> Floats:
+    """Return the polynomial of values at places, by length along the line through them, at a length after its end."""
+    s = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places, axis=0).T))])
+    t = s[-1] + at
+    weight = [np.prod([(t - s[j]) / (s[i] - s[j]) for j in range(s.size) if j != i]) for i in range(s.size)]
+    result: Floats = np.array(weight) @ values
+    return result
+
+
+def _append(outline: Outline, front: _Front, first: Floats, second: Floats, done: bool) -> None:
+    """Append a cross-section to a tongue; its side becomes the front's, its walls need work unless done."""
+    node = outline.divide(front.side, first, done)
+    outline.divide(node, second, done)
+    middle = 0.5 * (first + second)
+    front.width = float(np.hypot(*(second - first)))
+    front.widths.append(front.width)
+    front.across = (second - first) / max(front.width, 1e-300)
+    front.middles.append(middle)
+    front.side = node
