@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof import certify as certify
     from floquetrod.floquet.verdict import Stability as Stability
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
+    from floquetrod.floquet.proof.region import RegionProof as RegionProof
+    from floquetrod.plane import Bands as Bands
     from floquetrod.plane import Chart as Chart
     from floquetrod.rod.coupled_stability import CoupledRodStability as CoupledRodStability
     from floquetrod.rod.friction import FrictionalRodStability as FrictionalRodStability
@@ -42,6 +44,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.record import ForceRecord as ForceRecord
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.rod import UniformForceWarning as UniformForceWarning
+    from floquetrod.rod.safe_box import SafeBox as SafeBox
     from floquetrod.rod.stability import RodStability as RodStability
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
     from floquetrod.rod.uncertainty import probability_of_instability as probability_of_instability
@@ -56,6 +59,7 @@ _WHERE = {
     "__version__": "_util.version",
     "AxialLoad": "rod.load",
     "AxialWave": "rod.load",
+    "Bands": "plane",
     "Chart": "plane",
     "chart": "systems.charts",
     "CheckpointWarning": "simulation.checkpoints",
@@ -72,7 +76,9 @@ _WHERE = {
     "PeriodicSystem": "equations",
     "Perturbation": "simulation.start",
     "Proof": "floquet.proof",
+    "RegionProof": "floquet.proof.region",
     "Rod": "rod.rod",
+    "SafeBox": "rod.safe_box",
     "FrictionalRodStability": "rod.friction",
     "RodStability": "rod.stability",
     "Simulation": "simulation.problem",
