@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -205,7 +206,7 @@ def test_an_unstable_example_is_found_in_a_thin_tongue() -> None:
 
 def _unstable(rod: fr.Rod, tolerance: float) -> list[tuple[float, float]]:
     found = list(rod.stable_mean_forces(0.2 * FORCE, 150.0, growth_tolerance=tolerance))
-    return [(one.high, other.low) for one, other in zip(found, found[1:], strict=False)]
+    return [(one.high, other.low) for one, other in pairwise(found)]
 
 
 def test_without_damping_and_tolerance_nothing_wide_is_stable() -> None:

@@ -39,7 +39,7 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
 
 
 def _draw_cells(chart: Any, ax: Any) -> None:
-    """Draw what is proved of each cell: white stable, orange unstable, grey each in parts, hatched where undecided."""
+    """Draw what is proved of each cell: white where stable, orange where not, neutral on a boundary, else hatched."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
 

@@ -50,7 +50,7 @@ def certify_rods(
 ) -> RegionProof:
     """Return what `Rod.certify` does."""
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-    max_boxes = validate.integer("max_boxes", max_boxes, 1, 10**9)
+    max_boxes = validate.integer("max_boxes", max_boxes, 1)
     validate.progress(progress)
     box = RodBox.of(rod, kind(like), mean, amplitude, frequency, parameters)
     require_in_reach(box)
@@ -150,7 +150,7 @@ class _Proving:
         The numbers of the modes are halved one by one, so that a part may hold those of no rod: a load on a rod is
         proved anew.
         """
-        if self.searches and self.tried < _CANDIDATES and _BOTH <= self.examples.keys() | self.candidates.keys():
+        if self.searches and self.tried < _CANDIDATES and self.examples.keys() | self.candidates.keys() >= _BOTH:
             self.tried += 1
             for status, (part, example) in list(self.candidates.items()):
                 load = part.like.with_numbers(*(0.5 * (low + high) for low, high in example[:3].tolist()))
