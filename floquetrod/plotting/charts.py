@@ -48,7 +48,7 @@ def growth_label(unit: str) -> str:
 
 
 def _draw_cells(chart: Any, ax: Any) -> None:
-    """Draw what is proved of each cell: white stable, orange unstable, grey each in parts, hatched where undecided."""
+    """Draw what is proved of each cell: white where stable, orange where not, neutral on a boundary, else hatched."""
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
 

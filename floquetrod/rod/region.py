@@ -50,7 +50,7 @@ def certify_rods(
 ) -> RegionProof:
     """Return what `Rod.certify` does."""
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-    max_boxes = validate.integer("max_boxes", max_boxes, 1, 10**9)
+    max_boxes = validate.integer("max_boxes", max_boxes, 1)
     validate.progress(progress)
     box = RodBox.of(rod, kind(like), mean, amplitude, frequency, parameters)
     require_in_reach(box)

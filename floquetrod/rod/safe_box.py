@@ -146,9 +146,7 @@ def largest_safe_box(
 
 def _chosen(vary: Iterable[Quantity]) -> tuple[Quantity, ...]:
     """Return the quantities that may vary, checked."""
-    given = (vary,) if isinstance(vary, str) else tuple(vary)
-    for name in given:
-        validate.choice("vary", name, QUANTITIES)
+    given = [validate.choice("vary", name, QUANTITIES) for name in validate.sequence("vary", vary, '("mean",)')]
     if not given:
         raise ValueError(f"vary must name one of {', '.join(QUANTITIES)} at least, got none")
     return tuple(name for name in QUANTITIES if name in given)

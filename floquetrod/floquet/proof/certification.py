@@ -103,6 +103,10 @@ def certify(
     'stable'
     """
     max_digits = validate.integer("max_digits", max_digits, 5, MOST_DIGITS)
+    growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    max_boxes = validate.integer("max_boxes", max_boxes, 1)
+    if growth_tolerance and equation is not Mathieu:
+        raise TypeError("growth_tolerance is for the class Mathieu and its parameters only; leave it out")
     if isinstance(equation, HillSystem | PeriodicSystem):
         if parameters:
             raise TypeError(f"{', '.join(parameters)} must be of the system: certify takes a system as a value only")
@@ -120,8 +124,6 @@ def certify(
             f"{boxed[0]} must be a number, got {validate.short(parameters[boxed[0]])}: boxes of parameters are proved "
             "of the class Mathieu only; give one equation at a time"
         )
-    if growth_tolerance:
-        raise TypeError("growth_tolerance is for the class Mathieu and its parameters only; leave it out")
     return _certify(exact_problem(equation, parameters), max_digits)
 
 

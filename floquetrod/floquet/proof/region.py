@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, TypeAlias
@@ -19,7 +20,7 @@ MAX_BOXES = 100_000
 
 _MOST_AT_ONCE = 100_000  # parts that wait in one search: tens of megabytes (a choice)
 _STEPS = 2_000  # parts looked at between two reports of progress: some tens of milliseconds (a choice)
-_PATIENCE = 200  # modes of single boxes judged by interpreted kernels before they are compiled (a choice)
+_PATIENCE = 1000  # rows of the modes' Hill matrices judged by interpreted kernels before they are compiled (a choice)
 
 RegionStatus: TypeAlias = Literal["stable", "unstable", "mixed", "undecided"]
 
@@ -174,7 +175,7 @@ def subdivide(
     search = kernels.box_search(as_box(box), last, min(max_boxes, _MOST_AT_ONCE))
     counts = search.counts
     # The box as a whole is judged by interpreted kernels, while there are few: most need no more, and no numba.
-    first: Any = runner(kernels.certify_box, last, interpret_up_to=1, patience=_PATIENCE)
+    first: Any = runner(kernels.certify_box, last * _rows(box), interpret_up_to=1, patience=_PATIENCE)
     with np.errstate(all="ignore"):
         goes_on = first(*search, tolerance, tolerance, 1)
     if goes_on and counts[kernels.WAITING]:
@@ -199,12 +200,21 @@ def subdivide(
 def modes_of_box(box: Sequence[float], tolerance: float, negligible: float, most: int) -> tuple[int, float]:
     """Return how many modes to look at over a box, at most ``most``, and a bound in 1/s on the growth of all others.
 
-    The bound is at most the tolerance; ``negligible`` where neither tolerance nor damping makes a bound of 0 possible.
+    The bound is at most the tolerance, or ``negligible`` where tolerance and damping together are less.
     """
-    smallest = 0.0 if tolerance > 0.0 or box[2 * DAMPING] > 0.0 else negligible
+    smallest = 0.0 if tolerance + box[2 * DAMPING] >= negligible else negligible
+    run: Any = runner(tail_modes, _rows(box), interpret_up_to=1, patience=_PATIENCE)
     with np.errstate(all="ignore"):
-        last, bound = tail_modes(as_box(box), tolerance, smallest, most)
+        last, bound = run(as_box(box), tolerance, smallest, most)
     return int(last), float(bound)
+
+
+def _rows(box: Sequence[float]) -> int:
+    """Return about how many rows of its Hill matrix the mode has that the largest force pushes hardest."""
+    (_, mean), (_, amplitude), (slow, _), (bending, _), (_, push), (_, swing), _ = as_box(box).tolist()
+    force = (max(mean, 0.0) + amplitude) * push
+    fastest = math.sqrt(max(force * force / max(bending, 1e-300), abs(swing))) if force else math.sqrt(abs(swing))
+    return 2 + int(min(2.0 * fastest / slow, 1e6))
 
 
 def as_box(box: Sequence[float]) -> Any:

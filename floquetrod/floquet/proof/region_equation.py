@@ -25,14 +25,12 @@ class ExactSides(NamedTuple):
 
 
 def certify_box(
-    parameters: dict[str, Any], growth_tolerance: Any, max_boxes: Any, prove: Callable[[Parameters], Proof]
+    parameters: dict[str, Any], tolerance: float, max_boxes: int, prove: Callable[[Parameters], Proof]
 ) -> RegionProof:
     """Return what `certify` does of Mathieu's equation with parameters some of which are (low, high).
 
     ``prove`` proves one equation, by its exact parameters.
     """
-    tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-    max_boxes = validate.integer("max_boxes", max_boxes, 1, 10**9)
     sides = _sides(parameters)
     alpha, beta, damping = (Interval.hull(ends) for ends in sides)
     # A mode of a rod with c1 = Omega^2 = 0, c2 = 1 and omega = 1; the sign of alpha only shifts time.
