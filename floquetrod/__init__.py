@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from floquetrod.floquet.dispatch import stability as stability
     from floquetrod.floquet.proof import Proof as Proof
     from floquetrod.floquet.proof import certify as certify
+    from floquetrod.floquet.proof.region import RegionProof as RegionProof
     from floquetrod.floquet.verdict import Stability as Stability
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
-    from floquetrod.floquet.proof.region import RegionProof as RegionProof
     from floquetrod.plane import Bands as Bands
     from floquetrod.plane import Chart as Chart
     from floquetrod.rod.coupled_stability import CoupledRodStability as CoupledRodStability
