@@ -46,6 +46,7 @@ class Given:
     """A source that has the answer."""
 
     bands: Bands
+    prompt: bool = True
 
     def __call__(self, accuracy: float, progress: Any) -> Bands:
         """Return it."""

@@ -62,6 +62,7 @@ class OneBand:
 
     x: Axis
     y: Axis
+    prompt: bool = True
 
     def __call__(self, accuracy: float, progress: Any) -> Bands:
         """Return it."""

@@ -65,7 +65,11 @@ def add(commands: Any) -> None:
     for name in KINDS:
         chart.add_argument(f"--{name}", help="a range such as 0:1.1Fcr or 5Hz:60Hz, or one value")
     shape = chart.add_mutually_exclusive_group()
-    shape.add_argument("--bands", action="store_true", help="draw the unstable bands as shapes (the default)")
+    shape.add_argument(
+        "--bands",
+        action="store_true",
+        help="draw the unstable bands as shapes (the default where they take about as long as the points)",
+    )
     shape.add_argument("--pixels", action="store_true", help="draw the points in place of bands")
     chart.add_argument("--points", default="400x300", help="columns x rows (default 400x300)")
     chart.add_argument("--growth", action="store_true", help="shade by growth rate")
@@ -116,7 +120,8 @@ def _map(options: argparse.Namespace) -> Answer:
         like=like if like.departures else None,
         progress=Progress("points"),
     )
-    bands = options.bands or (not options.pixels and chart.source is not None)
+    prompt = chart.source is not None and chart.source.prompt
+    bands = options.bands or (prompt and not options.pixels)
     if bands:
         chart.find_bands(progress=Progress("steps along boundaries"))
     drawn = chart.in_units(**{name: shown[name].name for name in ("kick", *KINDS)[rubbing is None :]})

@@ -25,7 +25,7 @@ class ExactMathieuBands:
 
     @property
     def prompt(self) -> bool:
-        """True: they take about as long as a chart does."""
+        """Whether the bands are found about as fast as a chart; they are."""
         return True
 
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:

@@ -42,7 +42,7 @@ class ExactRodBands:
 
     @property
     def prompt(self) -> bool:
-        """True: they take about as long as a chart does."""
+        """Whether the bands are found about as fast as a chart; they are."""
         return True
 
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:

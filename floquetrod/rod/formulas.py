@@ -23,7 +23,7 @@ class SectionNumbers(NamedTuple):
     material, inner, outer : number, array or interval
         A_s, A_i and A_o: of the material, of the bore, and within the outer radius.
     second_moment : number, array or interval
-        I.
+        I, about a diameter.
     """
 
     material: Any

@@ -14,6 +14,7 @@ from floquetrod.plane import Axis, BandSource, Chart, Progress, axis_values, fil
 from floquetrod.rod.bands import ExactRodBands
 from floquetrod.rod.certified import certified_cells
 from floquetrod.rod.load import LIMITS, AnyLoad, Quantity, kind, require_load
+from floquetrod.rod.modal import refusal
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.plane import LoadPlane
 from floquetrod.rod.rod import Rod
@@ -153,7 +154,7 @@ def _require_provable(rod: Rod, like: AnyLoad | None, tolerance: float, **others
             f"certified is about stability for all time without friction; leave out either it or {given[0]}"
         )
     if not rod.coupled_numbers.has_mathieu_modes(kind(like)):
-        raise rod.refusal("certified", kind(like))
+        raise refusal(rod, "certified", kind(like))
     if tolerance == 0.0 and rod.damping_rate == 0.0:
         raise ValueError(
             "certified needs a growth_tolerance above 0, 1e-6 1/s say, or a rod with damping: without, tongues too "

@@ -118,11 +118,12 @@ class ModalRod(RodData):
             return count, max(tolerance, HAIRLINE_GROWTH)
         return self.mode_constants.modes_needed(load, validate.tolerance("growth_tolerance", growth_tolerance))
 
-    def refusal(self, name: str, load: Load) -> ValueError:
-        """Return the error for what independent modes are needed for, under a load that couples them."""
-        found = self.coupled_numbers.departures(load)
-        remedy = "; mean_at=None neglects the weight along the rod" if "weight along the rod" in found else ""
-        return ValueError(
-            f"{name} needs independent modes, those of hinged ends under a sine that is uniform along the rod, got "
-            f"{', '.join(found)}{remedy}"
-        )
+
+def refusal(rod: ModalRod, name: str, load: Load) -> ValueError:
+    """Return the error for what independent modes are needed for, under a load that couples them."""
+    found = rod.coupled_numbers.departures(load)
+    remedy = "; mean_at=None neglects the weight along the rod" if "weight along the rod" in found else ""
+    return ValueError(
+        f"{name} needs independent modes, those of hinged ends under a sine that is uniform along the rod, got "
+        f"{', '.join(found)}{remedy}"
+    )

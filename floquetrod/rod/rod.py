@@ -25,6 +25,7 @@ from floquetrod.rod.friction import (
     kicked_loads,
 )
 from floquetrod.rod.load import AnyLoad, Load, Loads, Progress, kind, load_bounds, require_load
+from floquetrod.rod.modal import refusal
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.proved import ProvedRod
@@ -161,7 +162,7 @@ class Rod(ProvedRod):
         self._warn_unless_uniform(load)
         if not self.coupled_numbers.has_mathieu_modes(load):
             if friction is not None:
-                raise self.refusal("friction", load)
+                raise refusal(self, "friction", load)
             return classify_coupled(self, load, None if modes is None else chosen_count(modes), growth_tolerance)
         # The growth rate is that of all modes, tolerated or not.
         linear = classify_modes(self, self.independent_modes(load, modes), growth_tolerance)
@@ -185,7 +186,7 @@ class Rod(ProvedRod):
         friction = friction_coefficient(friction)
         linear = self.stability(load, growth_tolerance=growth_tolerance)
         if not isinstance(linear, RodStability):
-            raise self.refusal("friction", linear.load)
+            raise refusal(self, "friction", linear.load)
         return critical_kick(linear, friction)
 
     def critical_kicks(
@@ -392,7 +393,7 @@ class Rod(ProvedRod):
         if not self.coupled_numbers.has_mathieu_modes(kind(like)):
             for name, given in (("friction", rubbing), ("criterion", criterion)):
                 if given is not None:
-                    raise self.refusal(name, kind(like))
+                    raise refusal(self, name, kind(like))
             loads = Loads.of(mean, amplitude, frequency)
             found = CoupledLoads(self.coupled_numbers, kind(like), loads, tolerance).answers(workers).status
             return shaped(found, loads.shape)

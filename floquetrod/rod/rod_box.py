@@ -14,7 +14,7 @@ from floquetrod._util.interval import PI, Interval
 from floquetrod.floquet.proof.region import Side, side_ends
 from floquetrod.rod import formulas
 from floquetrod.rod.load import LIMITS, Load, Quantity, load_number
-from floquetrod.rod.modal import ModalRod
+from floquetrod.rod.modal import ModalRod, refusal
 
 QUANTITIES: tuple[Quantity, ...] = ("mean", "amplitude", "frequency")
 """What a box of loads has sides of, in the order of the kernels."""
@@ -73,7 +73,7 @@ class RodBox:
         box = cls(rod, like.with_numbers(0.0, 0.0, 1.0), loads, _rod_sides(rod, parameters))
         for each in box._extreme_rods():
             if not each.coupled_numbers.has_mathieu_modes(box.like):
-                raise each.refusal("certify", box.like)
+                raise refusal(each, "certify", box.like)
         return box
 
     @property

@@ -182,7 +182,7 @@ class _Search:
 
     @cached_property
     def rods(self) -> tuple[ModalRod, ...]:
-        """Rods of the box: that in the middle, and those in some of its corners."""
+        """The rod in the middle of the box, and those in some of its corners."""
         names = self.point.varied_parameters
         corners = islice(product(("low", "high"), repeat=len(names)), _CORNERS if names else 0)
         sides = self.point.parameters

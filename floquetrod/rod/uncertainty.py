@@ -16,6 +16,7 @@ from floquetrod.rod.assumptions import assumptions
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.distributions import Sampling, distributions
 from floquetrod.rod.load import LIMITS, AnyLoad, Progress, require_load
+from floquetrod.rod.modal import refusal
 from floquetrod.rod.rod import Rod
 
 Floats = NDArray[np.float64]
@@ -84,7 +85,7 @@ class InstabilityProbability(NoTruthValue):
 
     @cached_property
     def importance(self) -> dict[str, SobolIndex] | None:
-        """Sobol indices by name: how much each quantity matters for the verdict; None where `note` says why not.
+        """Sobol indices by name, how much each quantity matters for the verdict; None where `note` says why not.
 
         Computed when first asked for, from about as many further samples as the probability took, by
         `scipy.stats.sobol_indices`.  Their confidence intervals come from the spread of 16 independent sets of points.
@@ -221,7 +222,7 @@ def probability_of_instability(
     if sampling.are_coupled:
         for name in parameters:
             if name not in LIMITS:
-                raise sampling.example.refusal(f"{name} in parameters", load)
+                raise refusal(sampling.example, f"{name} in parameters", load)
 
     from scipy.stats import binomtest
 

@@ -26,12 +26,16 @@ WAVE = [[0.1, 0.2], [0.2, 0.16]]
 SYSTEM = fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], [WAVE], period=2.0)
 FIRST_ORDER = fr.PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], [WAVE], period=2.0)
 
+QUIET = ROD.replace(damping_rate=0.5)
+SAFE = {"mean": (0.56, 0.59), "amplitude": 0.33, "frequency": 150.0}
+SAFE_LOAD = fr.AxialLoad(0.57, 0.33, 150.0)
+
 VALUES = (fr.AxialLoad, fr.AxialWave, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
 VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem, fr.ForceRecord)
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
-RESULTS += (fr.systems.FirstOrderTongue, fr.CoupledRodStability)
+RESULTS += (fr.Bands, fr.SafeBox, fr.systems.FirstOrderTongue, fr.CoupledRodStability)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
@@ -39,6 +43,14 @@ LEFT_OUT = {
     "ForceRecord.spectrum": "takes no argument",
     "Comparison": "constructed by compare",
     "Proof": "constructed by certify",
+    "RegionProof": "constructed by certify and Rod.certify",
+    "SafeBox": "constructed by Rod.largest_safe_box",
+    "Bands": "constructed by Chart.find_bands",
+    "Bands.plot": "its axes are an object of matplotlib",
+    "Bands.to_xarray": "takes no argument",
+    "Bands.as_arrays": "takes no argument",
+    "Bands.bands_of": "reads what files hold, which are damaged elsewhere",
+    "Bands.scaled": "for Chart.in_units, whose arguments are checked there",
     "FrictionalRodStability": "constructed by Rod.stability",
     "InstabilityProbability": "constructed by probability_of_instability",
     "CheckpointWarning": "a warning",
@@ -171,6 +183,7 @@ def table() -> dict[str, Call]:
     calls = _of_equations() | _of_rods(place) | _of_coupled_rods() | _of_mathieu() | _of_friction() | _of_systems()
     criterion = fr.FiniteTimeCriterion()
     ranges = ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1)
+    safe = QUIET.largest_safe_box(SAFE_LOAD, vary=("mean",), accuracy=0.1)
     return calls | {
         "FiniteTimeCriterion": Call(fr.FiniteTimeCriterion, {"periods": 10, "limit": 1e3, "by": "exact", "step": 0.01}),
         "FiniteTimeCriterion.growth": Call(
@@ -180,11 +193,21 @@ def table() -> dict[str, Call]:
             criterion.is_stable, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "workers": 1}
         ),
         "Chart.in_units": Call(mapped.in_units, {"mean": "Fcr", "frequency": "Hz"}),
+        "Chart.find_bands": Call(mapped.find_bands, {"accuracy": 0.01}),
+        "Bands.to_csv": Call(mapped.bands.to_csv, {"path": str(place / "bands.csv")}),
         "Chart.save": Call(chart.save, {"path": str(place / "again.npz")}),
         "Chart.load": Call(fr.Chart.load, {"path": str(place / "chart.npz")}),
         "CoupledRodStability.time_to_grow": Call(
             CLAMPED.stability(TRAVELLING, range(1, 9)).time_to_grow, {"factor": 10.0}
         ),
+        "Rod.certify": Call(
+            QUIET.certify, {**SAFE, "growth_tolerance": 0.1, "rod": {"length": (3.09, 3.1)}, "max_boxes": 500}
+        ),
+        "Rod.largest_safe_box": Call(
+            QUIET.largest_safe_box, {"around": SAFE_LOAD, "vary": ("mean",), "growth_tolerance": 0.1, "accuracy": 0.1}
+        ),
+        "SafeBox.table": Call(safe.table, {"mean": "Fcr"}),
+        "SafeBox.in_units": Call(safe.in_units, {"mean": "Fcr"}),
         "RodStability.time_to_grow": Call(ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
         "StabilityIntervals.table": Call(ranges.table, {"unit": "N", "size": 1.0}),
         "Simulation.save": Call(run.save, {"path": str(place / "again.npz")}),

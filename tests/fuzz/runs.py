@@ -48,7 +48,7 @@ def differences(one: Any, other: Any) -> list[str]:
     return [
         part.name
         for part in dataclasses.fields(one)
-        if part.name != "seconds" and not same(getattr(one, part.name), getattr(other, part.name))
+        if part.compare and part.name != "seconds" and not same(getattr(one, part.name), getattr(other, part.name))
     ]
 
 
