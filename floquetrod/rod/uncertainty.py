@@ -129,7 +129,7 @@ class InstabilityProbability(NoTruthValue):
 
     @property
     def _points(self) -> int:
-        """Number of points of a Sobol index: a power of two, with which it takes about as long as the samples."""
+        """Number of points of a Sobol index, a power of two with which it takes about as long as the samples."""
         several = self.samples // (len(self.sampling.parameters) + 2)
         return min(max(1 << max(several.bit_length() - 1, 0), _LEAST_POINTS), _MOST_POINTS)
 
