@@ -140,7 +140,7 @@ def tail_modes(box: Any, tolerance: float, smallest: float, most: int) -> tuple[
         else:
             low = middle
     bound = tail_bound(box, high)
-    return high, max(0.0, up(bound - box[DAMPING, 0]))
+    return high, max(0.0, up(bound - box[DAMPING, 0])) if bound > 0.0 else 0.0
 
 
 @kernel
