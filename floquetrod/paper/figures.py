@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.square_wave import square_wave
+from floquetrod.floquet.verdict import Stability
 from floquetrod.paper.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
-from floquetrod.plane import Band, Bands
+from floquetrod.plane import Axis, Band, Bands, TracedBands
+from floquetrod.plane.chart import ACCURACY
 from floquetrod.plotting import palette
 from floquetrod.plotting import paper as drawing
 from floquetrod.plotting.paper import Interval
@@ -28,6 +32,10 @@ The first is unstable in a tongue the 100-period test cannot see, the others are
 
 FREQUENCIES, FORCES = (20.0, 200.0), (0.0, 1.1)
 """What the maps of Figures 3 and 6 range over: rad/s and F_cr."""
+
+Floats = NDArray[np.float64]
+
+_STATUS = {"stable": 1, "unstable": 0, "undecided": -1}
 
 SHOWN = 1e-4
 """Growth per unit tau from which Figure 3(a)-(d) shows a tongue: the many weaker ones would cover the page."""
@@ -114,20 +122,32 @@ def figure_8(points: int, chart: int) -> Any:
     figure, axes = drawing.panels(1, 2, (8.0, 4.4))
     alpha, beta = window(chart)
     unstable = ~LEAPFROG.is_stable(alpha, beta)
-    fine_alpha, fine_beta = window(points)
     for ax, name, method in (
         (axes[0], "Hill, 40 and 41 rows", functools.partial(determinant, terms=40)),
         (axes[1], "square wave", square_wave),
     ):
         drawing.draw_plane(ax, alpha, beta.ravel(), unstable)
-        values = [[method(Mathieu(float(x), float(y))).discriminant for x in fine_alpha] for y in fine_beta.ravel()]
-        drawing.draw_boundary(ax, fine_alpha, fine_beta.ravel(), np.array(values))
+        drawing.draw_outlines(ax, _traced(method, points))
         ax.set_title(name, fontsize="medium")
     drawing.caption(
         figure,
-        "Unstable points (orange) by the 100-period leapfrog test, and the boundaries (black), where the discriminant "
-        "is 2 or -2, by (a) Hill's determinants of 40 and 41 rows and (b) a square wave in place of the sine; tips too "
-        f"thin for a grid of {points} x {points} are cut off.",
+        "Unstable points (orange) by the 100-period leapfrog test, and the boundaries (black) traced by (a) Hill's "
+        "determinants of 40 and 41 rows and (b) a square wave in place of the sine, from tongues met by a grid of "
+        f"{points} x {points} points.",
         112,
     )
     return figure
+
+
+def _traced(method: Callable[[Mathieu], Stability], points: int) -> Bands:
+    """Return the bands of the chart that a method finds unstable, traced from its verdicts."""
+
+    def judge(alpha: Floats, beta: Floats) -> tuple[NDArray[np.int8], Floats]:
+        status = [method(Mathieu(x, y)).status for x, y in zip(alpha.tolist(), beta.tolist(), strict=True)]
+        return np.array([_STATUS[each] for each in status], dtype=np.int8), np.full(alpha.size, np.nan)
+
+    alpha, beta = (values.ravel() for values in window(points))
+    x, y = np.meshgrid(alpha, beta)
+    unstable = judge(x.ravel(), y.ravel())[0].reshape(x.shape) == 0
+    axes = Axis("alpha", r"\alpha", "", alpha), Axis("beta", r"\beta", "", beta)
+    return TracedBands(judge, *axes, unstable, "per tau", 0.0)(ACCURACY, None)

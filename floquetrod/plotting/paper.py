@@ -43,14 +43,18 @@ def draw_exact_plane(ax: Any, bands: Any, curves: Any) -> None:
     _frame(ax, bands.x.values, bands.y.values, r"$\alpha$", r"$\beta$")
 
 
-def draw_boundary(
-    ax: Any, alpha: NDArray[np.float64], beta: NDArray[np.float64], discriminant: NDArray[np.float64]
-) -> None:
-    """Draw where the discriminant is 2 or -2; its inverse hyperbolic sine is smooth enough to interpolate."""
-    level = float(np.arcsinh(2.0))
-    ax.contour(
-        alpha, beta, np.arcsinh(discriminant), levels=[-level, level], colors="black", linewidths=0.8, linestyles="-"
-    )
+def draw_outlines(ax: Any, bands: Any) -> None:
+    """Draw the boundaries of bands as lines, but not the edge of the plane."""
+    ends = [axis.values[[0, -1]] for axis in (bands.x, bands.y)]
+    for band in bands:
+        line = np.column_stack([np.append(band.x, band.x[0]), np.append(band.y, band.y[0])])
+        beside = [np.isclose(line[:, k, None], ends[k], rtol=0.0, atol=1e-9 * np.ptp(ends[k])) for k in (0, 1)]
+        on_edge = np.hstack(beside)
+        hidden = (on_edge[1:] & on_edge[:-1]).any(axis=1)
+        for part in np.split(np.arange(len(hidden)), np.flatnonzero(np.diff(hidden)) + 1):
+            if not hidden[part[0]]:
+                chosen = np.append(part, part[-1] + 1)
+                ax.plot(*line[chosen].T, color="black", linewidth=0.8)
 
 
 def draw_modes(ax: Any, alpha: NDArray[np.float64], beta: NDArray[np.float64], unstable: NDArray[np.bool_]) -> None:

@@ -43,7 +43,7 @@ class ForceRecord(LoadSource, ByContent):
         In N.  Samples whose time or force is NaN are left out, at most half of them.
     harmonics : int, optional
         Largest number of harmonics looked for, 20 by default.  Fewer are where the sampling rate or the number of
-        samples does not allow for more: `note` says so where they were asked for.
+        samples does not allow for more: ``note`` says so where they were asked for.
     frequency : float, optional
         Frequency of the fundamental in rad/s as far as it is known, to a tenth or half a period per record; it is
         refined.  By default it is searched for: the strongest frequency of the record is one of the first ten harmonics

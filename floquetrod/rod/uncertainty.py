@@ -85,7 +85,7 @@ class InstabilityProbability(NoTruthValue):
 
     @cached_property
     def importance(self) -> dict[str, SobolIndex] | None:
-        """Sobol indices by name, how much each quantity matters for the verdict; None where `note` says why not.
+        """Sobol indices by name, how much each quantity matters for the verdict; None where ``note`` says why not.
 
         Computed when first asked for, from about as many further samples as the probability took, by
         `scipy.stats.sobol_indices`.  Their confidence intervals come from the spread of 16 independent sets of points.
