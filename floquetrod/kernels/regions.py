@@ -27,7 +27,7 @@ from floquetrod.kernels.regions_boxes import (
 from floquetrod.kernels.regions_excess import excess
 from floquetrod.kernels.regions_modes import GROWS, QUIET, UNKNOWN
 
-DONE, WAITING, FIRST, QUIET_PARTS, GROWING_PARTS, OPEN_PARTS, GROWING_MODE, OPEN_MODE = range(8)
+DONE, WAITING, FIRST, QUIET_PARTS, GROWING_PARTS, OPEN_PARTS, GROWING_MODE = range(7)
 """Entries of `BoxSearch.counts`."""
 
 _LISTED = 62  # pending modes remembered one by one for each box
@@ -45,12 +45,12 @@ class BoxSearch(NamedTuple):
         Of each, how many modes have not been proved quiet, then which; -1 and the first where they are too many.
     shares : ndarray, shape (n + 3,)
         The first three: shares of the volume proved quiet, proved growing, and given up.  Then that of each box.
-    counts : ndarray of int, shape (8,)
+    counts : ndarray of int, shape (7,)
         Boxes examined; boxes waiting and where the first of them is; parts proved quiet, proved growing (single points
         found on the way count as parts), given up (too small to be bisected); the mode that grows in the growing
-        example, and the mode last found undecided (0 where there is none).
-    examples : ndarray, shape (3, 7, 2)
-        A box proved quiet, a box proved growing, a box given up; NaN where there is none.  They may be single points.
+        example, 0 where there is none.
+    examples : ndarray, shape (2, 7, 2)
+        A box proved quiet and a box proved growing; NaN where there is none.  They may be single points.
     last : int
         Modes 1 to ``last`` are looked at.
     """
@@ -73,8 +73,8 @@ def box_search(box: NDArray[np.float64], last: int, max_boxes: int) -> BoxSearch
         np.empty((room, 7, 2)),
         np.empty((room, 1 + min(last, _LISTED)), dtype=np.int64),
         np.empty(room + 3),
-        np.empty(8, dtype=np.int64),
-        np.empty((3, 7, 2)),
+        np.empty(7, dtype=np.int64),
+        np.empty((2, 7, 2)),
         last,
     )
     search.boxes[0] = box
@@ -89,6 +89,7 @@ def start_search(boxes: Any, pending: Any, shares: Any, counts: Any, examples: A
     pending[0, 1] = 1
     for i in range(3):
         shares[i] = 0.0
+    for i in range(2):
         for row in range(7):
             examples[i, row, 0] = math.nan
             examples[i, row, 1] = math.nan
@@ -280,11 +281,9 @@ def certify_box(
             counts[QUIET_PARTS + kind] += 1
             shares[kind] += share
             continue
-        counts[OPEN_MODE] = undecided
         row = _side_to_bisect(box, undecided)
         if row < 0:
             counts[OPEN_PARTS] += 1
-            _copy(box, examples, 2)
             shares[2] += share
             continue
         now_and_then = counts[DONE] & (counts[DONE] - 1) == 0  # 1, 2, 4, 8, ...
@@ -343,8 +342,8 @@ def certify_cells(
     boxes = np.empty((room, 7, 2))
     pending = np.empty((room, 1 + _LISTED), dtype=np.int64)
     shares = np.empty(room + 3)
-    counts = np.empty(8, dtype=np.int64)
-    examples = np.empty((3, 7, 2))
+    counts = np.empty(7, dtype=np.int64)
+    examples = np.empty((2, 7, 2))
     for i in range(len(out)):
         box = boxes[0]
         box[MEAN, 0] = mean_low[i]

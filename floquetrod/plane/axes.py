@@ -30,6 +30,12 @@ class Axis(ByContent):
         return Axis(self.name, self.symbol, self.unit, self.values[[0, -1]])
 
     @property
+    def cell_edges(self) -> NDArray[np.float64]:
+        """Where the cells about the values begin and end, midway to the neighbours and no further than the axis."""
+        values = self.values
+        return np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1]), values[-1:]])
+
+    @property
     def label(self) -> str:
         """Label of the axis, symbol and unit included."""
         if not self.symbol:

@@ -65,12 +65,14 @@ class Bands(NoTruthValue, ByContent):
     growth_tolerance : float
         Growth up to which motion counts as stable; a band's boundary is where growth equals it.
     hairlines : int
-        Resonance tongues left out, in which nothing grows faster than the tolerance.
+        Resonance tongues left out, in which nothing grows faster than the tolerance, or, where that is 0, than
+        1e-6 1/s, for equations 1e-9 per tau.
     accuracy : float
         Distance up to which edges of the polygons may depart from the boundary between two vertices, as a share of
         each axis.
     resolution : tuple of float
-        Bands narrower than this along x and y may have been missed; (0, 0) where none can be.
+        Bands narrower than this along x and y may have been missed; (0, 0) where tongues are found by counts and not
+        among points of the plane (docs/maps.md says what of that is proved, and what observed).
 
     Iterating gives the bands.
     """

@@ -52,7 +52,7 @@ def _draw_cells(chart: Any, ax: Any) -> None:
     from matplotlib.collections import PolyCollection
     from matplotlib.colors import to_rgba
 
-    across, up = (np.concatenate([v[:1], 0.5 * (v[1:] + v[:-1]), v[-1:]]) for v in (chart.x.values, chart.y.values))
+    across, up = chart.x.cell_edges, chart.y.cell_edges
     colours = np.array([to_rgba(c) for c in (palette.NEUTRAL, palette.NEUTRAL, palette.UNSTABLE, palette.STABLE)])
     ax.pcolormesh(across, up, colours[chart.cells + 2], rasterized=True)
     rectangles = [

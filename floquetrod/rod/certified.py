@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 from floquetrod._util.compilation import over_chunks
 from floquetrod.floquet.proof.region import as_box
 from floquetrod.kernels import regions as kernels
+from floquetrod.plane import Axis
+from floquetrod.plane.chart import CELLS
 from floquetrod.rod.constants import MOST_MODES
 from floquetrod.rod.load import Load, Progress, Quantity
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.rod_box import QUANTITIES, RodBox
-
-PROVED_STABLE, PROVED_UNSTABLE, PROVED_BOUNDARY, OPEN = 1, 0, -1, -2
-"""What is proved of a cell: stable everywhere, unstable everywhere, both in parts, or neither."""
 
 _FIRST = 16  # cells along a side of the first blocks (a choice)
 _PARTS = 64  # parts of a single cell looked at before it is given up (a choice)
@@ -27,27 +26,27 @@ _CHUNK = 64  # boxes a thread takes at a time (a choice: some milliseconds)
 def certified_cells(
     rod: ModalRod,
     like: Load,
-    axes: Mapping[Quantity, NDArray[np.float64]],
+    axes: Mapping[Quantity, Axis],
     fixed: tuple[Quantity, float],
     tolerance: float,
     workers: int | None = None,
     progress: Progress | None = None,
 ) -> NDArray[np.int8]:
-    """Return what is proved of every cell of a map, int8 (rows, columns).
+    """Return what is proved of every cell of a map, int8 (rows, columns), see `floquetrod.plane.chart.CELLS`.
 
     Parameters
     ----------
     axes : mapping
-        The quantity to the right and the one upwards, in this order, with their values.  A cell reaches from a point up
-        to the middle between it and its neighbours, and no further than the first and last value.
+        The quantity to the right and the one upwards, in this order; their `Axis.cell_edges` bound the cells.
     fixed : tuple
         The third quantity and its value.
     """
     (across, x), (up, y) = axes.items()
-    edges = {across: _edges(x), up: _edges(y)}
+    edges = {across: x.cell_edges, up: y.cell_edges}
+    shape = y.values.size, x.values.size
     numbers = RodBox.of(rod, like, 0.0, 0.0, 1.0, None).kernel_box()
     constants = np.ascontiguousarray(as_box(numbers)[3:])
-    cells = np.full((y.size, x.size), OPEN, dtype=np.int8)
+    cells = np.full(shape, CELLS["undecided"], dtype=np.int8)
     size = _FIRST
     left = np.stack(
         [part.ravel() for part in np.meshgrid(*(np.arange(0, n, size) for n in cells.shape), indexing="ij")]
@@ -58,8 +57,8 @@ def certified_cells(
         for start in range(0, left.shape[1], _AT_ONCE):
             row, column = block = left[:, start : start + _AT_ONCE]
             ends: dict[Quantity, tuple[NDArray[np.float64], NDArray[np.float64]]] = {
-                across: (edges[across][column], edges[across][np.minimum(column + size, x.size)]),
-                up: (edges[up][row], edges[up][np.minimum(row + size, y.size)]),
+                across: (edges[across][column], edges[across][np.minimum(column + size, shape[1])]),
+                up: (edges[up][row], edges[up][np.minimum(row + size, shape[0])]),
                 fixed[0]: (np.full(row.size, fixed[1]), np.full(row.size, fixed[1])),
             }
             inputs = [end for name in QUANTITIES for end in ends[name]]
@@ -87,11 +86,6 @@ def certified_cells(
         left = _quarters(np.concatenate(open_blocks, axis=1), size // 2, cells.shape)
         size //= 2
     return cells
-
-
-def _edges(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return where cells begin and end."""
-    return np.concatenate([values[:1], 0.5 * (values[1:] + values[:-1]), values[-1:]])
 
 
 def _quarters(blocks: NDArray[np.int64], size: int, shape: tuple[int, ...]) -> NDArray[np.int64]:

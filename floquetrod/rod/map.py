@@ -139,8 +139,7 @@ def stability_map(
         source = ExactRodBands(rod.mode_constants, across, up, x.ends, y.ends, value, tolerance)
     cells = None
     if certified:
-        axes = {across: x.values, up: y.values}
-        cells = certified_cells(rod, kind(like), axes, (fixed[0], value), tolerance, workers, progress)
+        cells = certified_cells(rod, kind(like), {across: x, up: y}, (fixed[0], value), tolerance, workers, progress)
     return Chart(
         x, y, verdicts == 1, rate, mode, "1/s", subject, tolerance, words, undecided, __version__, source, cells
     )

@@ -184,7 +184,7 @@ def subdivide(
             goes_on = run(*search, tolerance, tolerance, min(_STEPS, max_boxes - int(counts[kernels.DONE])))
             if progress is not None:
                 progress(int(counts[kernels.DONE]))
-    quiet, growing = (None if np.isnan(part).any() else part for part in search.examples[:2])
+    quiet, growing = (None if np.isnan(part).any() else part for part in search.examples)
     return Found(
         float(search.shares[0]),
         float(search.shares[1]),
