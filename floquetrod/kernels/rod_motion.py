@@ -43,8 +43,8 @@ PARTS = ("share", "grip")
 
 ONCE = ("anchor", "cosines", "sines", "work", "impulse", "clock")
 """Where ends are held across: y, z of the first and of the last node.  Cosines and sines of harmonics 1, 2, ... of the
-vibration, in N.  Work done by the end forces so far.  Impulses in
-the direction of a push that the fixtures of the upper and the lower end have given so far.  Steps done so far."""
+vibration, in N.  Work done by the end forces so far.  Impulses
+by which the upper and the lower end have been pushed so far.  Steps done so far."""
 
 SCRATCH = ("d1", "d2", "d3", "inverse", "tension", "f1", "f2", "f3", "torque")
 """Of segments: direction, 1 / |t|, tension, gradient of the energy by t, torque of twist."""
@@ -111,6 +111,13 @@ class Physics(NamedTuple):
     harmonics: int  # of the vibration
     upper: End
     lower: End
+
+
+def energy_of_fixed_end(across: int, first: float, both: float, next_one: float) -> float:
+    """Return the squares by which an end that cannot rotate stores bending: of K_0, K_0 K_1 and K_1, as the bulk's."""
+    if across == CLAMPED:
+        return _FIRST_END * first - 2.0 * _END * both + _END * next_one
+    return 0.5 * first + (first - 2.0 * both + next_one) / 12.0
 
 
 @kernel
@@ -405,6 +412,8 @@ def advance(rod: Any, steps: int, p: Any) -> None:
         else:
             _frictionless_step(rod, p)
         rod["work"][0] += 0.5 * p.step * (before + upper * vx[a] - lower * vx[b])
+        rod["impulse"][0] += p.step * upper
+        rod["impulse"][1] += p.step * lower
         _hold_end(rod, p.upper, a, 0, 1.0, p)
         _hold_end(rod, p.lower, b, 1, -1.0, p)
         if damped:

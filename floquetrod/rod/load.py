@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, Literal, NamedTuple, Self, TypeAlias
 
@@ -246,6 +246,16 @@ class LoadSource(ABC):
 
 AnyLoad: TypeAlias = Load | LoadSource
 """An argument that is a load or stands for one."""
+
+
+def load_from_dict(data: Mapping[str, Any]) -> Load:
+    """Return the load that `Load.kind_as_dict`, with its three numbers, describes; KeyError or a ValueError else."""
+    kinds = {kind.__name__: kind for kind in (AxialLoad, AxialWave)}
+    values = dict(data)
+    load = kinds[values.pop("type")]
+    if values.get("waveform", "sine") != "sine":
+        values["waveform"] = tuple(complex(*pair) for pair in values["waveform"])
+    return load(**values)
 
 
 def require_load(name: str, value: Any) -> Load:

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import files
 from floquetrod._util.version import __version__
-from floquetrod.kernels import cosserat
+from floquetrod.kernels import rod_motion
 from floquetrod.simulation.mesh import ENERGIES
 from floquetrod.simulation.result import RecordedMotion
 from floquetrod.simulation.time_steps import TimeSteps
@@ -71,7 +71,7 @@ class Resumable(NamedTuple):
 
     def record(self, arrays: Mapping[str, NDArray[Any]], name: str) -> Any:
         """Return the record of the rod that a file holds under ``name``."""
-        layout = cosserat.rod_type(self.segments)
+        layout = rod_motion.rod_type(self.segments)
         (rod,) = np.frombuffer(bytearray(files.field(arrays, name, np.uint8, (layout.itemsize,))), dtype=layout)
         clock = float(rod["clock"][0])
         if not (0.0 <= clock <= self.time_steps.count and clock == int(clock)):
@@ -89,7 +89,7 @@ class Resumable(NamedTuple):
 
 def frame_shapes(segments: int) -> dict[str, tuple[int, ...]]:
     """Return the arrays that a frame consists of, with their shapes."""
-    return {"positions": (segments + 1, 3), "velocities": (segments + 1, 3), "energies": (len(ENERGIES),)}
+    return {"positions": (segments + 1, 3), "velocities": (segments + 1, 3), "energies": (len(ENERGIES),), "impulses": (2,)}
 
 
 class Checkpoint:

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import compiled, compiled_for
-from floquetrod.kernels import cosserat
+from floquetrod.kernels import rod_motion
 from floquetrod.simulation.checkpoints import Checkpoint, Resumable, RunState, frame_shapes
+from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.result import RecordedMotion
 from floquetrod.simulation.time_steps import TimeSteps
@@ -44,8 +45,10 @@ class Integration(Generic[Result]):
     Parameters
     ----------
     mesh : DiscreteRod
-    physics : Physics
-        Of this mesh, its load and its friction, with the size of ``time_steps``.
+    driving : Driving
+        Of the rod of this mesh.
+    friction : float
+        Its coefficient.
     time_steps : TimeSteps
     velocities : ndarray (nodes,)
         Across the channel at the start, in m/s.
@@ -58,14 +61,16 @@ class Integration(Generic[Result]):
     def __init__(
         self,
         mesh: DiscreteRod,
-        physics: cosserat.Physics,
+        driving: Driving,
+        friction: float,
         time_steps: TimeSteps,
         velocities: NDArray[np.float64],
         result: Callable[[RecordedMotion], Result],
         checkpoint: Checkpoint | None = None,
     ) -> None:
         """Start, or continue from the checkpoint."""
-        self.mesh, self.physics, self.time_steps = mesh, physics, time_steps
+        self.mesh, self.driving, self.time_steps = mesh, driving, time_steps
+        self.physics = mesh.physics(driving, time_steps.size, friction)
         self._make_result, self._checkpoint = result, checkpoint
         self._frames: dict[str, NDArray[np.float64]] = {
             name: np.zeros((time_steps.frames, *shape)) for name, shape in frame_shapes(mesh.segments).items()
@@ -96,8 +101,8 @@ class Integration(Generic[Result]):
     def run(self, progress: Progress | None) -> Result:
         """Continue to the end, or to Ctrl-C; a checkpoint that cannot be written does not stop the run."""
         # Compiled before the clock starts: the first run of a process, or ever, takes no longer than the others.
-        advance = compiled_for(cosserat.advance, self.rod, 1, self.physics)
-        compiled_for(cosserat.drift, self.rod, 1.0, self.physics)
+        advance = compiled_for(rod_motion.advance, self.rod, 1, self.physics)
+        compiled_for(rod_motion.drift, self.rod, 1.0, self.physics)
         started, earlier = time.monotonic(), self.seconds
         checkpoint, count = self._checkpoint, self.time_steps.count
         if checkpoint is not None:
@@ -135,6 +140,7 @@ class Integration(Generic[Result]):
         return self._make_result(
             RecordedMotion(
                 time=np.arange(count, dtype=np.float64) * steps.per_frame * steps.size,
+                end_forces=self._end_forces(count),
                 positions=self._frames["positions"][:count],
                 velocities=self._frames["velocities"][:count],
                 energy=energy,
@@ -143,31 +149,37 @@ class Integration(Generic[Result]):
             )
         )
 
+    def _end_forces(self, count: int) -> NDArray[np.float64]:
+        """Return the forces in N that push both ends, each the mean since the frame before; at first the mean of all."""
+        forces = np.empty((count, 2))
+        forces[0] = self.driving.mean_forces
+        between = self.time_steps.per_frame * self.time_steps.size
+        forces[1:] = np.diff(self._frames["impulses"][:count], axis=0) / between
+        return forces
+
     def _start(self, velocities: NDArray[np.float64]) -> Any:
-        """Return the rod at the start; every segment rotates with the nodes it lies between."""
-        n, mesh = self.mesh.segments, self.mesh
-        rod = mesh.straight(self.physics.mean)
-        rod["vy"][: n + 1] = velocities
-        rod["w3"][:n] = np.diff(rod["vy"][: n + 1]) / mesh.segment_length
-        mesh.initialise(rod)
-        compiled(cosserat.drift)(rod, 0.5 * self.physics.step, self.physics)
+        """Return the rod at the start."""
+        rod = self.mesh.start(self.driving, velocities, self.physics.friction)
+        compiled(rod_motion.drift)(rod, 0.5 * self.physics.step, self.physics)
         return rod
 
     def _keep_frame(self) -> None:
         """Keep the frame that the clock has reached, with positions taken back to the time of the velocities."""
-        n, place = self.mesh.segments, self.done // self.time_steps.per_frame
+        place = self.done // self.time_steps.per_frame
         rod = self.rod.copy()
-        compiled(cosserat.drift)(rod, -0.5 * self.physics.step, self.physics)
+        compiled(rod_motion.drift)(rod, -0.5 * self.physics.step, self.physics)
         for axis, name in enumerate("xyz"):
-            self._frames["positions"][place, :, axis] = rod[name][: n + 1]
-            self._frames["velocities"][place, :, axis] = rod[f"v{name}"][: n + 1]
-        self._frames["energies"][place] = list(self.mesh.energies(rod).values())
+            self._frames["positions"][place, :, axis] = self.mesh.nodes(rod, name)
+            self._frames["velocities"][place, :, axis] = self.mesh.nodes(rod, f"v{name}")
+        self._frames["energies"][place] = list(self.mesh.energies(rod, self.driving).values())
+        self._frames["impulses"][place] = rod["impulse"][:2]
 
     def _require_sound(self) -> None:
         """Raise `SimulationDiverged` when a node has left the channel or a segment has been torn or crushed."""
-        n, rod, step = self.mesh.segments, self.rod, self.time_steps.size
-        far = float(np.hypot(rod["y"][: n + 1], rod["z"][: n + 1]).max())
-        stretch = float(np.abs(np.diff(rod["x"][: n + 1])).max()) / self.mesh.segment_length
+        x, y, z = (self.mesh.nodes(self.rod, axis) for axis in "xyz")
+        step = self.time_steps.size
+        far = float(np.hypot(y, z).max())
+        stretch = float(np.abs(np.diff(x)).max()) / self.mesh.segment_length
         inside, whole = far < 2.0 * self.mesh.rod.channel_radius, stretch < 2.0  # both False for NaN
         if inside and whole:
             return
@@ -195,7 +207,7 @@ class Integration(Generic[Result]):
         """Take over the state in a checkpoint."""
 
         def advance(rod: Any, steps: int) -> None:
-            compiled(cosserat.advance)(rod, steps, self.physics)
+            compiled(rod_motion.advance)(rod, steps, self.physics)
 
         expected = Resumable(self.mesh.segments, self.time_steps, self._piece, advance)
         self.rod, self._before, frames, self.seconds = checkpoint.load(expected)

@@ -7,17 +7,18 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod.kernels import cosserat
+from floquetrod.kernels import rod_motion
+from floquetrod.kernels.rod_motion import CLAMPED, FIRST, FREE, GUIDED, HINGED
 from floquetrod.rod.data import RodData
-from floquetrod.rod.load import AxialLoad
+from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS
 
 ENERGIES = (
     "kinetic",
     "stretch",
-    "shear",
     "bend",
     "twist",
     "gravity",
@@ -38,18 +39,14 @@ class DiscreteRod:
     ----------
     rod : RodData
     segments : int
-        At least 6 for every half wave of the critical mode, none shorter than the rod's radius.
+        At least 8 and 6 for every half wave of the critical mode, none shorter than the rod's radius.
     poisson_ratio : float
-        In (-1, 0.5]; with Young's modulus it gives the shear modulus.
+        In (-1, 0.5]; with Young's modulus it gives the shear modulus, for twist.
     indentation : float
         Depth to which the weight of the rod at rest indents the floor, as a part of R: it sets the stiffness of the
         contact.
     contact_damping : float
         Damping of small motion against the wall about rest, as a part of the critical damping.
-
-    Notes
-    -----
-    Shear factor of a circle: Cowper, J. Appl. Mech. 33 (1966) 335, 6 (1 + nu) / (7 + 6 nu).
 
     Examples
     --------
@@ -66,12 +63,7 @@ class DiscreteRod:
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
-        rod, segments = self.rod, validate.integer("segments", self.segments, 4)
-        if rod.departures:
-            raise ValueError(
-                f"rod must be solid, horizontal, hinged and without fluids to be simulated, got {rod.departures}; its "
-                "verdicts need no simulation: Rod.stability"
-            )
+        rod, segments = self.rod, validate.integer("segments", self.segments, 8)
         ratio = validate.finite("poisson_ratio", self.poisson_ratio)
         if not -1.0 < ratio <= 0.5:
             raise ValueError(f"poisson_ratio must be above -1 and at most 0.5, got {ratio!r}; metals have 0.25 to 0.45")
@@ -118,7 +110,7 @@ class DiscreteRod:
 
     @property
     def segment_mass(self) -> float:
-        """Mass of a segment, and of every node but the outer two, which have half of it, in kg."""
+        """Mass m_t l of a segment in motion across the channel, and of every node but those next to the ends, in kg."""
         return self.rod.mass_per_length * self.segment_length
 
     @property
@@ -127,25 +119,19 @@ class DiscreteRod:
         return self.rod.youngs_modulus / (2.0 * (1.0 + self.poisson_ratio))
 
     @property
-    def shear_rigidity(self) -> float:
-        """K G A in N, with Cowper's factor k."""
-        ratio = self.poisson_ratio
-        return 6.0 * (1.0 + ratio) / (7.0 + 6.0 * ratio) * self.shear_modulus * self.rod.area
-
-    @property
     def torsional_rigidity(self) -> float:
         """G J in N m^2."""
         return 2.0 * self.shear_modulus * self.rod.second_moment
 
     @property
-    def inertia(self) -> float:
-        """Moment of inertia of a segment about its own axis, m r^2 / 2, in kg m^2."""
-        return 0.5 * self.segment_mass * self.rod.radius**2
+    def mass_along(self) -> float:
+        """Mass of a segment in motion along the channel, that of its material, in kg."""
+        return self.rod.density * self.rod.area * self.segment_length
 
     @property
-    def cross_inertia(self) -> float:
-        """Moment of inertia of a segment across its axis, that of a rigid cylinder, m (r^2/4 + l^2/12), in kg m^2."""
-        return self.segment_mass * (self.rod.radius**2 / 4.0 + self.segment_length**2 / 12.0)
+    def inertia(self) -> float:
+        """Moment of inertia of a segment about its own axis, 2 rho I l, in kg m^2."""
+        return 2.0 * self.rod.density * self.rod.second_moment * self.segment_length
 
     @property
     def depth_at_rest(self) -> float:
@@ -157,106 +143,135 @@ class DiscreteRod:
         """Factor k of the contact's acceleration k sqrt(d) (d + C v), which at rest carries the weight."""
         gap, depth = self.rod.radial_clearance, self.depth_at_rest
         d = depth * (1.0 + 0.5 * depth / gap)  # the measure of indentation of the kernels
-        return self.rod.gravity / (math.sqrt(d) * d * (1.0 + depth / gap))
+        return self.rod.effective_gravity / (math.sqrt(d) * d * (1.0 + depth / gap))
 
     @property
     def contact_time(self) -> float:
         """C of the contact's acceleration in s, from the damping of small motion about rest."""
-        return 2.0 * self.contact_damping * math.sqrt(1.5 * self.depth_at_rest / self.rod.gravity)
+        return 2.0 * self.contact_damping * math.sqrt(1.5 * self.depth_at_rest / self.rod.effective_gravity)
 
-    def physics(
-        self, load: AxialLoad, step: float, friction: float = 0.0, ends: int = cosserat.HINGED
-    ) -> cosserat.Physics:
+    def physics(self, driving: Driving, step: float, friction: float = 0.0) -> rod_motion.Physics:
         """Return what the kernels compute with."""
-        return cosserat.Physics(
+        rod, load = self.rod, driving.load
+        upper, lower = driving.ends
+        return rod_motion.Physics(
             segments=self.segments,
-            ends=ends,
             step=step,
             segment=self.segment_length,
             mass=self.segment_mass,
+            mass_along=self.mass_along,
             inertia=self.inertia,
-            cross_inertia=self.cross_inertia,
-            stretch=self.rod.youngs_modulus * self.rod.area,
-            shear=self.shear_rigidity,
-            bend=self.rod.flexural_rigidity,
+            stretch=rod.youngs_modulus * rod.area,
+            bend=rod.flexural_rigidity,
             twist=self.torsional_rigidity,
-            radius=self.rod.radius,
-            radial_clearance=self.rod.radial_clearance,
-            gravity=self.rod.gravity,
+            radius=rod.radius,
+            radial_clearance=rod.radial_clearance,
+            gravity=rod.effective_gravity,
+            gravity_along=driving.gravity_along,
             contact=self.contact_stiffness,
             contact_damping=self.contact_time,
             friction=friction,
-            decay=math.exp(-self.rod.damping_rate * step),
-            mean=load.mean,
-            amplitude=load.amplitude,
+            decay=math.exp(-rod.damping_rate * step),
+            decay_along=math.exp(-driving.axial_damping * step),
             frequency=load.frequency,
+            harmonics=len(load.harmonics) if load.amplitude > 0.0 else 0,
+            upper=upper,
+            lower=lower,
         )
 
-    def straight(self, force: float = 0.0) -> Any:
-        """Return the record of the rod at rest, straight on the floor, squeezed by ``force`` (N)."""
-        rod = np.zeros(1, cosserat.rod_type(self.segments))[0]
-        n = self.segments
-        squeezed = 1.0 - force / (self.rod.youngs_modulus * self.rod.area)
-        rod["x"][: n + 1] = (np.arange(n + 1) / n - 0.5) * (self.rod.length * squeezed)
-        rod["z"][: n + 1] = -(self.rod.radial_clearance + self.depth_at_rest)
-        rod["q0"][:n] = 1.0
+    def start(self, driving: Driving, velocities: NDArray[np.float64], friction: float = 0.0) -> Any:
+        """Return the record of the rod at its start, straight on the floor.
+
+        It is squeezed by the mean forces and, without friction, vibrates along the channel as it will steadily;
+        ``velocities`` across the channel, of all nodes in m/s.
+        """
+        rod = np.zeros(1, rod_motion.rod_type(self.segments))[0]
+        n, nodes = self.segments, slice(FIRST, FIRST + self.segments + 1)
+        s = np.arange(n + 1) * self.segment_length
+        rod["x"][nodes] = driving.squeezed(s)
+        if friction == 0.0:
+            displacement, speed = driving.wave(s)
+            rod["x"][nodes] += displacement
+            rod["vx"][nodes] = speed
+        rod["z"][nodes] = -(self.rod.radial_clearance + self.depth_at_rest)
+        rod["vy"][nodes] = velocities
+        rod["share"][nodes], rod["grip"][nodes] = 1.0, friction
+        for place, (end, node, inwards) in enumerate(zip(driving.ends, (FIRST, FIRST + n), (1, -1), strict=True)):
+            held = end.across in (HINGED, CLAMPED)
+            # Of the trapezoidal rule, and of Gregory's where an end may move with a slope.
+            for distance, share in enumerate(_FREE_END if end.across == FREE else (0.5,)):
+                rod["share"][node + distance * inwards] = share
+            if held or end.moved:
+                rod["grip"][node] = 0.0  # what holds the end bears it
+            if held:
+                rod["vy"][node] = 0.0
+            rod["anchor"][2 * place : 2 * place + 2] = rod["y"][node], rod["z"][node]
+        for name, values in (("cosines", driving.harmonics.real), ("sines", -driving.harmonics.imag)):
+            rod[name][: values.size] = values
         return rod
 
-    def initialise(self, rod: Any) -> None:
-        """Complete a record of positions and velocities before its first step: anchors, surface velocities."""
-        for place, node in enumerate((0, 1, self.segments)):
-            rod["anchor"][3 * place : 3 * place + 3] = [rod[axis][node] for axis in "xyz"]
-        n = self.segments
-        y, z, spin = rod["y"][: n + 1], rod["z"][: n + 1], np.pad(rod["w1"][:n], 1, mode="edge")
-        around = (y * rod["vz"][: n + 1] - z * rod["vy"][: n + 1]) / np.maximum(np.hypot(y, z), 1e-300)
-        rod["slip_x"][: n + 1] = rod["vx"][: n + 1]
-        rod["slip_t"][: n + 1] = around + 0.5 * self.rod.radius * (spin[1:] + spin[:-1])
+    def nodes(self, rod: Any, name: str) -> NDArray[np.float64]:
+        """Return the view of a field of a record that belongs to the nodes."""
+        values: NDArray[np.float64] = rod[name][FIRST : FIRST + self.segments + 1]
+        return values
 
-    def energies(self, rod: Any) -> dict[str, float]:
+    def energies(self, rod: Any, driving: Driving) -> dict[str, float]:
         """Return the energies in J of a record whose positions are those of its velocities' time; see `ENERGIES`.
 
-        Gravity and contact count from the rod at rest on the floor.
+        Gravity and contact count from the straight rod at rest on the floor.
         """
-        n, mass = self.segments, np.full(self.segments + 1, self.segment_mass)
-        mass[0] = mass[n] = 0.5 * self.segment_mass
-        node = {name: rod[name][: n + 1] for name in (*cosserat.NODE, *cosserat.LOST)}
-        seg = {name: rod[name][:n] for name in cosserat.SEGMENT}
-        moving = node["vx"] ** 2 + node["vy"] ** 2 + node["vz"] ** 2
-        turning = self.inertia * seg["w1"] ** 2 + self.cross_inertia * (seg["w2"] ** 2 + seg["w3"] ** 2)
-        s1, s2, s3 = self._strains(node, seg)
-        b1, b2, b3 = _relative_rotations(seg)
-        half, inverse = 0.5 * self.segment_length, 2.0 / self.segment_length
+        node = {name: self.nodes(rod, name) for name in (*rod_motion.NODE, *rod_motion.LOST, *rod_motion.PARTS)}
+        share, length = node["share"], self.segment_length
+        mass, along = self.segment_mass * share, self.mass_along * share
+        moving = mass * (node["vy"] ** 2 + node["vz"] ** 2) + along * node["vx"] ** 2
+        turning = self.inertia * share * node["spin"] ** 2
+        tangents = self._tangents(node, driving)
+        lengths = np.linalg.norm(tangents, axis=1)
         gap, rest = self.rod.radial_clearance, self.rod.radial_clearance + self.depth_at_rest
         beyond = (node["y"] ** 2 + node["z"] ** 2 - gap**2) / (2.0 * gap)
         at_rest = (rest**2 - gap**2) / (2.0 * gap)
         pressed = np.maximum(beyond, 0.0) ** 2.5 - at_rest**2.5
+        straight = np.arange(self.segments + 1) * length - 0.5 * self.rod.length
         values = (
-            0.5 * np.sum(mass * moving) + 0.5 * np.sum(turning),
-            half * self.rod.youngs_modulus * self.rod.area * np.sum(s1**2),
-            half * self.shear_rigidity * np.sum(s2**2 + s3**2),
-            inverse * self.rod.flexural_rigidity * np.sum(b2**2 + b3**2),
-            inverse * self.torsional_rigidity * np.sum(b1**2),
-            self.rod.gravity * np.sum(mass * (node["z"] + rest)),
+            0.5 * np.sum(moving) + 0.5 * np.sum(turning),
+            0.5 * self.rod.youngs_modulus * self.rod.area / length * np.sum((lengths - length) ** 2),
+            0.5 * self.rod.flexural_rigidity / length * self._curved(tangents / lengths[:, None], driving),
+            0.5 * self.torsional_rigidity / length * np.sum(np.diff(node["angle"]) ** 2),
+            self.rod.effective_gravity * np.sum(mass * (node["z"] + rest))
+            - driving.gravity_along * np.sum(along * (node["x"] - straight)),
             0.4 * self.contact_stiffness * np.sum(mass * pressed),
             np.sum(mass * node["lost_contact"]),
             np.sum(mass * node["lost_friction"]),
-            np.sum(mass * node["lost_damping"]) + np.sum(seg["lost_turning"]),
+            np.sum(mass * node["lost_damping"]),
             rod["work"][0],
         )
         return dict(zip(ENERGIES, map(float, values), strict=True))
 
-    def _strains(self, node: dict[str, Any], seg: dict[str, Any]) -> tuple[Any, Any, Any]:
-        """Return stretch and both shears of every segment."""
-        a, b, c, d = (seg[name] for name in ("q0", "q1", "q2", "q3"))
-        x, y, z = (np.diff(node[name]) / self.segment_length for name in "xyz")
-        s1 = (1 - 2 * (c * c + d * d)) * x + 2 * (b * c + a * d) * y + 2 * (b * d - a * c) * z - 1
-        s2 = 2 * (b * c - a * d) * x + (1 - 2 * (b * b + d * d)) * y + 2 * (c * d + a * b) * z
-        s3 = 2 * (b * d + a * c) * x + 2 * (c * d - a * b) * y + (1 - 2 * (b * b + c * c)) * z
-        return s1, s2, s3
+    def _tangents(self, node: dict[str, Any], driving: Driving) -> NDArray[np.float64]:
+        """Return the tangent of every segment times its length, (segments, 3)."""
+        places = np.stack([node[axis] for axis in "xyz"], axis=1)
+        ghosts = [2.0 * places[0] - places[1], 2.0 * places[-1] - places[-2]]
+        for end, ghost, inner in zip(driving.ends, ghosts, (1, -2), strict=True):
+            if end.across in (CLAMPED, GUIDED):
+                ghost[1:] = places[inner, 1:]
+        all_places = np.vstack([ghosts[0], places, ghosts[1]])
+        found = 27.0 * np.diff(places, axis=0) - (all_places[3:] - all_places[:-3])
+        return np.asarray(found / 24.0)
+
+    def _curved(self, directions: NDArray[np.float64], driving: Driving) -> float:
+        """Return the sum of squares by which bending stores energy, see `floquetrod.kernels.rod_motion`."""
+        axis = np.array([1.0, 0.0, 0.0])
+        inner = np.diff(directions, axis=0)
+        total = np.sum(inner**2) + np.sum(np.diff(inner, axis=0) ** 2) / 12.0
+        for end, sign, first, next_one in zip(
+            driving.ends, (1.0, -1.0), directions[[0, -1]], inner[[0, -1]], strict=True
+        ):
+            if end.across in (CLAMPED, GUIDED):
+                bent = 2.0 * sign * (first - axis)
+                total += rod_motion.energy_of_fixed_end(end.across, bent @ bent, bent @ next_one, next_one @ next_one)
+            else:
+                total += next_one @ next_one / 12.0
+        return float(total)
 
 
-def _relative_rotations(seg: dict[str, Any]) -> tuple[Any, Any, Any]:
-    """Return the vector part of conj(left) right at every inner node."""
-    a, b, c, d = (seg[name][:-1] for name in ("q0", "q1", "q2", "q3"))
-    e, f, g, h = (seg[name][1:] for name in ("q0", "q1", "q2", "q3"))
-    return a * f - b * e - c * h + d * g, a * g + b * h - c * e - d * f, a * h - b * g + c * f - d * e
+_FREE_END = (3.0 / 8.0, 7.0 / 6.0, 23.0 / 24.0)

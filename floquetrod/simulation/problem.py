@@ -15,43 +15,48 @@ from numpy.typing import NDArray
 
 from floquetrod._util import files, validate
 from floquetrod._util.version import __version__
-from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.load import LIMITS, AxialLoad, AxialWave, Load, load_from_dict, load_number, require_load
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.stability import growth_of_modes
 from floquetrod.simulation.checkpoints import Checkpoint
+from floquetrod.simulation.driving import MOST_HARMONICS, Driving, half_waves
 from floquetrod.simulation.growth import GrowthFit, fit_linear_growth
 from floquetrod.simulation.integration import Integration, Progress
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.result import RecordedMotion
-from floquetrod.simulation.start import Perturbation
+from floquetrod.simulation.start import MOST_SEGMENTS, Perturbation
 from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
 
 _LARGEST_STRAIN = 0.02  # that a load may cause: beyond it linear elasticity has no meaning (a choice)
-_FORMAT = "floquetrod simulation 3"
+_SEGMENTS_IN_HALF_WAVE = 12  # by default, with which bending is 1e-4 too soft (a choice)
+_FORMAT = "floquetrod simulation 4"
 
 
 @dataclass(frozen=True)
 class SimulationProblem:
     """A rod, its load, and how both are simulated: everything a simulation depends on, in SI units.
 
-    The rod starts straight on the floor, squeezed by the mean force, with the speeds of ``perturbation``; its ends are
-    hinged there, free to move along the channel, and pushed inwards by F(t).  Options are given by keyword.
+    The rod starts straight on the floor, squeezed by the mean force, with the speeds of ``perturbation``.  Across the
+    channel its ends are held as `Rod.ends` says.  Along it both are pushed inwards by the force of an `AxialLoad`; under
+    an `AxialWave` the upper one alone, with the lower one held, pushed by the mean force, or pushed alike.  Options are
+    given by keyword.
 
     Parameters
     ----------
     rod : Rod
-    load : AxialLoad
-        Must strain the rod by at most 0.02.
+    load : AxialLoad, AxialWave or ForceRecord
+        Must strain the rod by at most 0.02; up to 100 harmonics.
     duration : float
         In s.
     friction : float
         mu, static = kinetic, along the channel and around it.
     perturbation : Perturbation, optional
         By default Perturbation.random(1e-3, seed=1), which the problem then holds.
-    segments : int
+    segments : int, optional
         At least 6 for every half wave of the critical mode and of those the perturbation names; none shorter than the
-        rod's radius.
+        rod's radius.  By default 12 for every half wave of the mode that the load is likely to excite, or that the
+        perturbation names; the problem then holds the number.
     time_step : float, optional
         The largest step to take, in s; by default the critical one with a margin.  Frames come at equal numbers of
         steps, so the step taken, ``time_steps.size``, is a little smaller.
@@ -63,6 +68,11 @@ class SimulationProblem:
         Depth to which the weight of the rod at rest indents the floor, as a part of the radial clearance R.
     contact_damping : float
         Damping of small motion against the wall about rest, as a part of the critical damping.
+    feed_speed : float, optional
+        Speed in m/s at which the upper end is moved down the channel, in place of the force there.  A vibration then
+        acts on the lower end alone.
+    far_force : float, optional
+        Mean effective compression at the lower end in N, where that end is pushed; by default the mean of the load.
 
     Raises
     ------
@@ -82,39 +92,42 @@ class SimulationProblem:
     """
 
     rod: Rod
-    load: AxialLoad
+    load: Load
     _: KW_ONLY
     duration: float = 2.0
     friction: float = 0.0
     perturbation: Perturbation = None  # type: ignore[assignment]  # never None once it is made
-    segments: int = 250
+    segments: int = None  # type: ignore[assignment]  # nor is this
     time_step: float | None = None
     frames: int = 400
     poisson_ratio: float = DiscreteRod.poisson_ratio
     indentation: float = DiscreteRod.indentation
     contact_damping: float = DiscreteRod.contact_damping
+    feed_speed: float | None = None
+    far_force: float | None = None
 
     def __post_init__(self) -> None:
         """Check and clean the parameters; the derived numbers raise for what they cannot be computed from."""
         validate.instance("rod", self.rod, Rod)
-        validate.instance("load", self.load, AxialLoad, "axial waves cannot be simulated")
-        if self.load.waveform != "sine":
-            raise ValueError(
-                f"load must be a sine to be simulated, got a {self.load.departures}; its verdicts need no simulation: "
-                "Rod.stability"
-            )
+        load = require_load("load", self.load)
         kick = Perturbation.random(1e-3, seed=1) if self.perturbation is None else self.perturbation
         validate.instance("perturbation", kick, Perturbation, "such as Perturbation.modes({8: 0.05})")
         cleaned: dict[str, Any] = {
+            "load": load,
             "perturbation": kick,
             "duration": validate.positive("duration", self.duration, "in s"),
             "frames": validate.integer("frames", self.frames, 2),
             "friction": friction_coefficient(self.friction),
             "time_step": None if self.time_step is None else validate.positive("time_step", self.time_step, "in s"),
+            "feed_speed": None if self.feed_speed is None else validate.nonnegative("feed_speed", self.feed_speed, "in m/s"),
+            "far_force": None if self.far_force is None else load_number("mean", self.far_force, "far_force"),
         }
         self._hold(cleaned)
         try:
+            self._require_possible_ends()
             self._require_small_strain()
+            if self.segments is None:
+                self._hold({"segments": self._fair_segments()})
             mesh = self.mesh
             self._hold({name: getattr(mesh, name) for name in _OF_THE_MESH})
             kick.velocities(self.segments)
@@ -133,6 +146,11 @@ class SimulationProblem:
     def mesh(self) -> DiscreteRod:
         """The discretised rod."""
         return DiscreteRod(self.rod, **{name: getattr(self, name) for name in _OF_THE_MESH})
+
+    @cached_property
+    def driving(self) -> Driving:
+        """What drives the ends along the channel."""
+        return Driving(self.rod, self.load, self.feed_speed, self.far_force)
 
     @cached_property
     def time_steps(self) -> TimeSteps:
@@ -173,14 +191,14 @@ class SimulationProblem:
         validate.progress(progress)
         file = None if place is None else Checkpoint(place, self.as_dict() | {"time_steps": asdict(self.time_steps)})
         steps = self.time_steps
-        physics = self.mesh.physics(self.load, steps.size, self.friction)
         velocities = self.perturbation.velocities(self.segments)
-        return Integration(self.mesh, physics, steps, velocities, self._result, file).run(progress)
+        started = Integration(self.mesh, self.driving, self.friction, steps, velocities, self._result, file)
+        return started.run(progress)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the parameters as plain data, for files: what JSON gives back as it was."""
         plain: dict[str, Any] = json.loads(
-            json.dumps(asdict(self) | {"rod": self.rod.as_dict(), "load": self.load.as_dict()})
+            json.dumps(asdict(self) | {"rod": self.rod.as_dict(), "load": self._load_as_dict()})
         )
         return plain
 
@@ -188,7 +206,7 @@ class SimulationProblem:
     def from_dict(cls, data: Mapping[str, Any]) -> SimulationProblem:
         """Return the problem that `as_dict` wrote; ValueError, KeyError or TypeError for anything else."""
         kick = Perturbation(*(tuple((a, b) for a, b in data["perturbation"][name]) for name in ("speeds", "noises")))
-        parts = {"rod": Rod(**data["rod"]), "load": AxialLoad(**data["load"]), "perturbation": kick}
+        parts = {"rod": Rod(**data["rod"]), "load": load_from_dict(data["load"]), "perturbation": kick}
         problem = cls(**{**data, **parts})
         # As text: to Python 1, 1.0 and True are equal.
         if json.dumps(problem.as_dict(), sort_keys=True) != json.dumps(data, sort_keys=True):
@@ -205,9 +223,38 @@ class SimulationProblem:
         recorded = {part.name: getattr(motion, part.name) for part in fields(motion)}
         return Simulation(problem=self, time_steps=self.time_steps, **recorded)
 
+    def _load_as_dict(self) -> dict[str, Any]:
+        """Return the load as plain data."""
+        return self.load.kind_as_dict() | {name: getattr(self.load, name) for name in LIMITS}
+
+    def _fair_segments(self) -> int:
+        """Return the number of segments that resolves the modes the load or the perturbation excites."""
+        waves = max(half_waves(self.rod, self.load), self.perturbation.highest_mode, 2.0)
+        return math.ceil(min(_SEGMENTS_IN_HALF_WAVE * waves, self.rod.length / self.rod.radius, MOST_SEGMENTS))
+
+    def _require_possible_ends(self) -> None:
+        """Raise ValueError for a load that cannot be simulated, and for ends that are to do two things at once."""
+        load = self.load
+        if len(load.harmonics) > MOST_HARMONICS:
+            raise ValueError(
+                f"load must have at most {MOST_HARMONICS} harmonics to be simulated, got {len(load.harmonics)}; leave "
+                "out the highest"
+            )
+        lower = "driven" if isinstance(load, AxialLoad) else load.far_end if isinstance(load, AxialWave) else ""
+        if self.feed_speed is not None and load.amplitude > 0.0 and lower != "driven":
+            raise ValueError(
+                f"feed_speed must not be given with a vibration of the upper end, got {self.feed_speed:g} m/s and an "
+                f"amplitude of {load.amplitude:g} N; an AxialLoad vibrates the lower end"
+            )
+        if self.far_force is not None and lower == "held":
+            raise ValueError(
+                f'far_force must not be given with a lower end that is held, got {self.far_force:g} N; take far_end="free"'
+            )
+
     def _require_small_strain(self) -> None:
         """Raise ValueError for a load beyond linear elasticity."""
-        strain = (abs(self.load.mean) + self.load.amplitude) / (self.rod.youngs_modulus * self.rod.area)
+        force = max(map(abs, self.driving.mean_forces)) + self.load.amplitude * np.abs(self.load.harmonics).sum()
+        strain = force / (self.rod.youngs_modulus * self.rod.area)
         if strain > _LARGEST_STRAIN:
             raise ValueError(
                 f"load strains the rod by {strain:.2g}, must be at most {_LARGEST_STRAIN:g}; its critical force is "
@@ -232,8 +279,10 @@ class Simulation(RecordedMotion):
         In s.
     positions, velocities : ndarray (frames, nodes, 3)
         m and m/s; x along the channel, z up, the axis of the channel at y = z = 0.
+    end_forces : ndarray (frames, 2)
+        Forces in N that push the upper and the lower end, each its mean since the frame before.
     energy : dict of ndarray (frames,)
-        J: kinetic, stretch, shear, bend, twist, gravity, contact (the latter two from rest on the floor), dissipated by
+        J: kinetic, stretch, bend, twist, gravity, contact (the latter two from rest on the floor), dissipated by
         contact, friction and damping together and apart ("dissipated_contact", ...), and the work of the end forces.
     complete : bool
         Whether it reached its end; False when it was interrupted.
@@ -344,7 +393,10 @@ class Simulation(RecordedMotion):
         """Growth in 1/s that the mode equations predict the leading modes, zero with friction."""
         if self.problem.friction > 0.0:
             return (0.0,) * len(self.leading_modes)
-        return tuple(map(float, growth_of_modes(self.rod, self.problem.load, self.leading_modes)))
+        load, modes = self.problem.load, self.leading_modes
+        if self.rod.coupled_numbers.has_mathieu_modes(load):
+            return tuple(map(float, growth_of_modes(self.rod, load, modes)))
+        return (self.rod.stability(load).growth_rate,) * len(modes)  # coupled modes grow together
 
     def save(self, path: str | Path) -> Path:
         """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""
@@ -357,7 +409,7 @@ class Simulation(RecordedMotion):
             "complete": self.complete,
             "seconds": self.seconds,
         }
-        arrays = {"time": self.time, "positions": self.positions, "velocities": self.velocities}
+        arrays = {name: getattr(self, name) for name in ("time", "positions", "velocities", "end_forces")}
         energy = {f"energy_{name}": values for name, values in self.energy.items()}
         return files.write_npz(path, meta, {**arrays, **energy}, compress=True)
 
@@ -394,6 +446,7 @@ def _simulation(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Simula
         time=time,
         positions=positions,
         velocities=velocities,
+        end_forces=files.field(arrays, "end_forces", np.float64, (count, 2), finite=True),
         energy=energy,
         complete=complete,
         seconds=seconds,

@@ -30,6 +30,7 @@ class RecordedMotion(NoTruthValue, ByContent):
     time: NDArray[np.float64]
     positions: NDArray[np.float64]
     velocities: NDArray[np.float64]
+    end_forces: NDArray[np.float64]
     energy: dict[str, NDArray[np.float64]]
     complete: bool
     seconds: float = field(compare=False)
@@ -74,7 +75,7 @@ class RecordedMotion(NoTruthValue, ByContent):
     @property
     def energy_error(self) -> NDArray[np.float64]:
         """Change in J of kinetic + potential + dissipated - work since the start, the error of the balance."""
-        names = ("kinetic", "stretch", "shear", "bend", "twist", "gravity", "contact", "dissipated")
+        names = ("kinetic", "stretch", "bend", "twist", "gravity", "contact", "dissipated")
         balance = np.sum([self.energy[name] for name in names], axis=0) - self.energy["work"]
         return np.asarray(balance - balance[0])
 

@@ -7,21 +7,21 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.load import AnyLoad
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.integration import Progress
 from floquetrod.simulation.problem import Simulation, SimulationProblem
 
 
 def simulate(
-    rod: Rod, load: AxialLoad, *, progress: Progress | None = None, checkpoint: str | Path | None = None, **options: Any
+    rod: Rod, load: AnyLoad, *, progress: Progress | None = None, checkpoint: str | Path | None = None, **options: Any
 ) -> Simulation:
-    """Simulate a rod in its channel: stretch, shear, bending and twist, contact with the wall, Coulomb friction.
+    """Simulate a rod in its channel: stretch, bending and twist, contact with the wall, Coulomb friction.
 
     Parameters
     ----------
     rod : Rod
-    load : AxialLoad
+    load : AxialLoad, AxialWave or ForceRecord
     progress, checkpoint
         See `SimulationProblem.run`.
     **options
@@ -39,6 +39,7 @@ def simulate(
     Examples
     --------
     >>> rod = Rod.nitinol()
+    >>> from floquetrod.rod.load import AxialLoad
     >>> load = AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
     >>> run = simulate(rod, load, duration=0.01, segments=60, frames=5)
     >>> run.angle.shape, run.complete

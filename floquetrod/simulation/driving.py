@@ -1,0 +1,128 @@
+"""What drives the ends of a simulated rod along the channel, and the axial state in which it starts."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.kernels.rod_motion import CLAMPED, FREE, GUIDED, HINGED, End
+from floquetrod.rod.data import RodData
+from floquetrod.rod.load import AxialWave, Load
+
+MOST_HARMONICS = 100  # of a simulated force (a choice: they are summed in every step)
+_ACROSS = {"hinged": HINGED, "clamped": CLAMPED, "guided": GUIDED, "free": FREE}
+_NEAR = 1e-4  # of an axial wave or of the length, over which its profile is differentiated (heuristic)
+
+
+@dataclass(frozen=True)
+class Driving:
+    """A load on the ends of a rod.
+
+    Parameters
+    ----------
+    rod : RodData
+    load : Load
+    feed_speed : float, optional
+        Speed in m/s at which the upper end moves down the channel, in place of the force there.
+    far_force : float, optional
+        Mean of the force that pushes the lower end, in N, where it is not what the load makes it.
+    """
+
+    rod: RodData
+    load: Load
+    feed_speed: float | None = None
+    far_force: float | None = None
+
+    @property
+    def weight_along(self) -> float:
+        """Weight along the channel in N/m, 0 where the load neglects it."""
+        return 0.0 if self.load.mean_at is None else self.rod.weight_along
+
+    @property
+    def gravity_along(self) -> float:
+        """Acceleration along the channel by it, in m/s^2: the rod's material alone moves along."""
+        return self.weight_along / (self.rod.density * self.rod.area)
+
+    @property
+    def mean_forces(self) -> tuple[float, float]:
+        """Means of the forces in N that push the upper and the lower end, or would if it were not held or moved."""
+        upper, grown = self.load.mean, self.weight_along * self.rod.length
+        if self.load.mean_at is not None:
+            upper -= self.load.mean_at * grown
+        return upper, upper + grown if self.far_force is None else self.far_force
+
+    @property
+    def axial_damping(self) -> float:
+        """Decay rate of motion along the channel, in 1/s: that of the waves, else that of motion across."""
+        return self.load.axial_damping if isinstance(self.load, AxialWave) else self.rod.damping_rate
+
+    @property
+    def ends(self) -> tuple[End, End]:
+        """The upper and the lower end."""
+        across, means = self.rod.end_conditions, self.mean_forces
+        far_end = self.load.far_end if isinstance(self.load, AxialWave) else "driven"
+        fed = self.feed_speed is not None
+        upper = End(_ACROSS[across.upper], fed, self.feed_speed or 0.0, means[0], 0.0 if fed else 1.0)
+        lower = End(_ACROSS[across.lower], far_end == "held", 0.0, means[1], 1.0 if far_end == "driven" else 0.0)
+        return upper, lower
+
+    @property
+    def harmonics(self) -> NDArray[np.complex128]:
+        """Complex amplitudes of the harmonics of the force in N."""
+        return self.load.amplitude * self.load.harmonics
+
+    def squeezed(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where the mean forces put the places ``s`` of the rod along the channel, in m from its middle."""
+        first, last = self.mean_forces
+        length, rigidity = self.rod.length, self.rod.youngs_modulus * self.rod.area
+        shorter = (first * s + 0.5 * (last - first) * s**2 / length) / rigidity
+        return s - 0.5 * length - shorter + 0.5 * (first + last) * 0.5 * length / rigidity
+
+    def wave(self, s: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return displacement in m and velocity in m/s along the channel at the start, of the steady vibration.
+
+        Zero where there is none: at a resonance without damping, and where the upper end is moved.
+        """
+        displacement, velocity = np.zeros_like(s), np.zeros_like(s)
+        if self.load.amplitude == 0.0 or self.feed_speed is not None:
+            return displacement, velocity
+        wave = self._wave
+        for k, harmonic in enumerate(self.harmonics, start=1):
+            frequency = k * self.load.frequency
+            near = _NEAR * min(self.rod.length, self.rod.wave_speed / frequency)
+            try:
+                below, above = (
+                    wave.profile(self.rod.wave_speed, self.rod.length, s + sign * near, frequency) for sign in (-1, 1)
+                )
+            except ValueError:
+                return np.zeros_like(s), np.zeros_like(s)
+            inertia = self.rod.density * self.rod.area * complex(-(frequency**2), 2.0 * self.axial_damping * frequency)
+            moved = -harmonic * (above - below) / (2.0 * near) / inertia
+            displacement += moved.real
+            velocity += (1j * frequency * moved).real
+        return displacement, velocity
+
+    @cached_property
+    def _wave(self) -> Load:
+        """The load as waves: with the same force at both ends they start there, too."""
+        if isinstance(self.load, AxialWave):
+            return self.load
+        load = self.load
+        return AxialWave(load.mean, load.amplitude, load.frequency, far_end="driven", axial_damping=self.axial_damping)
+
+
+def half_waves(rod: RodData, load: Load) -> float:
+    """Return the number of half waves along the rod that a load is likely to excite, not rounded.
+
+    Those of the critical mode; more where the force exceeds the critical one, as its square root; and of the free motion
+    at half the frequency, which is in resonance first.
+    """
+    strongest = (abs(load.mean) + load.amplitude) / rod.critical_force
+    bending = rod.flexural_rigidity / rod.mass_per_length
+    rest = max(0.25 * load.frequency**2 - rod.pendulum_frequency**2, 0.0) if load.amplitude > 0.0 else 0.0
+    resonant = (rest / bending) ** 0.25 * rod.length / math.pi
+    return max(rod.critical_mode * math.sqrt(max(strongest, 1.0)), resonant)
