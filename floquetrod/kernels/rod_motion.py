@@ -70,8 +70,8 @@ HINGED, CLAMPED, GUIDED, FREE = range(4)
 _TINY = 1e-300  # keeps 0 / 0 out of quotients whose value is not used
 _NEAR, _FAR = 27.0 / 24.0, 1.0 / 24.0
 
-# Of a clamped end, where K_0 = 2 (d_0 - e): the energy of its last nodes, A_00 K_0^2 + 2 A_01 K_0 K_1 + A_11 K_1^2 + ...
-# in place of the bulk's, that integrates the square of the curvature to fourth order.  docs/simulator.md derives it.
+# Of a clamped end, where K_0 = 2 (d_0 - e): the energy of its last nodes, A_00 K_0^2 + 2 A_01 K_0 K_1 + A_11 K_1^2 +
+# ..., in place of the bulk's, that integrates the square of the curvature to fourth order.  docs/simulator.md derives it.
 _END = 4355.0 / 31212.0  # -A_01, and what A_11 has more than 1 + 1/12
 _FIRST_END = 19961.0 / 31212.0  # A_00
 
@@ -305,7 +305,7 @@ def _frictional_step(rod: Any, p: Any) -> None:
 @kernel
 def _ghost_nodes(rod: Any, across: int, a: int, inward: int) -> None:
     """Write the ghost node beyond the end node ``a``: even across the channel where the end cannot rotate."""
-    even = across == CLAMPED or across == GUIDED
+    even = across in (CLAMPED, GUIDED)
     _ghost_node(False, rod["x"], a, inward)
     _ghost_node(even, rod["y"], a, inward)
     _ghost_node(even, rod["z"], a, inward)
@@ -322,7 +322,7 @@ def _ghost_directions(rod: Any, across: int, a: int, inward: int) -> None:
 @kernel
 def _ghost_forces(rod: Any, across: int, a: int, inward: int, push: float) -> None:
     """Write the ghosts of the forces beyond the end segment ``a``, with the force that pushes the end along."""
-    even = across == CLAMPED or across == GUIDED
+    even = across in (CLAMPED, GUIDED)
     _ghost_force(False, rod["f1"], a, inward, push)
     _ghost_force(even, rod["f2"], a, inward, 0.0)
     _ghost_force(even, rod["f3"], a, inward, 0.0)
@@ -330,12 +330,12 @@ def _ghost_forces(rod: Any, across: int, a: int, inward: int, push: float) -> No
 
 @kernel
 def _hold_end(rod: Any, end: Any, i: int, place: int, push: float, p: Any) -> None:
-    """Return an end that is held to where it is held; ``push`` is 1 or -1, the direction in which it is pushed along."""
+    """Return an end that is held to where it is held; ``push`` is the sign of the direction in which it is pushed."""
     y, z, vy, vz, anchor = rod["y"], rod["z"], rod["vy"], rod["vz"], rod["anchor"]
-    if end.across == HINGED or end.across == CLAMPED:
+    if end.across in (HINGED, CLAMPED):
         y[i], z[i] = anchor[2 * place], anchor[2 * place + 1]
         vy[i] = vz[i] = 0.0
-    if end.across == CLAMPED or end.across == GUIDED:
+    if end.across in (CLAMPED, GUIDED):
         rod["spin"][i] = rod["angle"][i] = 0.0
     if end.moved:
         x, vx, speed = rod["x"], rod["vx"], push * end.speed

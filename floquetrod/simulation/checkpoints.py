@@ -89,7 +89,12 @@ class Resumable(NamedTuple):
 
 def frame_shapes(segments: int) -> dict[str, tuple[int, ...]]:
     """Return the arrays that a frame consists of, with their shapes."""
-    return {"positions": (segments + 1, 3), "velocities": (segments + 1, 3), "energies": (len(ENERGIES),), "impulses": (2,)}
+    return {
+        "positions": (segments + 1, 3),
+        "velocities": (segments + 1, 3),
+        "energies": (len(ENERGIES),),
+        "impulses": (2,),
+    }
 
 
 class Checkpoint:

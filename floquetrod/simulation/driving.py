@@ -118,11 +118,11 @@ class Driving:
 def half_waves(rod: RodData, load: Load) -> float:
     """Return the number of half waves along the rod that a load is likely to excite, not rounded.
 
-    Those of the critical mode; more where the force exceeds the critical one, as its square root; and of the free motion
-    at half the frequency, which is in resonance first.
+    Those of the critical mode; more where the force exceeds the critical one, as its square root; and of the free
+    motion at half the frequency, which is in resonance first.
     """
     strongest = (abs(load.mean) + load.amplitude) / rod.critical_force
     bending = rod.flexural_rigidity / rod.mass_per_length
     rest = max(0.25 * load.frequency**2 - rod.pendulum_frequency**2, 0.0) if load.amplitude > 0.0 else 0.0
-    resonant = (rest / bending) ** 0.25 * rod.length / math.pi
+    resonant = math.sqrt(math.sqrt(rest / bending)) * rod.length / math.pi
     return max(rod.critical_mode * math.sqrt(max(strongest, 1.0)), resonant)

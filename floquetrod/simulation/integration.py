@@ -150,7 +150,7 @@ class Integration(Generic[Result]):
         )
 
     def _end_forces(self, count: int) -> NDArray[np.float64]:
-        """Return the forces in N that push both ends, each the mean since the frame before; at first the mean of all."""
+        """Return the forces in N that push both ends, each its mean since the frame before, at first its mean."""
         forces = np.empty((count, 2))
         forces[0] = self.driving.mean_forces
         between = self.time_steps.per_frame * self.time_steps.size

@@ -187,7 +187,7 @@ class DiscreteRod:
         """
         rod = np.zeros(1, rod_motion.rod_type(self.segments))[0]
         n, nodes = self.segments, slice(FIRST, FIRST + self.segments + 1)
-        s = np.arange(n + 1) * self.segment_length
+        s = np.asarray(np.arange(n + 1) * self.segment_length, dtype=np.float64)
         rod["x"][nodes] = driving.squeezed(s)
         if friction == 0.0:
             displacement, speed = driving.wave(s)

@@ -29,7 +29,7 @@ from floquetrod.simulation.start import MOST_SEGMENTS, Perturbation
 from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
 
 _LARGEST_STRAIN = 0.02  # that a load may cause: beyond it linear elasticity has no meaning (a choice)
-_SEGMENTS_IN_HALF_WAVE = 12  # by default, with which bending is 1e-4 too soft (a choice)
+_SEGMENTS_IN_HALF_WAVE = 10  # by default, with which bending is 2e-4 too soft (a choice)
 _FORMAT = "floquetrod simulation 4"
 
 
@@ -38,9 +38,9 @@ class SimulationProblem:
     """A rod, its load, and how both are simulated: everything a simulation depends on, in SI units.
 
     The rod starts straight on the floor, squeezed by the mean force, with the speeds of ``perturbation``.  Across the
-    channel its ends are held as `Rod.ends` says.  Along it both are pushed inwards by the force of an `AxialLoad`; under
-    an `AxialWave` the upper one alone, with the lower one held, pushed by the mean force, or pushed alike.  Options are
-    given by keyword.
+    channel its ends are held as `Rod.ends` says.  Along it both are pushed inwards by the force of an `AxialLoad`;
+    under an `AxialWave` the upper one alone, with the lower one held, pushed by the mean force, or pushed alike.
+    Options are given by keyword.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class SimulationProblem:
         By default Perturbation.random(1e-3, seed=1), which the problem then holds.
     segments : int, optional
         At least 6 for every half wave of the critical mode and of those the perturbation names; none shorter than the
-        rod's radius.  By default 12 for every half wave of the mode that the load is likely to excite, or that the
+        rod's radius.  By default 10 for every half wave of the mode that the load is likely to excite, or that the
         perturbation names; the problem then holds the number.
     time_step : float, optional
         The largest step to take, in s; by default the critical one with a margin.  Frames come at equal numbers of
@@ -97,7 +97,7 @@ class SimulationProblem:
     duration: float = 2.0
     friction: float = 0.0
     perturbation: Perturbation = None  # type: ignore[assignment]  # never None once it is made
-    segments: int = None  # type: ignore[assignment]  # nor is this
+    segments: int = None  # type: ignore[assignment]
     time_step: float | None = None
     frames: int = 400
     poisson_ratio: float = DiscreteRod.poisson_ratio
@@ -119,15 +119,16 @@ class SimulationProblem:
             "frames": validate.integer("frames", self.frames, 2),
             "friction": friction_coefficient(self.friction),
             "time_step": None if self.time_step is None else validate.positive("time_step", self.time_step, "in s"),
-            "feed_speed": None if self.feed_speed is None else validate.nonnegative("feed_speed", self.feed_speed, "in m/s"),
+            "feed_speed": None
+            if self.feed_speed is None
+            else validate.nonnegative("feed_speed", self.feed_speed, "in m/s"),
             "far_force": None if self.far_force is None else load_number("mean", self.far_force, "far_force"),
         }
         self._hold(cleaned)
         try:
             self._require_possible_ends()
             self._require_small_strain()
-            if self.segments is None:
-                self._hold({"segments": self._fair_segments()})
+            self._hold({"segments": self._fair_segments() if self.segments is None else self.segments})
             mesh = self.mesh
             self._hold({name: getattr(mesh, name) for name in _OF_THE_MESH})
             kick.velocities(self.segments)
@@ -248,7 +249,8 @@ class SimulationProblem:
             )
         if self.far_force is not None and lower == "held":
             raise ValueError(
-                f'far_force must not be given with a lower end that is held, got {self.far_force:g} N; take far_end="free"'
+                f"far_force must not be given with a lower end that is held, got {self.far_force:g} N; "
+                'take far_end="free"'
             )
 
     def _require_small_strain(self) -> None:

@@ -7,7 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from floquetrod.rod.load import AnyLoad
+from floquetrod.rod.load import AnyLoad, require_load
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.integration import Progress
 from floquetrod.simulation.problem import Simulation, SimulationProblem
@@ -48,7 +48,7 @@ def simulate(
     known = [part.name for part in fields(SimulationProblem) if part.kw_only]
     if unknown := [name for name in options if name not in known]:
         raise TypeError(f"simulate has no option {unknown[0]!r}; the options are {', '.join(known)}")
-    return SimulationProblem(rod, load, **options).run(progress, checkpoint)
+    return SimulationProblem(rod, require_load("load", load), **options).run(progress, checkpoint)
 
 
 def _signature() -> inspect.Signature:
