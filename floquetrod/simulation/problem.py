@@ -160,7 +160,9 @@ class SimulationProblem:
         return time_steps(self.mesh, self.duration, self.frames, self.time_step, speed)
 
     def replace(self, **changes: Any) -> SimulationProblem:
-        """Return a copy with some parameters changed, checked anew."""
+        """Return a copy with some parameters changed, checked anew; a default number of segments is chosen anew, too."""
+        if self.segments == self._fair_segments():
+            changes = {"segments": None, **changes}
         return replace(self, **changes)
 
     def run(self, progress: Progress | None = None, checkpoint: str | Path | None = None) -> Simulation:
