@@ -160,7 +160,7 @@ class SimulationProblem:
         return time_steps(self.mesh, self.duration, self.frames, self.time_step, speed)
 
     def replace(self, **changes: Any) -> SimulationProblem:
-        """Return a copy with some parameters changed, checked anew; a default number of segments is chosen anew, too."""
+        """Return a copy with some parameters changed, checked anew; a default number of segments is chosen anew."""
         if self.segments == self._fair_segments():
             changes = {"segments": None, **changes}
         return replace(self, **changes)
