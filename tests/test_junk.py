@@ -284,6 +284,8 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "poisson_ratio": 0.3,
             "indentation": 1e-4,
             "contact_damping": 0.3,
+            "feed_speed": None,
+            "far_force": None,
         },
     ),
 ]
