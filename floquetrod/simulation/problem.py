@@ -88,7 +88,7 @@ class SimulationProblem:
     --------
     >>> problem = SimulationProblem(Rod.nitinol(), AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0), duration=0.01)
     >>> problem.time_steps.count, problem.replace(duration=0.02).time_steps.count
-    (3591, 7182)
+    (1197, 1995)
     """
 
     rod: Rod
@@ -320,8 +320,8 @@ class Simulation(RecordedMotion):
         >>> import floquetrod as fr
         >>> rod = fr.Rod.nitinol()
         >>> load = fr.AxialLoad(mean=0.2 * rod.critical_force, amplitude=0.2 * rod.critical_force, frequency=150.0)
-        >>> run = fr.simulate(rod, load, duration=0.4, perturbation=fr.Perturbation.modes({7: 1e-4}), segments=80)
-        >>> 3.9 < run.growth_rate(7).rate < 4.1
+        >>> run = fr.simulate(rod, load, duration=0.4, perturbation=fr.Perturbation.modes({7: 1e-4}))
+        >>> 4.2 < run.growth_rate(7).rate < 4.3
         True
         """
         mode = validate.integer("mode", mode, 1, self._most_modes, self._why_no_more)
