@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,9 @@ _LINEAR_UP_TO = (0.005, 0.01, 0.02, 0.05)  # rad; the one with the least error i
 _LEAST_PERIODS = 3
 _LEAST_FRAMES = 9  # under a constant force, where every frame counts as a period
 _MARGIN = 4  # frames at both ends to which an interpolated recurrence does not reach (heuristic)
-_MOST_PAIRS = 6  # (a choice)
+_MOST_PAIRS = 6  # fitted (a choice)
+_LEAST_ROWS = 6  # frames for each pair (a choice)
+_LEAST_SHARE = 0.01  # of the motion that a pair must make up: the cube of a growing mode grows three times as fast
 _WHOLE = 1e-6  # of a frame, up to which a lag counts as whole frames
 _TINY = 1e-300  # keeps 0 / 0 out
 _SHAPES = 3  # of coupled modes, whose motion is followed (a choice)
@@ -41,8 +43,6 @@ class GrowthFit(NamedTuple):
     model_error : float
         Estimate in 1/s, by theory, of what parts the simulated rod from the linear equations: the segments, the floor
         indented by the weight, strain, and angles that are not small; `floquetrod.simulation.model_error`.
-    pairs : int
-        Pairs of multipliers that were fitted.
     """
 
     rate: float
@@ -50,7 +50,6 @@ class GrowthFit(NamedTuple):
     end: float
     fit_error: float
     model_error: float
-    pairs: int
 
     @property
     def error(self) -> float:
@@ -63,7 +62,13 @@ class GrowthFit(NamedTuple):
 
 
 def growth_of_motion(
-    motion: RecordedMotion, rod: ModalRod, load: Load, mode: int | None, duration: float, frames: int, indentation: float
+    motion: RecordedMotion,
+    rod: ModalRod,
+    load: Load,
+    mode: int | None,
+    duration: float,
+    frames: int,
+    indentation: float,
 ) -> GrowthFit:
     """Return the growth rate of a recorded motion while it is linear: of a mode or, with None, of the whole rod.
 
@@ -98,10 +103,11 @@ def growth_of_motion(
         if count - 1 >= least
     }
     if not fits:
+        have = f"{max(0, longest - 1) * step / period:.2g}" if vibrates else f"{longest} frames"
         raise ValueError(
-            f"growth_rate needs three forcing periods of motion below {_LINEAR_UP_TO[-1]:g} rad, {_LEAST_FRAMES} frames "
-            f"where the force is constant, got {max(0, longest - 1) * step / period:.2g}; simulate longer, or from a "
-            "smaller perturbation"
+            f"growth_rate needs three forcing periods of motion below {_LINEAR_UP_TO[-1]:g} rad, "
+            f"{_LEAST_FRAMES} frames where the force is constant, got {have}; simulate longer, or from a smaller "
+            "perturbation"
         )
     fastest = max(fit.rate for fit in fits.values())
     errors = model_errors(rod, load, mode, wavenumber, segment, indentation, fastest)
@@ -112,59 +118,72 @@ def growth_of_motion(
 def fit_growth(time: Floats, amplitudes: Floats, period: float, damping_rate: float) -> GrowthFit:
     """Return the growth rate of motion sampled at equal times, (frames,) or (frames, amplitudes).
 
-    The multipliers of a Floquet system of ``period`` T, damped in proportion to its mass at the ``damping_rate`` c, come
-    in pairs z, 1 / z once the motion is freed of its decay: B(t) = e^(c t) A(t).  Where motion holds p pairs, all its
-    amplitudes obey prod_j (Y - D_j) B = 0, with Y B(t) = B(t + n T) + B(t - n T), D_j = z_j^n + z_j^-n and any n, whatever
-    the phase.  The coefficients of that polynomial are the least-squares solution with all amplitudes and times, the
-    rate is that of the largest z; n is as large as p leaves room for, which separates growth from what stays bounded.
-    The number of pairs, 1 to 6, is the one with the least error.
+    The multipliers of a Floquet system of ``period`` T, damped in proportion to its mass at a ``damping_rate`` c, come
+    in pairs z, 1 / z once the motion is freed of its decay: B(t) = e^(c t) A(t).  With Y B(t) = B(t + n T) + B(t - n T)
+    and any n, a pair obeys Y B = D B, D = z^n + z^-n, whatever the phase.  Of the functions B, Y B, ..., Y^(p-1) B,
+    all amplitudes with the same factors, those mixtures are found that Y multiplies by numbers, in the least-squares
+    sense: p pairs, which may be complex.  The rate is that of the largest z.  n is as large as p leaves room for, which
+    separates growth from what stays bounded.  Of p = 1 to 6 the one with the least error is taken.
 
-    The error is that which the residual allows to first order, and the disagreement of two halves of equal weight.
-    Motion that grows but is still hidden under other motion at the end is not seen.
+    The error is what the residual allows, and the disagreement of two halves of equal weight.  Motion must show what
+    grows: a solution that is still hidden under others at the end is not seen, and the slower one of two that are
+    excited alike must have fallen behind.
     """
     motion = np.reshape(amplitudes, (time.size, -1)) * np.exp(damping_rate * (time - time[-1]))[:, None]
     in_frames = period / float(time[1] - time[0])
-    tried = [_fit_pairs(motion, in_frames, pairs) for pairs in range(1, _MOST_PAIRS + 1)]
-    best = min((fit for fit in tried if fit is not None), default=_Pairs(math.inf, 0.0, 0))
+    tried = [_fastest_pair(motion, in_frames, pairs) for pairs in range(1, _MOST_PAIRS + 1)]
+    best = min((pair for pair in tried if pair is not None), key=lambda pair: pair.error, default=_Pair(0.0, math.inf))
     rate = best.growth / period - damping_rate
     error = max(0.0, best.error / period + min(0.0, rate))  # what decays is said to grow at the rate zero
-    return GrowthFit(max(0.0, rate), float(time[0]), float(time[-1]), error, 0.0, best.pairs)
+    return GrowthFit(max(0.0, rate), float(time[0]), float(time[-1]), error, 0.0)
 
 
-class _Pairs(NamedTuple):
-    """A fit of so many pairs: its growth in a period, without damping, and the error of that."""
+class _Pair(NamedTuple):
+    """A pair of multipliers: its growth in a period, without damping, and the error of that."""
 
-    error: float
     growth: float
-    pairs: int
+    error: float
 
 
-def _fit_pairs(motion: Floats, period: float, pairs: int) -> _Pairs | None:
-    """Return the fit of so many pairs to motion (frames, amplitudes) of a period in frames; None for too few frames."""
-    lag = max(1, math.floor((len(motion) - 1) / period / (2 * pairs + 1) + 1e-9))
+def _fastest_pair(motion: Floats, period: float, pairs: int) -> _Pair | None:
+    """Return the fastest of so many pairs in motion (frames, amplitudes) of a period in frames; None for too few."""
+    lag = max(1, math.floor((len(motion) - 1) / period / (2 * pairs + 1) + _WHOLE))
     powers = _powers(motion, lag * period, pairs)
-    count = len(powers[0])
-    if count < 4 * (pairs + 1):
+    frames = len(powers)
+    if frames < _LEAST_ROWS * pairs:
         return None
-    roots = _roots(powers)
-    growths = _growths(roots)
+    size = np.linalg.norm(powers[..., :-1], axis=(0, 1)) + _TINY
+    functions, images = powers[..., :-1] / size, powers[..., 1:] / size
+    roots, mixtures = _eigen(functions, images)
+    mixed = functions @ mixtures
+    norms = np.linalg.norm(mixed, axis=(0, 1))
+    # B is the sum of the mixtures with these factors.
+    shares = np.abs(np.linalg.pinv(mixtures)[:, 0]) * norms
+    growths = np.where(shares >= _LEAST_SHARE, _growths(roots), -1.0)
     place = int(growths.argmax())
     root, growth = roots[place], float(growths[place])
-    # What the other factors leave of the motion is an eigenfunction of Y but for the residual.
-    alone = _polynomial(np.delete(roots, place), powers[:-1])
-    shift = float(np.linalg.norm(_polynomial(roots, powers)) / max(float(np.linalg.norm(alone)), _TINY))
+    # As far as Y is from multiplying the mixture by D, D may be from a number by which it does.
+    left = float(np.linalg.norm(images @ mixtures[:, place] - root * mixed[..., place]))
+    shift = left / max(float(norms[place]), _TINY)
     allowed = float(np.abs(_growths(root + shift * np.array([1.0, -1.0, 1j, -1j])) - growth).max())
-    weight = np.cumsum(np.sum(powers[0] ** 2, axis=1))
-    middle = int(np.clip(np.searchsorted(weight, 0.5 * weight[-1]), pairs + 1, count - pairs - 1))
+    weight = np.cumsum(np.sum(powers[..., 0] ** 2, axis=1))
+    middle = int(np.clip(np.searchsorted(weight, 0.5 * weight[-1]), frames // 4, frames - frames // 4))
     first, second = (
-        float(_growths(_roots([power[half] for power in powers])).max())
-        for half in (slice(middle), slice(middle, None))
+        float(_growths(_eigen(functions[half], images[half])[0]).max()) for half in (slice(middle), slice(middle, None))
     )
-    return _Pairs((allowed + abs(first - second)) / lag, growth / lag, pairs)
+    return _Pair(growth / lag, (allowed + abs(first - second)) / lag)
 
 
-def _powers(motion: Floats, lag: float, pairs: int) -> list[Floats]:
-    """Return Y^k B, k = 0 to ``pairs``, at all frames that it reaches; the lag of Y in frames."""
+def _eigen(functions: Floats, images: Floats) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    """Return numbers D and mixtures of functions (..., k) that their images come closest to multiplying by D."""
+    k = functions.shape[-1]
+    matrix = np.linalg.lstsq(functions.reshape(-1, k), images.reshape(-1, k), rcond=None)[0]
+    values, vectors = np.linalg.eig(matrix)
+    return values.astype(complex), vectors.astype(complex)
+
+
+def _powers(motion: Floats, lag: float, pairs: int) -> Floats:
+    """Return Y^k B, k = 0 to ``pairs``, at the frames it reaches, (frames, amplitudes, powers); the lag in frames."""
     from scipy.interpolate import make_interp_spline
 
     reach, last = pairs * lag, len(motion) - 1
@@ -177,26 +196,14 @@ def _powers(motion: Floats, lag: float, pairs: int) -> list[Floats]:
     else:
         curve = make_interp_spline(np.arange(last + 1), motion, k=7)
         shifted = [curve(places + k * lag) for k in range(-pairs, pairs + 1)]
-    return [
-        sum((math.comb(k, j) * shifted[pairs + k - 2 * j] for j in range(k + 1)), np.zeros_like(shifted[0]))
-        for k in range(pairs + 1)
-    ]
+    found = np.zeros((len(places), motion.shape[1], pairs + 1))
+    for k in range(pairs + 1):
+        for j in range(k + 1):
+            found[..., k] += math.comb(k, j) * shifted[pairs + k - 2 * j]
+    return found
 
 
-def _roots(powers: list[Floats]) -> NDArray[np.complex128]:
-    """Return the roots D_j of the monic polynomial in Y that leaves least of the motion."""
-    columns = np.stack([power.ravel() for power in powers[:-1]], axis=1)
-    scale = np.maximum(np.linalg.norm(columns, axis=0), _TINY)
-    found = np.linalg.lstsq(columns / scale, powers[-1].ravel(), rcond=None)[0] / scale
-    return np.roots([1.0, *-found[::-1]]).astype(complex)
-
-
-def _polynomial(roots: NDArray[np.complex128], powers: list[Floats]) -> NDArray[np.complex128]:
-    """Return the monic polynomial in Y with these roots, applied to the motion."""
-    return sum((c * power for c, power in zip(np.atleast_1d(np.poly(roots))[::-1], powers, strict=True)), np.zeros_like(powers[0]))
-
-
-def _growths(roots: NDArray[np.complex128]) -> Floats:
+def _growths(roots: Any) -> Floats:
     """Return log of the larger abs(z) with z + 1 / z = D, for every D."""
     return np.asarray(np.abs(np.arccosh(0.5 * roots).real))
 

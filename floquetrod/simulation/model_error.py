@@ -12,6 +12,7 @@ from floquetrod.rod.load import AxialWave, Load, Loads
 from floquetrod.rod.modal import ModalRod
 
 _UNIFORM_UP_TO = 0.1  # length in axial waves up to which a uniform force serves for differences (heuristic)
+_MORE = 1.25  # of the effect of segments, for what one wavenumber leaves out (a choice)
 _ANGLE = 0.05  # rad: the effect of other angles follows from it, as their square
 
 
@@ -36,8 +37,8 @@ class ModelErrors(NamedTuple):
     large_angle: float
 
     def up_to(self, angle: float) -> float:
-        """Return the sum of all for motion up to an angle in rad."""
-        return self.segments + self.floor + self.strain + self.large_angle * (angle / _ANGLE) ** 2
+        """Return the sum of all, segments with a margin, for motion up to an angle in rad."""
+        return _MORE * self.segments + self.floor + self.strain + self.large_angle * (angle / _ANGLE) ** 2
 
 
 def model_errors(

@@ -307,9 +307,9 @@ class Simulation(RecordedMotion):
         """Return the growth rate in 1/s of a mode or, by default, of the whole rod, with its error; zero for none.
 
         The whole rod is its dominant mode where modes are independent, and its leading shapes together where they are
-        coupled: by ends that are not hinged, or a force that varies along the rod.  The motion is fitted up to an angle
-        between 0.005 and 0.05 rad, the one with the least error, by `floquetrod.simulation.growth.fit_growth`; best when
-        frames fall on equal parts of the forcing period.
+        coupled: by ends that are not hinged, or a force that varies along the rod.  The motion is fitted up to an
+        angle between 0.005 and 0.05 rad, the one with the least error, by `floquetrod.simulation.growth.fit_growth`;
+        best when frames fall on equal parts of the forcing period.
 
         The error estimates the distance from Floquet theory with the axial wave kept, which is ``AxialWave(...,
         far_end="driven")`` for an `AxialLoad`: that of the fit, and that of the simulated rod, by theory.  Raises
