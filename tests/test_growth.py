@@ -183,6 +183,13 @@ def test_a_simulated_tube_in_a_clamped_damped_inclined_channel() -> None:
     kick = fr.Perturbation.random(1e-6, seed=1)
     run = fr.simulate(rod, load, duration=25 * period, frames=401, perturbation=kick)
     fit = run.growth_rate()
+    # Another solution grows nearly as fast, 9.05 to 9.37 1/s: what is seen is between them, and the error says so.
+    assert abs(fit.rate - expected) <= fit.error < 0.04 * expected
+    assert fit.fit_error > fit.model_error
+    # Excited by hand the fastest prevails.
+    kick = fr.Perturbation.modes({1: 2e-10, 3: 5e-10, 5: 6e-10, 7: 1e-9, 9: -6e-10})
+    run = fr.simulate(rod, load, duration=35 * period, frames=561, perturbation=kick)
+    fit = run.growth_rate()
     assert abs(fit.rate - expected) <= fit.error < 0.01 * expected
 
 

@@ -24,7 +24,7 @@ _LEAST_ROWS = 6  # frames for each pair (a choice)
 _LEAST_SHARE = 0.01  # of the motion that a pair must make up: the cube of a growing mode grows three times as fast
 _WHOLE = 1e-6  # of a frame, up to which a lag counts as whole frames
 _TINY = 1e-300  # keeps 0 / 0 out
-_SHAPES = 3  # of coupled modes, whose motion is followed (a choice)
+_MOST_NODES = 64  # whose motion is followed where modes are coupled (a choice)
 
 Floats = NDArray[np.float64]
 
@@ -72,8 +72,8 @@ def growth_of_motion(
 ) -> GrowthFit:
     """Return the growth rate of a recorded motion while it is linear: of a mode or, with None, of the whole rod.
 
-    The whole rod is its dominant mode where modes are independent, and its three leading shapes together where they are
-    coupled.  ``duration`` in s and ``frames`` are those of the whole run.  Raises ValueError where there are fewer than
+    The whole rod is its dominant mode where modes are independent, and its nodes together where modes are coupled.
+    ``duration`` in s and ``frames`` are those of the whole run.  Raises ValueError where there are fewer than
     three periods of linear motion, or fewer than 8 frames in each.
     """
     step = duration / (frames - 1)
@@ -91,8 +91,9 @@ def growth_of_motion(
         mode = 1 + int(np.argmax(np.sum(amplitudes**2, axis=0)))
     segment = rod.length / (nodes - 1)
     if mode is None:
-        shapes = _leading_shapes(motion.angle[:longest])
-        amplitudes, wavenumber = motion.angle @ shapes.T, _wavenumber(shapes[0], segment)
+        amplitudes = motion.angle[:, :: math.ceil(nodes / _MOST_NODES)]
+        largest = int(np.argmax(np.sum(motion.angle[:longest] ** 2, axis=1)))
+        wavenumber = _wavenumber(motion.angle[largest], segment)
     else:
         amplitudes, wavenumber = motion.mode_amplitudes([mode]), mode * math.pi / rod.length
     least = _LEAST_PERIODS * period / step if vibrates else _LEAST_FRAMES - 1
@@ -102,10 +103,11 @@ def growth_of_motion(
         for count in counts
         if count - 1 >= least
     }
+    fits = {count: fit for count, fit in fits.items() if math.isfinite(fit.fit_error)}
     if not fits:
         have = f"{max(0, longest - 1) * step / period:.2g}" if vibrates else f"{longest} frames"
         raise ValueError(
-            f"growth_rate needs three forcing periods of motion below {_LINEAR_UP_TO[-1]:g} rad, "
+            f"growth_rate needs three forcing periods, and some frames, of motion below {_LINEAR_UP_TO[-1]:g} rad, "
             f"{_LEAST_FRAMES} frames where the force is constant, got {have}; simulate longer, or from a smaller "
             "perturbation"
         )
@@ -206,12 +208,6 @@ def _powers(motion: Floats, lag: float, pairs: int) -> Floats:
 def _growths(roots: Any) -> Floats:
     """Return log of the larger abs(z) with z + 1 / z = D, for every D."""
     return np.asarray(np.abs(np.arccosh(0.5 * roots).real))
-
-
-def _leading_shapes(angle: Floats) -> Floats:
-    """Return orthonormal shapes along the rod, the leading ones of the last quarter of the motion, (shapes, nodes)."""
-    quarter = angle[-math.ceil(len(angle) / 4) :]
-    return np.asarray(np.linalg.svd(quarter, full_matrices=False)[2][:_SHAPES])
 
 
 def _wavenumber(shape: Floats, segment: float) -> float:

@@ -306,7 +306,7 @@ class Simulation(RecordedMotion):
     def growth_rate(self, mode: int | None = None) -> GrowthFit:
         """Return the growth rate in 1/s of a mode or, by default, of the whole rod, with its error; zero for none.
 
-        The whole rod is its dominant mode where modes are independent, and its leading shapes together where they are
+        The whole rod is its dominant mode where modes are independent, and the motion of all its nodes where they are
         coupled: by ends that are not hinged, or a force that varies along the rod.  The motion is fitted up to an
         angle between 0.005 and 0.05 rad, the one with the least error, by `floquetrod.simulation.growth.fit_growth`;
         best when frames fall on equal parts of the forcing period.
