@@ -1,0 +1,110 @@
+"""What parts the growth of a simulated rod from that of its linear equations, estimated by these equations."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from floquetrod.equations import HillSystem
+from floquetrod.floquet.dispatch import stability
+from floquetrod.rod.coupled import CoupledModes, RodNumbers
+from floquetrod.rod.load import AxialWave, Load, Loads
+from floquetrod.rod.modal import ModalRod
+
+_UNIFORM_UP_TO = 0.1  # length in axial waves up to which a uniform force serves for differences (heuristic)
+_MORE = 1.25  # of the effect of segments, for what one wavenumber leaves out (a choice)
+_ANGLE = 0.05  # rad: the effect of other angles follows from it, as their square
+
+
+class ModelErrors(NamedTuple):
+    """How far growth changes with each departure from the linear equations, in 1/s.
+
+    Attributes
+    ----------
+    segments : float
+        Derivatives along the discretised rod have errors of fourth order.
+    floor : float
+        The weight at rest indents the floor: the rod swings on a larger circle.
+    strain : float
+        The force shortens the rod.
+    large_angle : float
+        Angles up to 0.05 rad are not small: bending stiffens, the weight pulls back less.
+    """
+
+    segments: float
+    floor: float
+    strain: float
+    large_angle: float
+
+    def up_to(self, angle: float) -> float:
+        """Return the sum of all, segments with a margin, for motion up to an angle in rad."""
+        return _MORE * self.segments + self.floor + self.strain + self.large_angle * (angle / _ANGLE) ** 2
+
+
+def model_errors(
+    rod: ModalRod, load: Load, mode: int | None, wavenumber: float, segment: float, indentation: float, rate: float
+) -> ModelErrors:
+    """Return the changes for motion of a wavenumber in 1/m, in a mode that is independent or, with None, in all modes.
+
+    ``segment`` is the length of a segment in m, ``indentation`` the depth to which the floor is indented, as a part of
+    the radial clearance, and ``rate`` about the growth rate in 1/s: modes that cannot grow so fast are left out.
+
+    With sigma = sin(k l / 2) the scheme has (2 sigma / l) (1 + sigma^2 / 6) for a derivative and
+    (2 sigma / l)^2 (1 + sigma^2 / 3) for the curvature of directions, in place of k and k^2.  Large angles: the cubic
+    terms of EI (theta'''' - 6 theta'^2 theta'') and of the weight, averaged over a standing wave.
+    """
+    if load.is_uniform and rod.wave_ratio(load) > _UNIFORM_UP_TO:
+        # What an AxialLoad does to a rod of this length.
+        load = AxialWave(
+            load.mean, load.amplitude, load.frequency, mean_at=load.mean_at, waveform=load.waveform, far_end="driven"
+        )
+    numbers = rod.coupled_numbers
+    alone = mode if numbers.are_modes_apart(load) else None
+    count = alone or numbers.modes_needed(Loads.single(load), load, 0.25 * rate)
+
+    def growth(*, bending: float = 1.0, force: float = 1.0, weight: float = 1.0) -> float:
+        changed = _changed(numbers, bending, force, weight)
+        pushed = load.with_numbers(force * load.mean, force * load.amplitude, load.frequency)
+        modes = CoupledModes(changed, load, count)
+        if alone is not None:
+            return stability(_last(modes.system(Loads.single(pushed)))).growth_rate
+        return float(modes.answers(Loads.single(pushed)).growth[0])
+
+    plain = growth()
+
+    def change(**factors: float) -> float:
+        found = abs(growth(**factors) - plain)
+        return found if math.isfinite(found) else math.inf
+
+    half = 0.5 * wavenumber * segment
+    squared = math.sin(half) ** 2
+    slope = squared * (1.0 + squared / 6.0) ** 2 / half**2
+    curvature = squared * (1.0 + squared / 3.0) / half**2
+    longer = 1.0 / (1.0 - (abs(load.mean) + load.amplitude) / (rod.youngs_modulus * rod.area))
+    return ModelErrors(
+        segments=change(bending=slope * curvature, force=slope),
+        floor=change(weight=1.0 / (1.0 + indentation)),
+        strain=change(bending=longer**2, force=longer),
+        large_angle=change(bending=1.0 + 9.0 / 8.0 * _ANGLE**2, weight=1.0 - 3.0 / 32.0 * _ANGLE**2),
+    )
+
+
+def _changed(numbers: RodNumbers, bending: float, force: float, weight: float) -> RodNumbers:
+    """Return a rod with the bending stiffness, the weight along and the weight across changed by factors."""
+    constants = numbers.constants
+    constants = constants._replace(
+        rigidity=bending * constants.rigidity, pendulum_frequency=math.sqrt(weight) * constants.pendulum_frequency
+    )
+    return numbers._replace(constants=constants, weight_along=force * numbers.weight_along)
+
+
+def _last(system: HillSystem) -> HillSystem:
+    """Return the last equation of a system whose equations are independent."""
+    damping = system.damping
+    return HillSystem(
+        system.stiffness[-1:, -1:],
+        [matrix[-1:, -1:] for matrix in system.cosines],
+        [matrix[-1:, -1:] for matrix in system.sines],
+        damping=None if damping is None else damping[-1:, -1:],
+        period=system.period,
+    )
