@@ -23,6 +23,7 @@ _MOST_PAIRS = 6  # fitted (a choice)
 _LEAST_ROWS = 6  # frames for each pair (a choice)
 _LEAST_SHARE = 0.01  # of the motion that a pair must make up: the cube of a growing mode grows three times as fast
 _WHOLE = 1e-6  # of a frame, up to which a lag counts as whole frames
+_SEEN = 0.01  # of the largest amplitude, from which on a mode's growth is looked at (a choice)
 _TINY = 1e-300  # keeps 0 / 0 out
 _MOST_NODES = 64  # whose motion is followed where modes are coupled (a choice)
 
@@ -72,7 +73,8 @@ def growth_of_motion(
 ) -> GrowthFit:
     """Return the growth rate of a recorded motion while it is linear: of a mode or, with None, of the whole rod.
 
-    The whole rod is its dominant mode where modes are independent, and its nodes together where modes are coupled.
+    Of the whole rod it is that of its nodes together where modes are coupled; where they are independent, the fastest
+    of all modes that hold at least a hundredth of the largest amplitude in the end.
     ``duration`` in s and ``frames`` are those of the whole run.  Raises ValueError where there are fewer than
     three periods of linear motion, or fewer than 8 frames in each.
     """
@@ -88,7 +90,10 @@ def growth_of_motion(
     if mode is None and rod.coupled_numbers.are_modes_apart(load):
         last_quarter = slice(longest - math.ceil(longest / 4), longest)
         amplitudes = motion.mode_amplitudes(range(1, (nodes - 1) // LEAST_SEGMENTS + 1))[last_quarter]
-        mode = 1 + int(np.argmax(np.sum(amplitudes**2, axis=0)))
+        power = np.sum(amplitudes**2, axis=0)
+        seen = 1 + np.flatnonzero(power >= _SEEN**2 * power.max())
+        every = [growth_of_motion(motion, rod, load, int(m), duration, frames, indentation) for m in seen]
+        return max(every, key=lambda fit: fit.rate)
     segment = rod.length / (nodes - 1)
     if mode is None:
         amplitudes = motion.angle[:, :: math.ceil(nodes / _MOST_NODES)]
