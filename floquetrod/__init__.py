@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
     from floquetrod.rod.uncertainty import probability_of_instability as probability_of_instability
     from floquetrod.simulation.checkpoints import CheckpointWarning as CheckpointWarning
+    from floquetrod.simulation.ensemble import ensemble as ensemble
     from floquetrod.simulation.integration import SimulationDiverged as SimulationDiverged
     from floquetrod.simulation.problem import Simulation as Simulation
     from floquetrod.simulation.problem import SimulationProblem as SimulationProblem
@@ -92,6 +93,7 @@ _WHERE = {
     "certify": "floquet.proof",
     "compare": "floquet.comparison",
     "conventions": "equations.conventions",
+    "ensemble": "simulation.ensemble",
     "friction": "friction",
     "mathieu": "mathieu",
     "methods": "floquet.methods",

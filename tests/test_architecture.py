@@ -14,7 +14,8 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = "floquetrod"
 LAZY = {"numba", "llvmlite", "scipy", "mpmath", "sympy", "matplotlib"}
-ALLOWED = {"numpy", "numba", "scipy", "mpmath", "sympy", "matplotlib", "xarray"} | set(sys.stdlib_module_names)
+EXTRAS = {"xarray", "zarr", "numcodecs", "cloudpickle"}
+ALLOWED = {"numpy", "numba", "scipy", "mpmath", "sympy", "matplotlib"} | EXTRAS | set(sys.stdlib_module_names)
 
 
 def module_files() -> dict[str, Path]:

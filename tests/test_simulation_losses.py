@@ -192,9 +192,9 @@ def test_a_path_where_nothing_can_be_written_is_refused_before_the_run(
 def test_what_another_version_or_machine_wrote_is_refused_with_a_remedy(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:
-    path, here = tmp_path / "run.ckpt", checkpoints._arithmetic()
+    path, here = tmp_path / "run.ckpt", checkpoints.arithmetic()
     with monkeypatch.context() as other:
-        other.setattr(checkpoints, "_arithmetic", lambda: {**here, name: "7.5"})
+        other.setattr(checkpoints, "arithmetic", lambda: {**here, name: "7.5"})
         run(checkpoint=path, progress=Stop(3))
     before = path.read_bytes()
     with pytest.raises(ValueError, match=rf"cannot be continued to the bit here: .* {name} 7\.5; continue .*remove"):

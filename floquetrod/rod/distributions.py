@@ -121,21 +121,21 @@ class Sampling:
         raise ValueError("it is out of range")
 
 
-def quantiles(name: str, given: Any, levels: Floats) -> Floats:
-    """Return the quantiles of what ``name`` is distributed by, at levels between 0 and 1."""
+def quantiles(name: str, given: Any, levels: Floats, argument: str = "parameters") -> Floats:
+    """Return the quantiles of what ``argument[name]`` is distributed by, at levels between 0 and 1."""
     if isinstance(given, tuple):
         low, high = given
         return np.asarray(low + (high - low) * levels)
     try:
-        found: NDArray[Any] = np.asarray(_quantile_function(given)(levels))
+        found: NDArray[Any] = np.asarray(quantile_function(given)(levels))
     except ValueError:  # parameters of several distributions, which do not broadcast
         found = np.empty(0)
     if found.shape != levels.shape or found.dtype.kind not in "iuf":
-        raise TypeError(f"parameters[{name!r}] must be the distribution of one number, {_EXAMPLE}; got several")
+        raise TypeError(f"{argument}[{name!r}] must be the distribution of one number, {_EXAMPLE}; got several")
     return found.astype(np.float64, copy=False)
 
 
-def _quantile_function(given: Any) -> Any:
+def quantile_function(given: Any) -> Any:
     """Return the quantile function of a distribution of either kind of SciPy's, None of anything else."""
     found = getattr(given, "ppf", None) or getattr(given, "icdf", None)
     loose = isinstance(given, type) or hasattr(given, "freeze")  # a family of distributions
@@ -157,7 +157,7 @@ def distributions(parameters: Any) -> dict[str, Any]:
         if isinstance(given, tuple | list):
             checked[name] = validate.interval(argument, given)
             continue
-        if _quantile_function(given) is None:
+        if quantile_function(given) is None:
             raise TypeError(f"{argument} must be {_EXAMPLE}, got {validate.short(given)}")
         quantiles(name, given, np.array([0.25, 0.5, 0.75]))
         checked[name] = given

@@ -132,7 +132,7 @@ class Checkpoint:
                 self._save(state())
             except (OSError, ValueError, MemoryError) as error:
                 text = f"checkpoint {self.path} cannot be written ({_cause(error)}); the run continues, and tries again"
-                warnings.warn(CheckpointWarning(text), stacklevel=_level_of_caller())
+                warnings.warn(CheckpointWarning(text), stacklevel=level_of_caller())
         took = time.monotonic() - now
         self._due = now + took + _SECONDS_BETWEEN * max(1.0, took / _QUICK_SAVE)
 
@@ -142,14 +142,14 @@ class Checkpoint:
             self._save(state)
         except (OSError, ValueError, MemoryError, KeyboardInterrupt) as error:
             text = f"checkpoint {self.path} has not been brought up to date ({_cause(error)}); the result is in memory"
-            warnings.warn(CheckpointWarning(text, result), stacklevel=_level_of_caller())
+            warnings.warn(CheckpointWarning(text, result), stacklevel=level_of_caller())
 
     def _save(self, state: RunState) -> None:
         """Write the file."""
         meta = {
             "format": _FORMAT,
             "version": __version__,
-            "arithmetic": _arithmetic(),
+            "arithmetic": arithmetic(),
             "problem": self._identity,
             "seconds": state.seconds,
         }
@@ -179,7 +179,7 @@ class Checkpoint:
     ) -> tuple[str, RunState | None]:
         """Return why the content is not for this run, or the state it holds."""
         unlike = f"of floquetrod {files.entry(meta, 'version', str)} cannot be continued to the bit here"
-        theirs, ours = files.entry(meta, "arithmetic", dict), _arithmetic()
+        theirs, ours = files.entry(meta, "arithmetic", dict), arithmetic()
         if theirs != ours:
             other = [f"{name} {value}" for name, value in theirs.items() if ours.get(name) != value]
             return f"{unlike}: it was computed with {', '.join(other)}; continue it where that is installed", None
@@ -207,7 +207,7 @@ def _cause(error: BaseException) -> str:
     return getattr(error, "strerror", None) or str(error) or type(error).__name__
 
 
-def _level_of_caller() -> int:
+def level_of_caller() -> int:
     """Return the stack level, for the caller of this function, of the first frame outside the package."""
     level, frame = 1, sys._getframe(1)
     while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("floquetrod."):
@@ -222,7 +222,7 @@ def computing_sources() -> Iterator[Path]:
 
 
 @functools.cache
-def _arithmetic() -> dict[str, str]:
+def arithmetic() -> dict[str, str]:
     """Return what the bits of a run depend on, other than its problem and the processor's own arithmetic."""
     import numba
 

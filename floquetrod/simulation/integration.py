@@ -14,7 +14,7 @@ from floquetrod.kernels import rod_motion
 from floquetrod.simulation.checkpoints import Checkpoint, Resumable, RunState, frame_shapes
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
-from floquetrod.simulation.result import RecordedMotion
+from floquetrod.simulation.result import EarlyEnd, RecordedMotion
 from floquetrod.simulation.time_steps import TimeSteps
 
 Progress = Callable[[int, int], None]
@@ -54,6 +54,8 @@ class Integration(Generic[Result]):
         Across the channel at the start, in m/s.
     result : callable
         Makes the result of a recorded motion.
+    early_end : EarlyEnd, optional
+        When to stop before the last step.
     checkpoint : Checkpoint, optional
         Continued from, where its file exists, and kept up to date.  ValueError for a file that cannot be continued.
     """
@@ -66,12 +68,13 @@ class Integration(Generic[Result]):
         time_steps: TimeSteps,
         velocities: NDArray[np.float64],
         result: Callable[[RecordedMotion], Result],
+        early_end: EarlyEnd | None = None,
         checkpoint: Checkpoint | None = None,
     ) -> None:
         """Start, or continue from the checkpoint."""
         self.mesh, self.driving, self.time_steps = mesh, driving, time_steps
         self.physics = mesh.physics(driving, time_steps.size, friction)
-        self._make_result, self._checkpoint = result, checkpoint
+        self._make_result, self._early_end, self._checkpoint = result, early_end, checkpoint
         self._frames: dict[str, NDArray[np.float64]] = {
             name: np.zeros((time_steps.frames, *shape)) for name, shape in frame_shapes(mesh.segments).items()
         }
@@ -108,7 +111,7 @@ class Integration(Generic[Result]):
         if checkpoint is not None:
             checkpoint.start_clock()
         try:
-            while self.done < count:
+            while not self._has_ended():
                 left = self.time_steps.per_frame - self._between_frames
                 self._before = self.rod.copy()
                 advance(self.rod, min(self._piece, left), self.physics)
@@ -144,10 +147,21 @@ class Integration(Generic[Result]):
                 positions=self._frames["positions"][:count],
                 velocities=self._frames["velocities"][:count],
                 energy=energy,
-                complete=self.done == steps.count,
+                ended=self._ended() or "interrupted",
                 seconds=self.seconds,
             )
         )
+
+    def _has_ended(self) -> bool:
+        """Return whether there is nothing more to do, which is looked at where frames are kept."""
+        return self._between_frames == 0 and self._ended() is not None
+
+    def _ended(self) -> str | None:
+        """Return how the run has ended at the last frame kept, None where it goes on."""
+        if self.done == self.time_steps.count:
+            return "duration"
+        kept = self.done // self.time_steps.per_frame + 1
+        return None if self._early_end is None else self._early_end.of(self._frames["positions"][:kept])
 
     def _end_forces(self, count: int) -> NDArray[np.float64]:
         """Return the forces in N that push both ends, each its mean since the frame before, at first its mean."""

@@ -24,7 +24,7 @@ from floquetrod.simulation.driving import MOST_HARMONICS, Driving, half_waves
 from floquetrod.simulation.growth import GrowthFit, growth_of_motion
 from floquetrod.simulation.integration import Integration, Progress
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
-from floquetrod.simulation.result import RecordedMotion
+from floquetrod.simulation.result import ENDINGS, EarlyEnd, RecordedMotion
 from floquetrod.simulation.start import MOST_SEGMENTS, Perturbation
 from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
 
@@ -73,6 +73,10 @@ class SimulationProblem:
         acts on the lower end alone.
     far_force : float, optional
         Mean effective compression at the lower end in N, where that end is pushed; by default the mean of the load.
+    stop_early : bool
+        Whether the run ends at the frame at which it has clearly buckled, the largest angle beyond 15 degrees, three
+        times what counts as buckled (a choice), or at which friction holds it at rest: no node's angle has changed by
+        more than 1e-6 rad over the last full period of the force, and none is beyond 5 degrees.
 
     Raises
     ------
@@ -105,6 +109,7 @@ class SimulationProblem:
     contact_damping: float = DiscreteRod.contact_damping
     feed_speed: float | None = None
     far_force: float | None = None
+    stop_early: bool = False
 
     def __post_init__(self) -> None:
         """Check and clean the parameters; the derived numbers raise for what they cannot be computed from."""
@@ -117,6 +122,7 @@ class SimulationProblem:
             "perturbation": kick,
             "duration": validate.positive("duration", self.duration, "in s"),
             "frames": validate.integer("frames", self.frames, 2),
+            "stop_early": validate.flag("stop_early", self.stop_early),
             "friction": friction_coefficient(self.friction),
             "time_step": None if self.time_step is None else validate.positive("time_step", self.time_step, "in s"),
             "feed_speed": None
@@ -195,7 +201,8 @@ class SimulationProblem:
         file = None if place is None else Checkpoint(place, self.as_dict() | {"time_steps": asdict(self.time_steps)})
         steps = self.time_steps
         velocities = self.perturbation.velocities(self.segments)
-        started = Integration(self.mesh, self.driving, self.friction, steps, velocities, self._result, file)
+        early = EarlyEnd(self.friction, self._frames_in_a_period) if self.stop_early else None
+        started = Integration(self.mesh, self.driving, self.friction, steps, velocities, self._result, early, file)
         return started.run(progress)
 
     def as_dict(self) -> dict[str, Any]:
@@ -225,6 +232,12 @@ class SimulationProblem:
         """Return the simulation whose frames these are."""
         recorded = {part.name: getattr(motion, part.name) for part in fields(motion)}
         return Simulation(problem=self, time_steps=self.time_steps, **recorded)
+
+    @property
+    def _frames_in_a_period(self) -> int:
+        """The least number of frames that cover a period of the force, at most all there are."""
+        between = self.time_steps.per_frame * self.time_steps.size
+        return math.ceil(min(2.0 * math.pi / (self.load.frequency * between), float(self.frames)))
 
     def _load_as_dict(self) -> dict[str, Any]:
         """Return the load as plain data."""
@@ -288,8 +301,9 @@ class Simulation(RecordedMotion):
     energy : dict of ndarray (frames,)
         J: kinetic, stretch, bend, twist, gravity, contact (the latter two from rest on the floor), dissipated by
         contact, friction and damping together and apart ("dissipated_contact", ...), and the work of the end forces.
-    complete : bool
-        Whether it reached its end; False when it was interrupted.
+    ended : str
+        How it ended: "duration" where nothing stopped it, "buckled" or "at rest" where it stopped early, "interrupted"
+        by Ctrl-C; but for the last it is ``complete``.
     seconds : float
         Wall time it took.
     version : str
@@ -352,7 +366,8 @@ class Simulation(RecordedMotion):
     def __repr__(self) -> str:
         """Return what was simulated, and what came of it."""
         problem, steps = self.problem, self.time_steps
-        end = "" if self.complete else f", interrupted at {self.time[-1]:.4g} s"
+        early = f", {'interrupted' if self.ended == 'interrupted' else 'stopped'} at {self.time[-1]:.4g} s"
+        end = "" if self.ended == "duration" else early
         what = f"buckled in mode {self.dominant_mode}" if self.buckled else "not buckled"
         return (
             f"<{what}, largest angle {math.degrees(self.largest_angle.max()):.3g} degrees; {problem.duration:g} s of a "
@@ -411,7 +426,7 @@ class Simulation(RecordedMotion):
             "problem": self.problem.as_dict(),
             "steps_per_frame": self.time_steps.per_frame,
             "step_limit": self.time_steps.limit,
-            "complete": self.complete,
+            "ended": self.ended,
             "seconds": self.seconds,
         }
         arrays = {name: getattr(self, name) for name in ("time", "positions", "velocities", "end_forces")}
@@ -433,11 +448,12 @@ def _simulation(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Simula
     # As they were taken: another version may choose others for the same problem.
     per_frame = validate.integer("steps_per_frame", files.entry(meta, "steps_per_frame", int), 1)
     limit = validate.choice("step_limit", meta["step_limit"], STEP_LIMITS)
-    complete, seconds = files.entry(meta, "complete", bool), files.entry(meta, "seconds", float)
+    ended, seconds = validate.choice("ended", meta["ended"], ENDINGS), files.entry(meta, "seconds", float)
     time = files.field(arrays, "time", np.float64, (None,), finite=True)
     count, nodes = time.size, problem.segments + 1
-    if not 1 <= count <= problem.frames or (complete and count != problem.frames) or seconds < 0.0:
-        raise ValueError(f"it has {count} of {problem.frames} frames, made in {seconds!r} s")
+    fits = (ended == "duration") == (count == problem.frames) and (problem.stop_early or ended in ENDINGS[::3])
+    if not (1 <= count <= problem.frames and fits and seconds >= 0.0):
+        raise ValueError(f"it has {count} of {problem.frames} frames, made in {seconds!r} s, and ended: {ended}")
     positions, velocities = (
         files.field(arrays, name, np.float64, (count, nodes, 3), finite=True) for name in ("positions", "velocities")
     )
@@ -453,7 +469,7 @@ def _simulation(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Simula
         velocities=velocities,
         end_forces=files.field(arrays, "end_forces", np.float64, (count, 2), finite=True),
         energy=energy,
-        complete=complete,
+        ended=ended,
         seconds=seconds,
         version=files.entry(meta, "version", str),
     )

@@ -17,6 +17,42 @@ from floquetrod.simulation.start import LEAST_SEGMENTS
 BUCKLED_ANGLE = math.radians(5.0)
 """Angle beyond which a rod counts as buckled, that of the paper (section 4.3 of DOI 10.1115/1.4031710)."""
 
+_CLEARLY_BUCKLED = 3.0 * BUCKLED_ANGLE  # at which a run may stop early (a choice: no decaying motion was seen there)
+_AT_REST = 1e-6  # rad: a node that turns by no more in a period of the force has come to rest (a choice)
+
+ENDINGS = ("duration", "buckled", "at rest", "interrupted")
+"""How a run may end."""
+
+
+@dataclass(frozen=True)
+class EarlyEnd:
+    """When a run may stop before its duration: once it has clearly buckled, or where ``friction`` holds it at rest.
+
+    At rest no node's angle has changed by more than 1e-6 rad for ``frames``, which cover a period of the force, and
+    none is beyond 5 degrees.
+    """
+
+    friction: float
+    frames: int
+
+    def of(self, positions: NDArray[np.float64]) -> str | None:
+        """Return how a run of these frames (frames, nodes, 3) has ended at the last of them, None where it has not."""
+        last = angles(positions[-1])
+        largest = float(np.abs(last).max())
+        if largest > _CLEARLY_BUCKLED:
+            return "buckled"
+        if self.friction == 0.0 or largest >= BUCKLED_ANGLE or len(positions) <= self.frames:
+            return None
+        # The first frame of the period alone shows most runs to be moving.
+        if np.abs(last - angles(positions[-1 - self.frames])).max() > _AT_REST:
+            return None
+        return "at rest" if np.ptp(angles(positions[-1 - self.frames :]), axis=0).max() <= _AT_REST else None
+
+
+def angles(positions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the angle theta around the channel's axis in rad, 0 on the floor, of places (..., 3)."""
+    return np.asarray(np.arctan2(positions[..., 1], -positions[..., 2]))
+
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class RecordedMotion(NoTruthValue, ByContent):
@@ -32,13 +68,18 @@ class RecordedMotion(NoTruthValue, ByContent):
     velocities: NDArray[np.float64]
     end_forces: NDArray[np.float64]
     energy: dict[str, NDArray[np.float64]]
-    complete: bool
+    ended: str
     seconds: float = field(compare=False)
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run reached its end; False when it was interrupted."""
+        return self.ended != "interrupted"
 
     @cached_property
     def angle(self) -> NDArray[np.float64]:
         """Angle theta of every node around the channel's axis in rad, 0 on the floor, (frames, nodes)."""
-        return np.arctan2(self.positions[:, :, 1], -self.positions[:, :, 2])
+        return angles(self.positions)
 
     @property
     def largest_angle(self) -> NDArray[np.float64]:
@@ -59,6 +100,11 @@ class RecordedMotion(NoTruthValue, ByContent):
         The paper asks for 5 degrees at any time after 1 s, which the decaying motion after a strong kick passes too.
         """
         return bool(self.largest_angle[-self._last_quarter :].max() > BUCKLED_ANGLE)
+
+    @property
+    def buckled_at(self) -> float | None:
+        """The first recorded time in s at which a node was beyond 5 degrees, None where the rod has not `buckled`."""
+        return float(self.time[np.argmax(self.largest_angle > BUCKLED_ANGLE)]) if self.buckled else None
 
     @property
     def dominant_mode(self) -> int:

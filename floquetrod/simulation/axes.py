@@ -1,0 +1,238 @@
+"""What an ensemble varies: named values of a problem, its load, its rod and its start, and the problem of each run."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.rod import parts
+from floquetrod.rod.distributions import quantile_function, quantiles
+from floquetrod.simulation.problem import SimulationProblem
+from floquetrod.simulation.start import Perturbation
+
+LAYOUTS = ("grid", "list")
+_MOST_RUNS = 10**7  # of an ensemble: a gigabyte of results (a choice)
+_MOST_TRIED = 1000  # problems made before anything runs, to see whether any can be (a choice)
+_LARGEST = sys.float_info.max
+_NUMBERS = {"float": float, "int": int, "float | None": float, "int | None": int}
+_UNITS = {
+    **dict.fromkeys(("duration", "time_step"), "s"),
+    **dict.fromkeys(("mean", "amplitude"), "N"),
+    **dict.fromkeys(("axial_damping", "damping_rate"), "1/s"),
+    **dict.fromkeys(("density", "fluid_inside", "fluid_outside"), "kg/m^3"),
+    **dict.fromkeys(("radius", "length", "channel_radius", "inner_radius", "wall_thickness"), "m"),
+    **dict.fromkeys(("diameter", "inner_diameter", "channel_diameter"), "m"),
+    "kick": "m/s",
+    "frequency": "rad/s",
+    "youngs_modulus": "Pa",
+    "gravity": "m/s^2",
+    "inclination": "rad",
+}
+_INSTEAD = ("diameter", "inner_diameter", "channel_diameter", "wall_thickness")  # of parameters of a rod
+_START = ("kick", "seed")
+
+
+class Axis(NamedTuple):
+    """The values of one quantity along dimension ``dim``."""
+
+    name: str
+    dim: str
+    values: NDArray[Any]
+
+    @property
+    def unit(self) -> str:
+        """Its unit, "1" for a number without."""
+        return _UNITS.get(self.name, "1")
+
+
+def names_of(problem: SimulationProblem) -> dict[str, tuple[str, ...]]:
+    """Return the names that may be varied, by what they belong to: "problem", "load", "rod", "start"."""
+    return {
+        "problem": tuple(part.name for part in fields(problem) if part.type in _NUMBERS),
+        "load": tuple(part.name for part in fields(problem.load) if part.type in _NUMBERS),
+        "rod": (*parts.LIMITS, *_INSTEAD),
+        "start": _START,
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """A problem and what is varied of it; runs are numbered in the order of ``dims``, the last fastest."""
+
+    problem: SimulationProblem
+    axes: tuple[Axis, ...]
+
+    @property
+    def dims(self) -> tuple[str, ...]:
+        """Names of the dimensions."""
+        return tuple(dict.fromkeys(axis.dim for axis in self.axes))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Lengths of the dimensions."""
+        lengths = {axis.dim: axis.values.size for axis in self.axes}
+        return tuple(lengths[dim] for dim in self.dims)
+
+    @property
+    def size(self) -> int:
+        """Number of runs."""
+        return int(np.prod(self.shape))
+
+    def values(self, run: int) -> dict[str, float | int]:
+        """Return what is varied, with its values in a run."""
+        place = dict(zip(self.dims, np.unravel_index(run, self.shape), strict=True))
+        return {axis.name: axis.values[place[axis.dim]].item() for axis in self.axes}
+
+    def tried_first(self) -> Iterator[int]:
+        """Yield runs that show whether any can be made: the first, then along every dimension, at most a thousand."""
+        yield 0
+        stride, left = self.size, _MOST_TRIED
+        for length in self.shape:
+            stride //= length
+            for place in range(1, min(length, left)):
+                yield place * stride
+            left -= min(length, left)
+
+    def require_possible(self) -> None:
+        """Raise what making the first problem raises, unless another one can be made."""
+        first: ValueError | None = None
+        for run in self.tried_first():
+            try:
+                varied(self.problem, self.values(run))
+                return
+            except ValueError as error:
+                first = first or error
+        raise ValueError(f"over varies the problem so that no run tried can be made, the first of them: {first}")
+
+
+def varied(problem: SimulationProblem, values: Mapping[str, float | int]) -> SimulationProblem:
+    """Return the problem of a run: pure in both arguments, whatever process it is called in."""
+    names = names_of(problem)
+    changes: dict[str, dict[str, Any]] = {
+        part: {name: value for name, value in values.items() if name in known} for part, known in names.items()
+    }
+    own, load, rod = changes["problem"], changes["load"], changes["rod"]
+    if load:
+        own["load"] = replace(problem.load, **load)
+    if rod:
+        own["rod"] = problem.rod.replace(**rod)
+    kick = problem.perturbation
+    if "seed" in values:
+        own["perturbation"] = kick = _seeded(kick, int(values["seed"]))
+    changed = problem.replace(**own) if own else problem
+    if "kick" not in values:
+        return changed
+    return changed.replace(perturbation=_scaled(kick, float(values["kick"]), changed.mesh.segments))
+
+
+def _seeded(kick: Perturbation, seed: int) -> Perturbation:
+    """Return a perturbation whose first noise has this seed, and others seeds that follow from it."""
+    seed = validate.integer("seed", seed, 0)
+    seeds = [seed, *np.random.SeedSequence(seed).generate_state(len(kick.noises) - 1).tolist()]
+    return replace(kick, noises=tuple((speed, new) for (speed, _), new in zip(kick.noises, seeds, strict=True)))
+
+
+def _scaled(kick: Perturbation, speed: float, segments: int) -> Perturbation:
+    """Return a perturbation scaled so that its largest speed is ``speed`` in m/s."""
+    speed = validate.nonnegative("kick", speed, "in m/s")
+    largest = float(np.abs(kick.velocities(segments)).max())
+    if largest == 0.0:
+        raise ValueError("kick scales the perturbation of the problem, which moves nothing; give it one")
+    factor = speed / largest
+    return Perturbation(
+        tuple((mode, factor * own) for mode, own in kick.speeds),
+        tuple((factor * own, seed) for own, seed in kick.noises),
+    )
+
+
+def study_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, seed: Any) -> Study:
+    """Return what the arguments of `floquetrod.ensemble` ask for, checked."""
+    validate.instance("problem", problem, SimulationProblem, "fr.SimulationProblem(rod, load, duration=2.0), say")
+    layout = validate.choice("layout", layout, LAYOUTS)
+    seed = validate.integer("seed", seed, 0, 2**128 - 1)
+    if not isinstance(over, Mapping):
+        raise TypeError(f"over must map names to values such as {{'friction': [0.1, 0.2]}}, got {validate.short(over)}")
+    if not over:
+        raise ValueError("over must name at least one quantity to vary, got none; problem.run() makes a single run")
+    known = [name for names in names_of(problem).values() for name in names]
+    for name in over:
+        if name not in known:
+            raise ValueError(f"over must name what can be varied, {', '.join(known)}; got {validate.short(name)}")
+    if "seed" in over and not problem.perturbation.noises:
+        raise ValueError("over varies the seed, but nothing is drawn: give the problem a Perturbation.random")
+    given = {name: _values(problem, name, value) for name, value in over.items() if quantile_function(value) is None}
+    drawn = {name: value for name, value in over.items() if name not in given}
+    count = _samples(samples, drawn, given if layout == "list" else {})
+    given |= {name: _whole(problem, name, values) for name, values in _draw(drawn, count, seed)}
+    if layout == "list":
+        lengths = {name: values.size for name, values in given.items()}
+        if len(set(lengths.values())) > 1:
+            listed = ", ".join(f"{name} has {length:,}" for name, length in lengths.items())
+            raise ValueError(f"over must hold as many values of each name where layout is 'list', got: {listed}")
+    dim = {name: "run" if layout == "list" else "sample" if name in drawn else name for name in over}
+    study = Study(problem, tuple(Axis(name, dim[name], given[name]) for name in over))
+    runs = float(np.prod([float(length) for length in study.shape]))
+    if runs > _MOST_RUNS:
+        raise ValueError(f"over makes {runs:,.0f} runs, at most {_MOST_RUNS:,} are made; vary less")
+    study.require_possible()
+    return study
+
+
+def _values(problem: SimulationProblem, name: str, given: Any) -> NDArray[Any]:
+    """Return the values given for a name, one-dimensional and not empty."""
+    argument = f"over[{name!r}]"
+    if isinstance(given, str | bytes | Mapping | set | frozenset) or not np.iterable(given):
+        raise TypeError(
+            f"{argument} must be a sequence of numbers such as [0.1, 0.2], or a frozen distribution such as "
+            f"scipy.stats.uniform(0.1, 0.1), got {validate.short(given)}"
+        )
+    array = validate.array(argument, given, least=-_LARGEST, largest=_LARGEST)
+    if array.ndim != 1 or not array.size:
+        raise ValueError(f"{argument} must have one dimension and at least one value, got shape {array.shape}")
+    if _kind(problem, name) is int:
+        return validate.integer_array(argument, given, 0, 2**62)
+    return array
+
+
+def _whole(problem: SimulationProblem, name: str, values: NDArray[np.float64]) -> NDArray[Any]:
+    """Return values that were drawn, as integers where the name asks for them."""
+    if _kind(problem, name) is not int:
+        return values
+    if not (values == np.floor(values)).all():
+        raise ValueError(
+            f"over[{name!r}] must be the distribution of an integer such as scipy.stats.randint(1, 100), got "
+            f"{validate.short(values[0].item())} from it"
+        )
+    return values.astype(np.int64)
+
+
+def _kind(problem: SimulationProblem, name: str) -> type:
+    """Return float or int: what the values of a name are."""
+    kinds = {part.name: _NUMBERS[str(part.type)] for part in fields(problem) if part.type in _NUMBERS}
+    return int if name == "seed" else kinds.get(name, float)
+
+
+def _samples(samples: Any, drawn: Mapping[str, Any], columns: Mapping[str, NDArray[Any]]) -> int:
+    """Return how many values are drawn, 0 for none; in a list, as many as ``columns`` have unless told."""
+    if not drawn:
+        if samples is not None:
+            raise ValueError(f"samples is for distributions, of which over has none, got {validate.short(samples)}")
+        return 0
+    if samples is None and columns:
+        return next(iter(columns.values())).size
+    if samples is None:
+        raise ValueError(f"samples must say how often {', '.join(drawn)} is to be drawn; give samples=100, say")
+    return validate.integer("samples", samples, 1, _MOST_RUNS)
+
+
+def _draw(drawn: Mapping[str, Any], count: int, seed: int) -> Iterator[tuple[str, NDArray[np.float64]]]:
+    """Yield the names that are distributed with values drawn for them."""
+    levels = np.random.default_rng(seed).random((len(drawn), count))
+    for (name, given), level in zip(drawn.items(), levels, strict=True):
+        yield name, quantiles(name, given, np.maximum(level, 2.0**-54), "over")  # 0 could be an infinite quantile

@@ -1,0 +1,233 @@
+"""`fr.ensemble`: one simulation with many values of what it depends on, from a laptop to a cluster."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable, Mapping, Sequence, Set
+from concurrent.futures import Executor
+from contextlib import closing, suppress
+from pathlib import Path
+from typing import Any, Literal
+
+from floquetrod._util import files, interrupt, validate
+from floquetrod.simulation import stores_zarr
+from floquetrod.simulation import workers as hands
+from floquetrod.simulation.axes import Study, study_of, varied
+from floquetrod.simulation.problem import SimulationProblem
+from floquetrod.simulation.runs import Runs
+from floquetrod.simulation.stores import RESULTS, Layout, MemoryStore, NpzStore, Outcome, chunk_shape, require_same
+
+_MOST_PARTS = 10**6  # (a choice)
+
+
+def ensemble(
+    problem: SimulationProblem,
+    over: Mapping[str, Any],
+    *,
+    layout: Literal["grid", "list"] = "grid",
+    samples: int | None = None,
+    seed: int = 0,
+    executor: Executor | None = None,
+    workers: int | None = None,
+    store: str | Path | None = None,
+    summary: hands.Summary | None = None,
+    frames: bool = False,
+    part: tuple[int, int] | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Any:
+    """Simulate a problem with many values of what it depends on; results come as arrays over named axes.
+
+    Parameters
+    ----------
+    problem : SimulationProblem
+        Gives everything that ``over`` does not.
+    over : mapping
+        Values by name, in SI units.  Names are the numbers among the fields of the problem ("friction", "duration",
+        "segments", ...), of its load ("mean", "amplitude", "frequency", ...), the parameters of its rod ("length",
+        "youngs_modulus", ...), and of its start: "kick" scales the whole perturbation so that its largest speed is
+        this, in m/s, and "seed" is that of its noise.  Values are a sequence, or a distribution of `scipy.stats` with
+        its parameters given, from which ``samples`` are drawn.
+    layout : {"grid", "list"}
+        "grid": every combination of the values, one dimension for each name; what is drawn shares the dimension
+        "sample".  "list": the first values together, the second ones, and so on, along the one dimension "run".
+    samples : int, optional
+        How many values are drawn from distributions.
+    seed : int
+        Of what is drawn from distributions: the same gives the same.
+    executor : concurrent.futures.Executor, optional
+        Makes the runs, in any order; it is not shut down.  A process pool, ``Client.get_executor()`` of
+        dask.distributed, ``MPIPoolExecutor`` of mpi4py.  By default threads, as many as there are processors.
+    workers : int, optional
+        Makes the runs in so many processes instead.  One that dies is replaced; a run in which three died has failed.
+    store : path, optional
+        Written while results come: a folder that ends in ".zarr", or a file in ".npz".  Where it exists, only the runs
+        that it lacks are made.
+    summary : callable, optional
+        Makes further results of every run: takes a `Simulation`, returns numbers by name.
+    frames : bool
+        Whether time, angle and positions of every frame are kept, too.
+    part : tuple of int, optional
+        (k, n): makes the k-th of n parts only, for the jobs of an array that share a store ending in ".zarr".
+    progress : callable, optional
+        Called with the numbers of runs done and to do.
+
+    Returns
+    -------
+    xarray.Dataset, or Runs where xarray is not installed
+        Over the axes: ``status`` (0 pending, 1 done, 2 failed) and ``reason``, why a run failed; ``buckled``,
+        ``time_to_buckle`` (s, NaN where it did not), ``dominant_mode``, ``growth_rate`` and ``growth_error`` of that
+        mode (1/s, NaN with friction, or where there is too little to fit), ``largest_angle`` (rad), ``energy_error``
+        (J, the largest), ``wall_time`` (s), and what ``summary`` adds.  Some runs are pending after Ctrl-C, which
+        abandons those in progress, and where a part was made.
+
+    Raises
+    ------
+    TypeError, ValueError
+        Before anything runs: for names that the problem does not have, values that are no numbers or of which no
+        problem can be made, columns of a list whose lengths differ, a store of another study, what cannot be pickled to
+        be sent to other processes.  One run that cannot be made is recorded as failed.
+    RuntimeError
+        When the executor breaks; results so far are in the store.
+    ImportError
+        For a store ending in ".zarr" without the extra: pip install floquetrod[ensemble].
+
+    Notes
+    -----
+    Every run depends on the problem and its values alone: results are the same to the bit, whatever makes them.
+
+    Examples
+    --------
+    >>> import floquetrod as fr
+    >>> load = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
+    >>> problem = fr.SimulationProblem(fr.Rod.nitinol(), load, duration=0.01, segments=60, frames=5)
+    >>> found = fr.ensemble(problem, over={"frequency": [120.0, 150.0], "seed": range(3)})
+    >>> dict(found.sizes), int(found.status.sum()), bool(found.buckled.any())
+    ({'frequency': 2, 'seed': 3}, 6, False)
+    """
+    study = study_of(problem, over, layout, samples, seed)
+    place = None if store is None else validate.path("store", store)
+    if summary is not None:
+        validate.function("summary", summary)
+    frames, share = validate.flag("frames", frames), _part(part)
+    validate.progress(progress)
+    count = hands.require_executor(executor, workers)
+    names, chunk, make = _store(place, study, frames, share[1])
+    job = hands.Job(problem, summary, None, frames)
+    held: MemoryStore | None = None
+    if names is not None:
+        if (summary is None) == bool(names):
+            raise ValueError(f"store {place} holds another study, with another summary; give another path")
+        held = make(Layout(study, names, frames, chunk))
+    plan = Layout(study, names or (), frames, chunk)
+    runs = plan.runs_of(plan.part(share))
+    pending = list(runs) if held is None else held.pending(runs)
+    crew = hands.hands_for(executor, count) if pending else None
+    try:
+        if crew is not None:
+            crew.require_picklable(job)
+        first: list[Outcome] = []
+        if summary is not None and pending:
+            found, first = _first_runs(job, study, pending)
+            if held is not None and first and set(found) != set(names or ()):
+                raise ValueError(f"store {place} holds a summary of {', '.join(names or ())}, got {', '.join(found)}")
+            job = job._replace(names=found)
+        if held is None:
+            held = make(Layout(study, job.names or (), frames, chunk))
+        if crew is not None:
+            _fill(held, plan.part(share), job, crew, first, progress)
+    finally:
+        if crew is not None:
+            crew.close()
+    return held.to_xarray() if importlib.util.find_spec("xarray") else held.runs()
+
+
+def _fill(
+    store: MemoryStore,
+    chunks: range,
+    job: hands.Job,
+    crew: hands.Hands,
+    first: Sequence[Outcome],
+    progress: Callable[[int, int], None] | None,
+) -> None:
+    """Make the runs that are pending, and keep what comes of them, until all are done or Ctrl-C."""
+    study, runs = store.layout.study, store.layout.runs_of(chunks)
+    store.open_part(chunks)
+    try:
+        for outcome in first:
+            store.keep(outcome)
+        pending = store.pending(runs)
+        done = len(runs) - len(pending)
+        with (
+            suppress(KeyboardInterrupt),
+            closing(hands.work(crew, job, pending, study.values, store.save_when_due)) as outcomes,
+        ):
+            for outcome in outcomes:
+                store.keep(outcome)
+                done += 1
+                if progress is not None:
+                    progress(done, len(runs))
+    finally:
+        with interrupt.held():
+            store.save()
+            store.close()
+
+
+def _first_runs(job: hands.Job, study: Study, pending: Sequence[int]) -> tuple[tuple[str, ...], list[Outcome]]:
+    """Return the names of the summary, and the runs made to learn them: until one could be made."""
+    made = []
+    for run in pending:
+        try:
+            simulation = varied(job.problem, study.values(run)).run()
+        except Exception as error:  # recorded as any other run's
+            made.append(hands.failure(run, error))
+            continue
+        if not simulation.complete:
+            raise KeyboardInterrupt
+        try:
+            outcome = hands.outcome(job, run, simulation)
+        except Exception as error:
+            listed = ", ".join(f"{name} = {value:g}" for name, value in study.values(run).items())
+            raise ValueError(f"summary must make numbers of a run; of that with {listed} it raised: {error}") from error
+        names = tuple(outcome.summary)
+        taken = {*RESULTS, *study.dims, *(axis.name for axis in study.axes), "reason", "time", "angle", "positions"}
+        for name in names:
+            if name in taken or not name.isidentifier():
+                raise ValueError(f"summary must name its numbers by words that are not taken, got {name!r}")
+        return names, [*made, outcome]
+    return (), made
+
+
+def _store(
+    place: Path | None, study: Study, frames: bool, parts: int
+) -> tuple[tuple[str, ...] | None, tuple[int, ...], Callable[[Layout], MemoryStore]]:
+    """Return the names of the summary of a store, None where there is no store yet, its chunks, and what opens it.
+
+    Raises ValueError for a store of another study, and where none can be written.
+    """
+    chunk = chunk_shape(study.shape, parts)
+    if place is None:
+        return None, chunk, MemoryStore
+    if place.suffix == ".zarr":
+        return stores_zarr.open_store(place, study, frames, chunk)
+    if place.suffix != ".npz":
+        raise ValueError(f"store must end in .zarr or .npz, got {validate.short(str(place))}")
+    if parts > 1:
+        raise ValueError(f"part needs a store that many can write: one that ends in .zarr, got {str(place)!r}")
+    files.writable(place)
+    found = Runs.load(place) if place.exists() else None
+    names = None if found is None else require_same(place, found.attrs, study, frames)
+    return names, chunk, lambda layout: NpzStore(layout, place, found)
+
+
+def _part(part: Any) -> tuple[int, int]:
+    """Return the argument ``part`` as (k, n), by default the only part of one."""
+    if part is None:
+        return 1, 1
+    try:
+        if isinstance(part, str | bytes | Mapping | Set):
+            raise TypeError
+        k, n = part
+    except (TypeError, ValueError):
+        raise TypeError(f"part must be two integers (k, n), the k-th of n parts, got {validate.short(part)}") from None
+    n = validate.integer("part[1]", n, 1, _MOST_PARTS)
+    return validate.integer("part[0]", k, 1, n, "parts are counted from 1"), n

@@ -1,0 +1,139 @@
+"""`Runs`: named arrays over named dimensions with units, what an ensemble returns where xarray is not installed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import files, validate
+from floquetrod._util.content import ByContent, NoTruthValue
+
+_FORMAT = "floquetrod runs 1"
+
+PENDING, DONE, FAILED = 0, 1, 2
+"""Values of ``status``."""
+
+
+class Variable(NamedTuple):
+    """An array with the names of its dimensions and its attributes: "units" and "long_name" among them."""
+
+    dims: tuple[str, ...]
+    values: NDArray[Any]
+    attrs: dict[str, Any]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Runs(NoTruthValue, ByContent):
+    """Arrays over the axes of an ensemble; ``runs["buckled"]`` is one of them.
+
+    Attributes
+    ----------
+    variables : dict of Variable
+        Results by name: (dims, values, attrs).
+    coords : dict of Variable
+        What was varied, in the same form.
+    attrs : dict
+        The package's version, the problem as JSON, and what varies.
+
+    Examples
+    --------
+    >>> size = Variable(("kick",), np.array([1.0, 2.0]), {"units": "rad"})
+    >>> runs = Runs({"largest_angle": size}, {"kick": size._replace(attrs={"units": "m/s"})}, {})
+    >>> runs["largest_angle"].max(), runs.dims, runs.units["kick"]
+    (np.float64(2.0), {'kick': 2}, 'm/s')
+    """
+
+    ask = '["buckled"]'
+
+    variables: dict[str, Variable]
+    coords: dict[str, Variable]
+    attrs: dict[str, Any]
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        """Return the values of a variable or a coordinate."""
+        everything = self.coords | self.variables
+        if name not in everything:
+            raise KeyError(f"{name!r} is none of {', '.join(everything)}")
+        return everything[name].values
+
+    @property
+    def dims(self) -> dict[str, int]:
+        """Lengths of the dimensions by name."""
+        every = [*self.coords.values(), *self.variables.values()]
+        return {dim: length for v in every for dim, length in zip(v.dims, v.values.shape, strict=True)}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units by name, "1" for numbers without."""
+        return {name: v.attrs.get("units", "1") for name, v in (self.coords | self.variables).items()}
+
+    def __repr__(self) -> str:
+        """Return the lengths, and how many runs there are of each status."""
+        shape = ", ".join(f"{name}: {length}" for name, length in self.dims.items())
+        if "status" not in self.variables:
+            return f"<{', '.join(self.variables)} ({shape})>"
+        counts = np.bincount(self["status"].ravel(), minlength=3)
+        return f"<{counts[DONE]:,} runs done, {counts[FAILED]:,} failed, {counts[PENDING]:,} pending ({shape})>"
+
+    def to_xarray(self) -> Any:
+        """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[ensemble])."""
+        import xarray
+
+        variables, coords = dict(self.variables), dict(self.coords)
+        return xarray.Dataset(variables, coords, self.attrs)
+
+    @classmethod
+    def from_xarray(cls, dataset: Any) -> Runs:
+        """Return the content of an xarray.Dataset, loaded into memory."""
+
+        def content(of: Any) -> dict[str, Variable]:
+            every = of.items()
+            return {str(n): Variable(tuple(map(str, v.dims)), np.asarray(v.values), dict(v.attrs)) for n, v in every}
+
+        return cls(content(dataset.data_vars), content(dataset.coords), dict(dataset.attrs))
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""
+        kinds = {"variables": self.variables, "coords": self.coords}
+        meta = {
+            "format": _FORMAT,
+            "attrs": self.attrs,
+            **{kind: {name: [v.dims, v.attrs] for name, v in of.items()} for kind, of in kinds.items()},
+        }
+        arrays = {f"{kind}.{name}": v.values for kind, of in kinds.items() for name, v in of.items()}
+        return files.write_npz(path, meta, arrays, compress=True)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Runs:
+        """Read runs that `save` wrote; ValueError for a file that is damaged, if only in one bit, or foreign."""
+        return files.read_npz(path, _FORMAT, "an ensemble", cls._read)
+
+    @classmethod
+    def _read(cls, meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Runs:
+        """Return what a file holds; ValueError where it is not as `save` writes it."""
+        found: dict[str, dict[str, Variable]] = {"variables": {}, "coords": {}}
+        for kind, of in found.items():
+            for name, (dims, attrs) in files.entry(meta, kind, dict).items():
+                values = arrays[f"{kind}.{name}"]
+                if len(dims) != values.ndim or not isinstance(attrs, dict):
+                    raise ValueError(f"{name} is an array of {values.ndim} dimensions named {dims}")
+                of[name] = Variable(tuple(map(str, dims)), values, attrs)
+        runs = cls(found["variables"], found["coords"], files.entry(meta, "attrs", dict))
+        lengths = runs.dims
+        for name, v in (runs.coords | runs.variables).items():
+            if v.values.shape != tuple(lengths[dim] for dim in v.dims):
+                raise ValueError(f"{name} is an array of shape {v.values.shape}, of dimensions {lengths}")
+        return runs
+
+
+def require_runs(name: str, value: Any) -> Runs:
+    """Return an argument that is `Runs` or an xarray.Dataset as `Runs`; TypeError for anything else."""
+    if isinstance(value, Runs):
+        return value
+    if not all(hasattr(value, part) for part in ("data_vars", "coords", "attrs")):
+        raise TypeError(f"{name} must be what fr.ensemble returns, got {validate.short(value)}")
+    return Runs.from_xarray(value)

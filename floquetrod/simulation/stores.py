@@ -1,0 +1,331 @@
+"""Where the results of an ensemble are kept: in memory, and saved to an npz file as they come.
+
+`floquetrod.simulation.stores_zarr` has the store for many writers and large ensembles.
+"""
+
+from __future__ import annotations
+
+import bisect
+import hashlib
+import json
+import math
+import time
+import warnings
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import files
+from floquetrod._util.version import __version__
+from floquetrod.simulation.axes import Study
+from floquetrod.simulation.checkpoints import CheckpointWarning, arithmetic, level_of_caller
+from floquetrod.simulation.runs import DONE, FAILED, PENDING, Runs, Variable
+
+_RUNS_IN_A_CHUNK = 256  # at most (a choice)
+_SECONDS_BETWEEN = 1.0  # of wall time, between saves (a choice)
+_LONGER = 50.0  # times the duration of a save until the next one: saves take at most a fiftieth (a choice)
+_MOST_MEMORY = 1 << 32  # bytes of frames in memory (a choice)
+REASON = 240  # characters kept of a reason (a choice)
+
+
+class Kind(NamedTuple):
+    """The type, unit and meaning of a result."""
+
+    dtype: Any
+    unit: str
+    long_name: str
+
+    @property
+    def nothing(self) -> Any:
+        """What stands for it where there is none."""
+        return np.nan if self.dtype is np.float64 else 0
+
+
+RESULTS = {
+    "status": Kind(np.int8, "1", "pending, done or failed"),
+    "buckled": Kind(np.bool_, "1", "whether a node was beyond 5 degrees in the last quarter"),
+    "time_to_buckle": Kind(np.float64, "s", "first recorded time beyond 5 degrees of a run that buckled"),
+    "dominant_mode": Kind(np.int16, "1", "mode of largest amplitude over the last quarter"),
+    "growth_rate": Kind(np.float64, "1/s", "growth rate of the dominant mode while motion is small"),
+    "growth_error": Kind(np.float64, "1/s", "error of the growth rate"),
+    "largest_angle": Kind(np.float64, "rad", "largest angle of any node at any time"),
+    "energy_error": Kind(np.float64, "J", "largest error of the energy balance"),
+    "wall_time": Kind(np.float64, "s", "time that the run took"),
+}
+"""Results of every run, beside ``reason``, a text."""
+
+_FLAGS = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done failed"}
+
+
+class Outcome(NamedTuple):
+    """What came of a run: its number, status, reason, results by name, those of the summary, frames if asked for."""
+
+    run: int
+    status: int
+    reason: str = ""
+    results: Mapping[str, float] = {}
+    summary: Mapping[str, float] = {}
+    frames: Mapping[str, NDArray[np.float64]] | None = None
+
+
+@dataclass(frozen=True)
+class Layout:
+    """What a store holds: a study, the names of its summary, whether frames, and the shape of chunks of runs."""
+
+    study: Study
+    summary: tuple[str, ...]
+    frames: bool
+    chunk: tuple[int, ...]
+
+    @property
+    def kinds(self) -> dict[str, Kind]:
+        """All results by name, those of the summary too."""
+        return RESULTS | {name: Kind(np.float64, "1", f"{name} of the summary") for name in self.summary}
+
+    @property
+    def frame_shapes(self) -> dict[str, tuple[tuple[str, int], ...]]:
+        """Names of the arrays of a run's frames, with their dimensions; empty without frames."""
+        if not self.frames:
+            return {}
+        frame, node = ("frame", self.study.problem.frames), ("node", self.study.problem.mesh.segments + 1)
+        return {"time": (frame,), "angle": (frame, node), "positions": (frame, node, ("axis", 3))}
+
+    @cached_property
+    def starts(self) -> list[int]:
+        """Number of the first run of every chunk; a chunk is a contiguous range of runs."""
+        shape, starts = self.study.shape, [0]
+        for length, step in zip(shape, self.chunk, strict=True):
+            starts = [start * length + place for start in starts for place in range(0, length, step)]
+        return starts
+
+    def part(self, part: tuple[int, int]) -> range:
+        """Return the chunks of the k-th of n parts, ``part`` = (k, n)."""
+        (k, n), count = part, len(self.starts)
+        return range((k - 1) * count // n, k * count // n)
+
+    def runs_of(self, chunks: range) -> range:
+        """Return the runs in consecutive chunks."""
+        edges = [*self.starts, self.study.size]
+        return range(edges[chunks.start], edges[chunks.stop])
+
+    def attrs(self, name: str) -> dict[str, Any]:
+        """Return the attributes of a result."""
+        if name == "reason":
+            return {"long_name": "why a run failed"}
+        kind = self.kinds[name]
+        own = {"long_name": kind.long_name, "units": kind.unit}
+        return own | _FLAGS if name == "status" else own
+
+    @property
+    def coords(self) -> dict[str, Variable]:
+        """What is varied."""
+        return {
+            axis.name: Variable(
+                (axis.dim,), axis.values, {"long_name": axis.name.replace("_", " "), "units": axis.unit}
+            )
+            for axis in self.study.axes
+        }
+
+    @property
+    def about(self) -> dict[str, Any]:
+        """Attributes of the whole, plain data."""
+        return {
+            "version": __version__,
+            "problem": json.dumps(self.study.problem.as_dict()),
+            "varied": [axis.name for axis in self.study.axes],
+            "summary": list(self.summary),
+            "study": json.dumps(identity(self.study, self.frames)),
+        }
+
+
+def identity(study: Study, frames: bool) -> dict[str, Any]:
+    """Return plain data that distinguishes a study from every other, but for the names of its summary."""
+    return {
+        "problem": study.problem.as_dict(),
+        "axes": [[axis.name, axis.dim, hashlib.sha256(axis.values.tobytes()).hexdigest()] for axis in study.axes],
+        "frames": frames,
+        "arithmetic": arithmetic(),
+    }
+
+
+def require_same(place: Path, attrs: Mapping[str, Any], study: Study, frames: bool) -> tuple[str, ...]:
+    """Return the names of the summary that a store holds; ValueError unless it holds this study."""
+    try:
+        theirs, names = json.loads(attrs["study"]), tuple(map(str, attrs["summary"]))
+    except (KeyError, TypeError, ValueError):
+        raise ValueError(f"store {place} is not one of fr.ensemble; give another path") from None
+    ours = identity(study, frames)
+    wrong = [name for name in ours if theirs.get(name) != ours[name]]
+    if wrong == ["arithmetic"]:
+        other = [f"{name} {value}" for name, value in theirs["arithmetic"].items() if ours[wrong[0]].get(name) != value]
+        raise ValueError(
+            f"store {place} was made with {', '.join(other)}; continue it where that is installed, or give another path"
+        )
+    if wrong:
+        raise ValueError(f"store {place} holds another study, with another {', '.join(wrong)}; give another path")
+    return names
+
+
+def chunk_shape(shape: tuple[int, ...], parts: int) -> tuple[int, ...]:
+    """Return the shape of chunks that are contiguous ranges of runs: at most 256, and at least ``parts`` of them."""
+    chunk, room = [], min(_RUNS_IN_A_CHUNK, math.ceil(math.prod(shape) / parts))
+    for length in reversed(shape):
+        step = math.ceil(length / math.ceil(length / room))
+        chunk.append(step)
+        room = room // step if step == length else 1
+    return tuple(reversed(chunk))
+
+
+class MemoryStore:
+    """Results in memory.
+
+    Attributes
+    ----------
+    layout : Layout
+    values : dict of ndarray (runs,)
+        Results by name.
+    reasons : dict
+        Why runs failed, by their number.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        """Begin with every run pending."""
+        self.layout = layout
+        size = layout.study.size
+        self.values: dict[str, NDArray[Any]] = {
+            name: np.full(size, kind.nothing, dtype=kind.dtype) for name, kind in layout.kinds.items()
+        }
+        self.reasons: dict[int, str] = {}
+        self._frames = self._room_for_frames()
+        self._dirty: set[int] = set()
+        self._due = time.monotonic() + _SECONDS_BETWEEN
+
+    def open_part(self, chunks: range) -> None:
+        """Keep others from writing these chunks, where that is possible."""
+
+    def close(self) -> None:
+        """Let others write again."""
+
+    def pending(self, runs: range) -> list[int]:
+        """Return the runs, of those, that are pending."""
+        status = self.values["status"][runs.start : runs.stop]
+        return (np.flatnonzero(status == PENDING) + runs.start).tolist()
+
+    def keep(self, outcome: Outcome) -> None:
+        """Keep what came of a run."""
+        run = outcome.run
+        if outcome.frames is not None:
+            self._keep_frames(run, outcome.frames)
+        for name, value in (*outcome.results.items(), *outcome.summary.items()):
+            self.values[name][run] = value
+        if outcome.reason:
+            self.reasons[run] = outcome.reason[:REASON]
+        self.values["status"][run] = outcome.status
+        self._dirty.add(bisect.bisect_right(self.layout.starts, run) - 1)
+
+    def save_when_due(self) -> None:
+        """Save about every second, or less often where saving takes long."""
+        started = time.monotonic()
+        if started >= self._due:
+            self.save()
+            took = time.monotonic() - started
+            self._due = started + took + max(_SECONDS_BETWEEN, _LONGER * took)
+
+    def save(self) -> None:
+        """Write what is new, or warn: the runs continue, and the next save tries again."""
+        if not self._dirty:
+            return
+        with suppress(CheckpointWarning):  # raised where warnings are errors: the runs are worth more
+            try:
+                self._write(self._dirty)
+                self._dirty = set()
+            except (OSError, ValueError, MemoryError) as error:
+                cause = getattr(error, "strerror", None) or str(error) or type(error).__name__
+                warnings.warn(
+                    CheckpointWarning(f"the store cannot be written ({cause}); results are kept in memory"),
+                    stacklevel=level_of_caller(),
+                )
+
+    def runs(self) -> Runs:
+        """Return what there is."""
+        study = self.layout.study
+        text = np.full(study.size, "", dtype=f"U{max(1, *map(len, self.reasons.values()), 1)}")
+        for run, reason in self.reasons.items():
+            text[run] = reason
+        variables = {
+            name: Variable(study.dims, values.reshape(study.shape).copy(), self.layout.attrs(name))
+            for name, values in (("status", self.values["status"]), ("reason", text), *self.values.items())
+        }
+        return Runs(variables | self._frame_variables(), self.layout.coords, self.layout.about)
+
+    def to_xarray(self) -> Any:
+        """Return what there is as an xarray.Dataset."""
+        return self.runs().to_xarray()
+
+    def _write(self, chunks: Iterable[int]) -> None:
+        """Write chunks of results."""
+
+    def _room_for_frames(self) -> dict[str, NDArray[np.float64]]:
+        """Return arrays for the frames of all runs."""
+        shapes = {name: tuple(length for _, length in dims) for name, dims in self.layout.frame_shapes.items()}
+        size = 8 * self.layout.study.size * sum(map(math.prod, shapes.values()))
+        if size > _MOST_MEMORY:
+            raise ValueError(
+                f"frames of {self.layout.study.size:,} runs take {size:,} bytes of memory, at most {_MOST_MEMORY:,}; "
+                "give a store that ends in .zarr, or leave frames out"
+            )
+        return {name: np.full((self.layout.study.size, *shape), np.nan) for name, shape in shapes.items()}
+
+    def _keep_frames(self, run: int, frames: Mapping[str, NDArray[np.float64]]) -> None:
+        """Keep the frames of a run; those of one that ended early leave NaN."""
+        for name, values in frames.items():
+            self._frames[name][run, : len(values)] = values
+
+    def _frame_variables(self) -> dict[str, Variable]:
+        """Return the arrays of frames as variables."""
+        study = self.layout.study
+        return {
+            name: Variable(
+                (*study.dims, *(dim for dim, _ in dims)),
+                self._frames[name].reshape(*study.shape, *(length for _, length in dims)),
+                FRAME_ATTRS[name],
+            )
+            for name, dims in self.layout.frame_shapes.items()
+        }
+
+
+FRAME_ATTRS = {
+    "time": {"long_name": "time of a frame", "units": "s"},
+    "angle": {"long_name": "angle of a node around the channel's axis, 0 on the floor", "units": "rad"},
+    "positions": {"long_name": "place of a node: x along the channel, z up, its axis at y = z = 0", "units": "m"},
+}
+"""Attributes of the arrays of frames."""
+
+
+class NpzStore(MemoryStore):
+    """Results in memory that are saved to an npz file, whole."""
+
+    def __init__(self, layout: Layout, path: Path, found: Runs | None) -> None:
+        """Begin, or continue with what was found in the file."""
+        super().__init__(layout)
+        self.path = files.writable(path)
+        if found is None:
+            return
+        shape = layout.study.shape
+        for name, values in (self.values | self._frames).items():
+            theirs = found.variables[name].values
+            if theirs.shape[: len(shape)] != shape or theirs.dtype != values.dtype:
+                raise ValueError(f"store {path} holds {name} of shape {theirs.shape}; give another path")
+            values[...] = theirs.reshape(values.shape)
+        flat = found["reason"].ravel()
+        self.reasons = {int(run): str(flat[run]) for run in np.flatnonzero(flat != "")}
+
+    def _write(self, chunks: Iterable[int]) -> None:
+        """Write the file anew."""
+        self.runs().save(self.path)

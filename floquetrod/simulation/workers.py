@@ -1,0 +1,425 @@
+"""Where the runs of an ensemble are made: threads, own processes, or any executor of `concurrent.futures`."""
+
+from __future__ import annotations
+
+import math
+import multiprocessing
+import os
+import pickle
+import signal
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Generator, Mapping, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
+from contextlib import suppress
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util import interrupt, validate
+from floquetrod._util.compilation import cores
+from floquetrod.simulation.axes import varied
+from floquetrod.simulation.problem import Simulation, SimulationProblem
+from floquetrod.simulation.runs import DONE, FAILED
+from floquetrod.simulation.stores import Outcome
+
+Summary = Callable[[Simulation], Mapping[str, float]]
+
+_TASK = 0.25  # s of work in a task, so that handing it over costs little (a choice)
+_MOST_IN_A_TASK = 256  # runs (a choice)
+_WINDOW = 512  # tasks handed to an executor whose size is unknown (a choice: more than any has workers, few in memory)
+_HEARD_WITHIN = 0.1  # s between checks for Ctrl-C (a choice)
+_DEATHS = 3  # of workers, after which the run they died in is recorded as failed (a choice)
+
+
+class Job(NamedTuple):
+    """What all tasks share: the problem, the summary, its names (None while unknown), and whether frames are kept."""
+
+    problem: SimulationProblem
+    summary: Summary | None
+    names: tuple[str, ...] | None
+    frames: bool
+
+
+Piece = Sequence[tuple[int, Mapping[str, float]]]
+"""Runs of a task: their numbers, with the values that they vary."""
+
+
+def carry_out(job: Job, piece: Piece, heed: Callable[[int, int], None] | None = None) -> list[Outcome]:
+    """Make the runs of a task; what a run raises is recorded, and those that were interrupted are left out."""
+    found = []
+    for run, values in piece:
+        try:
+            made = varied(job.problem, values).run(heed)
+            if not made.complete:
+                break
+            found.append(outcome(job, run, made))
+        except Exception as error:  # whatever it is, the other runs continue
+            found.append(failure(run, error))
+    return found
+
+
+def outcome(job: Job, run: int, made: Simulation) -> Outcome:
+    """Return what came of a run that was made."""
+    return Outcome(run, DONE, "", results(made), summarised(job, made), frames_of(job, made))
+
+
+def failure(run: int, error: Exception) -> Outcome:
+    """Return what is recorded of a run that raised."""
+    return Outcome(run, FAILED, f"{type(error).__name__}: {error}")
+
+
+def results(made: Simulation) -> dict[str, float]:
+    """Return the results of a run by name, those of `floquetrod.simulation.stores.RESULTS` but for the status."""
+    mode = made.dominant_mode
+    try:
+        growth = made.growth_rate(mode)
+        rate, error = growth.rate, growth.error
+    except ValueError:  # friction, or too short
+        rate = error = math.nan
+    return {
+        "buckled": made.buckled,
+        "time_to_buckle": math.nan if made.buckled_at is None else made.buckled_at,
+        "dominant_mode": mode,
+        "growth_rate": rate,
+        "growth_error": error,
+        "largest_angle": float(made.largest_angle.max()),
+        "energy_error": float(np.abs(made.energy_error).max()),
+        "wall_time": made.seconds,
+    }
+
+
+def summarised(job: Job, made: Simulation) -> dict[str, float]:
+    """Return what the summary makes of a run; an error unless it maps the names expected to numbers."""
+    if job.summary is None:
+        return {}
+    found = job.summary(made)
+    if not isinstance(found, Mapping) or not all(isinstance(name, str) for name in found):
+        raise TypeError(f"summary must return a mapping of names to numbers, got {validate.short(found)}")
+    if job.names is not None and set(found) != set(job.names):
+        raise ValueError(f"summary must return {', '.join(job.names)} of every run, got {', '.join(found)}")
+    return {name: number(name, value) for name, value in found.items()}
+
+
+def number(name: str, value: Any) -> float:
+    """Return a number of a summary, which may be NaN, infinite or a truth value."""
+    if isinstance(value, bool | np.bool_):
+        return float(value)
+    if isinstance(value, float | np.floating) and not math.isfinite(value):
+        return float(value)
+    return validate.finite(f"summary[{name!r}]", value)
+
+
+def frames_of(job: Job, made: Simulation) -> dict[str, Any] | None:
+    """Return the frames of a run, if they are asked for."""
+    if not job.frames:
+        return None
+    expected = job.problem.mesh.segments + 1, job.problem.frames
+    if (made.positions.shape[1], made.problem.frames) != expected:
+        raise ValueError(
+            "frames of all runs must have the same numbers of nodes and frames; vary neither with frames=True"
+        )
+    return {"time": made.time, "angle": made.angle, "positions": made.positions}
+
+
+# --- hands: what takes tasks ---
+
+
+class Hands:
+    """Takes tasks, as many at a time as there is `room` for; the base hands them to an executor of the caller's."""
+
+    def __init__(self, executor: Executor) -> None:
+        """Take tasks for an executor."""
+        self.executor = executor
+        self._stop = threading.Event()
+        self._same_process = isinstance(executor, ThreadPoolExecutor)
+        self._room, self._counted = 0, -math.inf
+
+    @property
+    def room(self) -> int:
+        """Tasks to hand over at a time: two for every worker, and two more; looked at again every second."""
+        if time.monotonic() - self._counted > 1.0:
+            count = _size_of(self.executor)
+            self._room, self._counted = _WINDOW if count is None else 2 * count + 2, time.monotonic()
+        return self._room
+
+    def submit(self, job: Job, piece: Piece) -> Future[list[Outcome]]:
+        """Hand over a task."""
+        if self._same_process:
+            return self.executor.submit(carry_out, job, piece, self._heed)
+        return self.executor.submit(carry_out, job, piece)
+
+    def has_died(self, task: Future[Any], error: BaseException | None) -> bool:
+        """Note the end of a task; return whether its error means that its worker has died, and others live on."""
+        return type(error).__name__ == "KilledWorker"  # of dask.distributed
+
+    def stop(self) -> None:
+        """Abandon the runs in progress."""
+        self._stop.set()
+
+    def close(self) -> None:
+        """End what has been started here."""
+
+    def require_picklable(self, job: Job) -> None:
+        """Raise TypeError, with a remedy, where tasks cannot be sent to other processes."""
+        if self._same_process:
+            return
+        try:
+            pickle.dumps(job)
+        except Exception as error:  # pickle raises many kinds
+            if not (isinstance(self.executor, ProcessPoolExecutor) or _is_of(self.executor, "mpi4py")):
+                with suppress(Exception):  # of executors that pickle functions by value
+                    import cloudpickle
+
+                    cloudpickle.dumps(job)
+                    return
+            raise TypeError(
+                f"summary must be picklable to reach other processes, got {validate.short(job.summary)} ({error}); "
+                "define it at the top level of a module, or run in threads"
+            ) from None
+
+    def _heed(self, done: int, total: int) -> None:
+        """End a run in a thread once it is to be abandoned."""
+        if self._stop.is_set():
+            raise KeyboardInterrupt  # which ends a run as Ctrl-C would in the main thread
+
+
+def _is_of(executor: Executor, package: str) -> bool:
+    """Return whether an executor is one of a package."""
+    return type(executor).__module__.partition(".")[0] == package
+
+
+def _size_of(executor: Any) -> int | None:
+    """Return how many workers an executor has, None where it does not tell."""
+    with suppress(Exception):  # a cluster that has gone: the next task tells
+        if _is_of(executor, "distributed"):
+            return int(sum(executor._client.nthreads().values()))
+        found = executor.num_workers if _is_of(executor, "mpi4py") else executor._max_workers
+        return validate.integer("workers", found, 0)
+    return None
+
+
+class OwnThreads(Hands):
+    """Own threads, as many as there are processors."""
+
+    def __init__(self) -> None:
+        """Start them when they are needed."""
+        super().__init__(ThreadPoolExecutor(cores()))
+
+    def close(self) -> None:
+        """End the threads."""
+        self.executor.shutdown(cancel_futures=True)
+
+
+class OwnProcesses(Hands):
+    """Own processes, each in a pool of its own: when one dies, it is known in which task, and the others live on."""
+
+    def __init__(self, workers: int) -> None:
+        """Start them."""
+        self._pools = [_Pool.started() for _ in range(workers)]
+        self._busy: dict[Future[Any], int] = {}
+        super().__init__(self._pools[0].executor)
+        try:
+            self._pools[0].pid.result()
+        except BrokenExecutor:
+            self.close()
+            raise RuntimeError(
+                "worker processes end as soon as they start: in a script call fr.ensemble(workers=...) under "
+                "'if __name__ == \"__main__\":', which new processes import without running it"
+            ) from None
+
+    @property
+    def room(self) -> int:
+        """Tasks to hand over at a time: one for every process."""
+        return len(self._pools)
+
+    def submit(self, job: Job, piece: Piece) -> Future[list[Outcome]]:
+        """Hand a task to a process that has none."""
+        place = next(place for place in range(self.room) if place not in self._busy.values())
+        try:
+            task = self._pools[place].executor.submit(carry_out, job, piece)
+        except BrokenExecutor:  # it died between tasks
+            self._replace(place)
+            task = self._pools[place].executor.submit(carry_out, job, piece)
+        self._busy[task] = place
+        return task
+
+    def has_died(self, task: Future[Any], error: BaseException | None) -> bool:
+        """Note that the process of a task is free; return whether it has died, and is replaced."""
+        place = self._busy.pop(task)
+        died = isinstance(error, BrokenExecutor)
+        if died:
+            self._replace(place)
+        return died
+
+    def stop(self) -> None:
+        """End the processes at once."""
+        for pool in self._pools:
+            if pool.pid.done() and pool.pid.exception() is None:
+                with suppress(OSError):  # it has ended
+                    os.kill(pool.pid.result(), signal.SIGTERM)
+
+    def close(self) -> None:
+        """End the processes."""
+        for pool in self._pools:
+            pool.executor.shutdown(cancel_futures=True)
+
+    def _replace(self, place: int) -> None:
+        """Start another process in the place of one that has died."""
+        self._pools[place].executor.shutdown(wait=False)
+        self._pools[place] = _Pool.started()
+
+
+class _Pool(NamedTuple):
+    """A pool of one process, and the number that the system knows it by."""
+
+    executor: ProcessPoolExecutor
+    pid: Future[int]
+
+    @classmethod
+    def started(cls) -> _Pool:
+        """Return a pool whose process is starting."""
+        executor = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _prepare)
+        return cls(executor, executor.submit(os.getpid))
+
+
+def _prepare() -> None:
+    """Leave Ctrl-C to the parent, and end with it however it ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+
+
+def _end_with(parent: Any) -> None:
+    """End this process once its parent has ended."""
+    parent.join()
+    os._exit(1)
+
+
+def require_executor(executor: Any, workers: Any) -> int | None:
+    """Return the number of own processes asked for, None for none; an error for what takes no tasks."""
+    count = None if workers is None else validate.integer("workers", workers, 1, validate.MOST_THREADS)
+    if executor is None:
+        return count
+    if not isinstance(executor, Executor):
+        raise TypeError(
+            f"executor must be one of concurrent.futures such as ProcessPoolExecutor(8), got {validate.short(executor)}"
+        )
+    if count is not None:
+        raise ValueError(f"workers is a number of own processes, got {count} beside an executor; leave one of them out")
+    return None
+
+
+def hands_for(executor: Executor | None, workers: int | None) -> Hands:
+    """Return what takes tasks."""
+    if executor is not None:
+        return Hands(executor)
+    return OwnThreads() if workers is None else OwnProcesses(workers)
+
+
+# --- the work ---
+
+
+def work(
+    hands: Hands,
+    job: Job,
+    pending: Sequence[int],
+    values: Callable[[int], Mapping[str, float]],
+    idle: Callable[[], None],
+) -> Generator[Outcome, None, None]:
+    """Yield outcomes as they come, in any order; ends early, after abandoning the rest, on Ctrl-C.
+
+    ``idle`` is called about ten times a second at least.  Raises RuntimeError when the executor breaks.
+    """
+    tasks: dict[Future[list[Outcome]], list[int]] = {}
+    queue, alone, deaths = deque(pending), deque[int](), Counter[int]()
+    pace = _Pace()
+    with interrupt.held() as deliver:
+        try:
+            while queue or alone or tasks:
+                while (queue or alone) and len(tasks) < hands.room:
+                    runs = [alone.popleft()] if alone else pace.take(queue, hands.room)
+                    tasks[_submitted(hands, job, [(run, values(run)) for run in runs])] = runs
+                done, _ = wait(tasks, timeout=_HEARD_WITHIN, return_when=FIRST_COMPLETED)
+                deliver()
+                for task in done:
+                    runs, error = tasks.pop(task), _error(task)
+                    if hands.has_died(task, error):
+                        if len(runs) == 1:
+                            deaths[runs[0]] += 1
+                        fatal = [run for run in runs if deaths[run] >= _DEATHS]
+                        alone.extend(run for run in runs if run not in fatal)
+                        for run in fatal:
+                            yield Outcome(
+                                run, FAILED, f"its worker process died {_DEATHS} times: killed, or out of memory"
+                            )
+                    elif error is not None:
+                        raise _broken(error)
+                    else:
+                        found = task.result()
+                        pace.note(found)
+                        yield from found
+                        made = {outcome.run for outcome in found}
+                        alone.extend(run for run in runs if run not in made)  # a worker was interrupted
+                idle()
+        finally:
+            if tasks:
+                hands.stop()
+                for task in tasks:
+                    task.cancel()
+
+
+def _submitted(hands: Hands, job: Job, piece: Piece) -> Future[list[Outcome]]:
+    """Return the task that makes some runs; RuntimeError when the executor has broken."""
+    try:
+        return hands.submit(job, piece)
+    except Exception as error:  # every executor has its own ways to break
+        raise _broken(error) from error
+
+
+def _error(task: Future[Any]) -> BaseException | None:
+    """Return what a task raised, its cancellation too."""
+    try:
+        return task.exception()
+    except CancelledError as error:
+        return error
+
+
+def _broken(error: BaseException) -> RuntimeError:
+    """Return the error for an executor that makes no more runs."""
+    cause = str(error) or type(error).__name__
+    return RuntimeError(
+        f"the executor has failed ({type(error).__name__}: {cause}); what came is kept: call fr.ensemble again with "
+        "the same arguments, store and a new executor to continue"
+    )
+
+
+class _Pace:
+    """How many runs make a task: as many as take a quarter of a second, but leave some for every worker."""
+
+    def __init__(self) -> None:
+        self._seconds, self._runs = 0.0, 0
+
+    def take(self, queue: deque[int], room: int) -> list[int]:
+        """Take the runs of the next task."""
+        count = 1
+        if self._runs:
+            mean = max(self._seconds / self._runs, _TASK / _MOST_IN_A_TASK)
+            count = max(1, min(int(_TASK / mean), _MOST_IN_A_TASK, math.ceil(len(queue) / max(2 * room, 1))))
+        return [queue.popleft() for _ in range(min(count, len(queue)))]
+
+    def note(self, found: Sequence[Outcome]) -> None:
+        """Learn from the wall time of runs."""
+        self._seconds += sum(outcome.results.get("wall_time", 0.0) for outcome in found)
+        self._runs += len(found)
