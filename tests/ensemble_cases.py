@@ -6,11 +6,13 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray
 
 import floquetrod as fr
 from floquetrod.simulation.runs import Runs, require_runs
@@ -75,3 +77,16 @@ def script(body: str, *arguments: object, **options: Any) -> subprocess.Popen[st
         text=True,
         **options,
     )
+
+
+def killed_again_and_again(place: Path, times: int, seed: int, how: str) -> int:
+    """Kill a process that fills a store so many times, at random moments; return the runs it had then."""
+    rng = np.random.default_rng(seed)
+    for _ in range(times):
+        body = f"fr.ensemble(PROBLEM, {{**OVER, 'seed': range(100)}}, store=sys.argv[1], {how})"
+        with script(body, place, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
+            while not place.exists() and process.poll() is None:
+                time.sleep(0.01)
+            time.sleep(float(rng.uniform(0.0, 0.6)))
+            process.kill()
+    return int((xarray.open_zarr(place).status == 1).sum())
