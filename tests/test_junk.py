@@ -284,6 +284,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "poisson_ratio": 0.3,
             "indentation": 1e-4,
             "contact_damping": 0.3,
+            "stop_early": False,
         },
     ),
 ]
