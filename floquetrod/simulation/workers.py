@@ -147,7 +147,7 @@ class Hands:
 
     @property
     def room(self) -> int:
-        """Tasks to hand over at a time: two for every worker, and two more; looked at again every second."""
+        """Return how many tasks to hand over, two for every worker and two more, looked at again every second."""
         if time.monotonic() - self._counted > 1.0:
             count = _size_of(self.executor)
             self._room, self._counted = _WINDOW if count is None else 2 * count + 2, time.monotonic()
@@ -240,7 +240,7 @@ class OwnProcesses(Hands):
 
     @property
     def room(self) -> int:
-        """Tasks to hand over at a time: one for every process."""
+        """Return how many tasks to hand over, one for every process."""
         return len(self._pools)
 
     def submit(self, job: Job, piece: Piece) -> Future[list[Outcome]]:
