@@ -380,7 +380,7 @@ def test_every_field_of_a_simulation_is_checked(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match="is not a simulation that can be read"):
             fr.Simulation.load(path)
     values = {
-        "complete": 1,
+        "ended": "buckled",
         "seconds": -1.0,
         "version": 2,
         "step_limit": "me",
@@ -396,7 +396,8 @@ def test_every_field_of_a_simulation_is_checked(tmp_path: Path) -> None:
         "rod": {},
     }
     for changed in [meta | {name: value} for name, value in values.items()] + [
-        meta | {"problem": meta["problem"] | {name: value}} for name, value in problem.items()
+        *(meta | {"ended": value} for value in ("interrupted", "at rest", "by itself", 1)),
+        *(meta | {"problem": meta["problem"] | {name: value}} for name, value in problem.items()),
     ]:
         files.write_npz(path, changed, arrays, compress=True)
         with pytest.raises(ValueError, match="is not a simulation that can be read"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -35,7 +36,7 @@ _UNITS = {
     "inclination": "rad",
 }
 _INSTEAD = ("diameter", "inner_diameter", "channel_diameter", "wall_thickness")  # of parameters of a rod
-_START = ("kick", "seed")
+START = ("kick", "seed")
 
 
 class Axis(NamedTuple):
@@ -57,7 +58,7 @@ def names_of(problem: SimulationProblem) -> dict[str, tuple[str, ...]]:
         "problem": tuple(part.name for part in fields(problem) if part.type in _NUMBERS),
         "load": tuple(part.name for part in fields(problem.load) if part.type in _NUMBERS),
         "rod": (*parts.LIMITS, *_INSTEAD),
-        "start": _START,
+        "start": START,
     }
 
 
@@ -68,18 +69,18 @@ class Study:
     problem: SimulationProblem
     axes: tuple[Axis, ...]
 
-    @property
+    @cached_property
     def dims(self) -> tuple[str, ...]:
         """Names of the dimensions."""
         return tuple(dict.fromkeys(axis.dim for axis in self.axes))
 
-    @property
+    @cached_property
     def shape(self) -> tuple[int, ...]:
         """Lengths of the dimensions."""
         lengths = {axis.dim: axis.values.size for axis in self.axes}
         return tuple(lengths[dim] for dim in self.dims)
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of runs."""
         return int(np.prod(self.shape))
@@ -233,6 +234,9 @@ def _samples(samples: Any, drawn: Mapping[str, Any], columns: Mapping[str, NDArr
 
 def _draw(drawn: Mapping[str, Any], count: int, seed: int) -> Iterator[tuple[str, NDArray[np.float64]]]:
     """Yield the names that are distributed with values drawn for them."""
+    for name, given in drawn.items():  # parameters of several distributions would fit some number of levels
+        for tried in (2, 3):
+            quantiles(name, given, np.linspace(0.25, 0.75, tried), "over")
     levels = np.random.default_rng(seed).random((len(drawn), count))
     for (name, given), level in zip(drawn.items(), levels, strict=True):
         yield name, quantiles(name, given, np.maximum(level, 2.0**-54), "over")  # 0 could be an infinite quantile
