@@ -35,7 +35,7 @@ _UNITS = {
     "inclination": "rad",
 }
 _INSTEAD = ("diameter", "inner_diameter", "channel_diameter", "wall_thickness")  # of parameters of a rod
-_START = ("kick", "seed")
+START = ("kick", "seed")
 
 
 class Axis(NamedTuple):
@@ -57,7 +57,7 @@ def names_of(problem: SimulationProblem) -> dict[str, tuple[str, ...]]:
         "problem": tuple(part.name for part in fields(problem) if part.type in _NUMBERS),
         "load": tuple(part.name for part in fields(problem.load) if part.type in _NUMBERS),
         "rod": (*parts.LIMITS, *_INSTEAD),
-        "start": _START,
+        "start": START,
     }
 
 
@@ -233,6 +233,9 @@ def _samples(samples: Any, drawn: Mapping[str, Any], columns: Mapping[str, NDArr
 
 def _draw(drawn: Mapping[str, Any], count: int, seed: int) -> Iterator[tuple[str, NDArray[np.float64]]]:
     """Yield the names that are distributed with values drawn for them."""
+    for name, given in drawn.items():  # parameters of several distributions would fit some number of levels
+        for tried in (2, 3):
+            quantiles(name, given, np.linspace(0.25, 0.75, tried), "over")
     levels = np.random.default_rng(seed).random((len(drawn), count))
     for (name, given), level in zip(drawn.items(), levels, strict=True):
         yield name, quantiles(name, given, np.maximum(level, 2.0**-54), "over")  # 0 could be an infinite quantile

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 from collections.abc import Callable, Mapping, Sequence, Set
 from concurrent.futures import Executor
 from contextlib import closing, suppress
@@ -138,7 +138,16 @@ def ensemble(
     finally:
         if crew is not None:
             crew.close()
-    return held.to_xarray() if importlib.util.find_spec("xarray") else held.runs()
+    return _as_dataset(held)
+
+
+def _as_dataset(store: MemoryStore) -> Any:
+    """Return the results as an xarray.Dataset where xarray is installed, else as `Runs`."""
+    try:
+        importlib.import_module("floquetrod.simulation.accessor")
+    except ImportError:
+        return store.runs()
+    return store.to_xarray()
 
 
 def _fill(

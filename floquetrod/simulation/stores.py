@@ -11,7 +11,7 @@ import json
 import math
 import time
 import warnings
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -194,6 +194,8 @@ class MemoryStore:
         Why runs failed, by their number.
     """
 
+    path: Path  # of stores on a disk
+
     def __init__(self, layout: Layout) -> None:
         """Begin with every run pending."""
         self.layout = layout
@@ -218,10 +220,10 @@ class MemoryStore:
         return (np.flatnonzero(status == PENDING) + runs.start).tolist()
 
     def keep(self, outcome: Outcome) -> None:
-        """Keep what came of a run."""
+        """Keep what came of a run, or warn: one whose frames cannot be written stays pending."""
         run = outcome.run
-        if outcome.frames is not None:
-            self._keep_frames(run, outcome.frames)
+        if outcome.frames is not None and not self._succeeds(lambda: self._keep_frames(run, outcome.frames or {})):
+            return
         for name, value in (*outcome.results.items(), *outcome.summary.items()):
             self.values[name][run] = value
         if outcome.reason:
@@ -239,18 +241,8 @@ class MemoryStore:
 
     def save(self) -> None:
         """Write what is new, or warn: the runs continue, and the next save tries again."""
-        if not self._dirty:
-            return
-        with suppress(CheckpointWarning):  # raised where warnings are errors: the runs are worth more
-            try:
-                self._write(self._dirty)
-                self._dirty = set()
-            except (OSError, ValueError, MemoryError) as error:
-                cause = getattr(error, "strerror", None) or str(error) or type(error).__name__
-                warnings.warn(
-                    CheckpointWarning(f"the store cannot be written ({cause}); results are kept in memory"),
-                    stacklevel=level_of_caller(),
-                )
+        if self._dirty and self._succeeds(lambda: self._write(self._dirty)):
+            self._dirty = set()
 
     def runs(self) -> Runs:
         """Return what there is."""
@@ -267,6 +259,18 @@ class MemoryStore:
     def to_xarray(self) -> Any:
         """Return what there is as an xarray.Dataset."""
         return self.runs().to_xarray()
+
+    def _succeeds(self, write: Callable[[], None]) -> bool:
+        """Return whether something could be written, or warn."""
+        try:
+            write()
+        except (OSError, ValueError, MemoryError) as error:
+            cause = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            text = f"store {self.path} cannot be written ({cause}); the runs continue, and it is tried again"
+            with suppress(CheckpointWarning):  # raised where warnings are errors: the runs are worth more
+                warnings.warn(CheckpointWarning(text), stacklevel=level_of_caller())
+            return False
+        return True
 
     def _write(self, chunks: Iterable[int]) -> None:
         """Write chunks of results."""

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.simulation.axes import Study
-from floquetrod.simulation.runs import PENDING
+from floquetrod.simulation.runs import DONE, PENDING
 from floquetrod.simulation.stores import FRAME_ATTRS, REASON, Layout, MemoryStore, require_same
 
 _ABANDONED = 3600.0  # s after which an unfinished creation was abandoned (a choice)
@@ -95,7 +95,7 @@ class ZarrStore(MemoryStore):
         """Write the values of consecutive runs."""
         full = np.zeros(self.layout.chunk, dtype=values.dtype)  # chunks at an edge are filled up
         full[tuple(map(slice, self._extent(runs)))] = values.reshape(self._extent(runs))
-        _replace(self._file(name, runs.start), self._codec.encode(full.tobytes()))
+        replace(self._file(name, runs.start), self._codec.encode(full.tobytes()))
 
     def _read(self, chunk: int) -> None:
         """Take over a chunk of results; where a file of it is missing or damaged its runs are pending."""
@@ -107,6 +107,9 @@ class ZarrStore(MemoryStore):
                 self.values[name][part] = values
         if any(values is None for values in found.values()):
             self.values["status"][part] = PENDING
+        for run in runs:
+            if self.values["status"][run] == DONE and not self._has_frames(run):
+                self.values["status"][run] = PENDING
         text = self._read_chunk("reason", runs, np.dtype(f"U{REASON}"))
         if text is not None:
             self.reasons |= {runs.start + int(run): str(text[run]) for run in np.flatnonzero(text != "")}
@@ -142,12 +145,25 @@ class ZarrStore(MemoryStore):
 
     def _keep_frames(self, run: int, frames: Mapping[str, NDArray[np.float64]]) -> None:
         """Write the frames of a run."""
-        numbers = map(int, np.unravel_index(run, self.layout.study.shape))
-        place = tuple(map(str, numbers))
-        for name, dims in self.layout.frame_shapes.items():
-            full = np.full([length for _, length in dims], np.nan)
+        for name, file in self._frame_files(run).items():
+            full = np.full([length for _, length in self.layout.frame_shapes[name]], np.nan)
             full[: len(frames[name])] = frames[name]
-            _replace(self.path.joinpath(name, *place, *["0"] * len(dims)), self._codec.encode(full.tobytes()))
+            replace(file, self._codec.encode(full.tobytes()))
+
+    def _has_frames(self, run: int) -> bool:
+        """Return whether all frames of a run are there and can be read, as far as they are asked for."""
+        try:
+            return all(self._codec.decode(file.read_bytes()) for file in self._frame_files(run).values())
+        except (OSError, RuntimeError, ValueError):
+            return False
+
+    def _frame_files(self, run: int) -> dict[str, Path]:
+        """Return the files of the frames of a run."""
+        place = [str(int(number)) for number in np.unravel_index(run, self.layout.study.shape)]
+        return {
+            name: self.path.joinpath(name, *place, *["0"] * len(dims))
+            for name, dims in self.layout.frame_shapes.items()
+        }
 
     def _create(self) -> None:
         """Make the store beside its place and move it there; of several that do so at once, the first one's stays."""
@@ -216,7 +232,7 @@ def _codec() -> Any:
     return numcodecs.Zstd(level=1, checksum=True)
 
 
-def _replace(path: Path, content: bytes) -> None:
+def replace(path: Path, content: bytes) -> None:
     """Write a file that takes the place of an older one once it is complete.
 
     It is not flushed to the disk: what a loss of power destroys has no valid checksum, and is computed again.

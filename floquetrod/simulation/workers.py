@@ -345,13 +345,17 @@ def work(
     tasks: dict[Future[list[Outcome]], list[int]] = {}
     queue, alone, deaths = deque(pending), deque[int](), Counter[int]()
     pace = _Pace()
+    broken: RuntimeError | None = None
     with interrupt.held() as deliver:
         try:
             while queue or alone or tasks:
-                while (queue or alone) and len(tasks) < hands.room:
+                while broken is None and (queue or alone) and len(tasks) < hands.room:
                     runs = [alone.popleft()] if alone else pace.take(queue, hands.room)
-                    tasks[_submitted(hands, job, [(run, values(run)) for run in runs])] = runs
-                done, _ = wait(tasks, timeout=_HEARD_WITHIN, return_when=FIRST_COMPLETED)
+                    try:
+                        tasks[hands.submit(job, [(run, values(run)) for run in runs])] = runs
+                    except Exception as refusal:  # every executor has its own ways to break
+                        broken = _broken(refusal)
+                done, _ = wait(tasks, timeout=0.0 if broken else _HEARD_WITHIN, return_when=FIRST_COMPLETED)
                 deliver()
                 for task in done:
                     runs, error = tasks.pop(task), _error(task)
@@ -365,7 +369,7 @@ def work(
                                 run, FAILED, f"its worker process died {_DEATHS} times: killed, or out of memory"
                             )
                     elif error is not None:
-                        raise _broken(error)
+                        broken = _broken(error)
                     else:
                         found = task.result()
                         pace.note(found)
@@ -373,19 +377,13 @@ def work(
                         made = {outcome.run for outcome in found}
                         alone.extend(run for run in runs if run not in made)  # a worker was interrupted
                 idle()
+                if broken is not None:
+                    raise broken
         finally:
             if tasks:
                 hands.stop()
                 for task in tasks:
                     task.cancel()
-
-
-def _submitted(hands: Hands, job: Job, piece: Piece) -> Future[list[Outcome]]:
-    """Return the task that makes some runs; RuntimeError when the executor has broken."""
-    try:
-        return hands.submit(job, piece)
-    except Exception as error:  # every executor has its own ways to break
-        raise _broken(error) from error
 
 
 def _error(task: Future[Any]) -> BaseException | None:

@@ -1,0 +1,25 @@
+"""``dataset.floquetrod`` for an xarray.Dataset; registered by `floquetrod.ensemble`, or by importing this module."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import xarray
+
+from floquetrod.simulation import statistics
+
+_register: Any = xarray.register_dataset_accessor
+
+
+@_register("floquetrod")
+class EnsembleAccessor:
+    """What can be asked of the results of an ensemble."""
+
+    def __init__(self, dataset: Any) -> None:
+        """Take the dataset."""
+        self._dataset = dataset
+
+    def probability(self, name: str = "buckled", *, over: str | Iterable[str], confidence: float = 0.95) -> Any:
+        """Return what `floquetrod.simulation.probability` does."""
+        return statistics.probability(self._dataset, name, over=over, confidence=confidence)

@@ -1,0 +1,236 @@
+"""Who makes the runs of an ensemble: bits, deaths of workers, broken executors, Ctrl-C, kills of the parent."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import suppress
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray
+
+import floquetrod as fr
+from ensemble_cases import OVER, PROBLEM, assert_same, depth, killed_again_and_again, kills_at_150, script
+from floquetrod.simulation import axes, workers
+from floquetrod.simulation.stores import Outcome
+
+LONG = "PROBLEM.replace(duration=1000.0)"
+
+
+def test_bits_do_not_depend_on_who_makes_the_runs() -> None:
+    serial = [axes.varied(PROBLEM, dict(zip(OVER, run, strict=True))).run() for run in points()]
+    found = fr.ensemble(PROBLEM, OVER)
+    assert found.largest_angle.values.ravel().tolist() == [run.largest_angle.max() for run in serial]
+    assert found.energy_error.values.ravel().tolist() == [np.abs(run.energy_error).max() for run in serial]
+    in_processes = fr.ensemble(PROBLEM, OVER, workers=2, summary=depth)
+    assert_same(in_processes, fr.ensemble(PROBLEM, OVER, summary=depth))
+    assert_same(in_processes.drop_vars(["depth", "early"]), found)
+
+
+def points() -> list[tuple[float, ...]]:
+    return [(w, v, s) for w in OVER["frequency"] for v in OVER["kick"] for s in OVER["seed"]]
+
+
+def test_a_process_pool_that_is_given_is_not_shut_down() -> None:
+    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+        assert_same(fr.ensemble(PROBLEM, OVER, executor=pool), fr.ensemble(PROBLEM, OVER))
+        assert pool.submit(int).result() == 0
+        with pytest.raises(TypeError, match="summary must be picklable to reach other processes"):
+            fr.ensemble(PROBLEM, OVER, executor=pool, summary=lambda run: {"a": 1.0})
+
+
+def test_a_run_that_kills_its_workers_has_failed() -> None:
+    found = fr.ensemble(PROBLEM, {"frequency": [120.0, 140.0, 150.0, 160.0]}, summary=kills_at_150, workers=2)
+    assert found.status.values.tolist() == [1, 1, 2, 1]
+    assert str(found.reason.values[2]) == "its worker process died 3 times: killed, or out of memory"
+
+
+def test_workers_that_are_killed_are_replaced() -> None:
+    pids: list[int] = []
+    started = workers._Pool.started
+
+    def noted() -> Any:
+        pool = started()
+        pool.pid.add_done_callback(lambda pid: pids.append(pid.result()))
+        return pool
+
+    def kill(done: int, total: int) -> None:
+        if done in (5, 15):
+            with suppress(ProcessLookupError):  # it has been killed, and the next one has not started
+                os.kill(pids[-1], signal.SIGKILL)
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(workers._Pool, "started", noted)
+        found = fr.ensemble(PROBLEM, OVER, workers=2, progress=kill)
+    assert_same(found, fr.ensemble(PROBLEM, OVER))
+    assert len(pids) > 2
+
+
+class Breaking(Executor):
+    """An executor that breaks after a number of tasks, in one of its ways."""
+
+    def __init__(self, after: int, way: str) -> None:
+        """Note how."""
+        self.left, self.way = after, way
+
+    def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Do the task at once."""
+        task: Future[Any] = Future()
+        self.left -= 1
+        if self.left >= 0:
+            task.set_result(fn(*args, **kwargs))
+        elif self.way == "submit":
+            raise RuntimeError("cannot schedule new futures after shutdown")
+        elif self.way == "cancelled":
+            task.cancel()
+            task.set_running_or_notify_cancel()
+        else:
+            task.set_exception({"broken": BrokenExecutor("gone"), "other": OSError("lost")}[self.way])
+        return task
+
+
+@pytest.mark.parametrize("way", ["submit", "cancelled", "broken", "other"])
+def test_what_came_before_an_executor_broke_is_kept(way: str, tmp_path: Path) -> None:
+    place = tmp_path / "runs.zarr"
+    with pytest.raises(RuntimeError, match=r"the executor has failed .*what came is kept: call fr\.ensemble again"):
+        fr.ensemble(PROBLEM, OVER, executor=Breaking(10, way), store=place)
+    assert (xarray.open_zarr(place).status == 1).sum() > 0
+    assert_same(fr.ensemble(PROBLEM, OVER, store=place), fr.ensemble(PROBLEM, OVER))
+
+
+def test_a_task_whose_worker_of_dask_was_killed_is_tried_alone() -> None:
+    class KilledWorker(Exception):
+        pass
+
+    class Lossy(Executor):
+        def submit(self, fn: Any, /, job: Any, piece: Any) -> Future[Any]:
+            task: Future[Any] = Future()
+            if any(values["seed"] == 3 for _, values in piece):
+                task.set_exception(KilledWorker())
+            else:
+                task.set_result(fn(job, piece))
+            return task
+
+    found = fr.ensemble(PROBLEM, OVER, executor=Lossy())
+    assert ((found.status == 2).values == (found.seed == 3).values).all()
+
+
+def test_a_worker_that_was_interrupted_makes_its_runs_again() -> None:
+    class Interrupted(ThreadPoolExecutor):
+        calls = 0
+
+        def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+            self.calls += 1
+            if self.calls % 3 == 0:
+                task: Future[list[Outcome]] = Future()
+                task.set_result([])
+                return task
+            return super().submit(fn, *args, **kwargs)
+
+    with Interrupted(1) as pool:
+        assert_same(fr.ensemble(PROBLEM, OVER, executor=pool), fr.ensemble(PROBLEM, OVER))
+
+
+def test_few_tasks_are_under_way_at_a_time() -> None:
+    class Counted(ThreadPoolExecutor):
+        most, now = 0, 0
+
+        def submit(self, fn: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+            self.now += 1
+            self.most = max(self.most, self.now)
+            task = super().submit(fn, *args, **kwargs)
+            task.add_done_callback(lambda _: self.end())
+            return task
+
+        def end(self) -> None:
+            self.now -= 1
+
+    with Counted(2) as pool:
+        fr.ensemble(PROBLEM, OVER, executor=pool)
+    assert pool.most <= 6
+
+
+def test_an_error_of_progress_ends_the_runs(tmp_path: Path) -> None:
+    def wrong(done: int, total: int) -> None:
+        if done == 7:
+            raise ZeroDivisionError
+
+    before = signal.getsignal(signal.SIGINT)
+    with pytest.raises(ZeroDivisionError):
+        fr.ensemble(PROBLEM, OVER, store=tmp_path / "runs.npz", progress=wrong)
+    assert signal.getsignal(signal.SIGINT) is before
+    assert (fr.simulation.Runs.load(tmp_path / "runs.npz")["status"] == 1).sum() >= 7
+
+
+@pytest.mark.parametrize("how", ["", "workers=2,"])
+def test_ctrl_c_returns_what_came_at_once(how: str, tmp_path: Path) -> None:
+    body = f"""
+found = fr.ensemble(
+    {LONG}, {{"duration": [0.01, 0.02, 1000.0, 2000.0]}}, {how} store=sys.argv[1],
+    progress=lambda done, total: print(done, flush=True),
+)
+print(found.status.values.tolist(), flush=True)
+"""
+    with script(body, tmp_path / "runs.zarr", stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        assert [process.stdout.readline() for _ in range(2)] == ["1\n", "2\n"]
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        assert process.stdout.read() == "[1, 1, 0, 0]\n"
+        assert process.stderr.read() == ""
+    assert process.returncode == 0
+    assert xarray.open_zarr(tmp_path / "runs.zarr").status.values.tolist() == [1, 1, 0, 0]
+
+
+def test_processes_of_a_killed_parent_end() -> None:
+    body = f"""
+from floquetrod.simulation import workers
+def tell(pool):
+    print(pool.pid.result(), flush=True)
+    return pool
+start = workers._Pool.started
+workers._Pool.started = lambda: tell(start())
+fr.ensemble({LONG}, {{"duration": [1000.0, 2000.0]}}, workers=1)
+"""
+    with script(body, stdout=subprocess.PIPE) as process:
+        assert process.stdout is not None
+        worker = int(process.stdout.readline())
+        time.sleep(0.3)
+        process.kill()
+        process.stdout.read()  # open until the last process has ended
+    while Path(f"/proc/{worker}").exists():
+        time.sleep(0.05)
+
+
+def test_a_script_without_a_guard_is_told_of_it(tmp_path: Path) -> None:
+    file = tmp_path / "study.py"
+    file.write_text(
+        "from ensemble_cases import PROBLEM\nimport floquetrod as fr\n"
+        "fr.ensemble(PROBLEM, {'friction': [0.1]}, workers=1)\n"
+    )
+    with script("import runpy; runpy.run_path(sys.argv[1], run_name='__main__')", file, stderr=subprocess.PIPE) as one:
+        assert one.wait() in (0, 1)
+    here = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, [Path(__file__).parents[1], Path(__file__).parent]))}
+    import sys
+
+    done = subprocess.run([sys.executable, file], env=here, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 1
+    assert "under 'if __name__ == \"__main__\":'" in done.stderr
+
+
+@pytest.mark.parametrize("how", ["", pytest.param("workers=2", marks=pytest.mark.slow)])
+def test_a_killed_parent_loses_little_and_repeats_nothing(how: str, tmp_path: Path) -> None:
+    place = tmp_path / "runs.zarr"
+    had, made = killed_again_and_again(place, 2, 5, how), []
+    over = {**OVER, "seed": range(100)}
+    found = fr.ensemble(PROBLEM, over, store=place, progress=lambda done, total: made.append(done))
+    assert len(made) == 600 - had
+    assert_same(found, fr.ensemble(PROBLEM, over))
