@@ -110,7 +110,7 @@ def _ensemble(options: argparse.Namespace) -> Answer:
             return Answer(f"INTERRUPTED before a run was done\n{_onwards(options)}", 130)
         finally:
             progress.close()
-    summary = _Summary.of(found, study, options.confidence)
+    summary = _Summary.of(found, options.confidence)
     complete = summary.pending == 0 or progress.is_complete or not stopped
     record = {
         "runs": summary.total,
@@ -121,7 +121,10 @@ def _ensemble(options: argparse.Namespace) -> Answer:
         "buckled": summary.buckled,
         "failures": [{"reason": reason, "runs": count} for reason, count in summary.reasons],
         "confidence": options.confidence,
-        "rows": summary.rows,
+        "rows": [
+            {**{_key(name, summary.units[name]): v for name, v in row.at.items()}, **row.counts, **row.shares}
+            for row in summary.rows
+        ],
         "store": None if store is None else str(store),
         "continue": None if complete else _command(options),
         "seconds": time.monotonic() - started,
@@ -203,6 +206,14 @@ def _stopped_by_signals() -> Iterator[list[int]]:
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
+class _Row(NamedTuple):
+    """The probability of buckling, with its interval, for one value of everything but the samples."""
+
+    at: dict[str, float]
+    counts: dict[str, int]
+    shares: dict[str, float | None]
+
+
 class _Summary(NamedTuple):
     """What came of an ensemble: numbers of runs, reasons of failures, and a row for every value of the other axes."""
 
@@ -212,35 +223,42 @@ class _Summary(NamedTuple):
     pending: int
     buckled: int
     reasons: list[tuple[str, int]]
-    rows: list[dict[str, Any]]
+    rows: list[_Row]
+    units: dict[str, str]
 
     @classmethod
-    def of(cls, found: Any, study: Study, confidence: float) -> _Summary:
+    def of(cls, found: Any, confidence: float) -> _Summary:
         """Return it from what `floquetrod.ensemble` returned."""
         if not isinstance(found, Runs):
             found = found[["status", "reason", "buckled"]]  # frames stay where they are
         runs = require_runs("runs", found)
         status = runs["status"]
-        counts = [int((status == kind).sum()) for kind in (DONE, FAILED, PENDING)]
+        done, failed, pending = (int((status == kind).sum()) for kind in (DONE, FAILED, PENDING))
         buckled = int((runs["buckled"][status == DONE] == 1).sum())
         sampled = [dim for dim in runs.variables["status"].dims if dim in _SAMPLED]
-        rows = _rows(probability(runs, over=sampled, confidence=confidence), study) if sampled else []
-        return cls(status.size, *counts, buckled, _grouped(runs["reason"][status == FAILED]), rows)
+        rows = _rows(probability(runs, over=sampled, confidence=confidence)) if sampled else []
+        return cls(
+            status.size, done, failed, pending, buckled, _grouped(runs["reason"][status == FAILED]), rows, runs.units
+        )
 
 
-def _rows(found: Runs, study: Study) -> list[dict[str, Any]]:
+def _rows(found: Runs) -> list[_Row]:
     """Return the probability of buckling for every value of the axes that are left, in SI units."""
     dims, shape = found.variables["probability"].dims, found["probability"].shape
     rows = []
     for place in np.ndindex(shape):
         at = dict(zip(dims, place, strict=True))
-        row: dict[str, Any] = {
-            name: axis.values[at[axis.dims[0]]].item() for name, axis in found.coords.items() if axis.dims[0] in at
-        }
-        row |= {name: int(found[name][place]) for name in ("done", "failed")}
-        row |= {name: number(float(found[name][place])) for name in ("probability", "lower", "upper")}
-        rows.append(row)
+        values = {name: axis.values[at[axis.dims[0]]].item() for name, axis in found.coords.items()}
+        counts = {name: int(found[name][place]) for name in ("done", "failed")}
+        shares = {name: number(float(found[name][place])) for name in ("probability", "lower", "upper")}
+        rows.append(_Row(values, counts, shares))
     return rows
+
+
+def _key(name: str, unit: str) -> str:
+    """Return the name of what is varied with its unit, as in kick_m_per_s."""
+    written = unit.replace("1/", "per_").replace("/", "_per_").replace("^", "")
+    return name if unit == "1" else f"{name}_{written}"
 
 
 def _grouped(reasons: Any) -> list[tuple[str, int]]:
@@ -278,19 +296,18 @@ def _named(options: argparse.Namespace) -> str:
     return "--json lists them" if options.store is None else f"see reason in {options.store}"
 
 
-def _table(rows: list[dict[str, Any]], study: Study, options: argparse.Namespace) -> Iterator[str]:
+def _table(rows: list[_Row], study: Study, options: argparse.Namespace) -> Iterator[str]:
     """Yield the table of probabilities."""
     if not rows:
         return
-    names = [name for name in rows[0] if name in study.shown]
-    percent = f"{100.0 * options.confidence:g} % interval"
     yield ""
-    yield "".join(f"  {name:<16}" for name in names) + f"  {'runs':>6}  {'buckle':>7}  {percent}"
+    named = "".join(f"  {name:<16}" for name in rows[0].at)
+    yield f"{named}  {'runs':>6}  {'buckle':>7}  {100.0 * options.confidence:g} % interval"
     for row in rows[:_ROWS]:
-        values = "".join(f"  {study.shown[name].show(row[name], 4):<16}" for name in names)
-        share = "-" if row["probability"] is None else f"{row['probability']:.3f}"
-        failed = f", {row['failed']} failed" if row["failed"] else ""
-        yield f"{values}  {row['done']:>6,}  {share:>7}  {row['lower']:.3f} to {row['upper']:.3f}{failed}"
+        values = "".join(f"  {study.shown[name].show(value, 4):<16}" for name, value in row.at.items())
+        share, low, high = ("-" if part is None else f"{part:.3f}" for part in row.shares.values())
+        failed = f", {row.counts['failed']:,} failed" if row.counts["failed"] else ""
+        yield f"{values}  {row.counts['done']:>6,}  {share:>7}  {low} to {high}{failed}"
     if len(rows) > _ROWS:
         yield f"  and {len(rows) - _ROWS:,} more: --json lists them all"
 

@@ -92,7 +92,7 @@ def read_study(path: Path) -> Study:
     with _naming(path, "start"):
         start = _start(tables.get("start", {}))
     with _naming(path):  # which names the argument that cannot be
-        problem = fr.SimulationProblem(rod, load, perturbation=start, **settings)
+        problem = fr.SimulationProblem(rod, load, **(settings | start))
     over: dict[str, Any] = {}
     shown: dict[str, Unit] = {}
     with _naming(path, "over"):
@@ -171,11 +171,11 @@ def _settings(table: Mapping[str, Any], rod: fr.Rod) -> dict[str, Any]:
     return found
 
 
-def _start(table: Mapping[str, Any]) -> fr.Perturbation | None:
-    """Return how the rod is set moving, None for the default of the problem."""
+def _start(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the option of the problem that says how the rod is set moving, none for its default."""
     require_known(table, _START)
     if not table:
-        return None
+        return {}
     kicks = table.get("kick", {})
     if not isinstance(kicks, dict):
         raise ValueError(f'kick must map modes to speeds such as {{8 = "50mm/s"}}, got {validate.short(kicks)}')
@@ -184,7 +184,7 @@ def _start(table: Mapping[str, Any]) -> fr.Perturbation | None:
         **{key: None if key not in table else str(_scalar(key, table[key])) for key in ("random", "case")},
         "seed": None if "seed" not in table else validate.integer("seed", table["seed"], 0),
     }
-    return read_perturbation(argparse.Namespace(**given))
+    return {"perturbation": read_perturbation(argparse.Namespace(**given))}
 
 
 def _options(table: Mapping[str, Any]) -> dict[str, Any]:
