@@ -288,7 +288,8 @@ def _report(summary: _Summary, record: dict[str, Any], study: Study, options: ar
     yield f"store     {options.store}" if options.store is not None else "store     none: name one with --store"
     if not record["complete"]:
         yield _onwards(options)
-    yield from _table(summary.rows, study, options)
+    if summary.done:
+        yield from _table(summary.rows, study, options)
 
 
 def _named(options: argparse.Namespace) -> str:
