@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+import sys
 import time
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import suppress
@@ -39,17 +40,18 @@ def points() -> list[tuple[float, ...]]:
 
 
 def test_a_process_pool_that_is_given_is_not_shut_down() -> None:
-    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
         assert_same(fr.ensemble(PROBLEM, OVER, executor=pool), fr.ensemble(PROBLEM, OVER))
         assert pool.submit(int).result() == 0
         with pytest.raises(TypeError, match="summary must be picklable to reach other processes"):
             fr.ensemble(PROBLEM, OVER, executor=pool, summary=lambda run: {"a": 1.0})
 
 
-def test_a_run_that_kills_its_workers_has_failed() -> None:
+def test_a_run_that_kills_its_workers_has_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(workers, "_DEATHS", 2)
     found = fr.ensemble(PROBLEM, {"frequency": [120.0, 140.0, 150.0, 160.0]}, summary=kills_at_150, workers=2)
     assert found.status.values.tolist() == [1, 1, 2, 1]
-    assert str(found.reason.values[2]) == "its worker process died 3 times: killed, or out of memory"
+    assert str(found.reason.values[2]) == "its worker process died 2 times: killed, or out of memory"
 
 
 def test_workers_that_are_killed_are_replaced() -> None:
@@ -169,7 +171,7 @@ def test_an_error_of_progress_ends_the_runs(tmp_path: Path) -> None:
     assert (fr.simulation.Runs.load(tmp_path / "runs.npz")["status"] == 1).sum() >= 7
 
 
-@pytest.mark.parametrize("how", ["", "workers=2,"])
+@pytest.mark.parametrize("how", ["", pytest.param("workers=2,", marks=pytest.mark.slow)])
 def test_ctrl_c_returns_what_came_at_once(how: str, tmp_path: Path) -> None:
     body = f"""
 found = fr.ensemble(
@@ -190,6 +192,7 @@ print(found.status.values.tolist(), flush=True)
     assert xarray.open_zarr(tmp_path / "runs.zarr").status.values.tolist() == [1, 1, 0, 0]
 
 
+@pytest.mark.slow
 def test_processes_of_a_killed_parent_end() -> None:
     body = f"""
 from floquetrod.simulation import workers
@@ -216,11 +219,7 @@ def test_a_script_without_a_guard_is_told_of_it(tmp_path: Path) -> None:
         "from ensemble_cases import PROBLEM\nimport floquetrod as fr\n"
         "fr.ensemble(PROBLEM, {'friction': [0.1]}, workers=1)\n"
     )
-    with script("import runpy; runpy.run_path(sys.argv[1], run_name='__main__')", file, stderr=subprocess.PIPE) as one:
-        assert one.wait() in (0, 1)
     here = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, [Path(__file__).parents[1], Path(__file__).parent]))}
-    import sys
-
     done = subprocess.run([sys.executable, file], env=here, capture_output=True, text=True, timeout=60)
     assert done.returncode == 1
     assert "under 'if __name__ == \"__main__\":'" in done.stderr

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -68,18 +69,18 @@ class Study:
     problem: SimulationProblem
     axes: tuple[Axis, ...]
 
-    @property
+    @cached_property
     def dims(self) -> tuple[str, ...]:
         """Names of the dimensions."""
         return tuple(dict.fromkeys(axis.dim for axis in self.axes))
 
-    @property
+    @cached_property
     def shape(self) -> tuple[int, ...]:
         """Lengths of the dimensions."""
         lengths = {axis.dim: axis.values.size for axis in self.axes}
         return tuple(lengths[dim] for dim in self.dims)
 
-    @property
+    @cached_property
     def size(self) -> int:
         """Number of runs."""
         return int(np.prod(self.shape))

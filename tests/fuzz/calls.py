@@ -318,7 +318,12 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.fastest": Call(ROD.fastest, {**load, "like": LOAD, "workers": 1}),
         "Explorer": Call(fr.Explorer, {"rod": ROD, "load": LOAD}),
         "simulate": Call(fr.simulate, {"rod": ROD, "load": LOAD, **run, "checkpoint": None}),
-        "SimulationProblem": Call(fr.SimulationProblem, {"rod": ROD, "load": LOAD, **run}),
+        "ensemble": Call(
+            fr.ensemble,
+            {"problem": problem, "over": {"friction": [0.1, 0.2]}, "layout": "grid", "samples": None, "seed": 0}
+            | {"frames": False, "part": None},
+        ),
+        "SimulationProblem": Call(fr.SimulationProblem, {"rod": ROD, "load": LOAD, **run, "stop_early": False}),
         "SimulationProblem.replace": Call(problem.replace, run),
         "SimulationProblem.run": Call(problem.run, {"checkpoint": None}),
         "stability_map": Call(
