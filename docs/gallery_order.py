@@ -12,6 +12,8 @@ GALLERY = (
     "thin_tongues",
     "friction",
     "simulation",
+    "ensemble_phase_diagram",
+    "ensemble_probability",
     "force_record",
     "real_inclined",
     "real_clamped",

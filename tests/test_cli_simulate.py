@@ -241,7 +241,7 @@ def test_a_long_run_says_so_at_its_beginning(
 
 def test_times_are_told_roughly() -> None:
     told = {61.0: "61 seconds", 121.0: "2 minutes", 7300.0: "2 hours", 3e5: "3 days"}
-    assert {seconds: simulate._roughly(seconds) for seconds in told} == told
+    assert {seconds: common.roughly(seconds) for seconds in told} == told
 
 
 class FullDisk:

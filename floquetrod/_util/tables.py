@@ -3,7 +3,27 @@
 from __future__ import annotations
 
 import difflib
+import tomllib
 from collections.abc import Collection, Iterable
+from pathlib import Path
+from typing import Any
+
+_LARGEST = 1 << 20  # bytes that are read (a choice)
+
+
+def read_toml(path: Path, what: str) -> dict[str, Any]:
+    """Return the table in a TOML file, a pipe or a device; ValueError, which names ``what`` and path, where it cannot.
+
+    More than a megabyte is not read.
+    """
+    try:
+        with path.open("rb") as file:
+            content = file.read(_LARGEST + 1)
+        if len(content) > _LARGEST:
+            raise ValueError(f"it has more than {_LARGEST:,} bytes")
+        return tomllib.loads(content.decode("utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise ValueError(f"{what} {path} cannot be read: {error}") from None
 
 
 def require_known(keys: Iterable[str], known: Collection[str]) -> None:

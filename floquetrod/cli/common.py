@@ -7,6 +7,7 @@ import logging
 import math
 import sys
 import time
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -251,3 +252,29 @@ class Progress:
         if self.open:
             print(file=sys.stderr, flush=True)
             self.open = False
+
+
+def roughly(seconds: float) -> str:
+    """Return a time in the largest unit of which it has at least two."""
+    for unit, length in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
+        if seconds >= 2.0 * length:
+            return f"{seconds / length:.0f} {unit}"
+    return f"{seconds:.0f} seconds"
+
+
+@contextmanager
+def warnings_at_once(progress: Progress) -> Iterator[None]:
+    """Report a checkpoint that cannot be written at once, while the cause can still be removed."""
+    with warnings.catch_warnings():
+        collect = warnings.showwarning
+
+        def tell(message: Any, category: Any, *rest: Any, **more: Any) -> None:
+            if not issubclass(category, fr.CheckpointWarning):
+                collect(message, category, *rest, **more)
+                return
+            progress.close()
+            print(f"floquetrod: warning: {message}", file=sys.stderr, flush=True)
+
+        warnings.simplefilter("default", fr.CheckpointWarning)
+        warnings.showwarning = tell
+        yield

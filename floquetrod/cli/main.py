@@ -10,7 +10,7 @@ import warnings
 from collections.abc import Sequence
 
 import floquetrod as fr
-from floquetrod.cli import certify, check, compare, explore, ranges, reproduce, simulate, stability_map
+from floquetrod.cli import certify, check, compare, ensemble, explore, ranges, reproduce, simulate, stability_map
 from floquetrod.cli.common import Parser, compiling_told
 
 
@@ -108,6 +108,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"floquetrod {fr.__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="command", parser_class=Parser)
-    for module in (check, certify, ranges, stability_map, explore, compare, simulate, reproduce):
+    for module in (check, certify, ranges, stability_map, explore, compare, simulate, ensemble, reproduce):
         module.add(commands)
     return parser

@@ -6,13 +6,9 @@ import argparse
 import json
 import math
 import os
-import re
 import sys
 import tempfile
 import time
-import warnings
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +24,11 @@ from floquetrod.cli.common import (
     number,
     read_rod,
     read_units,
+    roughly,
+    warnings_at_once,
 )
 from floquetrod.cli.loads import describe_load, read_load
+from floquetrod.cli.starts import read_perturbation
 from floquetrod.rod.stability import growth_of_modes
 from floquetrod.simulation.growth import GrowthFit
 from floquetrod.units import Unit
@@ -88,7 +87,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
     load = read_load(options, rod, fr.AxialLoad(0.0, 0.0, 1.0))
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
-    perturbation, shown = _perturbation(options), read_units(options, rod)
+    perturbation, shown = read_perturbation(options), read_units(options, rod)
     _check_kinds(options.out)
     _check_places([*options.out, *filter(None, [options.checkpoint])])
     progress = Progress("steps")
@@ -103,7 +102,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
         frames=_frames(load, duration, options.friction) if options.frames is None else options.frames,
     )
     try:
-        with _warnings_at_once(progress):
+        with warnings_at_once(progress):
             run = problem.run(_Forewarning(progress), options.checkpoint)
     except fr.SimulationDiverged as error:
         progress.close()
@@ -140,7 +139,7 @@ class _Forewarning:
             if left > _LONG:
                 self.progress.close()
                 print(
-                    f"floquetrod: {total:,} steps will take roughly {_roughly(left)}; Ctrl-C ends them early, and what "
+                    f"floquetrod: {total:,} steps will take roughly {roughly(left)}; Ctrl-C ends them early, and what "
                     "was simulated by then is reported",
                     file=sys.stderr,
                     flush=True,
@@ -148,60 +147,11 @@ class _Forewarning:
         self.progress(done, total)
 
 
-def _roughly(seconds: float) -> str:
-    """Return a time in the largest unit of which it has at least two."""
-    for unit, length in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
-        if seconds >= 2.0 * length:
-            return f"{seconds / length:.0f} {unit}"
-    return f"{seconds:.0f} seconds"
-
-
-@contextmanager
-def _warnings_at_once(progress: Progress) -> Iterator[None]:
-    """Report a checkpoint that cannot be written at once, while the cause can still be removed."""
-    with warnings.catch_warnings():
-        collect = warnings.showwarning
-
-        def tell(message: Any, category: Any, *rest: Any, **more: Any) -> None:
-            if not issubclass(category, fr.CheckpointWarning):
-                collect(message, category, *rest, **more)
-                return
-            progress.close()
-            print(f"floquetrod: warning: {message}", file=sys.stderr, flush=True)
-
-        warnings.simplefilter("default", fr.CheckpointWarning)
-        warnings.showwarning = tell
-        yield
-
-
 def _frames(load: fr.AxialLoad, duration: float, friction: float) -> int:
     if friction > 0.0 or load.amplitude == 0.0:
         return _FRAMES
     wanted = min(_FRAMES_A_PERIOD * duration * load.frequency / (2.0 * math.pi), _MOST_FRAMES)
     return max(_FRAMES, math.ceil(wanted) + 1)
-
-
-def _perturbation(options: argparse.Namespace) -> fr.Perturbation:
-    """Return the sum of all perturbations given."""
-    parts = []
-    for text in options.kick:
-        mode, colon, speed = text.partition(":")
-        if not (colon and re.fullmatch(r"\s*\d{1,6}\s*", mode, re.ASCII)):
-            raise ValueError(f"--kick must be a mode and a speed such as 8:50mm/s, got {text!r}")
-        parts.append(fr.Perturbation.modes({int(mode): units.quantity(speed, "--kick", "speed")}))
-    seed, drawn = 1 if options.seed is None else options.seed, options.random is not None
-    if options.case is not None:
-        match = re.fullmatch(r"([ABCD])(?::(\d{1,6}))?", options.case, re.ASCII)
-        if match is None or (match[2] and match[1] in "BD"):
-            raise ValueError(f"--case must be A, B, C or D, A and C with a mode as in A:6, got {options.case!r}")
-        drawn = drawn or match[1] in "CD"
-        parts.append(fr.Perturbation.case(match[1], mode=int(match[2] or 8), seed=seed))
-    if options.random is not None or not parts:
-        speed = units.quantity("1mm/s" if options.random is None else options.random, "--random", "speed")
-        parts.append(fr.Perturbation.random(speed, seed))
-    elif options.seed is not None and not drawn:
-        raise ValueError("--seed draws nothing here: it belongs to --random, --case C and --case D")
-    return sum(parts, fr.Perturbation())
 
 
 def _check_places(paths: list[Path]) -> None:

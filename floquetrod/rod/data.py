@@ -36,7 +36,7 @@ from floquetrod.rod.parts import (
     size,
 )
 
-_INSTEAD = {
+INSTEAD = {
     "diameter": "radius",
     "inner_diameter": "inner_radius",
     "wall_thickness": "inner_radius",
@@ -116,7 +116,7 @@ class RodData:
         channel_radius = radius_of(channel_radius, channel_diameter, ("channel_radius", "channel_diameter"))
         for name, given in (("radius", radius), ("length", length), ("channel_radius", channel_radius)):
             if given is None:
-                other = next((f", or {other}" for other, instead in _INSTEAD.items() if instead == name), "")
+                other = next((f", or {other}" for other, instead in INSTEAD.items() if instead == name), "")
                 raise TypeError(f"{name} must be given, in m{other}")
         if wall_thickness is not None:
             inner = {"inner_radius": inner_radius, "inner_diameter": inner_diameter}
@@ -175,7 +175,7 @@ class RodData:
         pipe, and ``bore`` they are the arguments of `catalogue`.  Raises ValueError, naming file and key, for what
         cannot be read, is missing or unknown.
         """
-        return read_rod(path, cls, _INSTEAD)
+        return read_rod(path, cls, INSTEAD)
 
     @classmethod
     def catalogue(cls, name: str, *, bore: float | str, length: float | str, **changes: Any) -> Self:
@@ -203,7 +203,7 @@ class RodData:
 
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some parameters changed, also by ``diameter``, ``wall_thickness`` and so on."""
-        replaced = {_INSTEAD[name] for name in changes if name in _INSTEAD}
+        replaced = {INSTEAD[name] for name in changes if name in INSTEAD}
         kept = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in replaced}
         return type(self)(**(kept | changes))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import MISSING, fields
 from pathlib import Path
@@ -10,11 +9,10 @@ from typing import Any, TypeVar
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.tables import require_known
+from floquetrod._util.tables import read_toml, require_known
 
 T = TypeVar("T")
 
-_LARGEST = 1 << 20  # bytes that are read (a choice)
 _OF_A_PIPE = ("catalogue", "bore")
 _FROM_THE_PIPE = ("youngs_modulus", "density", "radius")
 _HOLE = ("channel_radius", "channel_diameter")
@@ -38,28 +36,21 @@ def read_rod(path: str | Path, kind: type[T], instead: Mapping[str, str]) -> T:
         and for what the rod refuses.
     """
     path = validate.path("path", path)
+    table = read_toml(path, "rod file")
     try:
-        table = tomllib.loads(_content(path).decode("utf-8"))
-    except (OSError, ValueError, RecursionError) as error:
-        raise ValueError(f"rod file {path} cannot be read: {error}") from None
-    needed = {f.name: f.default is MISSING for f in fields(kind)}  # type: ignore[arg-type]  # a dataclass
-    try:
-        _require_keys(table, needed, instead)
-        given = {key: _value(key, value) for key, value in table.items()}
-        if "catalogue" not in given:
-            return kind(**given)
-        return kind.catalogue(given.pop("catalogue"), **given)  # type: ignore[attr-defined,no-any-return]
+        return rod_of(table, kind, instead)
     except (TypeError, ValueError) as error:
         raise ValueError(f"rod file {path}: {error}") from None
 
 
-def _content(path: Path) -> bytes:
-    """Return the content of a file, a pipe or a device; ValueError for more than is read."""
-    with path.open("rb") as file:
-        content = file.read(_LARGEST + 1)
-    if len(content) > _LARGEST:
-        raise ValueError(f"it has more than {_LARGEST:,} bytes")
-    return content
+def rod_of(table: Mapping[str, Any], kind: type[T], instead: Mapping[str, str]) -> T:
+    """Return the rod that the table of a file describes; TypeError or ValueError, naming the key, as `read_rod`."""
+    needed = {f.name: f.default is MISSING for f in fields(kind)}  # type: ignore[arg-type]  # a dataclass
+    _require_keys(table, needed, instead)
+    given = {key: _value(key, value) for key, value in table.items()}
+    if "catalogue" not in given:
+        return kind(**given)
+    return kind.catalogue(given.pop("catalogue"), **given)  # type: ignore[attr-defined,no-any-return]
 
 
 def _require_keys(table: Mapping[str, Any], needed: Mapping[str, bool], instead: Mapping[str, str]) -> None:

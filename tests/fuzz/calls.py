@@ -30,6 +30,13 @@ QUIET = ROD.replace(damping_rate=0.5)
 SAFE = {"mean": (0.56, 0.59), "amplitude": 0.33, "frequency": 150.0}
 SAFE_LOAD = fr.AxialLoad(0.57, 0.33, 150.0)
 
+STUDY = """\
+rod = "rod.toml"
+load = {mean = "0.3Fcr", amplitude = "0.3Fcr", frequency = "24Hz"}
+run = {duration = "2ms", segments = 40, frames = 3}
+over = {kick = ["10mm/s", "20mm/s"], seed = {from = 1, to = 3}}
+"""
+
 VALUES = (fr.AxialLoad, fr.AxialWave, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
 VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem, fr.ForceRecord)
 """Classes that people construct, and whose methods they call with arguments."""
@@ -178,6 +185,7 @@ def table() -> dict[str, Call]:
     run.save(place / "run.npz")
     sheet = "\n".join(f"{name} = {getattr(ROD, name)!r}" for name in ROD.__dataclass_fields__)
     (place / "rod.toml").write_text(sheet, encoding="utf-8")
+    (place / "study.toml").write_text(STUDY, encoding="utf-8")
     good = system_files()[0].read_text(encoding="utf-8")
     (place / "bad_system.toml").write_text(good.replace("0.16", "nan"), encoding="utf-8")
     calls = _of_equations() | _of_rods(place) | _of_coupled_rods() | _of_mathieu() | _of_friction() | _of_systems()

@@ -1,0 +1,331 @@
+"""`floquetrod ensemble`: many runs of one simulated rod, from a study file, with statistics."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import shlex
+import signal
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import floquetrod as fr
+from floquetrod.cli.common import Answer, Progress, add_command, number, roughly, warnings_at_once
+from floquetrod.cli.study import Study, naming_study, read_study
+from floquetrod.simulation.runs import DONE, FAILED, PENDING, Runs, require_runs
+from floquetrod.simulation.statistics import probability
+
+_HELP = """\
+Simulate a rod many times, with other loads, kicks, seeds or data each time, and count how often it buckles.
+
+examples:
+  floquetrod ensemble study.toml
+  floquetrod ensemble study.toml --store runs.zarr --workers 8
+  floquetrod ensemble study.toml --store runs.zarr --workers 8 --resume
+  floquetrod ensemble study.toml --store runs.zarr --part 3/100
+
+a study file, in which strings may carry units:
+  rod = "nitinol"                      # or a rod file, or a table [rod] as in rod files
+  [load]                               # mean, amplitude, frequency, mean_at, wave, axial_damping, force
+  mean = "0.825Fcr"
+  amplitude = "0.7Fcr"
+  frequency = "24Hz"
+  [run]                                # duration, friction, segments, frames, stop_early, ...
+  duration = "2s"
+  friction = 0.1
+  [start]                              # kick by mode, random, case, seed
+  kick = {8 = "50mm/s"}
+  random = "50mm/s"
+  [over]                               # what is varied: any number of the rod, load and run; kick scales the start
+  kick = {from = "10mm/s", to = "80mm/s", steps = 8}
+  frequency = ["19Hz", "24Hz"]
+  length = {distribution = "normal", mean = "3.1m", deviation = "5mm"}
+  seed = {from = 1, to = 100}
+  [ensemble]                           # layout ("grid" or "list"), samples and seed of what is drawn, frames
+  samples = 20
+
+Fcr is the critical force of the rod as the file describes it, also where the rod is varied.  Distributions are uniform
+and loguniform (low, high) and normal (mean, deviation; low and high if it is truncated).
+
+A store ends in .zarr (a folder that xarray opens, also while it grows; needs floquetrod[ensemble]) or in .npz.  Ctrl-C
+and SIGTERM end the runs in progress, and keep the others: --resume goes on.  So do the jobs of an array, which share a
+store by --part.  The exit status is 130 when interrupted, 2 for input that cannot be used.
+"""
+
+_ROWS = 40  # of the table that are printed; all of them are in the JSON (a choice)
+_REASONS = 5  # kinds of failure that are printed (a choice)
+_SAMPLED = ("seed", "sample", "run")
+"""Dimensions along which runs are samples of one another."""
+
+_NUMBER = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?", re.IGNORECASE)
+_REDRAWN = 0.2  # s between changes of the line of progress (a choice)
+_LOGGED = 60.0  # s between lines of progress where stderr is no terminal (a choice)
+
+
+def add(commands: Any) -> None:
+    """Add the command to the parser."""
+    command = add_command(commands, "ensemble", "simulate a rod many times, with statistics", _HELP, _ensemble)
+    command.add_argument("study", type=Path, help="TOML file: what is simulated, and what is varied")
+    command.add_argument("--store", type=Path, help="folder.zarr or file.npz to write while results come")
+    command.add_argument("--resume", action="store_true", help="go on with a store that exists")
+    command.add_argument("--workers", type=int, help="processes (default: threads, one for each processor)")
+    command.add_argument("--part", help="k/n: only the k-th of n parts, for jobs that share a store ending in .zarr")
+    command.add_argument("--confidence", type=float, default=0.95, help="of the intervals (default 0.95)")
+
+
+def _ensemble(options: argparse.Namespace) -> Answer:
+    if not 0.0 < options.confidence < 1.0:
+        raise ValueError(f"--confidence must lie between 0 and 1, got {options.confidence:g}")
+    part, store = _part(options), options.store
+    study = read_study(options.study)
+    if store is None and study.options.get("frames"):
+        raise ValueError(f"study file {options.study}: [ensemble] frames needs a --store to keep them in")
+    if store is not None and store.exists() and not options.resume and part is None:
+        raise ValueError(f"--store {str(store)!r} exists; add --resume to go on with it, or name another")
+    progress, started = _Left(), time.monotonic()
+    with naming_study(options.study), warnings_at_once(progress), _stopped_by_signals() as stopped:
+        try:
+            found = fr.ensemble(
+                study.problem,
+                study.over,
+                workers=options.workers,
+                store=store,
+                part=part,
+                progress=progress,
+                **study.options,
+            )
+        except (ImportError, RuntimeError) as error:
+            raise ValueError(str(error)) from None
+        except KeyboardInterrupt:  # before the first run, or while results were read
+            progress.close()
+            return Answer(f"INTERRUPTED before a run was done\n{_onwards(options)}", 130)
+        finally:
+            progress.close()
+    summary = _Summary.of(found, options.confidence)
+    complete = summary.pending == 0 or progress.is_complete or not stopped
+    record = {
+        "runs": summary.total,
+        "done": summary.done,
+        "failed": summary.failed,
+        "pending": summary.pending,
+        "complete": complete,
+        "buckled": summary.buckled,
+        "failures": [{"reason": reason, "runs": count} for reason, count in summary.reasons],
+        "confidence": options.confidence,
+        "rows": [
+            {**{_key(name, summary.units[name]): v for name, v in row.at.items()}, **row.counts, **row.shares}
+            for row in summary.rows
+        ],
+        "store": None if store is None else str(store),
+        "continue": None if complete else _command(options),
+        "seconds": time.monotonic() - started,
+        "version": fr.__version__,
+    }
+    if options.json:
+        text = json.dumps(record, indent=2, allow_nan=False)
+    else:
+        text = "\n".join(_report(summary, record, study, options))
+    return Answer(text, 0 if complete else 130)
+
+
+def _part(options: argparse.Namespace) -> tuple[int, int] | None:
+    """Return which part is to be made, None for everything."""
+    if options.part is None:
+        return None
+    match = re.fullmatch(r"(\d{1,7})/(\d{1,7})", options.part, re.ASCII)
+    if match is None or not 1 <= int(match[1]) <= int(match[2]):
+        raise ValueError(
+            f"--part must be the number of a part and how many there are such as 3/100, got {options.part!r}"
+        )
+    if options.store is None:
+        raise ValueError("--part needs --store: parts are put together in a store; name a folder such as runs.zarr")
+    return int(match[1]), int(match[2])
+
+
+class _Left(Progress):
+    """Progress with the time left: in a terminal one line that changes, elsewhere a line every minute."""
+
+    def __init__(self) -> None:
+        super().__init__("runs")
+        self.shown = -np.inf
+        self.is_complete = False
+
+    def __call__(self, done: int, total: int) -> None:
+        """Report ``done`` of ``total``."""
+        now, terminal = time.monotonic(), sys.stderr.isatty()
+        self.is_complete = done == total
+        if self.first is None:
+            self.first, self.shown = (now, done), now if not terminal else -np.inf
+        since, begun = self.first
+        if now - self.shown < (_REDRAWN if terminal else _LOGGED) and not (self.is_complete and self.open):
+            return
+        self.shown = now
+        left = f", {roughly((total - done) * (now - since) / (done - begun))} left" if total > done > begun else ""
+        line = f"{done:,} of {total:,} runs{left}"
+        if not terminal:
+            print(line, file=sys.stderr, flush=True)
+            return
+        print(f"\r{line:<78}", end="\n" if self.is_complete else "", file=sys.stderr, flush=True)
+        self.open = not self.is_complete
+
+
+@contextmanager
+def _stopped_by_signals() -> Iterator[list[int]]:
+    """Let SIGTERM end the runs as Ctrl-C does; yields a list to which either adds its number.
+
+    Where Ctrl-C is ignored, as in jobs in the background, it stays ignored.
+    """
+    seen: list[int] = []
+    if threading.current_thread() is not threading.main_thread():
+        yield seen
+        return
+
+    def stop(number: int, _: FrameType | None) -> None:
+        seen.append(number)
+        raise KeyboardInterrupt
+
+    def terminate(number: int, frame: FrameType | None) -> None:
+        handler = signal.getsignal(signal.SIGINT)  # which may hold Ctrl-C back until results are written
+        (handler if callable(handler) else stop)(number, frame)
+
+    own = [signal.SIGTERM] if signal.getsignal(signal.SIGINT) is signal.SIG_IGN else [signal.SIGTERM, signal.SIGINT]
+    before = {number: signal.signal(number, terminate if number == signal.SIGTERM else stop) for number in own}
+    try:
+        yield seen
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, signal.SIG_DFL if handler is None else handler)
+
+
+class _Row(NamedTuple):
+    """The probability of buckling, with its interval, for one value of everything but the samples."""
+
+    at: dict[str, float]
+    counts: dict[str, int]
+    shares: dict[str, float | None]
+
+
+class _Summary(NamedTuple):
+    """What came of an ensemble: numbers of runs, reasons of failures, and a row for every value of the other axes."""
+
+    total: int
+    done: int
+    failed: int
+    pending: int
+    buckled: int
+    reasons: list[tuple[str, int]]
+    rows: list[_Row]
+    units: dict[str, str]
+
+    @classmethod
+    def of(cls, found: Any, confidence: float) -> _Summary:
+        """Return it from what `floquetrod.ensemble` returned."""
+        if not isinstance(found, Runs):
+            found = found[["status", "reason", "buckled"]]  # frames stay where they are
+        runs = require_runs("runs", found)
+        status = runs["status"]
+        done, failed, pending = (int((status == kind).sum()) for kind in (DONE, FAILED, PENDING))
+        buckled = int((runs["buckled"][status == DONE] == 1).sum())
+        sampled = [dim for dim in runs.variables["status"].dims if dim in _SAMPLED]
+        rows = _rows(probability(runs, over=sampled, confidence=confidence)) if sampled else []
+        return cls(
+            status.size, done, failed, pending, buckled, _grouped(runs["reason"][status == FAILED]), rows, runs.units
+        )
+
+
+def _rows(found: Runs) -> list[_Row]:
+    """Return the probability of buckling for every value of the axes that are left, in SI units."""
+    dims, shape = found.variables["probability"].dims, found["probability"].shape
+    rows = []
+    for place in np.ndindex(shape):
+        at = dict(zip(dims, place, strict=True))
+        values = {name: axis.values[at[axis.dims[0]]].item() for name, axis in found.coords.items()}
+        counts = {name: int(found[name][place]) for name in ("done", "failed")}
+        shares = {name: number(float(found[name][place])) for name in ("probability", "lower", "upper")}
+        rows.append(_Row(values, counts, shares))
+    return rows
+
+
+def _key(name: str, unit: str) -> str:
+    """Return the name of what is varied with its unit, as in kick_m_per_s."""
+    written = unit.replace("1/", "per_").replace("/", "_per_").replace("^", "")
+    return name if unit == "1" else f"{name}_{written}"
+
+
+def _grouped(reasons: Any) -> list[tuple[str, int]]:
+    """Return the reasons of failures, with how often; those that differ in numbers alone are one."""
+    groups: dict[str, tuple[str, int]] = {}
+    for reason in map(str, np.ravel(reasons)):
+        kind = _NUMBER.sub("#", reason)
+        first, count = groups.get(kind, (reason, 0))
+        groups[kind] = first, count + 1
+    return sorted(groups.values(), key=lambda group: -group[1])
+
+
+def _report(summary: _Summary, record: dict[str, Any], study: Study, options: argparse.Namespace) -> Iterator[str]:
+    """Yield the lines of the answer."""
+    headline = (
+        f"{summary.done:,} of {summary.total:,} runs done, {summary.failed:,} failed, {summary.pending:,} pending"
+    )
+    yield headline if record["complete"] else f"INTERRUPTED: {headline}"
+    yield ""
+    if summary.done:
+        yield f"buckled   {summary.buckled:,} of {summary.done:,}"
+    for place, (reason, count) in enumerate(summary.reasons[:_REASONS]):
+        yield f"{'' if place else 'failed':<8}  {count:,}: {reason}"
+    if len(summary.reasons) > _REASONS:
+        yield f"{'':<8}  and others, {len(summary.reasons) - _REASONS} kinds: {_named(options)}"
+    yield f"cost      {record['seconds']:.3g} s"
+    yield f"store     {options.store}" if options.store is not None else "store     none: name one with --store"
+    if not record["complete"]:
+        yield _onwards(options)
+    if summary.done:
+        yield from _table(summary.rows, study, options)
+
+
+def _named(options: argparse.Namespace) -> str:
+    """Return where everything is."""
+    return "--json lists them" if options.store is None else f"see reason in {options.store}"
+
+
+def _table(rows: list[_Row], study: Study, options: argparse.Namespace) -> Iterator[str]:
+    """Yield the table of probabilities."""
+    if not rows:
+        return
+    yield ""
+    named = "".join(f"  {name:<16}" for name in rows[0].at)
+    yield f"{named}  {'runs':>6}  {'buckle':>7}  {100.0 * options.confidence:g} % interval"
+    for row in rows[:_ROWS]:
+        values = "".join(f"  {study.shown[name].show(value, 4):<16}" for name, value in row.at.items())
+        share, low, high = ("-" if part is None else f"{part:.3f}" for part in row.shares.values())
+        failed = f", {row.counts['failed']:,} failed" if row.counts["failed"] else ""
+        yield f"{values}  {row.counts['done']:>6,}  {share:>7}  {low} to {high}{failed}"
+    if len(rows) > _ROWS:
+        yield f"  and {len(rows) - _ROWS:,} more: --json lists them all"
+
+
+def _onwards(options: argparse.Namespace) -> str:
+    """Return a line about how to go on."""
+    if options.store is None:
+        return "continue  nothing is kept without --store: the same command begins anew"
+    return f"continue  {_command(options)}"
+
+
+def _command(options: argparse.Namespace) -> str | None:
+    """Return the command that goes on, None where nothing was kept."""
+    if options.store is None:
+        return None
+    words = ["floquetrod", "ensemble", str(options.study), "--store", str(options.store)]
+    words += [] if options.workers is None else ["--workers", str(options.workers)]
+    words += ["--resume"] if options.part is None else ["--part", options.part]
+    words += [] if options.confidence == 0.95 else ["--confidence", f"{options.confidence:g}"]
+    return shlex.join([*words, *(["--json"] if options.json else [])])

@@ -1,0 +1,283 @@
+"""Study files: TOML tables that say what is simulated, and what of it is varied, with units."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+import floquetrod as fr
+from floquetrod import units
+from floquetrod._util import validate
+from floquetrod._util.tables import read_toml, require_known
+from floquetrod.cli.common import KINDS
+from floquetrod.cli.loads import read_kind, read_load, read_record
+from floquetrod.cli.starts import read_perturbation
+from floquetrod.rod.data import INSTEAD
+from floquetrod.rod.files import rod_of
+from floquetrod.simulation.axes import LAYOUTS, names_of
+from floquetrod.units import Unit
+
+_TABLES = ("rod", "load", "run", "start", "over", "ensemble")
+_LOAD = (*KINDS, "mean_at", "wave", "axial_damping", "force")
+_RUN = {
+    "duration": "time",
+    "time_step": "time",
+    "friction": "ratio",
+    "poisson_ratio": "ratio",
+    "indentation": "ratio",
+    "contact_damping": "ratio",
+    "feed_speed": "speed",
+    "far_force": "force",
+}
+"""Kinds of the quantities in the table [run]."""
+
+_COUNTS = ("segments", "frames")
+_START = ("kick", "random", "seed", "case")
+_OPTIONS = ("layout", "samples", "seed", "frames")
+_INTEGERS = (*_COUNTS, "seed")
+_OF_RUNS = {**units.ROD_KINDS, **KINDS, **_RUN, "mean_at": "ratio", "axial_damping": "rate", "kick": "speed"}
+"""Kinds of the quantities that may be varied."""
+
+_ARGUMENTS = {
+    **dict.fromkeys((*_RUN, *_COUNTS, "stop_early"), "run"),
+    "rod": "rod",
+    "load": "load",
+    "perturbation": "start",
+}
+"""Arguments of `floquetrod.SimulationProblem`, and the tables that give them."""
+
+_WAVES = ("held", "free", "driven")
+_SPACINGS = ("linear", "log")
+_MOST = 10_000_000  # values of a range: as many as an ensemble has runs
+_DISTRIBUTIONS = {
+    "uniform": ("low", "high"),
+    "loguniform": ("low", "high"),
+    "normal": ("mean", "deviation"),
+}
+_BOUNDS = ("low", "high")  # that a normal distribution may have
+
+
+class Study(NamedTuple):
+    """What a study file asks for: arguments of `floquetrod.ensemble`, and the unit in which to show what is varied."""
+
+    problem: fr.SimulationProblem
+    over: dict[str, Any]
+    options: dict[str, Any]
+    shown: dict[str, Unit]
+
+
+def read_study(path: Path) -> Study:
+    """Return the study that a TOML file describes; ValueError naming file, table and key where it cannot be made."""
+    tables = read_toml(path, "study file")
+    with _naming(path):
+        require_known(tables, _TABLES)
+        for name in ("rod", "load", "over"):
+            if name not in tables:
+                raise ValueError(f"missing table [{name}]; the tables are {', '.join(f'[{t}]' for t in _TABLES)}")
+        for name, table in tables.items():
+            if not isinstance(table, dict) and name != "rod":
+                raise ValueError(f"{name} must be a table, [{name}] with lines below it, got {validate.short(table)}")
+    with _naming(path, "rod"):
+        rod = _rod(path, tables["rod"])
+    with _naming(path, "load"):
+        load = _load(path, tables["load"], rod)
+    with _naming(path, "run"):
+        settings = _settings(tables.get("run", {}), rod)
+    with _naming(path, "start"):
+        start = _start(tables.get("start", {}))
+    with _naming(path):  # which names the argument that cannot be
+        problem = fr.SimulationProblem(rod, load, **(settings | start))
+    over: dict[str, Any] = {}
+    shown: dict[str, Unit] = {}
+    with _naming(path, "over"):
+        if not tables["over"]:
+            raise ValueError('needs at least one key such as frequency = ["19Hz", "24Hz"], got none')
+        require_known(tables["over"], [name for names in names_of(problem).values() for name in names])
+    for key, value in tables["over"].items():
+        with _naming(path, "over"):
+            over[key], shown[key] = _varied(key, value, rod)
+    with _naming(path, "ensemble"):
+        options = _options(tables.get("ensemble", {}))
+    return Study(problem, over, options, shown)
+
+
+@contextmanager
+def naming_study(path: Path) -> Iterator[None]:
+    """Name file and table in errors of `floquetrod.ensemble` that come from the file."""
+    try:
+        yield
+    except (TypeError, ValueError) as error:
+        message = str(error)
+        found = re.match(r"over(?:\['(\w+)'\])? ", message)
+        if found is not None:
+            rest = message[found.end() :]
+            message = f"study file {path}: [over] {f'{found[1]} ' if found[1] else ''}{rest}"
+        elif message.partition(" ")[0] in _OPTIONS:
+            message = f"study file {path}: [ensemble] {message}"
+        raise ValueError(message) from None
+
+
+@contextmanager
+def _naming(path: Path, table: str = "") -> Iterator[None]:
+    """Name file and table in what is raised, and keys of the file where a message names options of the terminal."""
+    try:
+        yield
+    except (TypeError, ValueError, OSError, ArithmeticError) as error:
+        message = re.sub(r"--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), str(error))
+        table = table or _ARGUMENTS.get(message.partition(" ")[0], "")
+        raise ValueError(f"study file {path}: {f'[{table}] ' if table else ''}{message}") from None
+
+
+def _rod(path: Path, given: Any) -> fr.Rod:
+    """Return the rod: a table as in rod files, or nitinol or the name of a rod file."""
+    if isinstance(given, dict):
+        return rod_of(given, fr.Rod, INSTEAD)
+    if not isinstance(given, str):
+        raise ValueError(f"must be a table as in rod files, nitinol or a rod file, got {validate.short(given)}")
+    return fr.Rod.nitinol() if given == "nitinol" else fr.Rod.from_toml(path.parent / given)
+
+
+def _load(path: Path, table: Mapping[str, Any], rod: fr.Rod) -> Any:
+    """Return the load; a measured force is looked for beside the study file."""
+    require_known(table, _LOAD)
+    given = {key: _scalar(key, table.get(key)) for key in _LOAD}
+    if given["force"] is None and (missing := [key for key in KINDS if given[key] is None]):
+        raise ValueError(f"missing key{'s' if missing[1:] else ''} {', '.join(missing)}; or give a measured force")
+    if given["wave"] is not None:
+        validate.choice("wave", given["wave"], _WAVES)
+    texts = {key: None if given[key] is None else str(given[key]) for key in ("mean_at", "wave", "axial_damping")}
+    force = None if given["force"] is None else str(path.parent / str(given["force"]))
+    options = argparse.Namespace(**given | texts | {"force": force})
+    return read_load(options, rod, read_kind(options, read_record(options)))
+
+
+def _settings(table: Mapping[str, Any], rod: fr.Rod) -> dict[str, Any]:
+    """Return the options of the problem in the table [run]."""
+    require_known(table, (*_RUN, *_COUNTS, "stop_early"))
+    found: dict[str, Any] = {}
+    for key, value in table.items():
+        if key in _RUN:
+            found[key] = _quantity(key, value, rod)
+        elif key in _COUNTS:
+            found[key] = validate.integer(key, value, 2)
+        else:
+            found[key] = validate.flag(key, value)
+    return found
+
+
+def _start(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the option of the problem that says how the rod is set moving, none for its default."""
+    require_known(table, _START)
+    if not table:
+        return {}
+    kicks = table.get("kick", {})
+    if not isinstance(kicks, dict):
+        raise ValueError(f'kick must map modes to speeds such as {{8 = "50mm/s"}}, got {validate.short(kicks)}')
+    given: dict[str, Any] = {
+        "kick": [f"{mode}:{_scalar('kick', speed)}" for mode, speed in kicks.items()],
+        **{key: None if key not in table else str(_scalar(key, table[key])) for key in ("random", "case")},
+        "seed": None if "seed" not in table else validate.integer("seed", table["seed"], 0),
+    }
+    return {"perturbation": read_perturbation(argparse.Namespace(**given))}
+
+
+def _options(table: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the table [ensemble]: how values are combined, and how they are drawn."""
+    require_known(table, _OPTIONS)
+    found: dict[str, Any] = {}
+    if "layout" in table:
+        found["layout"] = validate.choice("layout", table["layout"], LAYOUTS)
+    if "samples" in table:
+        found["samples"] = validate.integer("samples", table["samples"], 1)
+    if "seed" in table:
+        found["seed"] = validate.integer("seed", table["seed"], 0)
+    if "frames" in table:
+        found["frames"] = validate.flag("frames", table["frames"])
+    return found
+
+
+def _varied(key: str, given: Any, rod: fr.Rod) -> tuple[Any, Unit]:
+    """Return the values or the distribution of what is varied, in SI units, and the unit it is written in."""
+    if not isinstance(given, list | dict):
+        raise ValueError(
+            f"{key} must be a list, a range such as {{from = 1, to = 9, steps = 5}} or a distribution such as "
+            f'{{distribution = "uniform", low = 1, high = 9}}, got {validate.short(given)}; a single value belongs in '
+            "the table of what it is a part of"
+        )
+    if key in _INTEGERS:
+        return _integers(key, given), Unit("", 1.0)
+    numbers = given if isinstance(given, list) else [v for k, v in given.items() if k not in _WORDS]
+    written = (units.unit_of(value) or "" for value in numbers if isinstance(value, str))
+    unit = units.unit(next(written, ""), key, _OF_RUNS[key], rod.critical_force)
+    if isinstance(given, list):
+        return [_quantity(key, value, rod) for value in given], unit
+    if "distribution" in given:
+        return _distribution(key, given, rod), unit
+    require_known(given, ("from", "to", "steps", "spacing"))
+    _require_all(key, given, ("from", "to", "steps"))
+    first, last = (_quantity(f"{key}: {end}", given[end], rod, key) for end in ("from", "to"))
+    steps = validate.integer(f"{key}: steps", given["steps"], 2, _MOST)
+    spacing = validate.choice(f"{key}: spacing", given.get("spacing", "linear"), _SPACINGS)
+    if spacing == "log" and not min(first, last) > 0.0:
+        raise ValueError(f'{key}: spacing "log" needs ends above zero, got {given["from"]!r} and {given["to"]!r}')
+    return (np.linspace if spacing == "linear" else np.geomspace)(first, last, steps), unit
+
+
+_WORDS = ("steps", "spacing", "distribution")
+
+
+def _integers(key: str, given: Any) -> Any:
+    """Return integers: a list of them, or every one of a range."""
+    if isinstance(given, list):
+        return [validate.integer(key, value, 0) for value in given]
+    require_known(given, ("from", "to"))
+    _require_all(key, given, ("from", "to"))
+    first = validate.integer(f"{key}: from", given["from"], 0)
+    return range(first, validate.integer(f"{key}: to", given["to"], first, first + _MOST) + 1)
+
+
+def _distribution(key: str, given: Mapping[str, Any], rod: fr.Rod) -> Any:
+    """Return a distribution of SciPy's."""
+    kind = validate.choice(f"{key}: distribution", given["distribution"], _DISTRIBUTIONS)
+    needed = _DISTRIBUTIONS[kind]
+    require_known(given, ("distribution", *needed, *(_BOUNDS if kind == "normal" else ())))
+    _require_all(key, given, needed)
+    numbers = {name: _quantity(f"{key}: {name}", v, rod, key) for name, v in given.items() if name != "distribution"}
+    low, high = numbers.get("low", -np.inf), numbers.get("high", np.inf)
+    if not low < high:
+        raise ValueError(f"{key}: low must lie below high, got {given['low']!r} and {given['high']!r}")
+    from scipy import stats
+
+    if kind == "uniform":
+        return stats.uniform(low, high - low)
+    if kind == "loguniform":
+        if not low > 0.0:
+            raise ValueError(f"{key}: low must be greater than zero in a loguniform distribution, got {given['low']!r}")
+        return stats.loguniform(low, high)
+    mean, deviation = numbers["mean"], validate.positive(f"{key}: deviation", numbers["deviation"])
+    return stats.truncnorm((low - mean) / deviation, (high - mean) / deviation, mean, deviation)
+
+
+def _require_all(key: str, given: Mapping[str, Any], needed: tuple[str, ...]) -> None:
+    """Raise ValueError where one of the keys needed is missing."""
+    missing = [name for name in needed if name not in given]
+    if missing:
+        raise ValueError(f"{key} needs {', '.join(needed)}, got {validate.short(dict(given))}")
+
+
+def _quantity(name: str, value: Any, rod: fr.Rod, key: str | None = None) -> float:
+    """Return a quantity in SI units, of the kind of ``key`` where the name is another."""
+    return units.quantity(value, name, _OF_RUNS[key or name], critical_force=rod.critical_force)
+
+
+def _scalar(key: str, value: Any) -> str | int | float | None:
+    """Return a number or a text, which may be missing."""
+    if value is None or (isinstance(value, str | int | float) and not isinstance(value, bool)):
+        return value
+    raise ValueError(f"{key} must be a number or a text with a unit, got {validate.short(value)}")
