@@ -74,9 +74,9 @@ class SimulationProblem:
     far_force : float, optional
         Mean effective compression at the lower end in N, where that end is pushed; by default the mean of the load.
     stop_early : bool
-        Whether the run ends at the frame at which it has clearly buckled, the largest angle beyond 15 degrees, three
-        times what counts as buckled (a choice), or at which friction holds it at rest: no node's angle has changed by
-        more than 1e-6 rad over the last full period of the force, and none is beyond 5 degrees.
+        Whether the run ends at the frame at which it has clearly buckled, the largest angle beyond 45 degrees (a
+        choice), or at which friction holds it at rest: no node's angle has changed by more than 1e-5 rad over the last
+        full period of the force, and none is beyond 5 degrees.
 
     Raises
     ------

@@ -17,8 +17,8 @@ from floquetrod.simulation.start import LEAST_SEGMENTS
 BUCKLED_ANGLE = math.radians(5.0)
 """Angle beyond which a rod counts as buckled, that of the paper (section 4.3 of DOI 10.1115/1.4031710)."""
 
-_CLEARLY_BUCKLED = 3.0 * BUCKLED_ANGLE  # at which a run may stop early (a choice: no decaying motion was seen there)
-_AT_REST = 1e-6  # rad: a node that turns by no more in a period of the force has come to rest (a choice)
+_CLEARLY_BUCKLED = math.radians(45.0)  # at which a run may stop early (a choice: from 19 degrees one fell back)
+_AT_REST = 1e-5  # rad: a node that turns by no more in a period of the force has come to rest (a choice)
 
 ENDINGS = ("duration", "buckled", "at rest", "interrupted")
 """How a run may end."""
@@ -28,7 +28,7 @@ ENDINGS = ("duration", "buckled", "at rest", "interrupted")
 class EarlyEnd:
     """When a run may stop before its duration: once it has clearly buckled, or where ``friction`` holds it at rest.
 
-    At rest no node's angle has changed by more than 1e-6 rad for ``frames``, which cover a period of the force, and
+    At rest no node's angle has changed by more than 1e-5 rad for ``frames``, which cover a period of the force, and
     none is beyond 5 degrees.
     """
 
