@@ -11,10 +11,12 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from floquetrod import ensembles as ensembles
     from floquetrod import friction as friction
     from floquetrod import mathieu as mathieu
     from floquetrod import systems as systems
     from floquetrod._util.version import __version__ as __version__
+    from floquetrod.ensembles.ensemble import ensemble as ensemble
     from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
     from floquetrod.equations import Hill as Hill
     from floquetrod.equations import HillSystem as HillSystem
@@ -49,7 +51,6 @@ if TYPE_CHECKING:
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
     from floquetrod.rod.uncertainty import probability_of_instability as probability_of_instability
     from floquetrod.simulation.checkpoints import CheckpointWarning as CheckpointWarning
-    from floquetrod.simulation.ensemble import ensemble as ensemble
     from floquetrod.simulation.integration import SimulationDiverged as SimulationDiverged
     from floquetrod.simulation.problem import Simulation as Simulation
     from floquetrod.simulation.problem import SimulationProblem as SimulationProblem
@@ -93,18 +94,19 @@ _WHERE = {
     "certify": "floquet.proof",
     "compare": "floquet.comparison",
     "conventions": "equations.conventions",
-    "ensemble": "simulation.ensemble",
+    "ensemble": "ensembles.ensemble",
     "friction": "friction",
     "mathieu": "mathieu",
     "methods": "floquet.methods",
     "probability_of_instability": "rod.uncertainty",
+    "ensembles": "ensembles",
     "simulation": "simulation",
     "simulate": "simulation.simulate",
     "stability": "floquet.dispatch",
     "stability_map": "rod.map",
     "systems": "systems",
 }
-_MODULES = {"conventions", "friction", "mathieu", "methods", "simulation", "systems"}
+_MODULES = {"conventions", "ensembles", "friction", "mathieu", "methods", "simulation", "systems"}
 
 __all__ = sorted(_WHERE)
 

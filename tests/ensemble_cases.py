@@ -15,7 +15,7 @@ import numpy as np
 import xarray
 
 import floquetrod as fr
-from floquetrod.simulation.runs import Runs, require_runs
+from floquetrod.ensembles.runs import Runs, require_runs
 
 ROOT = Path(__file__).parents[1]
 LOAD = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
@@ -65,7 +65,7 @@ def script(body: str, *arguments: object, **options: Any) -> subprocess.Popen[st
     start = (
         "import sys, numpy as np, floquetrod as fr\n"
         "from ensemble_cases import *\n"
-        "from floquetrod.simulation import stores\n"
+        "from floquetrod.ensembles import stores\n"
         "stores._SECONDS_BETWEEN = 0.02\n"
         "if __name__ == '__main__':\n"
     )

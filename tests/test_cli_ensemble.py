@@ -20,8 +20,8 @@ import floquetrod as fr
 from floquetrod import cli, units
 from floquetrod.cli import ensemble
 from floquetrod.cli.study import _INTEGERS, _OF_RUNS, read_study
-from floquetrod.simulation.axes import names_of
-from floquetrod.simulation.runs import Runs
+from floquetrod.ensembles.axes import names_of
+from floquetrod.ensembles.runs import Runs
 
 ROOT = Path(__file__).parents[1]
 TABLES = {
@@ -155,7 +155,7 @@ def test_tells_how_probable_buckling_is(tmp_path: Path, capsys: pytest.CaptureFi
 def test_json_says_what_the_library_finds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = answer(capsys, written(tmp_path), "--confidence", "0.8")
     study = read_study(tmp_path / "study.toml")
-    found = fr.simulation.probability(fr.ensemble(study.problem, study.over), over="seed", confidence=0.8)
+    found = fr.ensembles.probability(fr.ensemble(study.problem, study.over), over="seed", confidence=0.8)
     assert [row["kick_m_per_s"] for row in record["rows"]] == [0.01, 0.9]
     for name in ("probability", "lower", "upper", "done", "failed"):
         assert [row[name] for row in record["rows"]] == found[name].values.tolist()

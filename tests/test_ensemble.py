@@ -16,8 +16,8 @@ from scipy import stats
 
 import floquetrod as fr
 from ensemble_cases import LOAD, OVER, PROBLEM, assert_same, depth, fails_at_150, in_memory
-from floquetrod.simulation import Runs, axes
-from floquetrod.simulation.stores import RESULTS, chunk_shape
+from floquetrod.ensembles import Runs, axes
+from floquetrod.ensembles.stores import RESULTS, chunk_shape
 
 
 def test_every_run_is_the_simulation_of_its_values() -> None:
@@ -197,7 +197,7 @@ def test_chunks_are_ranges_of_runs(shape: tuple[int, ...], parts: int) -> None:
 
 
 def axes_layout(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Any:
-    from floquetrod.simulation.stores import Layout
+    from floquetrod.ensembles.stores import Layout
 
     names = ("mean", "amplitude", "frequency", "friction")
     axis = tuple(axes.Axis(n, n, np.arange(length)) for n, length in zip(names, shape, strict=False))
@@ -300,7 +300,7 @@ def test_a_seed_needs_something_drawn() -> None:
 
 def test_without_xarray_runs_are_returned(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     with_it = fr.ensemble(PROBLEM, OVER)
-    for name in ("xarray", "floquetrod.simulation.accessor"):
+    for name in ("xarray", "floquetrod.ensembles.accessor"):
         monkeypatch.setitem(sys.modules, name, None)
     found = fr.ensemble(PROBLEM, OVER, store=tmp_path / "runs.npz")
     assert isinstance(found, Runs)
@@ -349,11 +349,11 @@ def test_probability_is_that_of_binomial_tests() -> None:
         assert (answer.done.values[place], answer.failed.values[place]) == (12, 12)
     counted = {0, 12} - set((answer.probability.values * 12).astype(int).tolist())
     assert len(counted) < 2, "no end of the range was met"
-    in_numpy = fr.simulation.probability(in_memory(found), over=("seed", "friction"), confidence=0.9)
+    in_numpy = fr.ensembles.probability(in_memory(found), over=("seed", "friction"), confidence=0.9)
     assert np.array_equal(in_numpy["upper"], answer.upper)
     pending = fr.ensemble(PROBLEM, {"seed": range(4)}, part=(1, 2)).floquetrod.probability(over="seed")
     assert int(pending.done) == 2
-    nothing = fr.simulation.probability(
+    nothing = fr.ensembles.probability(
         fr.ensemble(PROBLEM, {"mean": [0.1, 0.2], "seed": [1]}, part=(1, 2)), over="seed"
     )
     assert np.isnan(nothing.probability.values[1])
@@ -376,4 +376,4 @@ def test_probability_is_that_of_binomial_tests() -> None:
 def test_bad_questions_are_refused(arguments: dict[str, Any], kind: type[Exception], match: str) -> None:
     found = fr.ensemble(PROBLEM, {"seed": [1, 2]})
     with pytest.raises(kind, match=match):
-        fr.simulation.probability(**({"runs": found, "name": "buckled", "over": "seed"} | arguments))
+        fr.ensembles.probability(**({"runs": found, "name": "buckled", "over": "seed"} | arguments))

@@ -16,7 +16,7 @@ import xarray
 
 import floquetrod as fr
 from ensemble_cases import OVER, PROBLEM, ROOT, assert_same, killed_again_and_again
-from floquetrod.simulation import axes, workers
+from floquetrod.ensembles import axes, workers
 
 pytestmark = pytest.mark.slow
 

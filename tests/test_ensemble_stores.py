@@ -13,7 +13,8 @@ import xarray
 
 import floquetrod as fr
 from ensemble_cases import OVER, PROBLEM, assert_same, depth
-from floquetrod.simulation import Runs, checkpoints, stores, stores_zarr, workers
+from floquetrod.ensembles import Runs, stores, stores_zarr, workers
+from floquetrod.simulation import checkpoints
 
 KINDS = ("runs.npz", "runs.zarr")
 

@@ -19,8 +19,8 @@ import xarray
 
 import floquetrod as fr
 from ensemble_cases import OVER, PROBLEM, assert_same, depth, killed_again_and_again, kills_at_150, script
-from floquetrod.simulation import axes, workers
-from floquetrod.simulation.stores import Outcome
+from floquetrod.ensembles import axes, workers
+from floquetrod.ensembles.stores import Outcome
 
 LONG = "PROBLEM.replace(duration=1000.0)"
 
@@ -168,7 +168,7 @@ def test_an_error_of_progress_ends_the_runs(tmp_path: Path) -> None:
     with pytest.raises(ZeroDivisionError):
         fr.ensemble(PROBLEM, OVER, store=tmp_path / "runs.npz", progress=wrong)
     assert signal.getsignal(signal.SIGINT) is before
-    assert (fr.simulation.Runs.load(tmp_path / "runs.npz")["status"] == 1).sum() >= 7
+    assert (fr.ensembles.Runs.load(tmp_path / "runs.npz")["status"] == 1).sum() >= 7
 
 
 @pytest.mark.parametrize("how", ["", pytest.param("workers=2,", marks=pytest.mark.slow)])
@@ -195,7 +195,7 @@ print(found.status.values.tolist(), flush=True)
 @pytest.mark.slow
 def test_processes_of_a_killed_parent_end() -> None:
     body = f"""
-from floquetrod.simulation import workers
+from floquetrod.ensembles import workers
 def tell(pool):
     print(pool.pid.result(), flush=True)
     return pool

@@ -21,8 +21,8 @@ import numpy as np
 import floquetrod as fr
 from floquetrod.cli.common import Answer, Progress, add_command, number, roughly, warnings_at_once
 from floquetrod.cli.study import Study, naming_study, read_study
-from floquetrod.simulation.runs import DONE, FAILED, PENDING, Runs, require_runs
-from floquetrod.simulation.statistics import probability
+from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
+from floquetrod.ensembles.statistics import probability
 
 _HELP = """\
 Simulate a rod many times, with other loads, kicks, seeds or data each time, and count how often it buckles.

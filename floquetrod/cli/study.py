@@ -18,9 +18,9 @@ from floquetrod._util.tables import read_toml, require_known
 from floquetrod.cli.common import KINDS
 from floquetrod.cli.loads import read_kind, read_load, read_record
 from floquetrod.cli.starts import read_perturbation
+from floquetrod.ensembles.axes import LAYOUTS, names_of
 from floquetrod.rod.data import INSTEAD
 from floquetrod.rod.files import rod_of
-from floquetrod.simulation.axes import LAYOUTS, names_of
 from floquetrod.units import Unit
 
 _TABLES = ("rod", "load", "run", "start", "over", "ensemble")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from floquetrod.simulation.growth import GrowthFit
 from floquetrod.simulation.mesh import DiscreteRod
-from floquetrod.simulation.runs import Runs
-from floquetrod.simulation.statistics import probability
 from floquetrod.simulation.time_steps import TimeSteps, critical_time_step
 
-__all__ = ["DiscreteRod", "GrowthFit", "Runs", "TimeSteps", "critical_time_step", "probability"]
+__all__ = ["DiscreteRod", "GrowthFit", "TimeSteps", "critical_time_step"]

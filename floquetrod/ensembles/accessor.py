@@ -7,7 +7,7 @@ from typing import Any
 
 import xarray
 
-from floquetrod.simulation import statistics
+from floquetrod.ensembles import statistics
 
 _register: Any = xarray.register_dataset_accessor
 
@@ -21,5 +21,5 @@ class EnsembleAccessor:
         self._dataset = dataset
 
     def probability(self, name: str = "buckled", *, over: str | Iterable[str], confidence: float = 0.95) -> Any:
-        """Return what `floquetrod.simulation.probability` does."""
+        """Return what `floquetrod.ensembles.probability` does."""
         return statistics.probability(self._dataset, name, over=over, confidence=confidence)

@@ -28,10 +28,10 @@ import numpy as np
 
 from floquetrod._util import interrupt, validate
 from floquetrod._util.compilation import cores
-from floquetrod.simulation.axes import varied
+from floquetrod.ensembles.axes import varied
+from floquetrod.ensembles.runs import DONE, FAILED
+from floquetrod.ensembles.stores import Outcome
 from floquetrod.simulation.problem import Simulation, SimulationProblem
-from floquetrod.simulation.runs import DONE, FAILED
-from floquetrod.simulation.stores import Outcome
 
 Summary = Callable[[Simulation], Mapping[str, float]]
 
@@ -80,7 +80,7 @@ def failure(run: int, error: Exception) -> Outcome:
 
 
 def results(made: Simulation) -> dict[str, float]:
-    """Return the results of a run by name, those of `floquetrod.simulation.stores.RESULTS` but for the status."""
+    """Return the results of a run by name, those of `floquetrod.ensembles.stores.RESULTS` but for the status."""
     mode = made.dominant_mode
     try:
         growth = made.growth_rate(mode)

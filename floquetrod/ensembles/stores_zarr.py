@@ -19,9 +19,9 @@ from typing import IO, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.simulation.axes import Study
-from floquetrod.simulation.runs import DONE, PENDING
-from floquetrod.simulation.stores import FRAME_ATTRS, REASON, Layout, MemoryStore, require_same
+from floquetrod.ensembles.axes import Study
+from floquetrod.ensembles.runs import DONE, PENDING
+from floquetrod.ensembles.stores import FRAME_ATTRS, REASON, Layout, MemoryStore, require_same
 
 _ABANDONED = 3600.0  # s after which an unfinished creation was abandoned (a choice)
 _LOCK = "status/.lock"  # where zarr does not look for arrays

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from floquetrod._util import files, interrupt, validate
-from floquetrod.simulation import stores_zarr
-from floquetrod.simulation import workers as hands
-from floquetrod.simulation.axes import Study, study_of, varied
+from floquetrod.ensembles import stores_zarr
+from floquetrod.ensembles import workers as hands
+from floquetrod.ensembles.axes import Study, study_of, varied
+from floquetrod.ensembles.runs import Runs
+from floquetrod.ensembles.stores import RESULTS, Layout, MemoryStore, NpzStore, Outcome, chunk_shape, require_same
 from floquetrod.simulation.problem import SimulationProblem
-from floquetrod.simulation.runs import Runs
-from floquetrod.simulation.stores import RESULTS, Layout, MemoryStore, NpzStore, Outcome, chunk_shape, require_same
 
 _MOST_PARTS = 10**6  # (a choice)
 
@@ -144,7 +144,7 @@ def ensemble(
 def _as_dataset(store: MemoryStore) -> Any:
     """Return the results as an xarray.Dataset where xarray is installed, else as `Runs`."""
     try:
-        importlib.import_module("floquetrod.simulation.accessor")
+        importlib.import_module("floquetrod.ensembles.accessor")
     except ImportError:
         return store.runs()
     return store.to_xarray()

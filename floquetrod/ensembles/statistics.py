@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.simulation.runs import DONE, FAILED, Runs, Variable, require_runs
+from floquetrod.ensembles.runs import DONE, FAILED, Runs, Variable, require_runs
 
 
 def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], confidence: float = 0.95) -> Any:

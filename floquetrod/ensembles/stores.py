@@ -1,6 +1,6 @@
 """Where the results of an ensemble are kept: in memory, and saved to an npz file as they come.
 
-`floquetrod.simulation.stores_zarr` has the store for many writers and large ensembles.
+`floquetrod.ensembles.stores_zarr` has the store for many writers and large ensembles.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from numpy.typing import NDArray
 
 from floquetrod._util import files
 from floquetrod._util.version import __version__
-from floquetrod.simulation.axes import Study
+from floquetrod.ensembles.axes import Study
+from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable
 from floquetrod.simulation.checkpoints import CheckpointWarning, arithmetic, level_of_caller
-from floquetrod.simulation.runs import DONE, FAILED, PENDING, Runs, Variable
 
 _RUNS_IN_A_CHUNK = 256  # at most (a choice)
 _SECONDS_BETWEEN = 1.0  # of wall time, between saves (a choice)
