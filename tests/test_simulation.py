@@ -231,7 +231,7 @@ def test_saved_and_loaded_whole(tmp_path: Path) -> None:
 def test_repr_reads_like_a_sentence() -> None:
     assert repr(run()).startswith("<not buckled, largest angle 0.")
     assert "friction 0.1" in repr(run())
-    assert "set by shear" in repr(run())
+    assert "set by stretch" in repr(run())
 
 
 def test_drawings(tmp_path: Path) -> None:
@@ -256,7 +256,7 @@ def test_drawings(tmp_path: Path) -> None:
         ({"segments": 20}, "segments must be at least 37, got 20: 6 for every half wave of the critical mode 6.14"),
         ({"segments": 5000}, "segments must be at most 3875"),
         ({"segments": 60, "perturbation": fr.Perturbation.modes({11: 0.1})}, "names mode 11, which 60 segments cannot"),
-        ({"time_step": 1e-4}, r"time_step must be at most 1.1\d+e-05 s.* unstable, by shear"),
+        ({"time_step": 1e-4}, r"time_step must be at most 1.1\d+e-05 s.* unstable, by stretch"),
         ({"poisson_ratio": 0.6}, "poisson_ratio must be above -1 and at most 0.5"),
         ({"indentation": 0.2}, "indentation must be at most 0.1 of the radial clearance"),
         ({"contact_damping": -1.0}, "contact_damping must be zero or more"),
