@@ -210,7 +210,7 @@ def test_a_processor_that_rounds_otherwise_is_found_out(tmp_path: Path) -> None:
     run(checkpoint=path, progress=Stop(3))
     meta, arrays = files._unpack(path)
     before = arrays["before"].copy()
-    before[8] ^= 1
+    before[8 * rod_motion.FIRST] ^= 1  # of the place of the first node
     files.write_npz(path, meta, {**arrays, "before": before}, compress=False)
     with pytest.raises(ValueError, match=r"its last \d+ steps come out otherwise; continue it on the machine .*remove"):
         run(checkpoint=path)
