@@ -121,7 +121,7 @@ def fewest(problem: fr.SimulationProblem, simulate: Callable[[Any], fr.Simulatio
     while abs(simulate(problem.replace(segments=segments)).growth_rate(MODE).rate / GROWTH - 1.0) > GOOD:
         segments += 8
     enough = problem.replace(segments=segments)
-    return segments, best_of(lambda: simulate(enough))
+    return segments, best_of(lambda: simulate(enough), repeats=20)
 
 
 def vibrated() -> fr.AxialWave:
