@@ -36,7 +36,7 @@ def test_it_holds_what_was_asked_for_cleaned() -> None:
 
 def test_what_follows_from_it_is_computed_anew_when_it_is_replaced() -> None:
     steps = PROBLEM.time_steps
-    assert (steps.count, steps.frames, steps.limit) == (4 * steps.per_frame, 5, "shear")
+    assert (steps.count, steps.frames, steps.limit) == (4 * steps.per_frame, 5, "stretch")
     assert steps.size == 0.01 / steps.count
     assert PROBLEM.replace(duration=0.02).time_steps.count == pytest.approx(2 * steps.count, abs=8)
     finer = dataclasses.replace(PROBLEM, segments=120)
@@ -95,7 +95,7 @@ def test_a_file_tells_the_steps_that_were_taken(tmp_path: Path) -> None:
     path = PROBLEM.run().save(tmp_path / "run.npz")
     meta, arrays = files._unpack(path)
     files.write_npz(path, {**meta, "steps_per_frame": 1000}, arrays, compress=True)
-    assert fr.Simulation.load(path).time_steps == TimeSteps.between_frames(0.01, 5, 1000, "shear")
+    assert fr.Simulation.load(path).time_steps == TimeSteps.between_frames(0.01, 5, 1000, "stretch")
 
 
 def test_a_checkpoint_of_an_older_format_is_refused_with_a_remedy(tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ each of fourth order, the elastic energy is
 
 with psi the angle of spin, and forces and torques are its exact gradient, so that without contact nothing but rounding
 makes energy drift.  Beyond the ends nodes and directions are extrapolated as the ends' conditions say, by which
-the order holds up to the ends.
+the order holds up to the ends; only that of stretch is the third at an end that is pushed.
 
 Positions are kept half a step ahead of velocities (position Verlet with its half drifts merged), so the result does not
 depend on how a run is divided into calls.  Loops touch few arrays each, so that compilers vectorise them.
