@@ -24,7 +24,7 @@ from floquetrod.simulation.mesh import ENERGIES
 from floquetrod.simulation.result import RecordedMotion
 from floquetrod.simulation.time_steps import TimeSteps
 
-_FORMAT = "floquetrod checkpoint 3"
+_FORMAT = "floquetrod checkpoint 4"
 _SECONDS_BETWEEN = 5.0  # of wall time, between saves (a choice)
 _QUICK_SAVE = 0.25  # s: after one that takes longer, the next is put off as many times longer (a choice)
 _PACKAGE = Path(__file__).parents[1]

@@ -42,9 +42,9 @@ class Driving:
         """Weight along the channel in N/m, 0 where the load neglects it."""
         return 0.0 if self.load.mean_at is None else self.rod.weight_along
 
-    @property
+    @cached_property
     def gravity_along(self) -> float:
-        """Acceleration along the channel by it, in m/s^2: the rod's material alone moves along."""
+        """Acceleration along the channel by that weight, in m/s^2; the material alone moves along."""
         return self.weight_along / (self.rod.density * self.rod.area)
 
     @property
@@ -60,7 +60,7 @@ class Driving:
         """Decay rate of motion along the channel, in 1/s: that of the waves, else that of motion across."""
         return self.load.axial_damping if isinstance(self.load, AxialWave) else self.rod.damping_rate
 
-    @property
+    @cached_property
     def ends(self) -> tuple[End, End]:
         """The upper and the lower end."""
         across, means = self.rod.end_conditions, self.mean_forces

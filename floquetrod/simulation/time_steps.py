@@ -41,9 +41,9 @@ def critical_time_step(mesh: DiscreteRod, impact_speed: float = 0.0) -> tuple[fl
     """Return the largest stable time step in s, with a margin, and what limits it: "stretch", "bend" or "contact".
 
     The fastest motion of the linearised rod in which neighbours move against each other has the frequency w; a step
-    below 2 / w is stable.  Stretch: w = (7/6) (2 / l) sqrt(E / rho).  Bending: w^2 = (7/6)^2 (4/3) 16 E I / (m_t l^4),
-    and at a clamped end 3 % more.  Contact adds its stiffness and damping at the depth that ``impact_speed`` (m/s), on
-    top of a fall across the channel, can reach, to the faster motion across.
+    below 2 / w is stable.  Stretch: w = (7/6) (2 / l) sqrt(E / rho).  Bending: w^2 = (7/6)^2 (4/3) 16 E I / (m_t l^4).
+    Contact adds its stiffness and damping at the depth that ``impact_speed`` (m/s), on top of a fall across the channel,
+    can reach, to bending.
 
     Examples
     --------
@@ -54,7 +54,7 @@ def critical_time_step(mesh: DiscreteRod, impact_speed: float = 0.0) -> tuple[fl
     """
     length = mesh.segment_length
     stretch = (7.0 / 3.0 * mesh.rod.wave_speed / length) ** 2
-    bend = 1.03 * (7.0 / 6.0) ** 2 * (4.0 / 3.0) * 16.0 * mesh.rod.flexural_rigidity
+    bend = (7.0 / 6.0) ** 2 * (4.0 / 3.0) * 16.0 * mesh.rod.flexural_rigidity
     bend /= mesh.rod.mass_per_length * length**4
     speed2 = 4.0 * mesh.rod.effective_gravity * mesh.rod.radial_clearance + impact_speed**2
     depth = mesh.depth_at_rest + (1.25 * speed2 / mesh.contact_stiffness) ** 0.4
