@@ -42,8 +42,8 @@ def critical_time_step(mesh: DiscreteRod, impact_speed: float = 0.0) -> tuple[fl
 
     The fastest motion of the linearised rod in which neighbours move against each other has the frequency w; a step
     below 2 / w is stable.  Stretch: w = (7/6) (2 / l) sqrt(E / rho).  Bending: w^2 = (7/6)^2 (4/3) 16 E I / (m_t l^4).
-    Contact adds its stiffness and damping at the depth that ``impact_speed`` (m/s), on top of a fall across the channel,
-    can reach, to bending.
+    Contact adds to bending its stiffness and damping at the depth that ``impact_speed`` (m/s), on top of a fall across
+    the channel, can reach.
 
     Examples
     --------
