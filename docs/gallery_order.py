@@ -12,6 +12,8 @@ GALLERY = (
     "thin_tongues",
     "friction",
     "simulation",
+    "helical_buckling",
+    "vibration_and_drag",
     "force_record",
     "real_inclined",
     "real_clamped",
