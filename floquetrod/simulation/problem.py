@@ -337,7 +337,7 @@ class Simulation(RecordedMotion):
 
     @cached_property
     def contact_force(self) -> NDArray[np.float64]:
-        """Force per length in N/m with which the wall pushes every node, (frames, nodes); 0 where the rod is off the wall.
+        """Force per length in N/m with which the wall pushes every node, (frames, nodes); 0 where it is off the wall.
 
         By the contact law of the model.  What holds an end across the channel pushes on top of that.
         """
