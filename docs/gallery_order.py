@@ -12,6 +12,8 @@ GALLERY = (
     "thin_tongues",
     "friction",
     "simulation",
+    "helical_buckling",
+    "vibration_and_drag",
     "ensemble_phase_diagram",
     "ensemble_probability",
     "force_record",

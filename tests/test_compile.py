@@ -183,6 +183,31 @@ def test_a_kernel_is_compiled_again_when_what_it_calls_or_reads_changes_in_anoth
     assert len(kept(tmp_path / "cache")) == 1  # what no longer fits is replaced
 
 
+@needs_jit
+def test_code_for_two_record_types_compiled_in_two_processes_is_kept_apart(tmp_path: Path) -> None:
+    """The numbers by which numba counts the record types that a process meets must not name their code."""
+    roots = "".join(f"        total += math.sqrt(abs(record['end'] + {k}.0 - total))\n" for k in range(40))
+    (tmp_path / "ends.py").write_text(
+        "import math\nfrom floquetrod._util.compilation import kernel\n"
+        "@kernel\ndef many(record: object, times: int) -> float:\n"  # too large to be inlined: it has its own name
+        f"    total = 0.0\n    for _ in range(times):\n{roots}    return total\n"
+        "@kernel\ndef end(record: object) -> float:\n"
+        "    return many(record, 2) + many(record, 3)\n"
+    )
+    program = (
+        "import numpy as np; import ends; from floquetrod._util.compilation import compiled\n"
+        "for size in {}:\n"
+        "    record = np.zeros(1, [('values', float, (size,)), ('end', float)])[0]\n"
+        "    record['end'] = size\n"
+        "    print(abs(compiled(ends.end)(record) - ends.end(record)) < 1e-9, end=' ')"
+    )
+    settings = {"PYTHONPATH": os.pathsep.join([str(tmp_path), str(ROOT)]), "PYTHONDONTWRITEBYTECODE": "1"}
+    for sizes in ([3], [5], [3, 5], [5, 3]):
+        run = python(program.format(sizes), tmp_path / "cache", **settings)
+        assert run.stdout == "True " * len(sizes), run.stderr
+    assert len(kept(tmp_path / "cache")) == 2
+
+
 def test_what_a_fingerprint_cannot_see_is_refused() -> None:
     scope: dict[str, Any] = {"__name__": "here", "TABLE": {1: 2.0}, "GOOD": (1, (2.0, "x"), np.arange(2000.0))}
     exec("def f(x):\n    return GOOD\ndef g(x):\n    return TABLE[x]", scope)

@@ -7,6 +7,7 @@ scalars and leaves numba unloaded.  ``compiled(kernel)`` is the same function as
 from __future__ import annotations
 
 import functools
+import hashlib
 import inspect
 import logging
 import os
@@ -87,6 +88,7 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
         # numba uses a part of numpy that is imported on first use: imported here, it cannot be half imported at a fork.
         typeof: Any = numba.typeof
         typeof(np.empty(0))
+        _name_records_by_content()
         njit: Any = numba.njit
         result = njit(**_OPTIONS)(_with_compiled_callees(function))
     if not hasattr(result, "py_func"):  # NUMBA_DISABLE_JIT
@@ -103,6 +105,21 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     sources = fingerprint(function, _OPTIONS)
     result._cache = KernelCache(result.py_func, sources, lambda: _LOG.info("compiling %s", function.__qualname__))
     return cast(Callable[..., Any], result)
+
+
+def _name_records_by_content() -> None:
+    """Let symbols of machine code name a record type by what it is.
+
+    numba names it by the order in which a process met its types.  Code for two record types, compiled in two processes
+    and kept on disk, would then have one name, and a third process that loads both would run one in place of the other.
+    """
+    from numba.core import types as numba_types
+
+    def mangling_args(record: Any) -> tuple[str, tuple[str]]:
+        return type(record).__name__, (hashlib.sha256(record.name.encode()).hexdigest()[:32],)
+
+    kind: Any = numba_types.Record
+    kind.mangling_args = property(mangling_args)
 
 
 @functools.cache

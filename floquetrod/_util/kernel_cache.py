@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-_LAYOUT = 1  # of the files
+_LAYOUT = 2  # of the files
 _DIGEST = hashlib.sha256().digest_size
 
 

@@ -207,7 +207,7 @@ def _forces(rod: Any, p: Any) -> None:
 
 
 @kernel
-def _frictionless_step(rod: Any, p: Any) -> None:
+def frictionless_step(rod: Any, p: Any) -> None:
     """Give the nodes of a frictionless rod their new velocities, and move them.
 
     The indentation is taken as d = (y^2 + z^2 - R^2) / (2 R), the distance beyond R but for a relative d / (2 R): its
@@ -410,7 +410,7 @@ def advance(rod: Any, steps: int, p: Any) -> None:
         if p.friction > 0.0:
             _frictional_step(rod, p)
         else:
-            _frictionless_step(rod, p)
+            frictionless_step(rod, p)
         rod["work"][0] += 0.5 * p.step * (before + upper * vx[a] - lower * vx[b])
         rod["impulse"][0] += p.step * upper
         rod["impulse"][1] += p.step * lower

@@ -225,7 +225,7 @@ class DiscreteRod:
         mass, along = self.segment_mass * share, self.mass_along * share
         moving = mass * (node["vy"] ** 2 + node["vz"] ** 2) + along * node["vx"] ** 2
         turning = self.inertia * share * node["spin"] ** 2
-        tangents = self._tangents(node, driving)
+        tangents = self.tangents(np.stack([node[axis] for axis in "xyz"], axis=1), driving)
         lengths = np.linalg.norm(tangents, axis=1)
         gap, rest = self.rod.radial_clearance, self.rod.radial_clearance + self.depth_at_rest
         beyond = (node["y"] ** 2 + node["z"] ** 2 - gap**2) / (2.0 * gap)
@@ -247,9 +247,8 @@ class DiscreteRod:
         )
         return dict(zip(ENERGIES, map(float, values), strict=True))
 
-    def _tangents(self, node: dict[str, Any], driving: Driving) -> NDArray[np.float64]:
-        """Return the tangent of every segment times its length, (segments, 3)."""
-        places = np.stack([node[axis] for axis in "xyz"], axis=1)
+    def tangents(self, places: NDArray[np.float64], driving: Driving) -> NDArray[np.float64]:
+        """Return the tangent of every segment times its length in m, (segments, 3), of nodes at ``places``."""
         ghosts = [2.0 * places[0] - places[1], 2.0 * places[-1] - places[-2]]
         for end, ghost, inner in zip(driving.ends, ghosts, (1, -2), strict=True):
             if end.across in (CLAMPED, GUIDED):

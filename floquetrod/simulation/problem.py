@@ -23,6 +23,7 @@ from floquetrod.simulation.checkpoints import Checkpoint
 from floquetrod.simulation.driving import MOST_HARMONICS, Driving, half_waves
 from floquetrod.simulation.growth import GrowthFit, growth_of_motion
 from floquetrod.simulation.integration import Integration, Progress
+from floquetrod.simulation.measures import axial_force, contact_force
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.result import ENDINGS, EarlyEnd, RecordedMotion
 from floquetrod.simulation.start import MOST_SEGMENTS, Perturbation
@@ -352,6 +353,19 @@ class Simulation(RecordedMotion):
         return growth_of_motion(
             self, problem.rod, problem.load, mode, problem.duration, problem.frames, problem.indentation
         )
+
+    @cached_property
+    def contact_force(self) -> NDArray[np.float64]:
+        """Force per length in N/m with which the wall pushes every node, (frames, nodes); 0 where it is off the wall.
+
+        By the contact law of the model.  What holds an end across the channel pushes on top of that.
+        """
+        return contact_force(self.problem.mesh, self.problem.driving, self.positions, self.velocities)
+
+    @cached_property
+    def axial_force(self) -> NDArray[np.float64]:
+        """Effective compression of every segment in N, (frames, segments); axial waves are part of it."""
+        return axial_force(self.problem.mesh, self.problem.driving, self.positions)
 
     @property
     def caption(self) -> str:

@@ -81,6 +81,14 @@ class RecordedMotion(NoTruthValue, ByContent):
         """Angle theta of every node around the channel's axis in rad, 0 on the floor, (frames, nodes)."""
         return angles(self.positions)
 
+    @cached_property
+    def winding(self) -> NDArray[np.float64]:
+        """Angle of every node around the channel's axis in rad, continuous along the rod, (frames, nodes).
+
+        It begins at the upper end with `angle` and counts turns from there, 2 pi for each turn of a helix.
+        """
+        return np.unwrap(self.angle, axis=1)
+
     @property
     def largest_angle(self) -> NDArray[np.float64]:
         """Largest abs(theta) of any node in rad, (frames,)."""
