@@ -12,6 +12,7 @@ GALLERY = (
     "thin_tongues",
     "friction",
     "simulation",
+    "simulation_tubing",
     "force_record",
     "real_inclined",
     "real_clamped",

@@ -23,7 +23,6 @@ from coupled_cases import solid_like
 from floquetrod import cli
 from floquetrod.rod.mode_friction import mode_friction
 from floquetrod.rod.parts import ON_A_FLOOR, Channel, Fluids, Section
-from floquetrod.simulation import DiscreteRod
 
 pytestmark = pytest.mark.kernels
 
@@ -299,7 +298,7 @@ def test_parts_refuse_what_rods_do() -> None:
     assert Fluids().added_mass_coefficient == ON_A_FLOOR == pytest.approx(2.29, abs=2e-4)
 
 
-# --- criteria, assumptions, simulator ---
+# --- criteria, assumptions, files of simulations ---
 
 
 def test_critical_forces_name_every_criterion_and_its_source() -> None:
@@ -334,22 +333,6 @@ def test_results_list_what_they_neglect() -> None:
     assert "effective force" in wet
     assert "added mass" in wet
     assert along not in wet
-
-
-@pytest.mark.parametrize(
-    "change", [{"inner_radius": 0.4e-3}, {"fluid_inside": 1.0}, {"fluid_outside": 1.2}, {"inclination": 1.5}]
-)
-def test_the_simulator_refuses_what_it_cannot_take(change: dict[str, float]) -> None:
-    rod, load = ROD.replace(**change), fr.AxialLoad(0.3, 0.3, 150.0)
-    ((name, value),) = change.items()
-    message = f"^rod must be solid, horizontal, hinged and without fluids to be simulated, got {name} = {value:g};"
-    for call in (
-        lambda: DiscreteRod(rod, 100),
-        lambda: fr.SimulationProblem(rod, load),
-        lambda: fr.simulate(rod, load),
-    ):
-        with pytest.raises(ValueError, match=message):
-            call()
 
 
 def test_files_of_simulations_hold_rods_as_before() -> None:
