@@ -12,6 +12,7 @@ GALLERY = (
     "thin_tongues",
     "friction",
     "simulation",
+    "simulation_tubing",
     "helical_buckling",
     "vibration_and_drag",
     "ensemble_phase_diagram",

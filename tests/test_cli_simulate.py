@@ -38,9 +38,10 @@ def test_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> None:
     assert text.startswith("NOT BUCKLED: largest angle 0.0")
     for line in (
         r"start     0\.1 mm/s in mode 7; friction 0",
-        r"growth    3\.\d+ \+- \S+ 1/s in mode 7 up to 0\.2 s; predicted 4\.2357 1/s \(-10\.\d\d %\)",
+        r"growth    4\.2\d+ \+- \S+ 1/s in mode 7 up to 0\.2 s; predicted 4\.2435 1/s \([+-]0\.\d\d %\) with "
+        r"inertia along the rod, 4\.2357 1/s without",
         r"theory    unstable: mode 7 grows",
-        r"step      10\.9 us, set by shear: ",
+        r"step      12\.2 us, set by stretch: ",
         r"cost      \S+ s of wall time for 0\.2 s of 60 segments",
         r"written   nothing: name files with --out",
     ):
@@ -56,7 +57,82 @@ def test_json_says_what_the_library_finds(capsys: pytest.CaptureFixture[str]) ->
     assert record["predicted_growth_rate_per_s"] == rod.stability(load).growth_rate
     assert (record["buckled"], record["dominant_mode"], record["complete"]) == (False, 7, True)
     assert record["time_step_s"] == run.time_steps.size
-    assert record["time_step_set_by"] == "shear"
+    assert record["time_step_set_by"] == "stretch"
+    assert record["predicted_with_axial_wave_per_s"] == pytest.approx(4.2434927, abs=1e-7)
+    assert record["growth_rate_per_s"] == pytest.approx(4.2434927, rel=3e-3)
+
+
+WELL = """\
+catalogue = "2.00x0.156"
+bore = "4.778in"
+length = "60m"
+fluid_inside = 1000.0
+fluid_outside = 1000.0
+inclination = "60deg"
+damping_rate = "0.1 1/s"
+ends = "clamped-hinged"
+"""
+
+
+def test_real_rods_and_loads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "well.toml"
+    file.write_text(WELL, encoding="utf-8")
+    load = ["--mean", "0.5Fcr", "--amplitude", "0.3Fcr", "--frequency", "4Hz", "--mean-at", "1"]
+    load += ["--wave", "held", "--axial-damping", "0.5 1/s"]
+    command = ["simulate", "--rod", str(file), *load, "--kick", "9:0.01mm/s", "--duration", "8s"]
+    path = tmp_path / "run.npz"
+    assert cli.main([*command, "--out", str(path)]) == 0
+    text = capsys.readouterr().out
+    for line in (
+        r"BUCKLED: mode \d+ leads",
+        r"rod       inner_radius = .*, ends = clamped-hinged; SI units",
+        r"          axial waves, lower end held, axial damping 0\.5 1/s, mean force at 1 of the length",
+        r"          mean force 0\.3\d+ Fcr at the upper end, 0\.5 Fcr at the lower",
+        r"theory    unstable: mode",
+    ):
+        assert re.search(line, text), line
+    run = fr.Simulation.load(path)
+    rod = fr.Rod.from_toml(file)
+    like = fr.AxialWave(0.0, 0.0, 1.0, mean_at=1.0, axial_damping=0.5)
+    force = rod.critical_force
+    assert run.problem.rod == rod
+    assert run.problem.load == like.with_numbers(0.5 * force, 0.3 * force, 2.0 * np.pi * 4.0)
+    assert cli.main([*command, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["segments"] == run.problem.segments  # chosen for the load
+    assert record["predicted_growth_rate_per_s"] == rod.stability(run.problem.load).growth_rate
+    assert record["growth_rate_per_s"] == pytest.approx(record["predicted_growth_rate_per_s"], rel=0.1)
+    assert cli.main([*command, "--duration", "0.5s", "--friction", "0.3", "--no-theory"]) == 0
+    assert "theory    not asked for" in capsys.readouterr().out
+    assert cli.main([*command, "--duration", "0.5s", "--friction", "0.3"]) == 0
+    assert "the critical kick is that of independent modes" in capsys.readouterr().out
+
+
+def test_ends_that_are_moved_or_pushed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "run.npz"
+    load = ["--mean", "0", "--amplitude", "0", "--frequency", "1", "--mu", "0.2"]
+    push = ["--feed-speed", "20mm/s", "--far-force", "0.5Fcr", "--out", str(path)]
+    assert cli.main([*SHORT, *load, *push]) == 0
+    text = capsys.readouterr().out
+    assert re.search(r"upper end moved at 20 mm/s, which took at most \S+ N\n", text)
+    assert "lower end pushed by 0.848" in text
+    assert "theory    none: it takes the force of the load at both ends" in text
+    problem = fr.Simulation.load(path).problem
+    assert problem.feed_speed == 0.02
+    assert problem.far_force == 0.5 * problem.rod.critical_force
+
+
+def test_a_measured_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    time = np.arange(0.0, 2.0, 1e-3)
+    force = 0.3 + 0.2 * np.sin(150.0 * time) + 0.05 * np.sin(300.0 * time)
+    file, path = tmp_path / "record.csv", tmp_path / "run.npz"
+    np.savetxt(file, np.stack([time, force], axis=1), delimiter=",", header="time/s,force/N", comments="")
+    command = ["simulate", "--rod", "nitinol", "--force", str(file), "--mean", "0.4N", "--duration", "50ms"]
+    assert cli.main([*command, "--out", str(path)]) == 0
+    assert "          waveform of " in capsys.readouterr().out
+    load = fr.Simulation.load(path).problem.load
+    assert load.mean == 0.4
+    assert load.waveform == fr.ForceRecord.from_csv(file).load.waveform
 
 
 def test_a_rod_that_buckles_and_one_that_friction_holds(capsys: pytest.CaptureFixture[str]) -> None:
@@ -171,6 +247,12 @@ def test_divergence_keeps_the_frames_before(
         (["--duration", "2 weeks"], "--duration must be a number with a time unit"),
         (["--friction", "-1"], "--friction must be zero or more"),
         (["--segments", "20"], "segments must be at least 37"),
+        (["--wave", "held", "--feed-speed", "1mm/s"], "--feed-speed must not be given with a vibration of"),
+        (["--feed-speed", "-1mm/s"], "--feed-speed must be zero or more"),
+        (["--wave", "held", "--far-force", "1N"], "--far-force must not be given with a lower end that is held"),
+        (["--far-force", "1s"], "--far-force must be a number with a force unit"),
+        (["--axial-damping", "1"], "--axial-damping needs --wave"),
+        (["--mean-at", "2"], "--mean-at must be a fraction"),
         (["--time-step", "1ms"], "--time-step must be at most"),
         (["--out", "run.doc"], r"--out must end in \.png"),
         (["--out", "no/run.png"], "there is no folder 'no' to write run.png to"),

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import floquetrod as fr
 from floquetrod import cli
@@ -128,12 +129,48 @@ def test_control_c_ends_the_runs_under_way() -> None:
         simulations.carry_out([changed(trial, duration=1e-3), *[trial] * 3], workers=2, progress=stop)
 
 
+def shaped(theta: NDArray[np.float64]) -> fr.Simulation:
+    """Return a run of the reference rod with angles theta around the channel, (frames, nodes), and no spin."""
+    trial = changed(simulations.figure_4()[0], duration=SHORT, segments=theta.shape[1] - 1, frames=9)
+    run, rod = trial.carry_out().run, simulations.ROD
+    places = np.broadcast_to(np.linspace(0.0, rod.length, theta.shape[1]), theta.shape)
+    positions = np.stack([places, rod.radial_clearance * np.sin(theta), -rod.radial_clearance * np.cos(theta)], axis=2)
+    energy = run.energy | {"twist": np.zeros(len(theta)), "bend": np.zeros(len(theta))}
+    return replace(run, positions=positions, energy=energy)
+
+
+WAVE = 7 * np.pi / simulations.ROD.length
+SINE = np.sin(WAVE * np.linspace(0.0, simulations.ROD.length, 401))
+COSINE = np.cos(WAVE * np.linspace(0.0, simulations.ROD.length, 401))
+
+
+def test_the_energy_of_shear() -> None:
+    """Of a rod bent to a sine it is (E I R A k^3)^2 / (k G A) L / 4."""
+    run, rod, amplitude = shaped(1e-3 * np.array([[0.0], [1.0]]) * SINE), simulations.ROD, 1e-3
+    force = rod.flexural_rigidity * rod.radial_clearance * amplitude * WAVE**3
+    rigidity = 6.0 * 1.33 / (7.0 + 6.0 * 0.33) * run.problem.mesh.shear_modulus * rod.area
+    assert simulations.shear(run) == pytest.approx([0.0, 0.25 * rod.length * force**2 / rigidity], rel=1e-3, abs=1e-25)
+
+
+def test_the_energy_of_torsion() -> None:
+    """A sine that grows where it lies against the wall turns by -R^2 A^3 k^3 cos(k s) / 3 per length, and back."""
+    rod, size = simulations.ROD, 0.05 * np.linspace(0.0, 1.0, 41)
+    run = shaped(np.concatenate([size, size[::-1]])[:, None] * SINE)
+    rate = rod.radial_clearance**2 * 0.05**3 * WAVE**3 * COSINE / 3.0
+    expected = 0.5 * run.problem.mesh.torsional_rigidity * np.sum(rate**2) * rod.length / 400
+    found = simulations.torsion(run)
+    assert found[40] == pytest.approx(expected, rel=1e-2)
+    assert found[-1] < 1e-4 * found[40]
+    # The spin of sections may act alike: then the angles add up, not the energies.
+    spun = simulations.torsion(replace(run, energy=run.energy | {"twist": np.full(82, 4.0 * expected)}))
+    assert spun[40] == pytest.approx(9.0 * expected, rel=1e-2)
+
+
 def test_what_torsion_holds() -> None:
-    trial = changed(simulations.figure_4()[0], duration=SHORT, segments=60)
-    run = trial.carry_out().run
-    energy = dict.fromkeys(("twist", "shear"), np.array([1.0, 2.0, 1.0])) | {"bend": np.array([98.0, 16.0, 0.01])}
-    share = simulations.torsion_and_shear_share(replace(run, energy=energy))
-    assert share == pytest.approx((8.0 / 122.01, 0.2, 16.0 / 98.0, 0.5))
+    run = shaped(np.zeros((3, 61)))
+    energy = {"twist": np.array([2.0, 4.0, 2.0]), "bend": np.array([98.0, 16.0, 0.01])}
+    share = simulations.torsion_and_shear_share(replace(run, energy=run.energy | energy))
+    assert share == pytest.approx((8.0 / 122.01, 0.2, 16.0 / 98.0, 1.0))
 
 
 def test_the_report_holds_the_simulations(

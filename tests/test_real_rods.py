@@ -298,7 +298,7 @@ def test_parts_refuse_what_rods_do() -> None:
     assert Fluids().added_mass_coefficient == ON_A_FLOOR == pytest.approx(2.29, abs=2e-4)
 
 
-# --- criteria, assumptions, simulator ---
+# --- criteria, assumptions, files of simulations ---
 
 
 def test_critical_forces_name_every_criterion_and_its_source() -> None:

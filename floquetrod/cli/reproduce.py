@@ -21,8 +21,8 @@ examples:
 
 Writes the figures (PNG), claims.md, claims.json and report.html, which holds everything.  --quick takes coarser maps
 and some seconds.  --simulations adds Figures 4 and 7 and claims F4, F7 and E by simulating the whole rod 89 times, some
-six minutes of processor time shared among all processors; with --quick, coarser and fewer, about one.  The exit
-status is 1 when a claim no longer comes out as this version says it does.
+two minutes of processor time shared among all processors; with --quick 65 times.  The exit status is 1 when a claim no
+longer comes out as this version says it does.
 """
 
 

@@ -33,7 +33,7 @@ class Detail(NamedTuple):
     friction, kicks : int
         Of the maps of Figure 6 and of the critical kick.
     few_runs : bool
-        Whether to simulate half the segments and half the random draws.
+        Whether to simulate half the random draws.
     """
 
     maps: int = 100
@@ -78,8 +78,8 @@ def reproduce(
     detail : Detail
         How finely: `FULL`, `QUICK` or your own.
     simulations : bool
-        Also simulate whole rods, for Figures 4 and 7 and the claims on them: some six minutes of processor time, in
-        as many threads as there are processors; a minute with `QUICK`.
+        Also simulate whole rods, for Figures 4 and 7 and the claims on them: some two minutes of processor time, in
+        as many threads as there are processors.
     progress : callable, optional
         Called before each step with its name, its number and how many there are, and at the end.
     """

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util.compilation import cores
 from floquetrod.rod.load import AxialLoad
@@ -95,7 +96,7 @@ class Outcome:
         return self.mode in expected if expected else not self.buckled
 
 
-def figure_4(seed: int = 1, speed: float = 1e-3, duration: float = 2.0, segments: int = 250) -> list[Trial]:
+def figure_4(seed: int = 1, speed: float = 1e-3, duration: float = 2.0) -> list[Trial]:
     """Return the ten frictionless simulations, dF = 0.2 F_cr, with the verdict on the mode equations as expectation.
 
     Random speeds up to ``speed`` (m/s) start the motion.  Expected is buckling where a mode grows by a factor of 100
@@ -108,7 +109,7 @@ def figure_4(seed: int = 1, speed: float = 1e-3, duration: float = 2.0, segments
             modes = ROD.independent_modes(load).modes
             rates = zip(modes, growth_of_modes(ROD, load, modes), strict=True)
             grow = tuple(mode for mode, rate in rates if rate * duration > np.log(100.0))
-            problem = SimulationProblem(ROD, load, duration=duration, perturbation=kick, segments=segments)
+            problem = SimulationProblem(ROD, load, duration=duration, perturbation=kick)
             trials.append(Trial(problem, mean, f"random, seed {seed}", grow))
     return trials
 
@@ -117,7 +118,6 @@ def figure_7(
     cases: Sequence[str] = ("A", "B", "C first", "C 10", "D"),
     seed: int = 1,
     duration: float = 4.0,
-    segments: int = 250,
 ) -> list[Trial]:
     """Return the simulations with friction, dF = 0.7 F_cr, mu = 0.1, kicks of 50 mm/s, with the paper's table.
 
@@ -132,9 +132,7 @@ def figure_7(
             kick = Perturbation.case(letter, SPEED, int(mode or first), seed, HIGHEST)
             modes = (expected[name],) if expected[name] else ()
             load = _load(mean, 0.7, frequency)
-            problem = SimulationProblem(
-                ROD, load, duration=duration, friction=0.1, perturbation=kick, segments=segments
-            )
+            problem = SimulationProblem(ROD, load, duration=duration, friction=0.1, perturbation=kick)
             trials.append(Trial(problem, mean, name, modes))
     return trials
 
@@ -172,26 +170,70 @@ def carry_out(
 
 
 class MinorShare(NamedTuple):
-    """What twist and shear hold of the elastic energy of bending, twist and shear (claim E).
+    """What torsion and shear hold of the elastic energy of bending, torsion and shear (claim E).
 
     Stretch is left out, which would only make it smaller.  ``overall``: of the energy summed over all frames; ``most``:
     at the instant at which it is most, of those with more than a hundredth of the largest energy of bending; ``bend``:
-    the energy of bending at that instant, of its largest; ``twist``: what twist alone holds of twist and shear,
+    the energy of bending at that instant, of its largest; ``torsion``: what torsion alone holds of torsion and shear,
     overall.
     """
 
     overall: float
     most: float
     bend: float
-    twist: float
+    torsion: float
 
 
 def torsion_and_shear_share(run: Simulation) -> MinorShare:
-    """Return what twist and shear hold of the elastic energy of a run."""
-    minor, bend = run.energy["twist"] + run.energy["shear"], run.energy["bend"]
+    """Return what torsion and shear hold of the elastic energy of a run, estimated by `torsion` and `shear`."""
+    twisted, sheared, bend = torsion(run), shear(run), run.energy["bend"]
+    minor = twisted + sheared
     held = np.flatnonzero(bend > 0.01 * bend.max())
     shares = minor[held] / (minor[held] + bend[held])
     at = held[shares.argmax()]
     overall = minor.sum() / (minor.sum() + bend.sum())
-    twist = run.energy["twist"].sum() / minor.sum()
-    return MinorShare(float(overall), float(shares.max()), float(bend[at] / bend.max()), float(twist))
+    return MinorShare(
+        float(overall), float(shares.max()), float(bend[at] / bend.max()), float(twisted.sum() / minor.sum())
+    )
+
+
+def shear(run: Simulation) -> NDArray[np.float64]:
+    """Return the energy in J that the shear forces of a run would store in a rod that they can shear, (frames,).
+
+    The simulated rod cannot shear.  The force across it is EI r''', by differences.
+    """
+    mesh, rod = run.problem.mesh, run.rod
+    directions = _directions(run)
+    mirrored = np.pad(directions, ((0, 0), (1, 1), (0, 0)), mode="edge")  # at hinged ends
+    forces = rod.flexural_rigidity * np.diff(mirrored, 2, axis=1) / mesh.segment_length**2
+    across = forces - np.sum(forces * directions, axis=2, keepdims=True) * directions
+    ratio = mesh.poisson_ratio
+    rigidity = 6.0 * (1.0 + ratio) / (7.0 + 6.0 * ratio) * mesh.shear_modulus * rod.area  # Cowper's, of a full circle
+    return np.asarray(0.5 * mesh.segment_length / rigidity * np.sum(across**2, axis=(1, 2)))
+
+
+def torsion(run: Simulation) -> NDArray[np.float64]:
+    """Return the most energy in J that torsion can hold in a run whose rod has come as it has, (frames,).
+
+    A rod is twisted by the spin of its sections, which is simulated, and by its change of shape where its sections
+    cannot spin: the area between the directions of neighbouring segments on the sphere, as they move.  The simulated
+    rod has only the first.  Their energies add up to at most the square of the sum of their roots.
+    """
+    mesh, directions = run.problem.mesh, _directions(run)
+    a, b = directions[:-1, :-1], directions[:-1, 1:]
+    c, d = directions[1:, 1:], directions[1:, :-1]
+    swept = np.cumsum(_area(a, b, c) + _area(a, c, d), axis=0)
+    by_shape = 0.5 * mesh.torsional_rigidity / mesh.segment_length * np.sum(swept**2, axis=1)
+    return np.asarray((np.sqrt(run.energy["twist"]) + np.sqrt(np.concatenate([[0.0], by_shape]))) ** 2)
+
+
+def _directions(run: Simulation) -> NDArray[np.float64]:
+    """Return the directions of all segments, (frames, segments, 3)."""
+    tangents = np.diff(run.positions, axis=1)
+    return np.asarray(tangents / np.linalg.norm(tangents, axis=2, keepdims=True))
+
+
+def _area(a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the signed area of triangles on the unit sphere."""
+    volume = np.sum(a * np.cross(b, c), axis=-1)
+    return np.asarray(2.0 * np.arctan2(volume, 1.0 + np.sum(a * b + b * c + c * a, axis=-1)))

@@ -1,0 +1,228 @@
+"""The answer of `floquetrod simulate`: what a run found, against theory."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import floquetrod as fr
+from floquetrod.cli.common import number
+from floquetrod.cli.loads import describe_kind, describe_load
+from floquetrod.rod.friction import CriticalKick
+from floquetrod.rod.stability import growth_of_modes
+from floquetrod.rod.verdict import RodVerdict
+from floquetrod.simulation.growth import GrowthFit
+from floquetrod.units import Unit
+
+
+class Found(NamedTuple):
+    """A run, its growth, and what theory says of them.
+
+    Attributes
+    ----------
+    run : Simulation
+    growth : GrowthFit or None
+    not_fitted : str
+        Why there is no growth.
+    linear : Verdict or None
+        That on the load, without friction.
+    predicted : float or None
+        Growth in 1/s of the dominant mode, or of all modes where they are coupled.
+    with_wave : float or None
+        The same with inertia along the rod kept, where the load neglects it and the fastest mode is dominant.
+    needed : CriticalKick or None
+        With friction.
+    no_theory : str
+        Why something of this is missing.
+    """
+
+    run: fr.Simulation
+    growth: GrowthFit | None
+    not_fitted: str
+    linear: RodVerdict | None
+    predicted: float | None
+    with_wave: float | None
+    needed: CriticalKick | None
+    no_theory: str
+
+
+def found(run: fr.Simulation, theory: bool) -> Found:
+    """Return the growth of a run and, where asked for, what theory says."""
+    growth, not_fitted = _growth(run)
+    bare = Found(run, growth, not_fitted, None, None, None, None, "not asked for")
+    if not theory:
+        return bare
+    problem, rod = run.problem, run.rod
+    if problem.feed_speed is not None or problem.far_force is not None:
+        return bare._replace(no_theory="none: it takes the force of the load at both ends")
+    try:
+        linear = rod.stability(problem.load)
+    except ValueError as error:
+        return bare._replace(no_theory=f"none: {error}")
+    independent = rod.coupled_numbers.has_mathieu_modes(problem.load)
+    mode = run.dominant_mode
+    if problem.friction > 0.0:
+        if not independent:
+            return bare._replace(
+                linear=linear, no_theory="the critical kick is that of independent modes, these are coupled"
+            )
+        return bare._replace(linear=linear, needed=rod.critical_kick(problem.load, friction=problem.friction))
+    predicted = float(growth_of_modes(rod, problem.load, [mode])[0]) if independent else linear.growth_rate
+    comparable = not independent or mode == linear.fastest_mode
+    return bare._replace(
+        linear=linear, predicted=predicted, with_wave=_with_wave(run) if comparable else None, no_theory=""
+    )
+
+
+def _growth(run: fr.Simulation) -> tuple[GrowthFit | None, str]:
+    """Return the fitted growth, or why there is none."""
+    if run.problem.friction > 0.0:
+        return None, "with friction nothing grows exponentially"
+    try:
+        return run.growth_rate(run.dominant_mode), ""
+    except ValueError as error:
+        return None, str(error)
+
+
+def _with_wave(run: fr.Simulation) -> float | None:
+    """Return the growth rate in 1/s with the axial wave that both ends send; None where the load is waves already."""
+    load = run.problem.load
+    if isinstance(load, fr.AxialWave) or load.amplitude == 0.0:
+        return None
+    try:
+        wave = fr.AxialWave(**load.as_dict(), far_end="driven", axial_damping=run.rod.damping_rate)
+        return float(run.rod.stability(wave).growth_rate)
+    except ValueError:  # at a resonance of the wave
+        return None
+
+
+def record(found: Found) -> dict[str, Any]:
+    """Return everything as numbers for JSON."""
+    run, fit, linear, needed = found.run, found.growth, found.linear, found.needed
+    problem, steps = run.problem, run.time_steps
+    return {
+        "buckled": run.buckled,
+        "dominant_mode": run.dominant_mode,
+        "largest_angle_degrees": math.degrees(float(run.largest_angle.max())),
+        "growth_rate_per_s": None if fit is None else fit.rate,
+        "growth_rate_error_per_s": None if fit is None else fit.error,
+        "growth_fitted_until_s": None if fit is None else fit.end,
+        "growth_not_fitted_because": found.not_fitted or None,
+        "predicted_growth_rate_per_s": None if found.predicted is None else number(found.predicted),
+        "predicted_with_axial_wave_per_s": found.with_wave,
+        "predicted_status": None if linear is None else linear.status,
+        "predicted_unstable_modes": None if linear is None else list(linear.unstable_modes),
+        "predicted_fastest_mode": None if linear is None else linear.fastest_mode,
+        "critical_kick_m_per_s": None if needed is None else number(needed.kick),
+        "critical_kick_mode": None if needed is None else needed.mode,
+        "no_theory_because": found.no_theory or None,
+        "perturbation": str(problem.perturbation),
+        "mean_N": problem.load.mean,
+        "amplitude_N": problem.load.amplitude,
+        "frequency_rad_per_s": problem.load.frequency,
+        "load": problem.load.kind_as_dict(),
+        "feed_speed_m_per_s": problem.feed_speed,
+        "far_force_N": problem.far_force,
+        "largest_end_forces_N": run.end_forces.max(axis=0).tolist(),
+        "mu": problem.friction,
+        "complete": run.complete,
+        "simulated_s": float(run.time[-1]),
+        "duration_s": problem.duration,
+        "segments": problem.segments,
+        "frames": int(run.time.size),
+        "time_step_s": steps.size,
+        "time_step_set_by": steps.limit,
+        "steps": steps.count,
+        "energy_error_J": float(abs(run.energy_error).max()),
+        "energy_work_J": float(abs(run.energy["work"]).max()),
+        "wall_time_s": run.seconds,
+    }
+
+
+def report(found: Found, record: dict[str, Any], shown: dict[str, Unit]) -> str:
+    """Return the report; quantities of the load in the units ``shown``, and of ``record`` what was written."""
+    run = found.run
+    problem, steps, rod = run.problem, run.time_steps, run.rod
+    angle = f"largest angle {record['largest_angle_degrees']:.3g} degrees"
+    status = f"BUCKLED: mode {record['dominant_mode']} leads, {angle}" if run.buckled else f"NOT BUCKLED: {angle}"
+    lines = [
+        status if run.complete else f"INTERRUPTED at {run.time[-1]:.4g} s of {problem.duration:g} s; so far {status}",
+        "",
+    ]
+    if rod.departures:
+        lines.append(f"rod       {rod.departures}; SI units")
+    lines.append(f"load      {describe_load(problem.load, shown, rod)}")
+    lines += [f"          {text}" for text in (*describe_kind(problem.load, shown, rod), *_ends(run, shown))]
+    lines += [
+        f"start     {record['perturbation']}; friction {problem.friction:g}",
+        f"growth    {_growth_text(found)}",
+        f"theory    {_theory(found, shown['kick'])}",
+        f"energy    kinetic + potential + dissipated - work off by {record['energy_error_J']:.1g} J, of "
+        f"{record['energy_work_J']:.3g} J of work",
+        f"step      {1e6 * steps.size:.3g} us, set by {_BOUNDS[steps.limit]}",
+        f"cost      {record['wall_time_s']:.3g} s of wall time for {record['simulated_s']:.4g} s of {problem.segments} "
+        "segments",
+    ]
+    nothing = "nothing" if record["not_written"] else "nothing: name files with --out"
+    lines.append(f"written   {', '.join(record['written']) or nothing}")
+    lines += [f"not       {what}" for what in record["not_written"]]
+    if not run.complete:
+        resume = "; the same command continues from the checkpoint" if record["checkpoint"] else ""
+        lines.append(f"kept      {record['frames']} of {problem.frames} frames{resume}")
+    return "\n".join(lines)
+
+
+_BOUNDS = {
+    "stretch": "stretch: waves along the rod must not pass a segment in one step",
+    "bend": "bending: neighbouring nodes moving against each other are the fastest motion",
+    "contact": "contact: the wall is stiffer than the rod",
+    "choice": "--time-step",
+}
+
+
+def _ends(run: fr.Simulation, shown: dict[str, Unit]) -> list[str]:
+    """Return lines about ends that are moved, or pushed by another force than the load's."""
+    problem, lines = run.problem, []
+    if problem.feed_speed is not None:
+        most = shown["mean"].show(float(run.end_forces[:, 0].max()))
+        lines.append(f"upper end moved at {shown['kick'].show(problem.feed_speed)}, which took at most {most}")
+    if problem.far_force is not None:
+        lines.append(f"lower end pushed by {shown['mean'].show(problem.far_force)}")
+    return lines
+
+
+def _growth_text(found: Found) -> str:
+    fit, run = found.growth, found.run
+    if fit is None:
+        return f"not fitted: {found.not_fitted}"
+    text = f"{fit.rate:.5g} +- {fit.error:.1g} 1/s in mode {run.dominant_mode} up to {fit.end:.3g} s"
+    if found.predicted is None:
+        return text
+    if found.with_wave is None:
+        return f"{text}; predicted {found.predicted:.5g} 1/s{_off(fit.rate, found.predicted)}"
+    return (
+        f"{text}; predicted {found.with_wave:.5g} 1/s{_off(fit.rate, found.with_wave)} with inertia along the rod, "
+        f"{found.predicted:.5g} 1/s without"
+    )
+
+
+def _off(rate: float, predicted: float) -> str:
+    return f" ({100.0 * (rate / predicted - 1.0):+.2f} %)" if predicted > 0.0 else ""
+
+
+def _theory(found: Found, speed: Unit) -> str:
+    linear, needed = found.linear, found.needed
+    if linear is None:
+        return found.no_theory
+    modes = [str(mode) for mode in linear.unstable_modes]
+    which = f"modes {', '.join(modes)} grow" if len(modes) > 1 else f"mode {modes[0]} grows" if modes else ""
+    text = f"{linear.status}{which and ': '}{which}"
+    if found.run.problem.friction == 0.0:
+        return text
+    text = f"without friction {text}"
+    if needed is None:
+        return f"{text}; {found.no_theory}"
+    if not math.isfinite(needed.kick):
+        return text
+    kick = f"{speed.show(needed.kick, 3)} in mode {needed.mode} alone"
+    return f"{text}; against friction the smallest kick found to buckle it is {kick}"
