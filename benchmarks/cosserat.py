@@ -465,7 +465,7 @@ def simulate(problem: fr.SimulationProblem) -> fr.Simulation:
         velocities=velocities,
         end_forces=np.zeros((problem.frames, 2)),
         energy={},
-        complete=True,
+        ended="duration",
         seconds=time.perf_counter() - began,
     )
     return fr.Simulation(problem=problem, time_steps=steps, **vars(motion))

@@ -26,7 +26,7 @@ print(run)
 # %%
 # The mode that wins is the one predicted, and it grows as predicted.  The verdict takes the force to be the same all
 # along the rod; the simulated rod has mass along it, too, and is compared with the wave that both ends send.
-fit = run.growth_rate(run.dominant_mode)
+fit = run.growth_rate()
 wave = fr.AxialWave(load.mean, load.amplitude, load.frequency, far_end="driven")
 print(f"mode {run.dominant_mode}: simulated {fit}")
 print(f"predicted {rod.stability(wave).growth_rate:.5g} 1/s, with a uniform force {verdict.growth_rate:.5g} 1/s")

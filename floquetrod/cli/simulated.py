@@ -79,7 +79,7 @@ def _growth(run: fr.Simulation) -> tuple[GrowthFit | None, str]:
     if run.problem.friction > 0.0:
         return None, "with friction nothing grows exponentially"
     try:
-        return run.growth_rate(run.dominant_mode), ""
+        return run.growth_rate(), ""
     except ValueError as error:
         return None, str(error)
 
@@ -106,6 +106,8 @@ def record(found: Found) -> dict[str, Any]:
         "largest_angle_degrees": math.degrees(float(run.largest_angle.max())),
         "growth_rate_per_s": None if fit is None else fit.rate,
         "growth_rate_error_per_s": None if fit is None else fit.error,
+        "growth_rate_fit_error_per_s": None if fit is None else fit.fit_error,
+        "growth_rate_model_error_per_s": None if fit is None else fit.model_error,
         "growth_fitted_until_s": None if fit is None else fit.end,
         "growth_not_fitted_because": found.not_fitted or None,
         "predicted_growth_rate_per_s": None if found.predicted is None else number(found.predicted),

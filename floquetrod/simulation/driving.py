@@ -57,7 +57,7 @@ class Driving:
 
     @property
     def axial_damping(self) -> float:
-        """Decay rate of motion along the channel, in 1/s: that of the waves, else that of motion across."""
+        """Decay rate of motion along the channel in 1/s, that of the waves where there are any, else that across."""
         return self.load.axial_damping if isinstance(self.load, AxialWave) else self.rod.damping_rate
 
     @cached_property

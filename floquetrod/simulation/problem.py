@@ -424,10 +424,10 @@ class Simulation(RecordedMotion):
 
     @property
     def _predicted_rates(self) -> tuple[float, ...]:
-        """Growth in 1/s that the mode equations predict the leading modes, zero with friction."""
-        if self.problem.friction > 0.0:
-            return (0.0,) * len(self.leading_modes)
-        load, modes = self.problem.load, self.leading_modes
+        """Growth in 1/s that the equations predict the leading modes, zero where they do not apply."""
+        problem, load, modes = self.problem, self.problem.load, self.leading_modes
+        if problem.friction > 0.0 or problem.feed_speed is not None or problem.far_force is not None:
+            return (0.0,) * len(modes)
         if self.rod.coupled_numbers.has_mathieu_modes(load):
             return tuple(map(float, growth_of_modes(self.rod, load, modes)))
         return (self.rod.stability(load).growth_rate,) * len(modes)  # coupled modes grow together
