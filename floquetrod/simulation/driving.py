@@ -108,7 +108,7 @@ class Driving:
 
     @cached_property
     def _wave(self) -> Load:
-        """The load as waves: with the same force at both ends they start there, too."""
+        """The load as waves; with the same force at both ends they start there, too."""
         if isinstance(self.load, AxialWave):
             return self.load
         load = self.load

@@ -54,7 +54,7 @@ class GrowthFit(NamedTuple):
 
     @property
     def error(self) -> float:
-        """Both errors together, in 1/s: an estimate of the distance from the linear equations with axial waves."""
+        """Both errors together in 1/s, an estimate of the distance from the linear equations with axial waves."""
         return self.fit_error + self.model_error
 
     def __repr__(self) -> str:
