@@ -52,10 +52,26 @@ def as_the_paper_says(study: Study) -> Study:
     return replace(study, figure_4=all_of(study.figure_4), figure_7=all_of(study.figure_7))
 
 
+def test_draws_that_end_as_expected_are_counted() -> None:
+    stays, leads = (simulations.figure_4()[place] for place in (0, 8))
+    assert (stays.expected_modes, leads.expected_modes) == ((), (8,))
+    buckled, modes = np.array([True, True, False]), np.array([8, 7, 8], dtype=np.int16)
+    assert simulations.Draws(stays, buckled, modes).agree == 1
+    assert simulations.Draws(leads, buckled, modes).agree == 1
+    trials = [changed(trial, duration=SHORT, frames=9) for trial in simulations.figure_4()[:2]]
+    first, second = simulations.redraw(trials, 3)
+    for seed, found in enumerate(second.modes, start=1):
+        kick = fr.Perturbation.random(1e-3, seed)
+        assert found == trials[1].problem.replace(perturbation=kick).run().dominant_mode
+    assert first.agree == 3
+
+
 def test_everything_is_simulated_and_told(made: tuple[Study, list[str]]) -> None:
     study, said = made
     assert (len(study.figure_4), len(study.figure_7), len(study.redrawn), len(study.draws)) == (10, 30, 5, 4)
-    assert len(said) == sum(map(len, short(True)))
+    anew = [what for what in said if what == "Simulated Figure 4, drawn anew"]
+    assert (len(study.redrawn_4), len(anew), len(said)) == (10, 20, sum(map(len, short(True))) + 20)
+    said = [what for what in said if what not in anew]
     assert sorted(said) == sorted(f"Simulated {trial}" for group in short(True) for trial in group)
     for outcome, trial in zip(study.figure_7, short(True)[1], strict=True):
         assert outcome.trial == trial
@@ -85,7 +101,7 @@ def test_friction_is_shared() -> None:
 def test_claims_find_nothing_in_so_short_a_time(made: tuple[Study, list[str]]) -> None:
     study, _ = made
     found = {name: claim() for name, claim in simulation_claims.simulation_claims(lambda: study).items()}
-    assert list(found) == ["F4", "F7", "F7-C", "E"]
+    assert list(found) == ["F4", "F4-D", "F7", "F7-C", "E"]
     assert not any(claim.holds for claim in found.values())
     assert "0.20 stays" in found["F4"].computed
     assert "predicted modes 7" in found["F4"].why
@@ -183,7 +199,7 @@ def test_the_report_holds_the_simulations(
     monkeypatch.setattr(reproduction, "_simulated", lambda study: [])  # drawn in another test
     assert cli.main(["reproduce", "--quick", "--simulations", "--out", str(tmp_path), "--json"]) == 1
     captured = capsys.readouterr()
-    assert list(json.loads(captured.out)["claims"]) == ["F4", "F7", "F7-C", "E"]
+    assert list(json.loads(captured.out)["claims"]) == ["F4", "F4-D", "F7", "F7-C", "E"]
     assert "Simulated 150 rad/s, mean 0.424 Fcr, friction 0.1, C 10, seed 2, without modes 7 and 8" in captured.err
     steps = [(int(done), int(total)) for done, total in re.findall(r"\[ *(\d+)/(\d+)\]", captured.err)]
-    assert steps == [(done, 65) for done in range(66)]
+    assert steps == [(done, 86) for done in range(87)]

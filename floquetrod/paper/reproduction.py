@@ -99,7 +99,7 @@ def reproduce(
     if simulations:
         drawings = sorted([*drawings, *_simulated(study)])  # by title
         tests |= simulation_claims.simulation_claims(study)
-        total = len(drawings) + len(tests) + sum(map(len, simulation_claims.trials(detail.few_runs)))
+        total = len(drawings) + len(tests) + simulation_claims.runs(detail.few_runs)
     for name in [*FILES, *(name for _, name, _ in drawings)]:
         writable(folder / name)
     if simulations:

@@ -15,6 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import cores
+from floquetrod.ensembles.ensemble import ensemble
+from floquetrod.ensembles.runs import PENDING
 from floquetrod.rod.load import AxialLoad
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.stability import growth_of_modes
@@ -113,6 +115,31 @@ def figure_4(seed: int = 1, speed: float = 1e-3, duration: float = 3.0) -> list[
             problem = SimulationProblem(ROD, load, duration=duration, perturbation=kick, stop_early=True)
             trials.append(Trial(problem, mean, f"random, seed {seed}", grow))
     return trials
+
+
+class Draws(NamedTuple):
+    """What came of a trial with one draw of its speeds after another: whether the rod buckled, and its leading mode."""
+
+    trial: Trial
+    buckled: NDArray[np.bool_]
+    modes: NDArray[np.int16]
+
+    @property
+    def agree(self) -> int:
+        """How many draws ended as expected."""
+        expected = self.trial.expected_modes
+        return int(np.sum(self.buckled & np.isin(self.modes, expected) if expected else ~self.buckled))
+
+
+def redraw(trials: Sequence[Trial], draws: int, progress: Progress | None = None) -> list[Draws]:
+    """Make trials at one frequency that differ in the mean force alone, each with so many draws of its speeds."""
+    first = trials[0].problem
+    means = [trial.problem.load.mean for trial in trials]
+    found = ensemble(first, over={"mean": means, "seed": range(1, draws + 1)}, progress=progress)
+    if np.any(np.asarray(found["status"]) == PENDING):
+        raise KeyboardInterrupt  # which ended the ensemble
+    every = zip(trials, np.asarray(found["buckled"]), np.asarray(found["dominant_mode"]), strict=True)
+    return [Draws(*each) for each in every]
 
 
 def figure_7(
