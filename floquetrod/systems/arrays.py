@@ -74,8 +74,8 @@ def multipliers(systems: System, *, workers: int | None = None) -> Any:
     """Return the multipliers, complex (..., N), N the number of equations of first order; the largest first.
 
     Arguments as in `is_stable`.  Those much smaller than the largest one are lost in its rounding:
-    ``floquetrod.stability(system, method="segmented")`` keeps them.  NaN where they are beyond doubles,
-    and for systems that would take too long.
+    ``floquetrod.stability(system, method="segmented")`` keeps them.  NaN where their squares may be beyond
+    doubles, and for systems that would take too long.
     """
     workers = validate.workers(workers)
     batch = _batch(systems)
