@@ -167,7 +167,7 @@ import floquetrod as fr
 from floquetrod.simulation import checkpoints, integration
 checkpoints._SECONDS_BETWEEN = integration._ELEMENT_STEPS = 0
 rod, load = fr.Rod.nitinol(), fr.AxialLoad(0.3, 0.3, 150.0)
-fr.simulate(rod, load, duration=4.0, friction=0.1, segments=60, frames=30, checkpoint={str(path)!r})
+fr.simulate(rod, load, duration=30.0, friction=0.1, segments=60, frames=30, checkpoint={str(path)!r})
 """
     kills = 0
     while kills < 4:
@@ -182,7 +182,7 @@ fr.simulate(rod, load, duration=4.0, friction=0.1, segments=60, frames=30, check
             process.wait()
             kills += 1
     load = fr.AxialLoad(0.3, 0.3, 150.0)
-    problem = fr.SimulationProblem(NITINOL, load, duration=4.0, friction=0.1, segments=60, frames=30)
+    problem = fr.SimulationProblem(NITINOL, load, duration=30.0, friction=0.1, segments=60, frames=30)
     resumed = problem.run(checkpoint=path)
     whole = problem.run()
     assert kills > 0
