@@ -20,7 +20,7 @@ STATUS = {"stable": 1, "unstable": 0, "undecided": -1}
 
 
 def ask_everything(system: System) -> Any:
-    """Return the verdict, which that over arrays equals; the multipliers, where their squares are doubles, have its growth."""
+    """Return the verdict, which that over arrays equals; multipliers, where squares are doubles, have its growth."""
     result = fr.stability(system)
     found = arrays.verdicts(system)
     assert found.status.tolist() == [STATUS[result.status]]

@@ -31,6 +31,7 @@ from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
 
 _LARGEST_STRAIN = 0.02  # that a load may cause: beyond it linear elasticity has no meaning (a choice)
 _SEGMENTS_IN_HALF_WAVE = 10  # by default, with which bending is 2e-4 too soft (a choice)
+_LEAST_HALF_WAVES = 5.0  # that are resolved so in a short rod, where the ends matter more (a choice)
 _FORMAT = "floquetrod simulation 4"
 
 
@@ -246,7 +247,7 @@ class SimulationProblem:
 
     def _fair_segments(self) -> int:
         """Return the number of segments that resolves the modes the load or the perturbation excites."""
-        waves = max(half_waves(self.rod, self.load), self.perturbation.highest_mode, 2.0)
+        waves = max(half_waves(self.rod, self.load), self.perturbation.highest_mode, _LEAST_HALF_WAVES)
         return math.ceil(min(_SEGMENTS_IN_HALF_WAVE * waves, self.rod.length / self.rod.radius, MOST_SEGMENTS))
 
     def _require_possible_ends(self) -> None:
