@@ -274,7 +274,8 @@ def test_segments_resolve_what_the_load_excites() -> None:
     assert segments(nitinol, fast) == math.ceil(every * wavenumber * nitinol.length / math.pi)
     assert segments(nitinol, fast, segments=100) == 100
     short = fr.Rod(68e9, 6500.0, radius=0.8e-3, length=0.02, channel_radius=4.7e-3)
-    assert segments(short, steady(0.0)) == pytest.approx(min(25, 2 * every))  # none shorter than the radius
+    assert segments(short, steady(0.0)) == 25  # none shorter than the radius
+    assert segments(short.replace(length=0.2), steady(0.0)) == 5 * every  # of a short rod
 
 
 @pytest.mark.parametrize(
