@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof import Proof as Proof
     from floquetrod.floquet.proof import certify as certify
     from floquetrod.floquet.proof.region import RegionProof as RegionProof
+    from floquetrod.floquet.solve import Solution as Solution
+    from floquetrod.floquet.solve import solve as solve
     from floquetrod.floquet.verdict import Stability as Stability
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
     from floquetrod.plane import Bands as Bands
@@ -79,6 +81,8 @@ _WHERE = {
     "Perturbation": "simulation.start",
     "Proof": "floquet.proof",
     "RegionProof": "floquet.proof.region",
+    "Solution": "floquet.solve",
+    "solve": "floquet.solve",
     "Rod": "rod.rod",
     "SafeBox": "rod.safe_box",
     "FrictionalRodStability": "rod.friction",

@@ -106,6 +106,12 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     ),
     (fr.mathieu.characteristic_values, {"order": 3, "q": 1.0, "kind": "a", "workers": 1}),
     (fr.mathieu.tongue_widths, {"order": 2, "q": 0.5, "workers": 1}),
+    (fr.mathieu.real_order_values, {"order": 0.5, "q": 1.0}),
+    (fr.mathieu.characteristic_function, {"order": 3, "q": 1.0, "kind": "a"}),
+    (fr.mathieu.floquet_solutions, {"equation": fr.Mathieu(0.5, -0.3)}),
+    (fr.mathieu.exponents, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "per": "z"}),
+    (fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),
+    (fr.Mathieu.from_aq, {"a": 1.0, "q": 1.0, "damping": 0.1}),
     (fr.mathieu.transition_curves, {"alpha": [0.1, 0.2], "orders": 2}),
     (fr.FiniteTimeCriterion, {"periods": 10, "limit": 1e6, "by": "exact", "step": 0.01}),
     (fr.FiniteTimeCriterion().growth, ALL),
@@ -420,6 +426,7 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "RodStability",
         "StabilityIntervals",
         "Simulation",
+        "Solution",
         "Stability",
     }
     public = {
@@ -433,6 +440,7 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "CriticalKickBounds",
         "EscapeRanges",
         "Fate",
+        "FloquetSolution",
         "KickRange",
         "Trajectory",
         "TransitionCurves",

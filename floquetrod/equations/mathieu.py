@@ -35,6 +35,21 @@ class Mathieu(Alternating):
     -0.25
     """
 
+    @classmethod
+    def from_aq(cls, a: float, q: float, damping: float = 0.0) -> Mathieu:
+        """Return y'' + 2 k y' + (a - 2 q cos 2 z) y = 0 as an equation in tau = 2 z + pi / 2.
+
+        ``a`` and ``q`` are numbers of magnitude up to 4e9 and 2e9; ``damping`` is k, the decay rate per unit z, twice
+        that per unit tau, as all rates.
+
+        >>> Mathieu.from_aq(a=1.0, q=1.0)
+        Mathieu(alpha=0.5, beta=-0.25, damping=0.0)
+        """
+        mean, amplitude = (validate.finite(name, value) for name, value in (("a", a), ("q", q)))
+        validate.within("a", mean, -4.0 * validate.LARGEST, 4.0 * validate.LARGEST)
+        validate.within("q", amplitude, -2.0 * validate.LARGEST, 2.0 * validate.LARGEST)
+        return cls(0.5 * amplitude, -0.25 * mean, 0.5 * damping_rate(damping))
+
     @property
     def title(self) -> str:
         """Name of the equation in charts."""

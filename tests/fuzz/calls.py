@@ -63,7 +63,9 @@ LEFT_OUT = {
     "CheckpointWarning": "a warning",
     "SimulationDiverged": "an exception",
     "SquareWave": "another name of Meissner",
+    "Solution": "constructed by solve",
     "Stability": "constructed by every method",
+    "mathieu.FloquetSolution": "constructed by characteristic_function and floquet_solutions",
     "UniformForceWarning": "a warning",
     "friction.EscapeRanges": "constructed by escape_ranges",
     "friction.Fate": "constructed by fate",
@@ -377,6 +379,14 @@ def _of_mathieu() -> dict[str, Call]:
         "mathieu.characteristic_values": Call(
             fr.mathieu.characteristic_values, {"order": 3, "q": 2.0, "kind": "a", "workers": 1}
         ),
+        "mathieu.real_order_values": Call(fr.mathieu.real_order_values, {"order": 0.5, "q": 2.0}),
+        "mathieu.characteristic_function": Call(
+            fr.mathieu.characteristic_function, {"order": 3, "q": 2.0, "kind": "a"}
+        ),
+        "mathieu.floquet_solutions": Call(fr.mathieu.floquet_solutions, {"equation": fr.Mathieu(0.5, -0.3)}),
+        "mathieu.exponents": Call(fr.mathieu.exponents, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "per": "tau"}),
+        "solve": Call(fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),
+        "Mathieu.from_aq": Call(fr.Mathieu.from_aq, {"a": 1.0, "q": 1.0, "damping": 0.1}),
         "mathieu.tongue_widths": Call(fr.mathieu.tongue_widths, {"order": 2, "q": 0.5, "workers": 1}),
         "mathieu.transition_curves": Call(fr.mathieu.transition_curves, {"alpha": [0.1, 0.2], "orders": 2}),
         "mathieu.chart": Call(fr.mathieu.chart, {**chart, "growth_tolerance": 0.1, "criterion": None, "workers": 1}),

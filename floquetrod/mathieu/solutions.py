@@ -1,0 +1,305 @@
+"""Floquet solutions of Mathieu's equation: ce, se and me of any real order, and those of any equation."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import broadcast, shaped
+from floquetrod._util.content import ByContent
+from floquetrod.equations import Mathieu
+from floquetrod.equations.base import require
+from floquetrod.mathieu.arrays import growth_rate, multipliers
+from floquetrod.mathieu.characteristic import characteristic_values
+
+_LONGEST = 1e6  # time (a choice: beyond it rounding of the phase costs more than ten digits)
+_HIGHEST = 1e4  # order (a choice)
+_LARGEST_Q = 1e7  # of a solution: some ten thousand coefficients (a choice)
+_BEYOND = 24  # harmonics beyond the last that oscillates, at least (heuristic: each costs more than a digit)
+_SWEEPS = 3  # of inverse iteration (heuristic: two suffice)
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FloquetSolution(ByContent):
+    """A solution y(t) = sum_k c_k exp((mu + i w_k) t): periodic but for the exponential of its exponent mu.
+
+    Attributes
+    ----------
+    name : str
+        What it is, such as "ce_3(z, 10)".
+    exponent : complex
+        mu; its real part is the growth rate.  0 for ce and se.
+    frequencies : ndarray (n,) of float
+        w_k.
+    coefficients : ndarray (n,) of complex
+        c_k.
+    period : float
+        Period of the equation: pi in z, 2 pi in tau.
+    is_real : bool
+        Whether its values are real, as those of ce and se are.
+
+    Examples
+    --------
+    >>> ce = characteristic_function(3, 10.0, "a")
+    >>> round(ce(0.5), 12), ce.exponent
+    (0.96526954904, 0j)
+    """
+
+    name: str
+    exponent: complex
+    frequencies: Floats
+    coefficients: NDArray[np.complex128]
+    period: float
+    is_real: bool
+
+    def __call__(self, time: Any, derivative: int = 0) -> Any:
+        """Return the solution, or its first or second derivative, at times (array_like, up to 1e6 in magnitude)."""
+        times = validate.array("time", time, least=-_LONGEST, largest=_LONGEST)
+        order = validate.integer("derivative", derivative, 0, 2)
+        rates = self.exponent + 1j * self.frequencies
+        terms = self.coefficients * rates**order
+        values = np.zeros(times.size, dtype=np.complex128)
+        for place in range(0, times.size, 1024):  # so that memory stays in proportion to the answer
+            part = slice(place, place + 1024)
+            values[part] = np.exp(np.multiply.outer(times.ravel()[part], rates)) @ terms
+        return shaped(values.real if self.is_real else values, times.shape)
+
+    def plot(self, ax: Any = None, periods: float = 2.0) -> Any:
+        """Draw it over some periods of the equation into matplotlib axes (new ones by default), which are returned."""
+        from floquetrod.plotting.solutions import draw_solution
+
+        return draw_solution(self, ax, validate.positive("periods", periods))
+
+    def __repr__(self) -> str:
+        """Return its name and exponent."""
+        return f"<{self.name}, exponent {self.exponent:.6g}, {self.frequencies.size} harmonics>"
+
+
+def real_order_values(order: Any, q: Any) -> Any:
+    """Return the characteristic value lambda_nu(q) of y'' + (a - 2 q cos 2 z) y = 0 for real orders nu.
+
+    The value of a at which solutions exp(i nu z) P(z), P of period pi, exist; continuous in q, nu^2 at q = 0.
+
+    Parameters
+    ----------
+    order : array_like of float
+        nu, magnitude at most 1e4; no whole numbers, at which the value has two limits, a_m and b_m:
+        `characteristic_values` returns them.
+    q : array_like of float
+        Any real, magnitude at most 1e7; broadcasts with ``order``.
+
+    Returns
+    -------
+    float or ndarray of float
+        Absolute error within some units of rounding of max(1, abs(a), abs(q)).
+
+    Notes
+    -----
+    DLMF 28.12.
+
+    Examples
+    --------
+    >>> round(real_order_values(0.5, 1.0), 12)
+    -0.307285350632
+    """
+    given = {
+        "order": validate.array("order", order, least=-_HIGHEST, largest=_HIGHEST),
+        "q": validate.array("q", q, least=-_LARGEST_Q, largest=_LARGEST_Q),
+    }
+    whole = given["order"] == np.round(given["order"])
+    if whole.any():
+        raise ValueError(
+            f"order must not be a whole number, got {given['order'][whole][0]:g}: there the value has two limits, "
+            'those of characteristic_values with kind "a" and "b"'
+        )
+    shape, (orders, sizes) = broadcast(**given)
+    return shaped(np.array([_real_order(abs(nu), x)[0] for nu, x in zip(orders, sizes, strict=True)]), shape)
+
+
+def characteristic_function(order: float, q: float, kind: str = "floquet") -> FloquetSolution:
+    """Return the Floquet solution of y'' + (a - 2 q cos 2 z) y = 0 whose order is given, as a function of real z.
+
+    Parameters
+    ----------
+    order : int or float
+        m = 0, 1, 2, ... for kind "a", from 1 for "b"; any real but whole numbers, up to 1e4, for "floquet".
+    q : float
+        Magnitude at most 1e7.
+    kind : {"a", "b", "floquet"}
+        ce_m, whose characteristic value is a_m; se_m, whose value is b_m; me_nu, whose value is that of
+        `real_order_values`.
+
+    Returns
+    -------
+    FloquetSolution
+        Normalised and signed as DLMF 28.2(vi) and 28.12(ii): the integral of ce^2 or se^2 over 2 pi is pi, ce(0) > 0,
+        se'(0) > 0; that of me_nu(z) me_nu(-z) over pi is pi, me_nu(0) > 0.
+
+    Examples
+    --------
+    >>> round(characteristic_function(50, 2000.0, "b")(1.0), 10)
+    0.7670150891
+    """
+    kind = validate.choice("kind", kind, ("a", "b", "floquet"))
+    size = validate.within("q", validate.finite("q", q), -_LARGEST_Q, _LARGEST_Q)
+    if kind == "floquet":
+        nu = validate.within("order", validate.finite("order", order), -_HIGHEST, _HIGHEST)
+        value, shift, vector = real_order_values(nu, size), *_real_order(nu, size)[1:]
+        frequencies = shift + 2.0 * (np.arange(vector.size) - vector.size // 2)
+        frequencies, vector = _without_tails(frequencies, vector)
+        scaled = vector * _sign(kind, nu, size, frequencies, vector) / math.sqrt(float(vector @ vector))
+        return FloquetSolution(f"me_{nu:g}(z, {size:g})", 0j, frequencies, scaled.astype(complex), math.pi, False)
+    m = validate.integer("order", order, 1 if kind == "b" else 0, int(_HIGHEST))
+    value = characteristic_values(m, size, kind)
+    harmonics, vector = _periodic(m, size, kind, value)
+    harmonics, vector = _without_tails(harmonics, vector)
+    constant = harmonics == 0.0
+    norm = math.sqrt(float(vector @ vector + np.sum(vector[constant] ** 2)))
+    sign = _sign(kind, float(m), size, harmonics, vector)
+    half = 0.5 * sign * vector / norm * (1.0 if kind == "a" else -1j)
+    both = np.concatenate([half, np.conj(half) if kind == "b" else half])
+    name = f"{'ce' if kind == 'a' else 'se'}_{m}(z, {size:g})"
+    return FloquetSolution(name, 0j, np.concatenate([harmonics, -harmonics]), both.astype(complex), math.pi, True)
+
+
+def floquet_solutions(equation: Mathieu) -> tuple[FloquetSolution, ...]:
+    """Return the Floquet solutions A(tau) = exp(mu tau) P(tau) of Mathieu's equation, the faster growing first.
+
+    Two of them, but one on a transition curve, where the other solutions are no Floquet solutions.  Each is scaled so
+    that the squares of its coefficients add up to one.  TypeError for another equation, ValueError for
+    abs(alpha) above 5e6.
+
+    Examples
+    --------
+    >>> import floquetrod as fr
+    >>> growing, decaying = floquet_solutions(fr.Mathieu(alpha=0.5, beta=-0.25))
+    >>> f"{growing.exponent:.10f}", f"{decaying.exponent:.10f}"
+    ('0.2267267672+0.5000000000j', '-0.2267267672+0.5000000000j')
+    """
+    require(equation, (Mathieu,), "floquet_solutions")
+    alpha, beta, damping = equation.alpha, equation.beta, equation.damping
+    validate.within("alpha", alpha, -0.5 * _LARGEST_Q, 0.5 * _LARGEST_Q)
+    found = []
+    for exponent in map(complex, _undamped_exponents(alpha, beta + damping**2)):
+        frequencies, vector = _null_vector(-4.0 * (beta + damping**2), 2.0 * alpha, 2.0 * exponent)
+        # In time: z is half of tau less a quarter of pi.
+        shifted = vector * np.exp(-(2.0 * exponent + 1j * frequencies) * (0.25 * math.pi))
+        shifted /= np.linalg.norm(shifted)
+        name = f"Floquet solution of {equation!r}"
+        found.append(FloquetSolution(name, exponent - damping, 0.5 * frequencies, shifted, 2.0 * math.pi, False))
+    return tuple(found)
+
+
+def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau") -> Any:
+    """Return both Floquet exponents of A'' + 2 c A' = (beta + alpha sin tau) A, in a last axis of length 2 (complex).
+
+    Arguments as in `floquetrod.mathieu.is_stable`.  The one that grows faster first; real parts are growth rates,
+    finite however large the multipliers, and imaginary parts lie in [0, 1/2] first and in [-1/2, 0] second, but both
+    are 1/2 where multipliers are negative.  ``per`` is "tau", or "z" for those of y'' + (a - 2 q cos 2 z) y = 0, twice
+    as large, whose imaginary part is the order nu up to its sign and an even number.
+
+    Examples
+    --------
+    >>> exponents(0.5, [-0.25, -0.6], per="z").round(6).tolist()
+    [[(0.453454+1j), (-0.453454+1j)], [0.558628j, -0.558628j]]
+    """
+    unit = 2.0 if validate.choice("per", per, ("tau", "z")) == "z" else 1.0
+    rates = np.asarray(growth_rate(alpha, beta, damping))
+    found = np.asarray(multipliers(alpha, beta, damping))
+    decay = np.broadcast_to(np.asarray(damping, dtype=np.float64), rates.shape)
+    turning = found.imag[..., 0] != 0.0
+    angle = np.abs(np.angle(found[..., 0])) / (2.0 * math.pi)
+    first = np.where(turning, -decay, np.maximum(rates, -decay)) + 1j * angle
+    second = -2.0 * decay - first.real + np.where(turning, -1j, 1j) * angle
+    return shaped(unit * np.stack([first, second], axis=-1), (*rates.shape, 2))
+
+
+def _undamped_exponents(alpha: float, level: float) -> tuple[complex, ...]:
+    """Return the exponents per unit tau without damping: two, or one where they are equal."""
+    first, second = exponents(alpha, level)
+    return (first,) if first == second and alpha != 0.0 else (first, second)
+
+
+def _harmonics(value: float, q: float) -> int:
+    """Return how many harmonics on either side carry all digits of a solution."""
+    oscillating = 0.5 * math.sqrt(max(value + 2.0 * abs(q), 0.0))
+    return math.ceil(oscillating + _BEYOND + 4.0 * math.sqrt(math.sqrt(abs(q))))
+
+
+def _real_order(nu: float, q: float) -> tuple[float, float, Floats]:
+    """Return lambda_nu(q), the shift of the frequencies, and the coefficients of me_nu, from -K to K."""
+    from scipy.linalg import eigh_tridiagonal
+
+    shift = nu - 2.0 * round(0.5 * nu)
+    count = _harmonics(nu * nu + 2.0 * abs(q), q)
+    frequencies = shift + 2.0 * np.arange(-count, count + 1)
+    rank = int(np.count_nonzero(np.abs(frequencies) < abs(nu)))
+    _, vectors = eigh_tridiagonal(frequencies**2, np.full(2 * count, q), select="i", select_range=(rank, rank))
+    vector = vectors[:, 0]
+    # Rayleigh's quotient: the eigenvalue itself is rounded like the largest square of a frequency.
+    value = (frequencies**2 @ vector**2 + 2.0 * q * (vector[1:] @ vector[:-1])) / (vector @ vector)
+    return float(value), shift, vector
+
+
+def _periodic(m: int, q: float, kind: str, value: float) -> tuple[Floats, Floats]:
+    """Return harmonics and coefficients of ce_m or se_m, DLMF 28.4."""
+    first = (2 if kind == "b" else 0) if m % 2 == 0 else 1
+    harmonics = np.asarray(first + 2.0 * np.arange(_harmonics(max(value, float(m * m)), q) + m // 2), dtype=np.float64)
+    diagonal, off = harmonics**2, np.full(harmonics.size - 1, q)
+    scale = np.ones(harmonics.size)
+    if first == 1:
+        diagonal[0] += q if kind == "a" else -q
+    elif first == 0:
+        off[0] *= math.sqrt(2.0)
+        scale[0] = math.sqrt(0.5)  # of the symmetric matrix' vector
+    vector = np.real(_inverse_iteration(off.astype(complex), (diagonal - value).astype(complex)))
+    return harmonics, vector * scale
+
+
+def _null_vector(a: float, q: float, exponent: complex) -> tuple[Floats, NDArray[np.complex128]]:
+    """Return frequencies and coefficients of exp(mu z) P(z): a + (mu + i s_k)^2 on the diagonal, -q beside it."""
+    count = _harmonics(abs(a), q)
+    frequencies = np.asarray(2.0 * np.arange(-count, count + 1), dtype=np.float64)
+    diagonal = a + (exponent + 1j * frequencies) ** 2
+    return frequencies, _inverse_iteration(np.full(2 * count, -q, dtype=complex), diagonal)
+
+
+def _sign(kind: str, order: float, q: float, frequencies: Floats, vector: Floats) -> float:
+    """Return the sign that continues cos(m z), sin(m z) or exp(i nu z) from q = 0.
+
+    It is that of the value at 0, or of the slope of se.  Where q > 0 solutions of low order are exponentially small
+    there, and large at pi / 2, where the value, or the slope of one that is odd about pi / 2, is never zero either.
+    """
+    odd = kind == "b"
+    if q > 0.0:
+        turns = np.round(0.5 * (frequencies - order))  # exp(i s pi / 2) = (-1)^turns exp(i order pi / 2)
+        vector = np.where(turns % 2.0 == 0.0, vector, -vector)
+        odd = kind != "floquet" and (kind == "b") == (order % 2.0 == 0.0)
+    return math.copysign(1.0, float(frequencies @ vector if odd else vector.sum()))
+
+
+def _inverse_iteration(off: Any, diagonal: Any) -> NDArray[np.complex128]:
+    """Return the null vector of a symmetric tridiagonal matrix that is singular but for rounding."""
+    from scipy.linalg import solve_banded
+
+    bands = np.zeros((3, diagonal.size), dtype=complex)
+    bands[0, 1:], bands[2, :-1] = off, off
+    bands[1] = diagonal + 1e-15 * np.abs(diagonal).min() + 1e-290
+    vector = np.ones(diagonal.size, dtype=complex)
+    for _ in range(_SWEEPS):
+        vector = solve_banded((1, 1), bands, vector)
+        vector /= np.abs(vector).max()
+    return np.asarray(vector / vector[np.argmax(np.abs(vector))])
+
+
+def _without_tails(frequencies: Any, vector: Any) -> tuple[Floats, Floats]:
+    """Leave out coefficients too small to matter."""
+    kept = np.abs(vector) > 1e-20 * np.abs(vector).max()
+    return frequencies[kept], vector[kept]

@@ -1,0 +1,189 @@
+"""Floquet solutions of Mathieu's equation and characteristic values of real order, against many digits and SciPy."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import matplotlib as mpl
+import mpmath as mp
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy import special
+
+import floquetrod as fr
+from floquetrod.mathieu import (
+    characteristic_function,
+    characteristic_values,
+    exponents,
+    floquet_solutions,
+    real_order_values,
+)
+
+mpl.use("Agg")
+Z = np.array([0.1, 0.7, 1.3, 2.9])
+
+
+def precise(order: float, q: float) -> tuple[Any, list[Any]]:
+    """Return lambda_nu(q) and me_nu at `Z` with 40 digits, from the eigenvalues of a large matrix."""
+    with mp.workdps(40):
+        count = 36 + int(abs(order))
+        frequencies = [mp.mpf(order) - 2 * round(order / 2) + 2 * k for k in range(-count, count + 1)]
+        matrix = mp.matrix(len(frequencies))
+        for i, frequency in enumerate(frequencies):
+            matrix[i, i] = frequency**2
+            if i:
+                matrix[i, i - 1] = matrix[i - 1, i] = mp.mpf(q)
+        values, vectors = mp.eigsy(matrix)
+        rank = sum(abs(f) < abs(order) for f in frequencies)
+        vector = vectors[:, rank]
+        sign = 1 if sum(vector) > 0 else -1
+        norm = mp.sqrt(sum(c**2 for c in vector))
+        return values[rank], [
+            sum(sign * c / norm * mp.expj(f * z) for c, f in zip(vector, frequencies, strict=True)) for z in Z.tolist()
+        ]
+
+
+@pytest.mark.parametrize(("order", "q"), [(0.5, 1.0), (3.3, 25.0), (-2.2, -7.0), (7.9, 100.0), (0.01, 50.0)])
+def test_real_orders_to_1e_12(order: float, q: float) -> None:
+    value, function = precise(order, q)
+    assert abs(real_order_values(order, q) - value) < 1e-13 * max(1.0, abs(q))
+    found = characteristic_function(order, q)
+    assert max(abs(complex(a) - b) for a, b in zip(function, found(Z), strict=True)) < 1e-12
+    assert found.exponent == 0j
+    assert characteristic_function(-order, q)(Z) == pytest.approx(found(-Z), abs=1e-12)
+
+
+@given(st.floats(-9.0, 9.0), st.floats(-10.0, 10.0))  # beyond, the bands of low orders are thinner than rounding
+@settings(max_examples=60, deadline=None)
+def test_orders_and_exponents_are_inverse(order: float, q: float) -> None:
+    """At a = lambda_nu(q) the exponent per unit z is i nu, up to its sign and even numbers."""
+    if abs(order - round(order)) < 1e-3:
+        return
+    a = real_order_values(order, q)
+    first, second = exponents(*fr.conventions.from_aq(a, q), per="z")
+    turned = abs(order - 2.0 * round(0.5 * order))
+    assert [first, second] == pytest.approx([1j * turned, -1j * turned], abs=1e-5)
+    lower, upper = sorted((math.floor(abs(order)), math.ceil(abs(order))))
+    assert characteristic_values(lower, q, "a") <= a + 1e-9 * max(1.0, abs(a), abs(q))
+    assert a <= characteristic_values(upper, q, "b") + 1e-9 * max(1.0, abs(a), abs(q))
+
+
+@pytest.mark.parametrize("q", [-20.0, -3.0, 0.0, 0.5, 7.0, 20.0])
+@pytest.mark.parametrize("kind", ["a", "b"])
+def test_small_orders_are_those_of_scipy(q: float, kind: str) -> None:
+    """Values, signs and norm; for q < 0 by DLMF 28.2(vi)."""
+    for m in range(kind == "b", 9):
+        found = characteristic_function(m, q, kind)
+        if q >= 0.0:
+            other = (special.mathieu_cem if kind == "a" else special.mathieu_sem)(m, q, np.degrees(Z))[0]
+        else:
+            sign = -1.0 if (m // 2 - (kind == "b" and m % 2 == 0)) % 2 else 1.0
+            even = (kind == "a") == (m % 2 == 0)
+            function = special.mathieu_cem if even else special.mathieu_sem
+            other = sign * function(m, -q, np.degrees(0.5 * math.pi - Z))[0]
+        assert found(Z) == pytest.approx(other, abs=1e-10)
+        assert isinstance(found(0.3), float)
+
+
+@pytest.mark.parametrize(
+    ("order", "q", "kind"),
+    [
+        (50, 2000.0, "a"),
+        (50, 2000.0, "b"),
+        (2, 1e5, "b"),
+        (3, 1e4, "a"),
+        (7.3, 900.0, "floquet"),
+        (0.2, 1e4, "floquet"),
+    ],
+)
+def test_the_equation_holds_where_scipy_fails(order: float, q: float, kind: str) -> None:
+    z = np.linspace(-3.0, 3.0, 61)
+    a = characteristic_values(order, q, kind) if kind in "ab" else real_order_values(order, q)
+    y = characteristic_function(order, q, kind)
+    residual = y(z, 2) + (a - 2.0 * q * np.cos(2.0 * z)) * y(z)
+    assert np.abs(residual).max() < 1e-12 * max(abs(a), q) * np.abs(y(z)).max()
+    assert y(z + math.pi) == pytest.approx(y(z) * np.exp(1j * math.pi * order).real, abs=1e-9) or kind == "floquet"
+    grid = np.arange(4096) * (2.0 * math.pi / 4096)
+    norm = np.mean(y(grid) ** 2) * 2.0 if kind in "ab" else np.mean(y(grid) * y(-grid)).real
+    assert norm == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "equation",
+    [
+        fr.Mathieu(0.5, -0.25),
+        fr.Mathieu(0.5, -0.6),
+        fr.Mathieu(0.5, -0.6, 0.1),
+        fr.Mathieu(200.0, -30.0),
+        fr.Mathieu(3.0, 1.0, 0.2),
+        fr.Mathieu(0.0, 0.3, 0.1),
+        fr.Mathieu.from_aq(7.0, 3.0),
+    ],
+)
+def test_floquet_solutions_of_an_equation(equation: fr.Mathieu) -> None:
+    first, second = floquet_solutions(equation)
+    tau = np.linspace(-2.0, 2.0, 31)
+    for solution in (first, second):
+        values = solution(tau)
+        residual = solution(tau, 2) + 2.0 * equation.damping * solution(tau, 1) - equation.coefficient(tau) * values
+        assert np.abs(residual).max() < 1e-10 * (1.0 + abs(equation.beta) + abs(equation.alpha)) * np.abs(values).max()
+        turned = solution(tau + 2.0 * math.pi)
+        assert turned == pytest.approx(values * np.exp(2.0 * math.pi * solution.exponent), rel=1e-7)
+    assert first.exponent.real >= second.exponent.real
+    assert first.exponent.real == pytest.approx(
+        fr.mathieu.growth_rate(equation.alpha, equation.beta, equation.damping) or -equation.damping, abs=1e-12
+    )
+    # As a solution from its own initial values.
+    start = [solution.real for solution in (complex(first(0.0)), complex(first(0.0, 1)))]
+    assert fr.solve(equation, start, 3.0)(3.0) == pytest.approx(complex(first(3.0)).real, abs=1e-9 * abs(first(3.0)))
+
+
+def test_on_a_transition_curve_there_is_one() -> None:
+    beta = float(fr.mathieu.transition_curves([0.5], [1]).even[0, 0])
+    found = floquet_solutions(fr.Mathieu(0.5, beta))
+    assert len(found) in (1, 2)
+    assert all(abs(solution.exponent.real) < 1e-7 for solution in found)
+    assert len(floquet_solutions(fr.Mathieu(0.0, -1.0))) == 2
+
+
+def test_exponents_never_overflow_and_broadcast() -> None:
+    found = exponents(np.array([[1e6], [0.5]]), [1e6, -0.6])
+    assert found.shape == (2, 2, 2)
+    assert np.isfinite(found).all()
+    assert found[..., 0].real == pytest.approx(fr.mathieu.growth_rate(np.array([[1e6], [0.5]]), [1e6, -0.6]))
+    assert 2.0 * found == pytest.approx(exponents(np.array([[1e6], [0.5]]), [1e6, -0.6], per="z"))
+
+
+def test_from_aq_and_words() -> None:
+    assert fr.Mathieu.from_aq(1.0, 1.0, damping=0.4) == fr.Mathieu(0.5, -0.25, 0.2)
+    solution = characteristic_function(3, 10.0, "a")
+    assert "ce_3(z, 10)" in repr(solution)
+    assert solution == characteristic_function(3, 10.0, "a")
+    ax = solution.plot()
+    assert ax.get_xlabel() == "$z$"
+    assert floquet_solutions(fr.Mathieu(0.5, -0.6))[0].plot(periods=1.0).get_xlabel() == r"$\tau$"
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: real_order_values(2.0, 1.0), "order must not be a whole number, got 2"),
+        (lambda: real_order_values(0.5, math.nan), "q"),
+        (lambda: characteristic_function(0, 1.0, "b"), "order must be 1 or more"),
+        (lambda: characteristic_function(0.5, 1.0, "a"), "order must be an integer"),
+        (lambda: characteristic_function(0.5, 1.0, "c"), "kind"),
+        (lambda: characteristic_function(1, 1e8, "a"), "q must lie between"),
+        (lambda: characteristic_function(3, 1.0, "a")(math.inf), "time"),
+        (lambda: characteristic_function(3, 1.0, "a")(0.0, 3), "derivative"),
+        (lambda: floquet_solutions(fr.Meissner(0.5, -0.2)), "Mathieu"),
+        (lambda: floquet_solutions(fr.Mathieu(1e8, -0.2)), "alpha"),
+        (lambda: exponents(0.5, -0.2, per="hour"), "per"),
+        (lambda: fr.Mathieu.from_aq(math.nan, 1.0), "a must be"),
+    ],
+)
+def test_bad_input(call: Any, message: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=message):
+        call()
