@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from floquetrod._util import files, interrupt, validate
 from floquetrod.ensembles import stores_zarr
-from floquetrod.ensembles import workers as hands
+from floquetrod.ensembles import workers as tasks
 from floquetrod.ensembles.axes import Study, study_of, varied
 from floquetrod.ensembles.runs import Runs
 from floquetrod.ensembles.stores import RESULTS, Layout, MemoryStore, NpzStore, Outcome, chunk_shape, require_same
@@ -30,7 +30,7 @@ def ensemble(
     executor: Executor | None = None,
     workers: int | None = None,
     store: str | Path | None = None,
-    summary: hands.Summary | None = None,
+    summary: tasks.Summary | None = None,
     frames: bool = False,
     part: tuple[int, int] | None = None,
     progress: Callable[[int, int], None] | None = None,
@@ -110,9 +110,9 @@ def ensemble(
         validate.function("summary", summary)
     frames, share = validate.flag("frames", frames), _part(part)
     validate.progress(progress)
-    count = hands.require_executor(executor, workers)
+    count = tasks.require_executor(executor, workers)
     names, chunk, make = _store(place, study, frames, share[1])
-    job = hands.Job(problem, summary, None, frames)
+    job = tasks.Job(problem, summary, None, frames)
     held: MemoryStore | None = None
     if names is not None:
         if (summary is None) == bool(names):
@@ -121,10 +121,10 @@ def ensemble(
     plan = Layout(study, names or (), frames, chunk)
     runs = plan.runs_of(plan.part(share))
     pending = list(runs) if held is None else held.pending(runs)
-    crew = hands.hands_for(executor, count) if pending else None
+    runner = tasks.runner_for(executor, count) if pending else None
     try:
-        if crew is not None:
-            crew.require_picklable(job)
+        if runner is not None:
+            runner.require_picklable(job)
         first: list[Outcome] = []
         if summary is not None and pending:
             found, first = _first_runs(job, study, pending)
@@ -133,11 +133,11 @@ def ensemble(
             job = job._replace(names=found)
         if held is None:
             held = make(Layout(study, job.names or (), frames, chunk))
-        if crew is not None:
-            _fill(held, plan.part(share), job, crew, first, progress)
+        if runner is not None:
+            _fill(held, plan.part(share), job, runner, first, progress)
     finally:
-        if crew is not None:
-            crew.close()
+        if runner is not None:
+            runner.close()
     return _as_dataset(held)
 
 
@@ -153,8 +153,8 @@ def _as_dataset(store: MemoryStore) -> Any:
 def _fill(
     store: MemoryStore,
     chunks: range,
-    job: hands.Job,
-    crew: hands.Hands,
+    job: tasks.Job,
+    runner: tasks.TaskRunner,
     first: Sequence[Outcome],
     progress: Callable[[int, int], None] | None,
 ) -> None:
@@ -168,7 +168,7 @@ def _fill(
         done = len(runs) - len(pending)
         with (
             suppress(KeyboardInterrupt),
-            closing(hands.work(crew, job, pending, study.values, store.save_when_due)) as outcomes,
+            closing(tasks.work(runner, job, pending, study.values, store.save_when_due)) as outcomes,
         ):
             for outcome in outcomes:
                 store.keep(outcome)
@@ -181,19 +181,19 @@ def _fill(
             store.close()
 
 
-def _first_runs(job: hands.Job, study: Study, pending: Sequence[int]) -> tuple[tuple[str, ...], list[Outcome]]:
+def _first_runs(job: tasks.Job, study: Study, pending: Sequence[int]) -> tuple[tuple[str, ...], list[Outcome]]:
     """Return the names of the summary, and the runs made to learn them: until one could be made."""
     made = []
     for run in pending:
         try:
             simulation = varied(job.problem, study.values(run)).run()
         except Exception as error:  # recorded as any other run's
-            made.append(hands.failure(run, error))
+            made.append(tasks.failure(run, error))
             continue
         if not simulation.complete:
             raise KeyboardInterrupt
         try:
-            outcome = hands.outcome(job, run, simulation)
+            outcome = tasks.outcome(job, run, simulation)
         except Exception as error:
             listed = ", ".join(f"{name} = {value:g}" for name, value in study.values(run).items())
             raise ValueError(f"summary must make numbers of a run; of that with {listed} it raised: {error}") from error

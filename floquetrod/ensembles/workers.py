@@ -132,10 +132,10 @@ def frames_of(job: Job, made: Simulation) -> dict[str, Any] | None:
     return {"time": made.time, "angle": made.angle, "positions": made.positions}
 
 
-# --- hands: what takes tasks ---
+# --- what runs tasks ---
 
 
-class Hands:
+class TaskRunner:
     """Takes tasks, as many at a time as there is `room` for; the base hands them to an executor of the caller's."""
 
     def __init__(self, executor: Executor) -> None:
@@ -209,7 +209,7 @@ def _size_of(executor: Any) -> int | None:
     return None
 
 
-class OwnThreads(Hands):
+class OwnThreads(TaskRunner):
     """Own threads, as many as there are processors."""
 
     def __init__(self) -> None:
@@ -221,7 +221,7 @@ class OwnThreads(Hands):
         self.executor.shutdown(cancel_futures=True)
 
 
-class OwnProcesses(Hands):
+class OwnProcesses(TaskRunner):
     """Own processes, each in a pool of its own: when one dies, it is known in which task, and the others live on."""
 
     def __init__(self, workers: int) -> None:
@@ -321,10 +321,10 @@ def require_executor(executor: Any, workers: Any) -> int | None:
     return None
 
 
-def hands_for(executor: Executor | None, workers: int | None) -> Hands:
+def runner_for(executor: Executor | None, workers: int | None) -> TaskRunner:
     """Return what takes tasks."""
     if executor is not None:
-        return Hands(executor)
+        return TaskRunner(executor)
     return OwnThreads() if workers is None else OwnProcesses(workers)
 
 
@@ -332,7 +332,7 @@ def hands_for(executor: Executor | None, workers: int | None) -> Hands:
 
 
 def work(
-    hands: Hands,
+    runner: TaskRunner,
     job: Job,
     pending: Sequence[int],
     values: Callable[[int], Mapping[str, float]],
@@ -349,17 +349,17 @@ def work(
     with interrupt.held() as deliver:
         try:
             while queue or alone or tasks:
-                while broken is None and (queue or alone) and len(tasks) < hands.room:
-                    runs = [alone.popleft()] if alone else pace.take(queue, hands.room)
+                while broken is None and (queue or alone) and len(tasks) < runner.room:
+                    runs = [alone.popleft()] if alone else pace.take(queue, runner.room)
                     try:
-                        tasks[hands.submit(job, [(run, values(run)) for run in runs])] = runs
+                        tasks[runner.submit(job, [(run, values(run)) for run in runs])] = runs
                     except Exception as refusal:  # every executor has its own ways to break
                         broken = _broken(refusal)
                 done, _ = wait(tasks, timeout=0.0 if broken else _HEARD_WITHIN, return_when=FIRST_COMPLETED)
                 deliver()
                 for task in done:
                     runs, error = tasks.pop(task), _error(task)
-                    if hands.has_died(task, error):
+                    if runner.has_died(task, error):
                         if len(runs) == 1:
                             deaths[runs[0]] += 1
                         fatal = [run for run in runs if deaths[run] >= _DEATHS]
@@ -381,7 +381,7 @@ def work(
                     raise broken
         finally:
             if tasks:
-                hands.stop()
+                runner.stop()
                 for task in tasks:
                     task.cancel()
 
