@@ -173,6 +173,7 @@ def signs(discs: Discs, form: Form, size: float, form_error: float) -> Callable[
     """Return `definiteness` as a function of the cluster, which finds that of single eigenvalues all at once."""
 
     @functools.cache
+    @np.errstate(over="ignore", invalid="ignore")  # equal eigenvalues have angles that are not finite: no sign
     def singles() -> NDArray[np.int_]:
         values = np.einsum("ij,ij->j", discs.right.conj(), form(discs.right)).real
         gaps = np.abs(discs.values[:, None] - discs.values[None, :])
