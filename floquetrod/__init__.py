@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
     from floquetrod.plane import Bands as Bands
     from floquetrod.plane import Chart as Chart
+    from floquetrod.rod.assumptions import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.coupled_stability import CoupledRodStability as CoupledRodStability
     from floquetrod.rod.friction import FrictionalRodStability as FrictionalRodStability
     from floquetrod.rod.load import AxialLoad as AxialLoad
@@ -47,7 +48,6 @@ if TYPE_CHECKING:
     from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
     from floquetrod.rod.record import ForceRecord as ForceRecord
     from floquetrod.rod.rod import Rod as Rod
-    from floquetrod.rod.rod import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.safe_box import SafeBox as SafeBox
     from floquetrod.rod.stability import RodStability as RodStability
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
@@ -94,7 +94,7 @@ _WHERE = {
     "SquareWave": "equations",
     "Stability": "floquet.verdict",
     "StabilityIntervals": "rod.ranges",
-    "UniformForceWarning": "rod.rod",
+    "UniformForceWarning": "rod.assumptions",
     "certify": "floquet.proof",
     "compare": "floquet.comparison",
     "conventions": "equations.conventions",

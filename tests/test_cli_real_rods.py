@@ -332,7 +332,7 @@ def test_what_has_no_picture_yet_is_refused(capsys: pytest.CaptureFixture[str]) 
 def test_a_warning_speaks_of_options(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["check", "--rod", WELL, *SHAKE[:4], "--frequency", "20Hz", "--no-margins"]) == 0
     warning = capsys.readouterr().err.replace(COMPILING, "")
-    assert warning.startswith("floquetrod: warning: omega L / (2 pi) is 0.24 of the axial wave speed")
+    assert warning.startswith("floquetrod: warning: at 125.664 rad/s omega L / (2 pi) is 0.24 of the axial wave speed")
     assert warning.endswith("; --wave follows the waves\n")
 
 

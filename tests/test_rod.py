@@ -6,6 +6,8 @@ import copy
 import math
 import pickle
 import warnings
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 import pytest
@@ -330,6 +332,28 @@ def test_a_fast_load_gets_a_warning() -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         ROD.stability(load(0.1, 0.1, 150.0))
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda omega: ROD.stable_frequencies(0.3, 0.1, (0.9 * omega, omega)),
+        lambda omega: ROD.stable_mean_forces(0.1, omega, (0.0, 0.5)),
+        lambda omega: ROD.critical_amplitude(0.3, omega, growth_tolerance=0.1),
+        lambda omega: ROD.certify(mean=0.3, amplitude=1e-3, frequency=(0.9 * omega, omega)),
+        lambda omega: ROD.largest_safe_box(fr.AxialLoad(0.3, 1e-3, omega), vary=("mean",), accuracy=0.3),
+        lambda omega: fr.stability_map(ROD, mean=(0.0, 0.5, 4), amplitude=0.1, frequency=(0.9 * omega, omega, 4)),
+        lambda omega: ROD.stability(fr.AxialLoad(0.3, 0.1, omega / 3.0, waveform=(1.0, 0.0, 0.2))),
+    ],
+)
+def test_every_answer_on_a_fast_load_gets_the_warning(ask: Callable[[float], Any]) -> None:
+    """As a verdict does: ranges, proofs and maps rest on the same uniform force; harmonics count."""
+    with pytest.warns(fr.UniformForceWarning, match=r"at 2200 rad/s .* 0\.34 of the axial wave speed") as caught:
+        ask(2200.0)
+    assert [warning.filename for warning in caught] == [__file__]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        ask(500.0)
 
 
 def test_hertz() -> None:

@@ -202,11 +202,15 @@ def test_energy_balance(rod: fr.Rod, load: Any, ends: dict[str, float], friction
     assert (run.energy["dissipated_damping"][-1] > 0.0) == (rod.damping_rate > 0.0 or isinstance(load, fr.AxialWave))
 
 
-def test_the_error_of_the_balance_is_of_second_order_in_the_step() -> None:
-    """Contact included."""
-    rod, load, _ = BALANCED[0]
+@pytest.mark.parametrize(("rod", "load", "ends"), [BALANCED[0], BALANCED[5], BALANCED[6]])
+def test_the_error_of_the_balance_is_of_second_order_in_the_step(
+    rod: fr.Rod, load: Any, ends: dict[str, float]
+) -> None:
+    """Contact included, and the work of an end that is fed from rest."""
     errors = [
-        fr.simulate(rod, load, duration=1.0, frames=21, segments=100, perturbation=KICKED, time_step=step).energy_error
+        fr.simulate(
+            rod, load, duration=1.0, frames=21, segments=100, perturbation=KICKED, time_step=step, **ends
+        ).energy_error
         for step in (4.6e-5, 2.3e-5)
     ]
     assert np.abs(errors[0]).max() / np.abs(errors[1]).max() == pytest.approx(4.0, rel=0.1)

@@ -141,12 +141,46 @@ def test_floquet_solutions_of_an_equation(equation: fr.Mathieu) -> None:
     assert fr.solve(equation, start, 3.0)(3.0) == pytest.approx(complex(first(3.0)).real, abs=1e-9 * abs(first(3.0)))
 
 
-def test_on_a_transition_curve_there_is_one() -> None:
+def test_with_equal_exponents_there_is_one() -> None:
     beta = float(fr.mathieu.transition_curves([0.5], [1]).even[0, 0])
     found = floquet_solutions(fr.Mathieu(0.5, beta))
-    assert len(found) in (1, 2)
+    assert len(found) in (1, 2)  # as the curve is rounded
     assert all(abs(solution.exponent.real) < 1e-7 for solution in found)
-    assert len(floquet_solutions(fr.Mathieu(0.0, -1.0))) == 2
+    (only,) = floquet_solutions(fr.Mathieu(1e-300, -1.0))
+    assert only.exponent == 0j
+
+
+@pytest.mark.parametrize(
+    ("beta", "damping"), [(-1.0, 0.0), (-0.25, 0.0), (-0.3, 0.1), (0.7, 0.1), (0.0, 0.1), (-9.0, 2.0)]
+)
+def test_without_forcing_solutions_are_exponentials(beta: float, damping: float) -> None:
+    """Independent ones, where the exponents differ by a whole number of turns, too."""
+    first, second = floquet_solutions(fr.Mathieu(0.0, beta, damping))
+    assert abs(first(0.0) * second(0.0, 1) - first(0.0, 1) * second(0.0)) > 0.1
+    roots = np.roots([1.0, 2.0 * damping, -beta])
+    for solution in (first, second):
+        (rate,) = solution.exponent + 1j * solution.frequencies
+        assert np.abs(roots - rate).min() < 1e-12
+        assert solution(0.7) == pytest.approx(np.exp(0.7 * rate), rel=1e-12)
+    (constant,) = floquet_solutions(fr.Mathieu(0.0, 0.0))
+    assert constant(3.0) == 1.0
+
+
+@given(
+    st.floats(-4.0, 4.0),
+    st.floats(-5.0, 1.0),
+    st.sampled_from([0.0, 1e-3, 0.1, 0.4, 2.0, 150.0]),
+    st.sampled_from([1.0, 30.0, 1e3]),
+)
+@settings(max_examples=200, deadline=None)
+def test_exponents_are_those_of_the_verdict(alpha: float, beta: float, damping: float, scale: float) -> None:
+    """Decaying ones, too, and where multipliers underflow."""
+    verdict = fr.stability(fr.Mathieu(scale * alpha, scale * beta, damping))
+    found = exponents(scale * alpha, scale * beta, damping)
+    largest = max(1.0, damping, abs(found[0].real))
+    assert found == pytest.approx(np.array(verdict.exponents), abs=1e-6 * largest)
+    assert found.sum().real == pytest.approx(-2.0 * damping, abs=1e-12 * largest)
+    assert exponents(scale * alpha, scale * beta, damping, per="z") == pytest.approx(2.0 * found, rel=1e-15)
 
 
 def test_exponents_never_overflow_and_broadcast() -> None:

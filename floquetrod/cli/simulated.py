@@ -9,6 +9,7 @@ import floquetrod as fr
 from floquetrod.cli.common import number
 from floquetrod.cli.loads import describe_kind, describe_load
 from floquetrod.rod.friction import CriticalKick
+from floquetrod.rod.load import with_waves
 from floquetrod.rod.stability import growth_of_modes
 from floquetrod.rod.verdict import RodVerdict
 from floquetrod.simulation.growth import GrowthFit
@@ -87,11 +88,10 @@ def _growth(run: fr.Simulation) -> tuple[GrowthFit | None, str]:
 def _with_wave(run: fr.Simulation) -> float | None:
     """Return the growth rate in 1/s with the axial wave that both ends send; None where the load is waves already."""
     load = run.problem.load
-    if isinstance(load, fr.AxialWave) or load.amplitude == 0.0:
+    if not isinstance(load, fr.AxialLoad) or load.amplitude == 0.0:
         return None
     try:
-        wave = fr.AxialWave(**load.as_dict(), far_end="driven", axial_damping=run.rod.damping_rate)
-        return float(run.rod.stability(wave).growth_rate)
+        return float(run.rod.stability(with_waves(load, run.rod.damping_rate)).growth_rate)
     except ValueError:  # at a resonance of the wave
         return None
 

@@ -16,15 +16,16 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.cli.common import KINDS
-from floquetrod.cli.loads import read_kind, read_load, read_record
+from floquetrod.cli.loads import LOAD_OPTIONS, read_kind, read_load, read_record
 from floquetrod.cli.starts import read_perturbation
 from floquetrod.ensembles.axes import LAYOUTS, names_of
 from floquetrod.rod.data import INSTEAD
 from floquetrod.rod.files import rod_of
+from floquetrod.rod.load import FAR_ENDS
 from floquetrod.units import Unit
 
 _TABLES = ("rod", "load", "run", "start", "over", "ensemble")
-_LOAD = (*KINDS, "mean_at", "wave", "axial_damping", "force")
+_LOAD = (*KINDS, *LOAD_OPTIONS)
 _RUN = {
     "duration": "time",
     "time_step": "time",
@@ -52,7 +53,6 @@ _ARGUMENTS = {
 }
 """Arguments of `floquetrod.SimulationProblem`, and the tables that give them."""
 
-_WAVES = ("held", "free", "driven")
 _SPACINGS = ("linear", "log")
 _MOST = 10_000_000  # values of a range: as many as an ensemble has runs
 _DISTRIBUTIONS = {
@@ -150,7 +150,7 @@ def _load(path: Path, table: Mapping[str, Any], rod: fr.Rod) -> Any:
     if given["force"] is None and (missing := [key for key in KINDS if given[key] is None]):
         raise ValueError(f"missing key{'s' if missing[1:] else ''} {', '.join(missing)}; or give a measured force")
     if given["wave"] is not None:
-        validate.choice("wave", given["wave"], _WAVES)
+        validate.choice("wave", given["wave"], FAR_ENDS)
     texts = {key: None if given[key] is None else str(given[key]) for key in ("mean_at", "wave", "axial_damping")}
     force = None if given["force"] is None else str(path.parent / str(given["force"]))
     options = argparse.Namespace(**given | texts | {"force": force})

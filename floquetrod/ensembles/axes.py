@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.rod import parts
+from floquetrod.rod.data import INSTEAD
 from floquetrod.rod.distributions import quantile_function, quantiles
 from floquetrod.simulation.problem import SimulationProblem
 from floquetrod.simulation.start import Perturbation
@@ -35,7 +36,6 @@ _UNITS = {
     "gravity": "m/s^2",
     "inclination": "rad",
 }
-_INSTEAD = ("diameter", "inner_diameter", "channel_diameter", "wall_thickness")  # of parameters of a rod
 START = ("kick", "seed")
 
 
@@ -57,7 +57,7 @@ def names_of(problem: SimulationProblem) -> dict[str, tuple[str, ...]]:
     return {
         "problem": tuple(part.name for part in fields(problem) if part.type in _NUMBERS),
         "load": tuple(part.name for part in fields(problem.load) if part.type in _NUMBERS),
-        "rod": (*parts.LIMITS, *_INSTEAD),
+        "rod": (*parts.LIMITS, *INSTEAD),
         "start": START,
     }
 

@@ -19,7 +19,7 @@ from floquetrod.equations.base import Equation, require
 
 _ORDERS = (26, 32)  # of the series, the second one to learn the error of the first (heuristic)
 _TOLERANCES = (1e-16, 1e-18)  # part of the solution that the last terms of a step may be
-_MOST_STEPS = 200_000  # (a choice: a minute)
+_MOST_STEPS = 20_000  # in the limit of a small system, fewer of a large one (a choice: some seconds)
 _LARGEST = 1e290  # of a solution (a choice: doubles reach 1e308)
 
 Floats = NDArray[np.float64]
@@ -134,8 +134,8 @@ def solve(equation: Any, initial: Any, span: Any) -> Solution:
     Raises
     ------
     TypeError, ValueError
-        For other equations, wrong shapes, intervals that take more than 200,000 steps, and solutions that grow beyond
-        1e290.
+        For other equations, wrong shapes, intervals that take more than some 16,000 steps (fewer of a large system),
+        and solutions that grow beyond 1e290.
 
     Notes
     -----
@@ -234,7 +234,8 @@ def _steps(
     """Yield times and states at the ends of steps, the start among them."""
     yield start, state
     time, sign = start, math.copysign(1.0, stop - start)
-    for _ in range(_MOST_STEPS):
+    most = _most_steps(state.size, max(len(piece.harmonics) for piece in pieces))
+    for _ in range(most):
         number, place = _place(pieces, period, time, sign)
         begin, end = _bounds(pieces, period, number, place)
         edge = end if sign > 0.0 else begin
@@ -255,9 +256,14 @@ def _steps(
         if time == stop:
             return
     raise ValueError(
-        f"span takes more than {_MOST_STEPS:,} steps, got to t = {time:.6g} of {stop:g}; take a shorter one, or "
+        f"span takes more than {most:,} steps, got to t = {time:.6g} of {stop:g}; take a shorter one, or "
         "multipliers of fr.stability for what happens later"
     )
+
+
+def _most_steps(size: int, harmonics: int) -> int:
+    """Return how many steps of a state of some size are taken; each costs what it does in proportion (measured)."""
+    return math.ceil(_MOST_STEPS / (1.0 + size / 9.0 + (size / 40.0) ** 2 * (1.0 + harmonics / 10.0)))
 
 
 def _bounds(pieces: tuple[_Piece, ...], period: float, number: int, place: int) -> tuple[float, float]:

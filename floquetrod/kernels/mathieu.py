@@ -163,6 +163,23 @@ def multipliers_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
 
 
 @kernel
+def exponents_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
+    """Fill ``out`` (n, 2) complex with Floquet exponents per unit tau, the faster (or of positive rotation) first."""
+    for i in range(len(alpha)):
+        sign, x, e, _, _ = discriminant_excess(alpha[i], beta[i], damping[i])
+        if x > 0.0:
+            rate = undamped_growth(alpha[i], beta[i], damping[i])
+            turn = 0.0 if sign > 0 else 0.5
+            out[i, 0] = complex(rate - damping[i], turn)
+            out[i, 1] = complex(-rate - damping[i], turn)
+        else:
+            part = math.asin(min(1.0, math.sqrt(-math.ldexp(x, e)))) / math.pi
+            turn = part if sign > 0 else 0.5 - part
+            out[i, 0] = complex(-damping[i], turn)
+            out[i, 1] = complex(-damping[i], 0.5 if turn == 0.5 else -turn)
+
+
+@kernel
 def growth_bound(a: float, q: float) -> float:
     """Return a bound on the growth per unit tau where a > 2 q: q P P' / (4 k1), exponentially small in sqrt(a).
 

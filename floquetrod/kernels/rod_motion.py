@@ -43,8 +43,8 @@ PARTS = ("share", "grip")
 
 ONCE = ("anchor", "cosines", "sines", "work", "impulse", "clock")
 """Where ends are held across: y, z of the first and of the last node.  Cosines and sines of harmonics 1, 2, ... of the
-vibration, in N.  Work done by the end forces so far.  Impulses
-by which the upper and the lower end have been pushed so far.  Steps done so far."""
+vibration, in N.  Work done by the end forces so far.  Impulses by which the upper and the lower end have been pushed so
+far.  Steps done so far."""
 
 SCRATCH = ("d1", "d2", "d3", "inverse", "tension", "f1", "f2", "f3", "torque")
 """Of segments: direction, 1 / |t|, tension, gradient of the energy by t, torque of twist."""
@@ -329,8 +329,11 @@ def _ghost_forces(rod: Any, across: int, a: int, inward: int, push: float) -> No
 
 
 @kernel
-def _hold_end(rod: Any, end: Any, i: int, place: int, push: float, p: Any) -> None:
-    """Return an end that is held to where it is held; ``push`` is the sign of the direction in which it is pushed."""
+def _hold_end(rod: Any, end: Any, i: int, place: int, push: float, before: float, p: Any) -> None:
+    """Return an end that is held to where it is held; ``push`` is the sign of the direction in which it is pushed.
+
+    ``before`` is its velocity along the channel before the step.
+    """
     y, z, vy, vz, anchor = rod["y"], rod["z"], rod["vy"], rod["vz"], rod["anchor"]
     if end.across in (HINGED, CLAMPED):
         y[i], z[i] = anchor[2 * place], anchor[2 * place + 1]
@@ -344,23 +347,25 @@ def _hold_end(rod: Any, end: Any, i: int, place: int, push: float, p: Any) -> No
         x[i] += p.step * change
         vx[i] = speed
         rod["impulse"][place] += push * impulse
-        rod["work"][0] += impulse * speed
+        rod["work"][0] += 0.5 * impulse * (before + speed)
 
 
 @kernel
 def _decay(rod: Any, p: Any) -> None:
-    """Damp every velocity for half a step and add up the energy lost."""
+    """Damp every velocity for half a step, but that of an end that is moved, and add up the energy lost."""
     vx, vy, vz, spin, lost = rod["vx"], rod["vy"], rod["vz"], rod["spin"], rod["lost_damping"]
     factor, along = p.decay, p.decay_along
     heavier, turning = p.mass_along / p.mass, p.inertia / p.mass
     part, part_along = 0.5 * (1.0 - factor * factor), 0.5 * heavier * (1.0 - along * along)
     for i in range(p.segments + 1):
         across = vy[i + 2] * vy[i + 2] + vz[i + 2] * vz[i + 2] + turning * spin[i + 2] * spin[i + 2]
-        lost[i + 2] += part * across + part_along * vx[i + 2] * vx[i + 2]
-        vx[i + 2] *= along
+        lost[i + 2] += part * across
         vy[i + 2] *= factor
         vz[i + 2] *= factor
         spin[i + 2] *= factor
+    for i in range(1 if p.upper.moved else 0, p.segments if p.lower.moved else p.segments + 1):
+        lost[i + 2] += part_along * vx[i + 2] * vx[i + 2]
+        vx[i + 2] *= along
 
 
 @kernel
@@ -405,17 +410,17 @@ def advance(rod: Any, steps: int, p: Any) -> None:
         lower = 0.0 if p.lower.moved else p.lower.mean + p.lower.drive * force
         if damped:
             _decay(rod, p)
-        before = upper * vx[a] - lower * vx[b]
+        first_before, last_before = vx[a], vx[b]
         gradient(rod, p, upper, lower)
         if p.friction > 0.0:
             _frictional_step(rod, p)
         else:
             frictionless_step(rod, p)
-        rod["work"][0] += 0.5 * p.step * (before + upper * vx[a] - lower * vx[b])
+        rod["work"][0] += 0.5 * p.step * (upper * (first_before + vx[a]) - lower * (last_before + vx[b]))
         rod["impulse"][0] += p.step * upper
         rod["impulse"][1] += p.step * lower
-        _hold_end(rod, p.upper, a, 0, 1.0, p)
-        _hold_end(rod, p.lower, b, 1, -1.0, p)
+        _hold_end(rod, p.upper, a, 0, 1.0, first_before, p)
+        _hold_end(rod, p.lower, b, 1, -1.0, last_before, p)
         if damped:
             _decay(rod, p)
     rod["clock"][0] = first + steps

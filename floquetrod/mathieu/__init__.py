@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from floquetrod.mathieu.arrays import discriminant, growth_rate, is_stable, multipliers
+from floquetrod.mathieu.arrays import discriminant, exponents, growth_rate, is_stable, multipliers
 from floquetrod.mathieu.characteristic import TransitionCurves, characteristic_values, tongue_widths, transition_curves
 from floquetrod.mathieu.charts import chart
 from floquetrod.mathieu.solutions import (
     FloquetSolution,
     characteristic_function,
-    exponents,
     floquet_solutions,
     real_order_values,
 )

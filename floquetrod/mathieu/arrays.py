@@ -112,6 +112,26 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     return shaped(out, (*shape, 2))
 
 
+def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau", workers: int | None = None) -> Any:
+    """Return both Floquet exponents, in a last axis of length 2 (complex), the one that grows faster first.
+
+    Arguments as in `is_stable`.  Real parts are growth rates, negative ones too, finite however large or small the
+    multipliers; imaginary parts lie in [0, 1/2] first and in [-1/2, 0] second, but both are 1/2 where multipliers are
+    negative.  ``per`` is "tau", or "z" for those of y'' + (a - 2 q cos 2 z) y = 0, twice as large, whose imaginary part
+    is the order nu up to its sign and an even number.
+
+    Examples
+    --------
+    >>> exponents(0.5, [-0.25, -0.6], per="z").round(6).tolist()
+    [[(0.453454+1j), (-0.453454+1j)], [0.558628j, -0.558628j]]
+    """
+    unit = 2.0 if validate.choice("per", per, ("tau", "z")) == "z" else 1.0
+    shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
+    out = np.empty((a.size, 2), dtype=np.complex128)
+    over_chunks(kernels.exponents_fill, (a, b, c), out, workers=workers)
+    return shaped(unit * out, (*shape, 2))
+
+
 def _arrays(alpha: Any, beta: Any, damping: Any) -> dict[str, NDArray[np.float64]]:
     return {
         "alpha": validate.array("alpha", alpha),

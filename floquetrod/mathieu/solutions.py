@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -14,7 +15,7 @@ from floquetrod._util.arrays import broadcast, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Mathieu
 from floquetrod.equations.base import require
-from floquetrod.mathieu.arrays import growth_rate, multipliers
+from floquetrod.mathieu.arrays import exponents
 from floquetrod.mathieu.characteristic import characteristic_values
 
 _LONGEST = 1e6  # time (a choice: beyond it rounding of the phase costs more than ten digits)
@@ -172,9 +173,9 @@ def characteristic_function(order: float, q: float, kind: str = "floquet") -> Fl
 def floquet_solutions(equation: Mathieu) -> tuple[FloquetSolution, ...]:
     """Return the Floquet solutions A(tau) = exp(mu tau) P(tau) of Mathieu's equation, the faster growing first.
 
-    Two of them, but one on a transition curve, where the other solutions are no Floquet solutions.  Each is scaled so
-    that the squares of its coefficients add up to one.  TypeError for another equation, ValueError for
-    abs(alpha) above 5e6.
+    Two of them; one where both exponents are equal, on a transition curve: the other solutions are no Floquet
+    solutions there (but with alpha = 0).  Each is scaled so that the squares of its coefficients add up to one.
+    TypeError for another equation, ValueError for abs(alpha) above 5e6.
 
     Examples
     --------
@@ -186,45 +187,25 @@ def floquet_solutions(equation: Mathieu) -> tuple[FloquetSolution, ...]:
     require(equation, (Mathieu,), "floquet_solutions")
     alpha, beta, damping = equation.alpha, equation.beta, equation.damping
     validate.within("alpha", alpha, -0.5 * _LARGEST_Q, 0.5 * _LARGEST_Q)
-    found = []
-    for exponent in map(complex, _undamped_exponents(alpha, beta + damping**2)):
-        frequencies, vector = _null_vector(-4.0 * (beta + damping**2), 2.0 * alpha, 2.0 * exponent)
-        # In time: z is half of tau less a quarter of pi.
-        shifted = vector * np.exp(-(2.0 * exponent + 1j * frequencies) * (0.25 * math.pi))
-        shifted /= np.linalg.norm(shifted)
-        name = f"Floquet solution of {equation!r}"
-        found.append(FloquetSolution(name, exponent - damping, 0.5 * frequencies, shifted, 2.0 * math.pi, False))
+    level = beta + damping**2  # of the equation freed of its damping
+    name, period, found = f"Floquet solution of {equation!r}", 2.0 * math.pi, []
+    for exponent in dict.fromkeys(_constant_exponents(level) if alpha == 0.0 else exponents(alpha, level).tolist()):
+        if alpha == 0.0:
+            turns = float(round(exponent.imag))
+            exponent, frequencies, vector = exponent - 1j * turns, np.array([turns]), np.ones(1, dtype=complex)
+        else:
+            frequencies, vector = _null_vector(-4.0 * level, 2.0 * alpha, 2.0 * exponent)
+            # In time: z is half of tau less a quarter of pi.
+            vector = vector * np.exp(-(2.0 * exponent + 1j * frequencies) * (0.25 * math.pi))
+            frequencies, vector = 0.5 * frequencies, vector / np.linalg.norm(vector)
+        found.append(FloquetSolution(name, exponent - damping, frequencies, vector, period, False))
     return tuple(found)
 
 
-def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau") -> Any:
-    """Return both Floquet exponents of A'' + 2 c A' = (beta + alpha sin tau) A, in a last axis of length 2 (complex).
-
-    Arguments as in `floquetrod.mathieu.is_stable`.  The one that grows faster first; real parts are growth rates,
-    finite however large the multipliers, and imaginary parts lie in [0, 1/2] first and in [-1/2, 0] second, but both
-    are 1/2 where multipliers are negative.  ``per`` is "tau", or "z" for those of y'' + (a - 2 q cos 2 z) y = 0, twice
-    as large, whose imaginary part is the order nu up to its sign and an even number.
-
-    Examples
-    --------
-    >>> exponents(0.5, [-0.25, -0.6], per="z").round(6).tolist()
-    [[(0.453454+1j), (-0.453454+1j)], [0.558628j, -0.558628j]]
-    """
-    unit = 2.0 if validate.choice("per", per, ("tau", "z")) == "z" else 1.0
-    rates = np.asarray(growth_rate(alpha, beta, damping))
-    found = np.asarray(multipliers(alpha, beta, damping))
-    decay = np.broadcast_to(np.asarray(damping, dtype=np.float64), rates.shape)
-    turning = found.imag[..., 0] != 0.0
-    angle = np.abs(np.angle(found[..., 0])) / (2.0 * math.pi)
-    first = np.where(turning, -decay, np.maximum(rates, -decay)) + 1j * angle
-    second = -2.0 * decay - first.real + np.where(turning, -1j, 1j) * angle
-    return shaped(unit * np.stack([first, second], axis=-1), (*rates.shape, 2))
-
-
-def _undamped_exponents(alpha: float, level: float) -> tuple[complex, ...]:
-    """Return the exponents per unit tau without damping: two, or one where they are equal."""
-    first, second = exponents(alpha, level)
-    return (first,) if first == second and alpha != 0.0 else (first, second)
+def _constant_exponents(level: float) -> tuple[complex, complex]:
+    """Return the exponents of A'' = level A, their imaginary parts in full."""
+    root = cmath.sqrt(level)
+    return root, 0.0 - root
 
 
 def _harmonics(value: float, q: float) -> int:

@@ -26,7 +26,7 @@ from floquetrod.paper.simulations import (
     redraw,
     torsion_and_shear_share,
 )
-from floquetrod.rod.load import AxialWave
+from floquetrod.rod.load import with_waves
 from floquetrod.simulation.start import Perturbation
 
 DRAWN = (150.0, 0.118), (150.0, 0.424)
@@ -324,7 +324,7 @@ def _growth_error(outcome: Outcome) -> float:
     """
     (mode,) = outcome.trial.expected_modes
     load = outcome.trial.problem.load
-    predicted = ROD.stability(AxialWave(load.mean, load.amplitude, load.frequency, far_end="driven")).growth_rate
+    predicted = ROD.stability(with_waves(load)).growth_rate
     return abs(outcome.run.growth_rate(mode).rate / predicted - 1.0)
 
 

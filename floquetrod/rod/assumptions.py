@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+import warnings
+
+import numpy as np
+
 from floquetrod.rod.data import RodData
 from floquetrod.rod.load import AxialWave, Load
+
+UNIFORM_UP_TO = 0.1
+"""Ratio of forcing speed to wave speed up to which the force counts as uniform (heuristic)."""
+
+_MATTERS = 0.1  # of the largest harmonic, from which on another one counts (a choice)
 
 SHAPE = ("small angles", "linear elasticity", "straight channel, whose floor the rod never leaves; no torque")
 """Of every rod."""
@@ -13,6 +22,26 @@ WALL = "the load is the compression in the wall"
 
 IMMERSED = ("the load is the effective force, F_wall + p_i A_i - p_o A_o", "fluids at rest, added mass constant")
 """Which force is meant with a fluid inside or outside, and what else is taken for granted then."""
+
+
+class UniformForceWarning(UserWarning):
+    """The load changes too fast for the axial force to be the same all along the rod."""
+
+
+def warn_unless_uniform(rod: RodData, load: Load, stacklevel: int = 3) -> None:
+    """Warn where a force that is taken to be uniform along the rod is not, its harmonics that matter included."""
+    sizes = np.abs(load.harmonics)
+    highest = 1 + int(np.flatnonzero(sizes >= _MATTERS * sizes.max())[-1])
+    ratio = highest * rod.wave_ratio(load)
+    if load.is_uniform and ratio > UNIFORM_UP_TO:
+        warnings.warn(
+            f"at {highest * load.frequency:.6g} rad/s omega L / (2 pi) is {ratio:.2g} of the axial wave speed "
+            f"{rod.wave_speed:.0f} m/s: the force is not uniform along the rod, as this load takes it to be (fit for "
+            f"ratios below {UNIFORM_UP_TO:g}); "
+            "AxialWave follows the waves",
+            UniformForceWarning,
+            stacklevel=stacklevel,
+        )
 
 
 def assumptions(rod: RodData, load: Load) -> tuple[str, ...]:

@@ -275,6 +275,16 @@ class RodData:
         return float(formulas.rigidity(self.youngs_modulus, self.section.numbers))
 
     @property
+    def axial_rigidity(self) -> float:
+        """E A_s in N."""
+        return self.youngs_modulus * self.area
+
+    @property
+    def mass_along(self) -> float:
+        """Inertia rho A_s in kg/m of motion along the channel, that of the material alone."""
+        return self.density * self.area
+
+    @property
     def mass_per_length(self) -> float:
         """Inertia m_t = rho A_s + rho_i A_i + C_a rho_o A_o in kg/m, of material, fluid inside and added mass."""
         fluids = self.fluids

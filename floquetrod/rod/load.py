@@ -272,6 +272,10 @@ def kind(like: AnyLoad | None) -> Load:
     return AxialLoad(0.0, 0.0, 1.0) if like is None else require_load("like", like)
 
 
+FAR_ENDS = ("held", "free", "driven")
+"""What the lower end may be under an axial wave."""
+
+
 @dataclass(frozen=True, repr=False)
 class AxialWave(Load):
     """Force that a vibration at the upper end, s = 0, sends along the rod as axial waves of its speed c_0.
@@ -303,7 +307,7 @@ class AxialWave(Load):
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
         super().__post_init__()
-        validate.choice("far_end", self.far_end, ("held", "free", "driven"))
+        validate.choice("far_end", self.far_end, FAR_ENDS)
         rate = validate.nonnegative("axial_damping", self.axial_damping, "give the decay rate in 1/s")
         object.__setattr__(self, "axial_damping", validate.within("axial_damping", rate, 0.0, _FASTEST))
 
@@ -341,6 +345,11 @@ class AxialWave(Load):
         ends = "both ends driven" if self.far_end == "driven" else f"lower end {self.far_end}"
         rate = f", axial damping {self.axial_damping:g} 1/s" if self.axial_damping else ""
         return ", ".join(filter(None, [f"axial waves, {ends}{rate}", super().departures]))
+
+
+def with_waves(load: Load, axial_damping: float = 0.0) -> AxialWave:
+    """Return an `AxialLoad` with the waves it sends from both ends, damped at a rate in 1/s."""
+    return AxialWave(**load.as_dict(), far_end="driven", axial_damping=axial_damping)
 
 
 def _waveform(value: Any) -> Waveform:

@@ -11,6 +11,7 @@ from floquetrod._util import validate
 from floquetrod._util.version import __version__
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, BandSource, Chart, Progress, axis_values, fill_rows
+from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.bands import ExactRodBands
 from floquetrod.rod.certified import certified_cells
 from floquetrod.rod.load import LIMITS, AnyLoad, Quantity, kind, require_load
@@ -109,6 +110,8 @@ def stability_map(
     across, up = (name for name in _AXES if name not in fixed)
     x, y = (Axis(*_AXES[name], axis_values(name, given[name])) for name in (across, up))
     value = validate.finite(fixed[0], given[fixed[0]])
+    fastest = {fixed[0]: value, across: float(x.values[-1]), up: float(y.values[-1])}["frequency"]
+    warn_unless_uniform(rod, kind(like).varied("frequency", fastest))
     if validate.flag("certified", certified):
         _require_provable(rod, like, tolerance, criterion=criterion, friction=rubbing)
 

@@ -93,7 +93,7 @@ def friction_and_kick(friction: Any, kick: Any) -> tuple[float, float] | None:
 
 def axial_velocity(rod: RodData, amplitude: Any, frequency: Any) -> Any:
     """Return v_a = L dF omega / (2 pi E A) in m/s, Eq. (17), A the area of the material; broadcasts."""
-    return rod.length * amplitude * frequency / (2.0 * math.pi * rod.youngs_modulus * rod.area)
+    return rod.length * amplitude * frequency / (2.0 * math.pi * rod.axial_rigidity)
 
 
 def kicks_of(rod: RodData, friction: float, amplitude: Any, frequency: Any, ratio: Any) -> Any:

@@ -14,6 +14,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.content import NoTruthValue
 from floquetrod.floquet.systems.result import Resonance
+from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.coupled import CoupledModes
 from floquetrod.rod.load import Load, Loads, Progress, Quantity
 from floquetrod.rod.modal import ModalRod
@@ -175,6 +176,7 @@ def stability_intervals(
     validate.progress(progress)
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     name, unit = QUANTITIES[varied]
+    warn_unless_uniform(rod, largest, stacklevel=4)
     if not rod.coupled_numbers.has_mathieu_modes(largest):
         coupled = _coupled(varied, rod, largest, bounds, tolerance)
         parts, resolution = unstable_parts(varied, coupled, largest, bounds, tolerance, progress)
@@ -194,6 +196,7 @@ def stability_intervals(
 def first_unstable(varied: Quantity, rod: ModalRod, largest: Load, growth_tolerance: float) -> float:
     """Return where one quantity, going from zero to that of ``largest``, first meets growth; infinite without any."""
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+    warn_unless_uniform(rod, largest, stacklevel=4)
     if not rod.coupled_numbers.has_mathieu_modes(largest):
         bounds = (0.0, getattr(largest, varied))
         coupled = _coupled(varied, rod, largest, bounds, tolerance)

@@ -22,7 +22,7 @@ from floquetrod.floquet.proof.region import (
     modes_of_box,
     subdivide,
 )
-from floquetrod.rod.assumptions import IMMERSED, SHAPE, WALL
+from floquetrod.rod.assumptions import IMMERSED, SHAPE, WALL, warn_unless_uniform
 from floquetrod.rod.constants import HAIRLINE_GROWTH, MOST_MODES, NEGLIGIBLE_GROWTH
 from floquetrod.rod.load import AnyLoad, Load, Loads, Progress, Quantity, kind
 from floquetrod.rod.modal import ModalRod
@@ -53,6 +53,7 @@ def certify_rods(
     max_boxes = validate.integer("max_boxes", max_boxes, 1)
     validate.progress(progress)
     box = RodBox.of(rod, kind(like), mean, amplitude, frequency, parameters)
+    warn_unless_uniform(rod, box.like.varied("frequency", box.loads["frequency"].high), stacklevel=4)
     require_in_reach(box)
     return prove(box, tolerance, max_boxes, progress)
 

@@ -13,6 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod.friction.fate_of_kicks import UndecidedWarning
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
+from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.coupled import CoupledLoads, chosen_count
 from floquetrod.rod.coupled_stability import CoupledRodStability, classify_coupled
@@ -24,19 +25,13 @@ from floquetrod.rod.friction import (
     critical_kicks,
     kicked_loads,
 )
-from floquetrod.rod.load import AnyLoad, Load, Loads, Progress, kind, load_bounds, require_load
+from floquetrod.rod.load import AnyLoad, Loads, Progress, kind, load_bounds, require_load
 from floquetrod.rod.modal import refusal
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.proved import ProvedRod
 from floquetrod.rod.ranges import StabilityIntervals, first_unstable, stability_intervals
 from floquetrod.rod.stability import RodStability, classify_modes
-
-_UNIFORM_UP_TO = 0.1  # ratio of forcing speed to wave speed up to which the force counts as uniform (heuristic)
-
-
-class UniformForceWarning(UserWarning):
-    """The load changes too fast for the axial force to be the same all along the rod."""
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -159,7 +154,7 @@ class Rod(ProvedRod):
         load = require_load("load", load)
         rubbing = friction_and_kick(friction, kick)
         growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-        self._warn_unless_uniform(load)
+        warn_unless_uniform(self, load)
         if not self.coupled_numbers.has_mathieu_modes(load):
             if friction is not None:
                 raise refusal(self, "friction", load)
@@ -430,14 +425,3 @@ class Rod(ProvedRod):
         systems = self.modal_systems(mean, amplitude, frequency, like=like)
         growth, mode = systems.fastest(workers)
         return shaped(growth, systems.loads.shape), shaped(mode, systems.loads.shape)
-
-    def _warn_unless_uniform(self, load: Load) -> None:
-        ratio = self.wave_ratio(load)
-        if load.is_uniform and ratio > _UNIFORM_UP_TO:
-            warnings.warn(
-                f"omega L / (2 pi) is {ratio:.2g} of the axial wave speed {self.wave_speed:.0f} m/s: the force is not "
-                f"uniform along the rod, as this load takes it to be (fit for ratios below {_UNIFORM_UP_TO:g}); "
-                "AxialWave follows the waves",
-                UniformForceWarning,
-                stacklevel=3,
-            )

@@ -16,6 +16,7 @@ from floquetrod._util import validate
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.interval import Interval
 from floquetrod.floquet.proof.region import RegionProof, Side
+from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.load import LIMITS, AnyLoad, Load, Progress, Quantity, require_load
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.ranges import QUANTITIES as NAMES
@@ -130,6 +131,7 @@ def largest_safe_box(
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     accuracy = validate.within("accuracy", accuracy, 1e-4, 0.5, "it is a share of the width of the box")
     validate.progress(progress)
+    warn_unless_uniform(rod, load, stacklevel=4)
     box = RodBox.of(rod, load, load.mean, load.amplitude, load.frequency, parameters)
     require_in_reach(box)
     proof = prove(box, tolerance)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod.kernels.rod_motion import CLAMPED, FREE, GUIDED, HINGED, End
 from floquetrod.rod.data import RodData
-from floquetrod.rod.load import AxialWave, Load
+from floquetrod.rod.load import AxialWave, Load, with_waves
 
 MOST_HARMONICS = 100  # of a simulated force (a choice: they are summed in every step)
 _ACROSS = {"hinged": HINGED, "clamped": CLAMPED, "guided": GUIDED, "free": FREE}
@@ -45,7 +45,7 @@ class Driving:
     @cached_property
     def gravity_along(self) -> float:
         """Acceleration along the channel by that weight, in m/s^2; the material alone moves along."""
-        return self.weight_along / (self.rod.density * self.rod.area)
+        return self.weight_along / self.rod.mass_along
 
     @property
     def mean_forces(self) -> tuple[float, float]:
@@ -56,18 +56,24 @@ class Driving:
         return upper, upper + grown if self.far_force is None else self.far_force
 
     @property
+    def far_end(self) -> str:
+        """What the lower end is, "held", "free" or "driven"."""
+        return self._wave.far_end
+
+    @property
     def axial_damping(self) -> float:
         """Decay rate of motion along the channel in 1/s, that of the waves where there are any, else that across."""
-        return self.load.axial_damping if isinstance(self.load, AxialWave) else self.rod.damping_rate
+        return self._wave.axial_damping
 
     @cached_property
     def ends(self) -> tuple[End, End]:
         """The upper and the lower end."""
         across, means = self.rod.end_conditions, self.mean_forces
-        far_end = self.load.far_end if isinstance(self.load, AxialWave) else "driven"
         fed = self.feed_speed is not None
         upper = End(_ACROSS[across.upper], fed, self.feed_speed or 0.0, means[0], 0.0 if fed else 1.0)
-        lower = End(_ACROSS[across.lower], far_end == "held", 0.0, means[1], 1.0 if far_end == "driven" else 0.0)
+        lower = End(
+            _ACROSS[across.lower], self.far_end == "held", 0.0, means[1], 1.0 if self.far_end == "driven" else 0.0
+        )
         return upper, lower
 
     @property
@@ -78,7 +84,7 @@ class Driving:
     def squeezed(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return where the mean forces put the places ``s`` of the rod along the channel, in m from its middle."""
         first, last = self.mean_forces
-        length, rigidity = self.rod.length, self.rod.youngs_modulus * self.rod.area
+        length, rigidity = self.rod.length, self.rod.axial_rigidity
         shorter = (first * s + 0.5 * (last - first) * s**2 / length) / rigidity
         return s - 0.5 * length - shorter + 0.5 * (first + last) * 0.5 * length / rigidity
 
@@ -100,19 +106,17 @@ class Driving:
                 )
             except ValueError:
                 return np.zeros_like(s), np.zeros_like(s)
-            inertia = self.rod.density * self.rod.area * complex(-(frequency**2), 2.0 * self.axial_damping * frequency)
+            inertia = self.rod.mass_along * complex(-(frequency**2), 2.0 * self.axial_damping * frequency)
             moved = -harmonic * (above - below) / (2.0 * near) / inertia
             displacement += moved.real
             velocity += (1j * frequency * moved).real
         return displacement, velocity
 
     @cached_property
-    def _wave(self) -> Load:
+    def _wave(self) -> AxialWave:
         """The load as waves; with the same force at both ends they start there, too."""
-        if isinstance(self.load, AxialWave):
-            return self.load
         load = self.load
-        return AxialWave(load.mean, load.amplitude, load.frequency, far_end="driven", axial_damping=self.axial_damping)
+        return load if isinstance(load, AxialWave) else with_waves(load, self.rod.damping_rate)
 
 
 def half_waves(rod: RodData, load: Load) -> float:

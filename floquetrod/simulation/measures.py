@@ -36,4 +36,4 @@ def contact_force(
 def axial_force(mesh: DiscreteRod, driving: Driving, positions: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the compression in N in the middle of every segment of every frame, (frames, segments)."""
     lengths = np.array([np.linalg.norm(mesh.tangents(places, driving), axis=1) for places in positions])
-    return np.asarray(mesh.rod.youngs_modulus * mesh.rod.area * (1.0 - lengths / mesh.segment_length))
+    return np.asarray(mesh.rod.axial_rigidity * (1.0 - lengths / mesh.segment_length))

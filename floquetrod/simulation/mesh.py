@@ -126,7 +126,7 @@ class DiscreteRod:
     @property
     def mass_along(self) -> float:
         """Mass of a segment in motion along the channel, that of its material, in kg."""
-        return self.rod.density * self.rod.area * self.segment_length
+        return self.rod.mass_along * self.segment_length
 
     @property
     def inertia(self) -> float:
@@ -161,7 +161,7 @@ class DiscreteRod:
             mass=self.segment_mass,
             mass_along=self.mass_along,
             inertia=self.inertia,
-            stretch=rod.youngs_modulus * rod.area,
+            stretch=rod.axial_rigidity,
             bend=rod.flexural_rigidity,
             twist=self.torsional_rigidity,
             radius=rod.radius,
@@ -234,7 +234,7 @@ class DiscreteRod:
         straight = np.arange(self.segments + 1) * length - 0.5 * self.rod.length
         values = (
             0.5 * np.sum(moving) + 0.5 * np.sum(turning),
-            0.5 * self.rod.youngs_modulus * self.rod.area / length * np.sum((lengths - length) ** 2),
+            0.5 * self.rod.axial_rigidity / length * np.sum((lengths - length) ** 2),
             0.5 * self.rod.flexural_rigidity / length * self._curved(tangents / lengths[:, None], driving),
             0.5 * self.torsional_rigidity / length * np.sum(np.diff(node["angle"]) ** 2),
             self.rod.effective_gravity * np.sum(mass * (node["z"] + rest))

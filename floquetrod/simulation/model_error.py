@@ -8,7 +8,7 @@ from typing import NamedTuple
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.dispatch import stability
 from floquetrod.rod.coupled import CoupledModes, RodNumbers
-from floquetrod.rod.load import AxialWave, Load, Loads
+from floquetrod.rod.load import AxialLoad, Load, Loads, with_waves
 from floquetrod.rod.modal import ModalRod
 
 _UNIFORM_UP_TO = 0.1  # length in axial waves up to which a uniform force serves for differences (heuristic)
@@ -55,11 +55,9 @@ def model_errors(
     (2 sigma / l)^2 (1 + sigma^2 / 3) for the curvature of directions, in place of k and k^2.  Large angles: the cubic
     terms of EI (theta'''' - 6 theta'^2 theta'') and of the weight, averaged over a standing wave.
     """
-    if load.is_uniform and rod.wave_ratio(load) > _UNIFORM_UP_TO:
+    if isinstance(load, AxialLoad) and rod.wave_ratio(load) > _UNIFORM_UP_TO:
         # What an AxialLoad does to a rod of this length.
-        load = AxialWave(
-            load.mean, load.amplitude, load.frequency, mean_at=load.mean_at, waveform=load.waveform, far_end="driven"
-        )
+        load = with_waves(load)
     numbers = rod.coupled_numbers
     alone = mode if numbers.are_modes_apart(load) else None
     count = alone or numbers.modes_needed(Loads.single(load), load, 0.25 * rate)
@@ -82,7 +80,7 @@ def model_errors(
     squared = math.sin(half) ** 2
     slope = squared * (1.0 + squared / 6.0) ** 2 / half**2
     curvature = squared * (1.0 + squared / 3.0) / half**2
-    strain = (abs(load.mean) + load.amplitude) / (rod.youngs_modulus * rod.area)
+    strain = (abs(load.mean) + load.amplitude) / rod.axial_rigidity
     longer = 1.0 / (1.0 - strain)
     ends = rod.end_conditions
     more = _MORE * (_AT_THE_ENDS if {ends.upper, ends.lower} & {"clamped", "free"} else 1.0)

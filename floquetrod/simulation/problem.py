@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import files, validate
 from floquetrod._util.version import __version__
-from floquetrod.rod.load import LIMITS, AxialLoad, AxialWave, Load, load_from_dict, load_number, require_load
+from floquetrod.rod.load import LIMITS, Load, load_from_dict, load_number, require_load
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.stability import growth_of_modes
@@ -258,7 +258,7 @@ class SimulationProblem:
                 f"load must have at most {MOST_HARMONICS} harmonics to be simulated, got {len(load.harmonics)}; leave "
                 "out the highest"
             )
-        lower = "driven" if isinstance(load, AxialLoad) else load.far_end if isinstance(load, AxialWave) else ""
+        lower = self.driving.far_end
         if self.feed_speed is not None and load.amplitude > 0.0 and lower != "driven":
             raise ValueError(
                 f"feed_speed must not be given with a vibration of the upper end, got {self.feed_speed:g} m/s and an "
@@ -273,7 +273,7 @@ class SimulationProblem:
     def _require_small_strain(self) -> None:
         """Raise ValueError for a load beyond linear elasticity."""
         force = max(map(abs, self.driving.mean_forces)) + self.load.amplitude * np.abs(self.load.harmonics).sum()
-        strain = force / (self.rod.youngs_modulus * self.rod.area)
+        strain = force / self.rod.axial_rigidity
         if strain > _LARGEST_STRAIN:
             raise ValueError(
                 f"load strains the rod by {strain:.2g}, must be at most {_LARGEST_STRAIN:g}; its critical force is "
@@ -326,10 +326,10 @@ class Simulation(RecordedMotion):
     def growth_rate(self, mode: int | None = None) -> GrowthFit:
         """Return the growth rate in 1/s of a mode or, by default, of the whole rod, with its error; zero for none.
 
-        The whole rod is its dominant mode where modes are independent, and the motion of all its nodes where they are
-        coupled: by ends that are not hinged, or a force that varies along the rod.  The motion is fitted up to an
-        angle between 0.005 and 0.05 rad, the one with the least error, by `floquetrod.simulation.growth.fit_growth`;
-        best when frames fall on equal parts of the forcing period.
+        The whole rod is the fastest of the modes that show (1 % of the largest or more) where modes are independent,
+        and the motion of all its nodes where they are coupled: by ends that are not hinged, or a force that varies
+        along the rod.  The motion is fitted up to an angle between 0.005 and 0.05 rad, the one with the least error,
+        by `floquetrod.simulation.growth.fit_growth`; best when frames fall on equal parts of the forcing period.
 
         The error estimates the distance from Floquet theory with the axial wave kept, which is ``AxialWave(...,
         far_end="driven")`` for an `AxialLoad`: that of the fit, and that of the simulated rod, by theory.  Raises
