@@ -211,7 +211,7 @@ def test_captions_say_what_is_left_out() -> None:
     assert title(hairlines=1200) == "1 unstable band; 1,200 hairline tongues left out"
     tolerant = title(hairlines=1, growth_tolerance=0.1)
     assert tolerant == "1 unstable band of growth above 0.1 1/s; 1 slower tongue left out"
-    assert "bands narrower than 0.01 by 0.02 may have been missed" in title(resolution=(0.01, 0.02))
+    assert "bands, and gaps in them, narrower than 0.01 by 0.02 may have been missed" in title(resolution=(0.01, 0.02))
 
 
 def test_captions_say_what_is_tested_and_what_is_not_known() -> None:
@@ -230,6 +230,9 @@ def test_labels_name_what_is_known() -> None:
     assert said(12, None) == ("12", "numbers: modes")
     assert said(None, 0) == ("0", "numbers: tongues")
     assert said(None, None) == ("", "")
+    both = replace(box(0.0, 1.0, 0.0, 1.0, 1, 3), partner=2)
+    assert (labels.label(both), both.name) == ("1+2·3", "modes 1 + 2, tongue 3")
+    assert labels.label(replace(both, partner=-2)) == "1\N{MINUS SIGN}2·3"
 
 
 def test_labels_lie_in_their_bands_and_nowhere_else() -> None:

@@ -93,8 +93,8 @@ def test_a_map_is_drawn_as_bands_or_as_pixels(
         assert "1 unstable band; 12 hairline tongues left out\n" in said
         assert "1 unstable band; 12 hairline tongues left out" in drawn.pop().get_title().replace("\n", " ")
     head, first, *_ = Path(names["csv"]).read_text(encoding="utf-8").splitlines()  # in the units of the question
-    assert head == "band,mode,tongue,largest growth [1/s],frequency [Hz],mean force [Fcr]"
-    assert first.startswith("1,7,1,2.5,15.9154")
+    assert head == "band,mode,partner,tongue,largest growth [1/s],frequency [Hz],mean force [Fcr]"
+    assert first.startswith("1,7,,1,2.5,15.9154")
     loaded = fr.Chart.load(names["npz"])
     assert loaded.bands.bands[0].x.tolist() == [100.0, 150.0, 120.0]
     assert cli.main(["map", "--rod", "nitinol", *over, "--json", "--out", names["npz"]]) == 0

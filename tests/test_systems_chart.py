@@ -57,6 +57,27 @@ def test_a_chart_is_its_verdicts() -> None:
     assert fr.chart(coupled, over=OVER, workers=1) == fr.chart(coupled, over=OVER, workers=2)
 
 
+def test_bands_are_named_by_their_resonance(tmp_path: Path) -> None:
+    """Of natural frequencies 1 and 2 a symmetric coupling forces the sum, an antisymmetric one the difference."""
+
+    def skew(omega: float, epsilon: float) -> fr.HillSystem:
+        return fr.HillSystem(
+            np.diag([1.0, 4.0]), [epsilon * np.array([[0.0, 1.0], [-1.0, 0.0]])], period=math.tau / omega
+        )
+
+    for family, where, names in (
+        (coupled, (2.7, 4.2), {"modes 1 + 2, tongue 1": 3.0, "mode 2, tongue 1": 4.0}),
+        (skew, (0.8, 1.2), {"modes 2 - 1, tongue 1": 1.0}),
+    ):
+        chart = fr.chart(family, over={"omega": (*where, 31), "epsilon": (0.2, 0.4, 3)})
+        found = {band.name: band.place[0] for band in chart.bands}
+        assert found == pytest.approx(names, abs=0.1)
+        chart.save(tmp_path / "chart.npz")
+        assert [band.name for band in fr.Chart.load(tmp_path / "chart.npz").bands] == list(found)
+    with pytest.raises(ValueError, match=r"over\['omega'\] must be .* without a number of points"):
+        fr.chart(coupled, over={"omega": (2.0, 4.0), "epsilon": (0.1, 0.3, 3)})
+
+
 def test_a_tolerance_of_zero_excuses_no_drift() -> None:
     def free(stiffness: float, mass: float) -> fr.HillSystem:
         return fr.HillSystem([[stiffness]], mass=[[mass]])

@@ -50,6 +50,8 @@ def axis_values(name: str, values: Any) -> NDArray[np.float64]:
     array = validate.array(name, values, least=-1e12, largest=1e12)
     if array.ndim != 1 or array.size < 2:
         raise ValueError(f"{name} must be (low, high, number) or an increasing array, got {validate.short(values)}")
+    if array.size == 2 and isinstance(values, tuple):
+        raise ValueError(f"{name} must be (low, high, number), got {validate.short(values)} without a number of points")
     if array.size == 3 and isinstance(values, tuple):
         count = validate.integer(f"{name}[2]", values[2], 2)
         require_bearable(count, f"{name}[2]")

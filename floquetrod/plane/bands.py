@@ -29,11 +29,14 @@ class Band(ByContent):
         Vertices of the polygon about it, in order, the first not repeated, in the units of the axes.  Each lies on a
         boundary or on the edge of the plane.  A stable hole is joined to the outside by a seam, passed both ways.
     mode, tongue : int or None
-        Mode of a rod that grows, and its resonance tongue; None where there is none, or where it is not known.
+        Mode that grows, and its resonance tongue, which is the order of a resonance; None where there is none, or where
+        it is not known.
     largest_growth : float
         Largest growth rate within it, in the growth unit of the `Bands`; NaN where it is not known.
     place : tuple of float
         (x, y) where that is.
+    partner : int or None
+        The other mode of a combination resonance, negative of a difference; None where one mode grows alone.
     """
 
     x: Floats
@@ -42,11 +45,14 @@ class Band(ByContent):
     tongue: int | None
     largest_growth: float
     place: tuple[float, float]
+    partner: int | None = None
 
     @property
     def name(self) -> str:
-        """Return, say, "mode 7, tongue 1"; "" where neither is known."""
+        """Return, say, "mode 7, tongue 1" or "modes 1 + 2, tongue 1"; "" where neither is known."""
         parts = [] if self.mode is None else [f"mode {self.mode}"]
+        if self.partner is not None:
+            parts = [f"modes {self.mode} {'+' if self.partner > 0 else '-'} {abs(self.partner)}"]
         return ", ".join(parts if self.tongue is None else [*parts, f"tongue {self.tongue}"])
 
 
@@ -71,8 +77,9 @@ class Bands(NoTruthValue, ByContent):
         Distance up to which edges of the polygons may depart from the boundary between two vertices, as a share of
         each axis.
     resolution : tuple of float
-        Bands narrower than this along x and y may have been missed; (0, 0) where tongues are found by counts and not
-        among points of the plane (docs/maps.md says what of that is proved, and what observed).
+        Bands, and stable gaps in and between them, narrower than this along x and y may have been missed; (0, 0) where
+        tongues are found by counts and not among points of the plane (docs/maps.md says what of that is proved, and
+        what observed).
 
     Iterating gives the bands.
     """
@@ -119,7 +126,7 @@ class Bands(NoTruthValue, ByContent):
             x, y = (
                 f"{size:.2g} {axis.unit}".strip() for size, axis in zip(self.resolution, (self.x, self.y), strict=True)
             )
-            parts.append(f"bands narrower than {x} by {y} may have been missed")
+            parts.append(f"bands, and gaps in them, narrower than {x} by {y} may have been missed")
         return "; ".join(parts)
 
     def scaled(self, x: Axis, y: Axis, factors: tuple[float, float]) -> Bands:
@@ -131,7 +138,7 @@ class Bands(NoTruthValue, ByContent):
         return replace(self, x=x, y=y, bands=bands, resolution=(self.resolution[0] * fx, self.resolution[1] * fy))
 
     def to_csv(self, path: str | Path) -> Path:
-        """Write a table of all vertices to a file, a line each: band, mode, tongue, largest growth, x, y.
+        """Write a table of all vertices to a file, a line each: band, mode, partner, tongue, growth, x, y.
 
         Units stand in the first line.  An older file of that name stays whole until the new one is complete.
         """
@@ -139,9 +146,9 @@ class Bands(NoTruthValue, ByContent):
         text = io.StringIO(newline="")
         table = csv.writer(text, lineterminator="\n")
         places = [f"{axis.name} [{axis.unit}]" if axis.unit else axis.name for axis in (self.x, self.y)]
-        table.writerow(["band", "mode", "tongue", f"largest growth [{self.growth_unit}]", *places])
+        table.writerow(["band", "mode", "partner", "tongue", f"largest growth [{self.growth_unit}]", *places])
         for number, band in enumerate(self, 1):
-            names = ["" if name is None else name for name in (band.mode, band.tongue)]
+            names = ["" if name is None else name for name in (band.mode, band.partner, band.tongue)]
             for x, y in zip(band.x.tolist(), band.y.tolist(), strict=True):
                 table.writerow([number, *names, band.largest_growth, x, y])
         with files.whole_file(path) as file:
@@ -152,7 +159,7 @@ class Bands(NoTruthValue, ByContent):
         """Return an xarray.Dataset of bands and vertices (needs xarray: pip install floquetrod[xarray]).
 
         The dimensions are "band" and "vertex", to which ``vertex_band`` gives the band, counted from 0; a mode or
-        tongue that is not known is -1.
+        tongue that is not known is -1, and a partner 0.
         """
         import xarray
 
@@ -160,6 +167,7 @@ class Bands(NoTruthValue, ByContent):
         x, y = (axis.name for axis in (self.x, self.y))
         data = {
             "mode": ("band", arrays["mode"]),
+            "partner": ("band", arrays["partner"]),
             "tongue": ("band", arrays["tongue"]),
             "largest_growth": ("band", arrays["growth"], {"units": self.growth_unit}),
             "vertex_band": ("vertex", np.repeat(np.arange(len(self)), arrays["size"])),
@@ -181,6 +189,7 @@ class Bands(NoTruthValue, ByContent):
         return {
             "size": np.array([band.x.size for band in self], dtype=np.int64),
             "mode": np.array([-1 if band.mode is None else band.mode for band in self], dtype=np.int64),
+            "partner": np.array([band.partner or 0 for band in self], dtype=np.int64),
             "tongue": np.array([-1 if band.tongue is None else band.tongue for band in self], dtype=np.int64),
             "growth": np.array([band.largest_growth for band in self], dtype=np.float64),
             "place": np.array([band.place for band in self], dtype=np.float64).reshape(-1, 2),
@@ -193,7 +202,7 @@ class Bands(NoTruthValue, ByContent):
         """Return the bands that `as_arrays` describes; ValueError where the arrays do not fit each other."""
         size = files.field(arrays, "size", np.int64, (None,))
         each = (size.size,)
-        mode, tongue = (files.field(arrays, name, np.int64, each) for name in ("mode", "tongue"))
+        mode, partner, tongue = (files.field(arrays, name, np.int64, each) for name in ("mode", "partner", "tongue"))
         growth = files.field(arrays, "growth", np.float64, each)
         place = files.field(arrays, "place", np.float64, (size.size, 2))
         if (size < 3).any():
@@ -209,6 +218,7 @@ class Bands(NoTruthValue, ByContent):
                 None if tongue[i] < 0 else int(tongue[i]),
                 float(growth[i]),
                 (float(place[i, 0]), float(place[i, 1])),
+                int(partner[i]) or None,
             )
             for i in range(size.size)
         )

@@ -21,6 +21,9 @@ Bools: TypeAlias = NDArray[np.bool_]
 Judge: TypeAlias = Callable[[Floats, Floats], tuple[NDArray[np.int8], Floats]]
 """Verdicts at places x, y (n,): 1 stable, 0 unstable, -1 undecided, and growth rates, NaN where not known."""
 
+Namer: TypeAlias = Callable[[float, float], tuple[int | None, int | None, int | None]]
+"""Mode, partner and tongue of what grows at a place, see `floquetrod.plane.Band`; None for what is not known."""
+
 VERTEX = 1e-10
 """Share of the axes between the places judged unstable and not, on whose middle a vertex is put."""
 

@@ -11,7 +11,7 @@ from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Band, Bands
 from floquetrod.plane.chart import Progress
 from floquetrod.plane.contours import crossings
-from floquetrod.plane.judging import VERTEX, Bools, Floats, Judge, OutOfBudget, Plane
+from floquetrod.plane.judging import VERTEX, Bools, Floats, Judge, Namer, OutOfBudget, Plane
 from floquetrod.plane.outline import Outline
 from floquetrod.plane.polygons import contains, with_holes_joined
 from floquetrod.plane.refining import outlined, refined
@@ -43,6 +43,8 @@ class TracedBands:
         Points judged at most.
     vertex : float
         How far vertices may be from the boundary, as a share of the axes; tongues ten times as thin are not followed.
+    name : callable (x, y) -> (mode, partner, tongue), optional
+        What grows at a place, each None where it is not known, see `Band`.
     prompt : bool
         As in `floquetrod.plane.BandSource`.
     growth_unit, growth_tolerance
@@ -66,6 +68,7 @@ class TracedBands:
     most: int = _MOST
     vertex: float = VERTEX
     prompt: bool = True
+    name: Namer | None = None
 
     def __call__(self, accuracy: float, progress: Progress | None) -> Bands:
         """Return the bands; ``accuracy`` is coarser in them than asked for where that would need too many points."""
@@ -103,7 +106,9 @@ class TracedBands:
         """Return the band within a ring."""
         place, growth = self._fastest(plane, ring)
         vertices, at = plane.places(ring), plane.places(place[None])[0]
-        return Band(vertices[:, 0], vertices[:, 1], None, None, growth, (float(at[0]), float(at[1])))
+        where = float(at[0]), float(at[1])
+        mode, partner, tongue = (None, None, None) if self.name is None else self.name(*where)
+        return Band(vertices[:, 0], vertices[:, 1], mode, tongue, growth, where, partner)
 
     def _rates(self, plane: Plane, shares: Floats) -> Floats:
         """Return growth rates at places."""

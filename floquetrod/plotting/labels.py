@@ -20,8 +20,12 @@ _ROOM = 3.0  # points around a label (a choice)
 
 
 def label(band: Any) -> str:
-    """Return the short name of a band: "7·1" for mode 7 in tongue 1, one number where one is known, else ""."""
-    return "·".join(str(number) for number in (band.mode, band.tongue) if number is not None)
+    """Return the short name of a band: "7·1" for mode 7 in tongue 1, "1+2·1" for a combination of modes 1 and 2.
+
+    One number where one is known, "" where none is.
+    """
+    mode = band.mode if band.partner is None else f"{band.mode}{band.partner:+d}".replace("-", "\N{MINUS SIGN}")
+    return "·".join(str(number) for number in (mode, band.tongue) if number is not None)
 
 
 def explanation(bands: Sequence[Any]) -> str:

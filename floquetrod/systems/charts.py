@@ -14,7 +14,9 @@ from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.equations.batches import in_batches
 from floquetrod.floquet import one_by_one
+from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems.many import STABLE, UNSTABLE
+from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
 from floquetrod.systems import arrays
@@ -99,6 +101,7 @@ def chart(
         progress=progress,
         judge=judge,
         quick=replace(judge, quick=True),
+        name=judge.name,
     )
 
 
@@ -120,6 +123,19 @@ class _Judge:
     def __call__(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
         """Return status and growth rate at places."""
         return _verdicts(self.members(x, y), self.tolerance, self.workers, self.quick)
+
+    def name(self, x: float, y: float) -> tuple[int | None, int | None, int | None]:
+        """Return the mode, its partner and the order of the fastest resonance at a place; None where none is named."""
+        (member,) = self.members(np.array([x]), np.array([y]))
+        verdict = stability(member)
+        if not isinstance(verdict, SystemStability) or not verdict.resonances:
+            return None, None, None
+        resonance = verdict.resonances[0]
+        if len(resonance.modes) == 1:
+            return resonance.modes[0], None, resonance.order or None
+        first, second = resonance.modes
+        order = resonance.order or None
+        return (second, -first, order) if resonance.kind == "difference" else (first, second, order)
 
 
 def _verdicts(

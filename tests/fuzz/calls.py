@@ -384,7 +384,9 @@ def _of_mathieu() -> dict[str, Call]:
             fr.mathieu.characteristic_function, {"order": 3, "q": 2.0, "kind": "a"}
         ),
         "mathieu.floquet_solutions": Call(fr.mathieu.floquet_solutions, {"equation": fr.Mathieu(0.5, -0.3)}),
-        "mathieu.exponents": Call(fr.mathieu.exponents, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "per": "tau"}),
+        "mathieu.exponents": Call(
+            fr.mathieu.exponents, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "per": "tau", "workers": 1}
+        ),
         "solve": Call(fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),
         "Mathieu.from_aq": Call(fr.Mathieu.from_aq, {"a": 1.0, "q": 1.0, "damping": 0.1}),
         "mathieu.tongue_widths": Call(fr.mathieu.tongue_widths, {"order": 2, "q": 0.5, "workers": 1}),
