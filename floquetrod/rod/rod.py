@@ -31,6 +31,8 @@ from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.proved import ProvedRod
 from floquetrod.rod.ranges import StabilityIntervals, first_unstable, stability_intervals
+from floquetrod.rod.record import ForceRecord
+from floquetrod.rod.record_noise import with_noise
 from floquetrod.rod.stability import RodStability, classify_modes
 
 
@@ -123,6 +125,7 @@ class Rod(ProvedRod):
         Parameters
         ----------
         load : AxialLoad, AxialWave or ForceRecord
+            The noise of a record enters the error, and makes the verdict undecided where it would change it.
         modes : iterable of int, optional
             Modes to look at; by default all that can matter, see `modes_needed`.  Where modes are coupled, 1 to n.
         growth_tolerance : float
@@ -151,14 +154,16 @@ class Rod(ProvedRod):
         >>> rod.stability(load).unstable_modes
         (7,)
         """
-        load = require_load("load", load)
+        source, load = load, require_load("load", load)
         rubbing = friction_and_kick(friction, kick)
         growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
         warn_unless_uniform(self, load)
         if not self.coupled_numbers.has_mathieu_modes(load):
             if friction is not None:
                 raise refusal(self, "friction", load)
-            return classify_coupled(self, load, None if modes is None else chosen_count(modes), growth_tolerance)
+            count = None if modes is None else chosen_count(modes)
+            coupled = classify_coupled(self, load, count, growth_tolerance)
+            return with_noise(self, coupled, source) if isinstance(source, ForceRecord) else coupled
         # The growth rate is that of all modes, tolerated or not.
         linear = classify_modes(self, self.independent_modes(load, modes), growth_tolerance)
         return linear if rubbing is None else classify_kick(linear, *rubbing)
