@@ -55,14 +55,14 @@ def test_verdicts_are_those_of_the_clean_force() -> None:
         unstable += not stable
         record = recorded(load, rng)
         agreeing += ROD.stability(record.load).stable == stable
-        if looked_at % 4 == 0:  # with the noise, which takes ten times as long
+        if looked_at % 10 == 0:  # with the noise, which takes ten times as long
             verdict = ROD.stability(record)
             agreeing -= verdict.stable is (not stable)
             undecided += verdict.stable is None
             covered += abs(verdict.growth_rate - ROD.stability(load).growth_rate) <= verdict.error
     assert agreeing >= 99
-    assert undecided <= 3
-    assert covered >= 22  # of 25; two standard errors: some 95 %
+    assert undecided <= 2
+    assert covered >= 8  # of 10; two standard errors: some 95 %
     assert 20 <= unstable <= 80
 
 
