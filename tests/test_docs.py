@@ -15,36 +15,37 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-PAGES = [path.name for path in sorted(DOCS.glob("*.md")) if "{code-cell}" in path.read_text(encoding="utf-8")]
+WRITTEN = [path for path in sorted(DOCS.rglob("*.md")) if not {"_build", "gallery"} & set(path.relative_to(DOCS).parts)]
+PAGES = [path.relative_to(DOCS).as_posix() for path in WRITTEN if "{code-cell}" in path.read_text(encoding="utf-8")]
 # Signs and factors wrong, one at a time, in each derivation: page, what it says, what it must not.
 MISTAKES = [
-    ("rod.md", "(-1, height)", "(1, height)"),
-    ("real_rods.md", "(1 - kappa * r * sp.cos(phi))", "(1 + kappa * r * sp.cos(phi))"),
-    ("real_rods.md", "+ F * theta.diff(s) ** 2", "- F * theta.diff(s) ** 2"),
-    ("real_rods.md", "sp.cos(k * (L - s)) / sp.cos(k * L)", "sp.cos(k * (L - s)) / sp.sin(k * L)"),
-    ("real_rods.md", "-4 * slope * i * j", "4 * slope * i * j"),
-    ("well.md", "return 4.0 * mass * half", "return 2.0 * mass * half"),
-    ("floquet.md", "u.diff(tau, 2) - (p + c**2) * u", "u.diff(tau, 2) - (p - c**2) * u"),
-    ("hill.md", "chain(1, 5, shift=-q)", "chain(1, 5, shift=q)"),
-    ("systems.md", "2 * I + 4 * b.T * c", "2 * I - 4 * b.T * c"),
-    ("systems.md", "s + c2 - sp.I * D / 2", "s + c2 + sp.I * D / 2"),
-    ("systems.md", "(c1 + c2) ** 2 * (G2 / (c1 * c2) - 1)", "(c1 + c2) ** 2 * (G2 / (c1 * c2) + 1)"),
-    ("square_wave.md", "(p / q - q / p)", "(p / q + q / p)"),
-    ("leapfrog.md", "w + w**3 * h**2 / 24", "w - w**3 * h**2 / 24"),
-    ("friction.md", "A * (psi.diff(tau) - 2 * c * psi)", "A * (psi.diff(tau) + 2 * c * psi)"),
-    ("friction.md", "(-2 * c * W + S)", "(-2 * c * W - S)"),
-    ("friction.md", "(1 - p * at) / S", "(1 + p * at) / S"),
-    ("friction.md", "excess = d - a * t**2", "excess = d + a * t**2"),
-    ("friction.md", "2 / sp.pi * sp.sin(u)", "4 / sp.pi * sp.sin(u)"),
-    ("friction.md", "found[dz] - sp.I * sigma", "found[dz] + sp.I * sigma"),
-    ("simulator.md", "E * I * k**2 - rho * I * w2", "E * I * k**2 + rho * I * w2"),
-    ("simulator.md", "- (x(3 * l / 2) - x(-3 * l / 2))", "+ (x(3 * l / 2) - x(-3 * l / 2))"),
-    ("simulator.md", "K0, K1, K2 = 2 * d0", "K0, K1, K2 = d0"),
-    ("simulator.md", "(12 * end - 1) * d[1]", "(12 * end + 1) * d[1]"),
-    ("simulator.md", "[-27 * f[0], -f[0], *f]", "[27 * f[0], -f[0], *f]"),
-    ("simulator.md", "R * rate / r", "R * rate / (2 * r)"),
-    ("simulator.md", "(depth + C * speed)", "(depth - C * speed)"),
-    ("uncertainty.md", "(c1 * m**4 + pendulum_squared)", "(c1 * m**4 - pendulum_squared)"),
+    ("theory/rod.md", "(-1, height)", "(1, height)"),
+    ("theory/real_rods.md", "(1 - kappa * r * sp.cos(phi))", "(1 + kappa * r * sp.cos(phi))"),
+    ("theory/real_rods.md", "+ F * theta.diff(s) ** 2", "- F * theta.diff(s) ** 2"),
+    ("theory/real_rods.md", "sp.cos(k * (L - s)) / sp.cos(k * L)", "sp.cos(k * (L - s)) / sp.sin(k * L)"),
+    ("theory/real_rods.md", "-4 * slope * i * j", "4 * slope * i * j"),
+    ("how_to/well.md", "return 4.0 * mass * half", "return 2.0 * mass * half"),
+    ("theory/floquet.md", "u.diff(tau, 2) - (p + c**2) * u", "u.diff(tau, 2) - (p - c**2) * u"),
+    ("theory/hill.md", "chain(1, 5, shift=-q)", "chain(1, 5, shift=q)"),
+    ("theory/systems.md", "2 * I + 4 * b.T * c", "2 * I - 4 * b.T * c"),
+    ("theory/systems.md", "s + c2 - sp.I * D / 2", "s + c2 + sp.I * D / 2"),
+    ("theory/systems.md", "(c1 + c2) ** 2 * (G2 / (c1 * c2) - 1)", "(c1 + c2) ** 2 * (G2 / (c1 * c2) + 1)"),
+    ("theory/square_wave.md", "(p / q - q / p)", "(p / q + q / p)"),
+    ("theory/leapfrog.md", "w + w**3 * h**2 / 24", "w - w**3 * h**2 / 24"),
+    ("theory/friction.md", "A * (psi.diff(tau) - 2 * c * psi)", "A * (psi.diff(tau) + 2 * c * psi)"),
+    ("theory/friction.md", "(-2 * c * W + S)", "(-2 * c * W - S)"),
+    ("theory/friction.md", "(1 - p * at) / S", "(1 + p * at) / S"),
+    ("theory/friction.md", "excess = d - a * t**2", "excess = d + a * t**2"),
+    ("theory/friction.md", "2 / sp.pi * sp.sin(u)", "4 / sp.pi * sp.sin(u)"),
+    ("theory/friction.md", "found[dz] - sp.I * sigma", "found[dz] + sp.I * sigma"),
+    ("theory/simulator.md", "E * I * k**2 - rho * I * w2", "E * I * k**2 + rho * I * w2"),
+    ("theory/simulator.md", "- (x(3 * l / 2) - x(-3 * l / 2))", "+ (x(3 * l / 2) - x(-3 * l / 2))"),
+    ("theory/simulator.md", "K0, K1, K2 = 2 * d0", "K0, K1, K2 = d0"),
+    ("theory/simulator.md", "(12 * end - 1) * d[1]", "(12 * end + 1) * d[1]"),
+    ("theory/simulator.md", "[-27 * f[0], -f[0], *f]", "[27 * f[0], -f[0], *f]"),
+    ("theory/simulator.md", "R * rate / r", "R * rate / (2 * r)"),
+    ("theory/simulator.md", "(depth + C * speed)", "(depth - C * speed)"),
+    ("how_to/uncertainty.md", "(c1 * m**4 + pendulum_squared)", "(c1 * m**4 - pendulum_squared)"),
 ]
 
 
@@ -69,7 +70,7 @@ def execute(text: str) -> None:
         pyplot.close("all")
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if page != "agreement.md"])  # that is test_agreement's
+@pytest.mark.parametrize("page", [page for page in PAGES if page != "theory/agreement.md"])  # that is test_agreement's
 def test_pages_execute(page: str) -> None:
     execute((DOCS / page).read_text(encoding="utf-8"))
 
@@ -104,7 +105,7 @@ def build(site: Path, page: str, example: str) -> subprocess.CompletedProcess[st
 
 @pytest.mark.slow
 def test_the_site_builds_and_its_links_resolve(tmp_path: Path) -> None:
-    run = build(tmp_path, (DOCS / "leapfrog.md").read_text(encoding="utf-8"), "assert 1 + 1 == 2")
+    run = build(tmp_path, (DOCS / "theory/leapfrog.md").read_text(encoding="utf-8"), "assert 1 + 1 == 2")
     assert run.returncode == 0, run.stderr
     assert faults(tmp_path / "html") == []
     page = (tmp_path / "html/page.html").read_text(encoding="utf-8")
@@ -116,7 +117,7 @@ def test_the_site_builds_and_its_links_resolve(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_mistake_in_a_derivation_fails_the_build(tmp_path: Path) -> None:
-    mistake = next(mistake for mistake in MISTAKES if mistake[0] == "leapfrog.md")
+    mistake = next(mistake for mistake in MISTAKES if mistake[0] == "theory/leapfrog.md")
     run = build(tmp_path, with_mistake(*mistake), "assert 1 + 1 == 2")
     assert run.returncode != 0
     assert "AssertionError" in run.stdout + run.stderr

@@ -42,7 +42,7 @@ from fuzz import (
 from fuzz.__main__ import Campaign
 
 ROOT = Path(__file__).parents[1]
-TRUST = (ROOT / "docs" / "trust.md").read_text(encoding="utf-8")
+TRUST = (ROOT / "docs" / "theory" / "trust.md").read_text(encoding="utf-8")
 ROD = fr.Rod.nitinol()
 
 

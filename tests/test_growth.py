@@ -14,7 +14,7 @@ from floquetrod.simulation.model_error import model_errors
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(mean=0.2 * ROD.critical_force, amplitude=0.2 * ROD.critical_force, frequency=150.0)
-WITH_WAVE = 4.2434927  # 1/s, Floquet theory with the axial wave; origin as in docs/real_rods.md
+WITH_WAVE = 4.2434927  # 1/s, Floquet theory with the axial wave; origin as in docs/theory/real_rods.md
 
 
 def coupled(order: int, rng: np.random.Generator, damping: float = 0.0) -> fr.HillSystem:

@@ -126,7 +126,7 @@ def test_bending_frequencies_converge_at_fourth_order(ends: str) -> None:
     coarse, fine = error(10), error(20)
     # A cantilever's is so small that the next order still counts.
     assert math.log2(coarse / fine) == pytest.approx(4.0, abs=0.7)
-    # That of an infinite rod, as docs/simulator.md derives it: no end adds to it.
+    # That of an infinite rod, as docs/theory/simulator.md derives it: no end adds to it.
     assert abs(fine) < 1.02 * 59.0 / 5760.0 * (ROOTS[ends] / 20.0) ** 4 + 1e-7
 
 

@@ -97,7 +97,7 @@ def test_claim_f3_b_and_figure_4(seed: int) -> None:
 
 
 def test_figure_7() -> None:
-    """Cases A, B and D; of C the outcome depends on the speeds drawn, see docs/simulator.md."""
+    """Cases A, B and D; of C the outcome depends on the speeds drawn, see docs/theory/simulator.md."""
     for outcome in paper_simulations.carry_out(paper_simulations.figure_7(cases=("A", "B", "D"))):
         assert outcome.agrees, outcome
 
@@ -108,7 +108,7 @@ THRESHOLDS = [(0.825, 150.0, 9, 1.02), (0.424, 150.0, 8, 1.05), (0.825, 85.0, 7,
 
 @pytest.mark.parametrize(("mean", "frequency", "mode", "ratio"), THRESHOLDS)
 def test_the_kick_that_friction_stops(mean: float, frequency: float, mode: int, ratio: float) -> None:
-    """The simulated rod needs 2 to 5 % more than the mode equation with friction says; docs/simulator.md says why."""
+    """The simulated rod needs 2 to 5 % more than the mode equation with friction says: see docs/theory/simulator.md."""
     load = fr.AxialLoad(mean * NITINOL.critical_force, 0.7 * NITINOL.critical_force, frequency)
     predicted, expected, _ = NITINOL.critical_kick(load, friction=0.1)
     assert expected == mode

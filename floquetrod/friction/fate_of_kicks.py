@@ -67,7 +67,7 @@ def fates(
     Notes
     -----
     Without friction an orbit escapes where Mathieu's equation is unstable and the kick is not zero.  Where it is
-    stable no kick escapes: proved but for exact resonances, which no double hits (docs/friction.md).
+    stable no kick escapes: proved but for exact resonances, which no double hits (docs/theory/friction.md).
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""Kicks whose fate is proved: up to which none escapes, above which every one does (proofs in docs/friction.md)."""
+"""Kicks whose fate is proved: up to which none escapes, above which every one does (docs/theory/friction.md)."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class CertainKicks(NamedTuple):
 def certain_kicks(equation: FrictionalMathieu) -> CertainKicks:
     """Return the kick up to which none escapes, and that above which every one does: both proved.
 
-    The second is infinite where nothing grows without friction.  docs/friction.md derives them.
+    The second is infinite where nothing grows without friction.  docs/theory/friction.md derives them.
 
     Examples
     --------
@@ -64,8 +64,8 @@ def _no_kick_escapes_up_to(prepared: Prepared) -> Floats:
     """Return a kick up to which none escapes: none of these stops first beyond ``safe``, where a stop is kept.
 
     Up to the first stop A = kick S + F, S and F the motions from A' = 1 without friction and from rest with it; the
-    kick g = -F' / S' stops at tau, at A = g S + F.  Both grow with tau until A is ``safe`` (docs/friction.md), and the
-    kick that stops there is returned, or that of the time where S' is so steep that g has its limit to rounding.
+    kick g = -F' / S' stops at tau, at A = g S + F.  Both grow with tau until A is ``safe`` (docs/theory/friction.md);
+    the kick that stops there is returned, or that of the time where S' is so steep that g has its limit to rounding.
     """
     alpha, beta = prepared.coefficients["alpha"], prepared.coefficients["beta"]
     first, cells, bases, _ = prepared.propagators

@@ -23,8 +23,8 @@ _ROWS = 20_000  # rows of a chain after which nothing is concluded
 def flux_bound(kappa: float, p: float, slow: float, fast: float, enough: float) -> float:
     """Return a bound in 1/s on the growth of every mode with at least this kappa, at most this p, omega in a range.
 
-    That of docs/regions.md, the lowest of a few K for each parity, or the first that is at most ``enough``; infinite
-    where there is none.
+    That of docs/theory/regions.md, the lowest of a few K for each parity, or the first that is at most ``enough``;
+    infinite where there is none.
     """
     if p == 0.0 and kappa > 0.0:
         return 0.0

@@ -71,7 +71,7 @@ _TINY = 1e-300  # keeps 0 / 0 out of quotients whose value is not used
 _NEAR, _FAR = 27.0 / 24.0, 1.0 / 24.0
 
 # Of a clamped end, where K_0 = 2 (d_0 - e): the energy of its last nodes, A_00 K_0^2 + 2 A_01 K_0 K_1 + A_11 K_1^2 and
-# so on in place of the bulk's, integrates the square of the curvature to fourth order.  docs/simulator.md derives it.
+# so on in place of the bulk's, integrates the square of the curvature to fourth order (docs/theory/simulator.md).
 _END = 4355.0 / 31212.0  # -A_01, and what A_11 has more than 1 + 1/12
 _FIRST_END = 19961.0 / 31212.0  # A_00
 

@@ -2,7 +2,7 @@
 
 Equations are freed of their damping: u'' = (b + alpha sin tau) u with b = beta + c^2, whose growth rate is compared
 with c and a tolerance.  Every function takes arrays of questions, one for each equation and range, and returns the
-parts of all of them.  docs/ranges.md derives what is complete, and what is not.
+parts of all of them.  docs/theory/ranges.md derives what is complete, and what is not.
 """
 
 from __future__ import annotations

@@ -78,8 +78,8 @@ class Bands(NoTruthValue, ByContent):
         each axis.
     resolution : tuple of float
         Bands, and stable gaps in and between them, narrower than this along x and y may have been missed; (0, 0) where
-        tongues are found by counts and not among points of the plane (docs/maps.md says what of that is proved, and
-        what observed).
+        tongues are found by counts and not among points of the plane (docs/theory/maps.md says what of that is
+        proved, and what observed).
 
     Iterating gives the bands.
     """

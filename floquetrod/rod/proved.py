@@ -34,7 +34,7 @@ class ProvedRod(ModalRod):
         """Prove every load of a box stable or unstable, on this rod or on every rod within tolerances.
 
         Interval arithmetic, rounded outwards, over boxes that are halved until they are decided; all modes, those
-        beyond a number by a bound (docs/regions.md).
+        beyond a number by a bound (docs/theory/regions.md).
 
         Parameters
         ----------

@@ -112,8 +112,8 @@ class StabilityIntervals(NoTruthValue):
         """What lies between the stability intervals, the fastest growth and the damping required there; computed once.
 
         Where modes are independent, growth is evaluated at 17 loads in every tongue of a band and refined about the
-        largest: along the mean force, where growth in a tongue is concave (docs/ranges.md), that is its maximum; along
-        the others a second, narrower maximum in a tongue may be passed over.  The damping is sampled: at the same
+        largest: along the mean force, where growth in a tongue is concave (docs/theory/ranges.md), that is its maximum;
+        along the others a second, narrower maximum in a tongue may be passed over.  The damping is sampled: at the same
         loads, and in all modes at the ends and in the middle of each band, refined about the largest.
 
         Where modes are coupled, growth is evaluated at 17 loads of each band and refined about the largest, to a

@@ -220,7 +220,7 @@ class Rod(ProvedRod):
         """Return all stability intervals of the mean force.
 
         Complete where modes are independent, with damping and tolerance too: tongues are found by counting, and inside
-        one the growth is concave in the mean force (docs/ranges.md).
+        one the growth is concave in the mean force (docs/theory/ranges.md).
 
         Parameters
         ----------
@@ -263,7 +263,7 @@ class Rod(ProvedRod):
 
         Complete for independent modes that the mean force alone would buckle.  For others growth need not be concave in
         the amplitude: with damping or tolerance unstable parts narrower than the ``resolution`` of the result may be
-        missed (docs/ranges.md).  See `stable_mean_forces` for the other arguments.
+        missed (docs/theory/ranges.md).  See `stable_mean_forces` for the other arguments.
         """
         low, high = (0.0, self.critical_force) if bounds is None else load_bounds("amplitude", bounds)
         load = kind(like).with_numbers(mean, high, frequency)
@@ -283,7 +283,7 @@ class Rod(ProvedRod):
 
         Complete where modes are independent, with damping and tolerance too: as 1 / omega^2 grows eigenvalues pass zero
         in one direction only, so that counting finds every tongue, and inside one the growth per period is concave in
-        1 / omega^2 (docs/ranges.md).  See `stable_mean_forces` for the other arguments.
+        1 / omega^2 (docs/theory/ranges.md).  See `stable_mean_forces` for the other arguments.
         """
         low, high = load_bounds("frequency", bounds)
         slowest = kind(like).with_numbers(mean, amplitude, low)

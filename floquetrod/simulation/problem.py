@@ -88,7 +88,7 @@ class SimulationProblem:
 
     Notes
     -----
-    The model of section 3.3 of DOI 10.1115/1.4031710, for any rod; docs/simulator.md says how it is discretised.
+    The model of section 3.3 of DOI 10.1115/1.4031710, for any rod; docs/theory/simulator.md says how it is discretised.
 
     Examples
     --------
@@ -196,7 +196,7 @@ class SimulationProblem:
             When the rod leaves the range of the model; its ``simulation`` holds the frames before.
         ValueError
             Before anything is computed, for a checkpoint that cannot be written, is damaged, belongs to another run, or
-            cannot be continued to the bit here (docs/simulator.md says when).
+            cannot be continued to the bit here (docs/theory/simulator.md says when).
         """
         place = None if checkpoint is None else validate.path("checkpoint", checkpoint)
         validate.progress(progress)
