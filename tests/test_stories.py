@@ -106,7 +106,7 @@ def test_my_rod_is_stable_in_its_windows_alone(ran: Ran) -> None:
         assert abs(found - band.worst_growth) < 1e-6
     assert windows.table("Hz") == windows.table("Hz", 2.0 * math.pi)
     assert windows.table() == windows.table("rad/s", 1.0)
-    with pytest.raises(ValueError, match=r"unit must be a unit of frequency \(rad/s, Hz, rpm\), got 'N'"):
+    with pytest.raises(ValueError, match=r"unit must be a unit of frequency \(rad/s, 1/s, Hz, rpm\), got 'N'"):
         windows.table("N")
 
 
@@ -273,7 +273,7 @@ def test_two_equations_grow_as_integrated(ran: Ran) -> None:
         assert monodromy_growth(alone, 3.0) < 0.0
 
 
-# --- the README -------------------------------------------------------------------------------------------------------
+# --- my equation, and the README -------------------------------------------------------------------------------------
 
 
 def test_the_value_of_order_50_and_that_of_scipy() -> None:
@@ -285,6 +285,19 @@ def test_the_value_of_order_50_and_that_of_scipy() -> None:
     even = np.linalg.eigvalsh(matrix)
     assert abs(fr.mathieu.characteristic_values(50, 2000.0, "a") - even[25]) < 1e-9 * even[25]
     assert abs(special.mathieu_a(50, 2000.0) - even[25]) > 100.0
+
+
+def test_my_equation_solved_in_z(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (page,) = HOW_TO.parent.rglob("my_equation.md")
+    text = page.read_text(encoding="utf-8")
+    assert max(len(lines) for _, lines in own_code(text)) < 10
+    names = execute(text)
+    with mpmath.workdps(20):
+        y = mpmath.odefun(lambda z, y: [y[1], -(7 - 6 * mpmath.cos(2 * z)) * y[0]], 0, [1, 0])(3)
+    place = 6.0 + math.pi / 2
+    assert abs(names["in_z"](place) - y[0]) < 1e-12
+    assert abs(2.0 * names["in_z"](place, derivative=1) - y[1]) < 1e-11
 
 
 def test_the_readme_fits_one_screen() -> None:
