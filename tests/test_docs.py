@@ -55,8 +55,8 @@ def cells(text: str) -> Iterator[str]:
         yield "".join(line for line in cell.splitlines(keepends=True) if not line.startswith(":"))
 
 
-def execute(text: str) -> None:
-    """Run all cells of a page in one namespace, as its notebook would."""
+def execute(text: str) -> dict[str, object]:
+    """Run all cells of a page in one namespace, as its notebook would, and return it."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -68,6 +68,7 @@ def execute(text: str) -> None:
             exec(compile(cell, f"cell {number}", "exec"), names)
     finally:
         pyplot.close("all")
+    return names
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if page != "theory/agreement.md"])  # that is test_agreement's

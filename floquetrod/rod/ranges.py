@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.content import NoTruthValue
 from floquetrod.floquet.systems.result import Resonance
@@ -136,15 +137,20 @@ class StabilityIntervals(NoTruthValue):
         """Return the stability intervals as a table; `table` also says what happens between them."""
         return self._table(self.unit, 1.0, ())
 
-    def table(self, unit: str, size: float) -> str:
-        """Return what is stable and what is not, in order, in another unit, ``size`` of `unit` each: ("Hz", 2 pi), say.
+    def table(self, unit: str | None = None, size: float | None = None) -> str:
+        """Return what is stable and what is not, in order, in another unit: "Hz", "rpm", "kN", "Fcr".
 
-        Behind unstable bands stand what grows fastest in it, how fast and where, and the damping required.
+        ``size`` is that of a unit of one's own in `unit`.  Behind unstable bands stand what grows fastest in it, how
+        fast and where, and the damping required.  ValueError for units that are unknown.
         """
-        if not isinstance(unit, str):
+        wanted = self.unit if unit is None else unit
+        if not isinstance(wanted, str):
             raise TypeError(f"unit must be a word such as 'Hz', got {validate.short(unit)}")
+        if size is None:
+            kind = "frequency" if self.quantity == "frequency" else "force"
+            wanted, size = units.unit(wanted, "unit", kind, self.searched.rod.critical_force)
         size = validate.positive("size", size, "give it in the unit of the intervals")
-        return self._table(unit, size, self.unstable)
+        return self._table(wanted, size, self.unstable)
 
     def _table(self, unit: str, size: float, unstable: tuple[UnstableBand, ...]) -> str:
         low, high = (value / size for value in self.bounds)
