@@ -7,6 +7,7 @@ import dataclasses
 import inspect
 import pickle
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,6 +33,7 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.Rod(young_modulus=68e9, density=6500, **SIZES), "Rod()", "'young_modulus'", "youngs_modulus?"),
     (lambda: fr.Rod(68e9, 6500, **SIZES, dampingrate=1), "Rod()", "'dampingrate'", "did you mean damping_rate?"),
     (lambda: ROD.replace(lenght=3), "Rod()", "'lenght'", "did you mean length?"),
+    (lambda: ROD.replace(outer_diameter=1e-3), "Rod()", "'outer_diameter'", "the outer diameter is diameter"),
     (lambda: ROD.replace(length=-3), "length", "-3", "give it in m"),
     (lambda: ROD.replace(length=True), "length", "True", "give it in m"),
     (lambda: ROD.replace(radius=9.4e-3), "channel_radius", "0.0094", "radii, not diameters"),
@@ -98,6 +100,13 @@ def test_mistakes_are_answered_with_the_way_out(call: Call, argument: str, came:
     assert argument in text
     assert came in text
     assert remedy in text
+
+
+def test_the_same_words_for_a_rod_file(tmp_path: Path) -> None:
+    path = tmp_path / "rod.toml"
+    path.write_text('outer_diameter = "0.5in"\n', encoding="utf-8")
+    with pytest.raises(ValueError, match="unknown key 'outer_diameter'; the outer diameter is diameter"):
+        fr.Rod.from_toml(path)
 
 
 def test_there_are_forty_of_them() -> None:

@@ -23,6 +23,7 @@ from floquetrod.rod.files import read_rod
 from floquetrod.rod.load import Load, require_load
 from floquetrod.rod.lock_up import LockUp
 from floquetrod.rod.parts import (
+    MEANT,
     ON_A_FLOOR,
     Channel,
     Ends,
@@ -57,7 +58,7 @@ _PLAIN: dict[str, float | str] = {
 """Values of a solid rod in a horizontal channel without fluids."""
 
 
-@tells_arguments()
+@tells_arguments(**MEANT)
 @dataclass(frozen=True, init=False, repr=False)
 class RodData(TellsAttributes):
     """Data sheet of a straight elastic rod or tube on the floor of a straight circular channel.

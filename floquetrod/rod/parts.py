@@ -28,6 +28,17 @@ LIMITS: dict[str, tuple[float, float]] = {
 """Least and largest of each parameter of a rod that is a number, whatever the others are."""
 
 
+MEANT = {
+    "outer_diameter": "the outer diameter is diameter",
+    "outer_radius": "the outer radius is radius",
+    "od": "the outer diameter is diameter",
+    "id": "the inner diameter is inner_diameter",
+    "wall": "did you mean wall_thickness?",
+    "clearance": "give channel_radius, that of the rod and the clearance together",
+}
+"""What is often written for a parameter of a rod, with the remedy."""
+
+
 def in_si(name: str, value: Any) -> Any:
     """Return a parameter that is a string with a unit, such as "0.8mm", as a number in its SI unit, else as it is."""
     return units.quantity(value, name, units.ROD_KINDS[name]) if isinstance(value, str) else value
