@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.load import AxialLoad as AxialLoad
     from floquetrod.rod.load import AxialWave as AxialWave
     from floquetrod.rod.map import stability_map as stability_map
+    from floquetrod.rod.plausibility import PlausibilityWarning as PlausibilityWarning
     from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
     from floquetrod.rod.record import ForceRecord as ForceRecord
     from floquetrod.rod.rod import Rod as Rod
@@ -79,6 +80,7 @@ _WHERE = {
     "FiniteTimeCriterion": "mathieu.criterion",
     "PeriodicSystem": "equations",
     "Perturbation": "simulation.start",
+    "PlausibilityWarning": "rod.plausibility",
     "Proof": "floquet.proof",
     "RegionProof": "floquet.proof.region",
     "Solution": "floquet.solve",
@@ -118,7 +120,10 @@ __all__ = sorted(_WHERE)
 def __getattr__(name: str) -> Any:
     """Load a public name when it is first used, so that importing the package costs next to nothing."""
     if name not in _WHERE:
-        raise AttributeError(f"module 'floquetrod' has no attribute {name!r}; see dir(floquetrod)")
+        from floquetrod._util.suggest import did_you_mean
+
+        hint = did_you_mean(name, __all__) or "; see dir(floquetrod)"
+        raise AttributeError(f"module 'floquetrod' has no attribute {name!r}{hint}")
     module = importlib.import_module(f"floquetrod.{_WHERE[name]}")
     value = module if name in _MODULES else getattr(module, name)
     globals()[name] = value

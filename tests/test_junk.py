@@ -399,7 +399,11 @@ def test_junk_is_refused_by_name_or_answered(call: Callable[..., Any], given: di
         except (TypeError, ValueError) as error:
             if name not in str(error):
                 faults.append(f"{short(junk)}: {type(error).__name__} does not name it: {error}")
-        except (fr.friction.UndecidedWarning, fr.UniformForceWarning):  # warnings are errors here; these are answers
+        except (
+            fr.friction.UndecidedWarning,
+            fr.UniformForceWarning,
+            fr.PlausibilityWarning,
+        ):  # warnings are errors here; these are answers
             continue
         except Exception as error:  # whatever else comes is the fault looked for
             faults.append(f"{short(junk)}: {type(error).__name__}: {error}")

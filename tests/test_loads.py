@@ -253,7 +253,8 @@ def test_loads_differ_where_their_data_do() -> None:
 
 BAD: list[tuple[dict[str, Any], type[Exception] | tuple[type[Exception], ...], str]] = [
     ({"mean": math.nan}, ValueError, "^mean must be finite"),
-    ({"mean": "3kN"}, TypeError, "^mean must be a real number"),
+    ({"mean": "3kNm"}, ValueError, "^mean must be a number with a force unit"),
+    ({"mean": "0.3Fcr"}, ValueError, "^mean must have a unit of force .* times rod.critical_force"),
     ({"mean": 1e13}, ValueError, "^mean must lie between"),
     ({"mean": [1.0]}, TypeError, "^mean must be"),
     ({"amplitude": -1.0}, ValueError, "^amplitude must be zero or more.*give its size"),

@@ -144,6 +144,7 @@ def test_a_plain_rod_is_what_it_was_to_the_bit() -> None:
     assert ROD.departures == ""
 
 
+@pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
 @settings(max_examples=200, deadline=None)
 @given(st.floats(1e-6, 10.0), st.floats(100.0, 2e4), st.floats(1e-3, 100.0))
 def test_gravity_of_plain_rods_keeps_every_bit(radius: float, density: float, gravity: float) -> None:
@@ -254,7 +255,7 @@ SIZED = {**STEEL, "radius": 0.0254, "length": 60.0, "channel_radius": 0.062}
         ({"inner_radius": 0.03}, ValueError, "both are radii, not diameters"),
         ({"inner_radius": 0.0254 * (1.0 - 1e-9)}, ValueError, "inner_radius.* must be less than the outer radius"),
         ({"inner_radius": -0.01}, ValueError, "inner_radius must be zero or more"),
-        ({"inner_radius": "21mm"}, TypeError, "inner_radius must be a real number"),
+        ({"inner_radius": "21min"}, ValueError, "inner_radius must be a number with a length unit"),
         ({"inner_diameter": 0.0508}, ValueError, "inner_radius.* must be less than the outer radius"),
         ({"inner_diameter": -0.1}, ValueError, "inner_diameter must be zero or more"),
         ({"wall_thickness": 0.0254}, ValueError, "wall_thickness must be less than the outer radius"),
@@ -275,7 +276,7 @@ SIZED = {**STEEL, "radius": 0.0254, "length": 60.0, "channel_radius": 0.062}
         ({"inclination": -0.5}, ValueError, "inclination must be above 0 and at most pi/2"),
         ({"inclination": 120.0}, ValueError, r"at most pi/2 .* got 120; .* in radians: math\.radians\(60\)"),
         ({"inclination": math.radians(120.0)}, ValueError, "inclination must be above 0 and at most pi/2"),
-        ({"inclination": "60deg"}, TypeError, "inclination must be a real number"),
+        ({"inclination": "60dag"}, ValueError, "inclination must be a number with a"),
         (
             {"inner_radius": 0.0253, "fluid_outside": 1000.0},
             ValueError,

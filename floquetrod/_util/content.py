@@ -8,6 +8,8 @@ from typing import Any, ClassVar, NoReturn
 
 import numpy as np
 
+from floquetrod._util.calling import TellsAttributes
+
 
 class ByContent:
     """Base of frozen dataclasses with arrays: equal when all compared fields are, NaN to NaN, elements of arrays too.
@@ -55,7 +57,7 @@ def _key(value: Any) -> Any:
     return value if value == value else "NaN"
 
 
-class NoTruthValue:
+class NoTruthValue(TellsAttributes):
     """A result that has no truth value: as a plain object it would count as true whatever its verdict.
 
     Raises TypeError that names ``ask``, what to look at instead.

@@ -17,6 +17,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.suggest import did_you_mean
+
 LARGEST = 1e9
 """Largest magnitude of a dimensionless coefficient; beyond it a double no longer resolves the tongues it lies among."""
 
@@ -206,7 +208,9 @@ def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
     if not isinstance(value, str):
         raise TypeError(f"{name} must be one of {', '.join(map(repr, options))}, got {short(value)}")
     if value not in options:
-        raise ValueError(f"{name} must be one of {', '.join(map(repr, options))}, got {value!r}")
+        raise ValueError(
+            f"{name} must be one of {', '.join(map(repr, options))}, got {value!r}{did_you_mean(value, options)}"
+        )
     return str(value)
 
 

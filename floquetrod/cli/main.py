@@ -12,6 +12,7 @@ from collections.abc import Sequence
 import floquetrod as fr
 from floquetrod.cli import certify, check, compare, ensemble, explore, ranges, reproduce, simulate, stability_map
 from floquetrod.cli.common import Parser, compiling_told
+from floquetrod.rod.plausibility import SILENCE
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -25,9 +26,10 @@ def main(argv: Sequence[str] | None = None) -> int:
         options = _parser().parse_args(_attached(sys.argv[1:] if argv is None else argv))
         with compiling_told(), warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always", fr.UniformForceWarning)
+            warnings.simplefilter("always", fr.PlausibilityWarning)
             answer = options.run(options)
-        for warning in caught:
-            print(f"floquetrod: warning: {_in_options(str(warning.message), options)}", file=sys.stderr)
+        for message in dict.fromkeys(str(warning.message).removesuffix(SILENCE) for warning in caught):
+            print(f"floquetrod: warning: {_in_options(message, options)}", file=sys.stderr)
         print(answer.text, flush=True)
     except BrokenPipeError:  # the reader, head say, has seen enough; keep the interpreter from writing more at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -22,10 +22,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import files
+from floquetrod._util.calling import level_of_caller
 from floquetrod._util.version import __version__
 from floquetrod.ensembles.axes import Study
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable
-from floquetrod.simulation.checkpoints import CheckpointWarning, arithmetic, level_of_caller
+from floquetrod.simulation.checkpoints import CheckpointWarning, arithmetic
 
 _RUNS_IN_A_CHUNK = 256  # at most (a choice)
 _SECONDS_BETWEEN = 1.0  # of wall time, between saves (a choice)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod._util.calling import TellsAttributes
 from floquetrod.equations.hill_system import HillSystem
 
 _LATEST = 1e14  # periods, after which neighbouring doubles lie a large part of one apart
@@ -46,7 +47,7 @@ class Piece(NamedTuple):
         return not self.harmonics and self.slope == 0.0
 
 
-class Equation(ABC):
+class Equation(TellsAttributes, ABC):
     """Base of the scalar equations A'' + 2 c A' = p(tau) A.
 
     A new equation is a frozen dataclass with ``period`` (in the unit of tau), ``damping`` (c, zero or more) and

@@ -13,11 +13,13 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod._util.calling import tells_arguments
 from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, times
 
 _EPS = 2.220446049250313e-16
 
 
+@tells_arguments()
 @dataclass(frozen=True)
 class Hill(Equation):
     """Hill's equation A'' + 2 c A' = p(tau) A for a finite Fourier series p.

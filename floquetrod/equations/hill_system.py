@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import norms
+from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import matrices
 from floquetrod.equations.matrices import Matrix, Structure
 from floquetrod.equations.periodic_system import PeriodicSystem
@@ -42,6 +43,7 @@ class EvenForm(NamedTuple):
     doubt: NDArray[np.float64]
 
 
+@tells_arguments()
 @dataclass(frozen=True, eq=False, repr=False)
 class HillSystem(matrices.FourierSystem):
     """The system M q'' + (C + G) q' + K(t) q = 0 of n equations, K(t) a finite Fourier series of period 2 pi / w.

@@ -6,9 +6,11 @@ import time
 from dataclasses import dataclass, field
 from itertools import combinations
 
+from floquetrod._util.calling import tells_arguments
 from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.dispatch import family_of, run
+from floquetrod.floquet.references import united
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability
 
@@ -51,6 +53,11 @@ class Comparison(NoTruthValue):
         """Whether no two methods contradict each other."""
         return not self.disagreements
 
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        return united(*(result.references for result in self.results))
+
     def __repr__(self) -> str:
         """Return the table."""
         what, unit = ("discriminant", "tau") if isinstance(self.equation, Equation) else ("structure", "unit time")
@@ -81,6 +88,7 @@ class Comparison(NoTruthValue):
         return "\n".join(line.rstrip() for line in lines)
 
 
+@tells_arguments()
 def compare(equation: Equation | HillSystem | PeriodicSystem) -> Comparison:
     """Classify an equation or a system by every method that applies, and report where they agree and where not.
 

@@ -7,6 +7,7 @@ from types import ModuleType
 from typing import Any, NamedTuple, overload
 
 from floquetrod._util import validate
+from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import Equation, HillSystem, Mathieu, Meissner, PeriodicSystem, matrices, require
 from floquetrod.floquet import methods, system_methods
 from floquetrod.floquet.systems.classification import undamped_pairs
@@ -92,6 +93,7 @@ def family_of(problem: Any) -> Family:
 def stability(equation: Equation, method: str = "auto", **options: Any) -> Stability: ...
 @overload
 def stability(equation: HillSystem | PeriodicSystem, method: str = "auto", **options: Any) -> SystemStability: ...
+@tells_arguments()
 def stability(
     equation: Equation | HillSystem | PeriodicSystem, method: str = "auto", **options: Any
 ) -> Stability | SystemStability:
@@ -146,5 +148,6 @@ def _better(result: Any, later: Any) -> Any:
 
 def run(family: Family, method: str, equation: Equation | HillSystem | PeriodicSystem, **options: Any) -> Any:
     """Call the method of this name of the equation's family."""
-    result: Verdict = getattr(family.code, method)(equation, **options)
+    call = getattr(family.code, method)
+    result: Verdict = tells_arguments()(call)(equation, **options) if options else call(equation)
     return result

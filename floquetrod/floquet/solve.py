@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod._util.calling import tells_arguments
 from floquetrod._util.content import ByContent
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.base import Equation, require
+from floquetrod.floquet.references import references
 
 _ORDERS = (26, 32)  # of the series, the second one to learn the error of the first (heuristic)
 _TOLERANCES = (1e-16, 1e-18)  # part of the solution that the last terms of a step may be
@@ -69,6 +71,11 @@ class Solution(ByContent):
     error: float
     _pieces: tuple[_Piece, ...] = field(compare=False)
 
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        return references(("any", "solve"))
+
     def __call__(self, time: Any, derivative: int = 0) -> Any:
         """Return the solution at times within the interval (array_like), or its first derivative.
 
@@ -115,6 +122,7 @@ class Solution(ByContent):
         )
 
 
+@tells_arguments()
 def solve(equation: Any, initial: Any, span: Any) -> Solution:
     """Return the solution of an equation or a system that has given initial values.
 

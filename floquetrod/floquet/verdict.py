@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import Equation
+from floquetrod.floquet.references import references
 
 Status = Literal["stable", "unstable", "undecided"]
 
@@ -133,6 +134,11 @@ class Stability(Verdict):
     discriminant: float
     log_abs_discriminant: float
     interval: Interval | None
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        return references(("equation", self.method))
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
+from floquetrod._util.calling import tells_arguments
 from floquetrod._util.compilation import INTERPRETED_UP_TO, over_chunks
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.kernels import mathieu_counts as counts
@@ -22,6 +23,7 @@ _PATIENCE = 100
 """Times as many points as are always interpreted before growth is compiled, which takes seconds (heuristic)."""
 
 
+@tells_arguments()
 def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return whether every solution stays bounded.
 
@@ -62,6 +64,7 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     return shaped(out, shape)
 
 
+@tells_arguments()
 def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return the growth rate of the fastest solution, per unit tau; 0 where stable.
 
@@ -80,6 +83,7 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     return shaped(out, shape)
 
 
+@tells_arguments()
 def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return the trace of the monodromy matrix, +-inf beyond the range of a double.
 
@@ -96,6 +100,7 @@ def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | No
     return shaped(out, shape)
 
 
+@tells_arguments()
 def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return both Floquet multipliers, the larger first, in a last axis of length 2 (complex).
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
+from floquetrod._util.calling import tells_arguments
 from floquetrod._util.compilation import over_chunks
 from floquetrod.kernels.leapfrog import leapfrog_map_fill
 from floquetrod.kernels.powers import displacement_fill
@@ -20,6 +21,7 @@ from floquetrod.kernels.taylor import mathieu_map_fill
 _CHUNK = 256  # points a thread takes at a time: each costs microseconds, by leapfrog a tenth of a millisecond
 
 
+@tells_arguments()
 @dataclass(frozen=True)
 class FiniteTimeCriterion:
     """Stable when abs(A(end)) / A'(0) stays below a limit after a number of periods, from A(0) = 0.

@@ -11,10 +11,9 @@ from pathlib import Path
 
 from floquetrod._util.files import whole_file
 from floquetrod._util.version import __version__
+from floquetrod.floquet.references import STUDY_DOI as DOI
+from floquetrod.floquet.references import STUDY_TITLE as SOURCE
 from floquetrod.paper.claims import Claim
-
-SOURCE = "The Instability Mechanism of a Confined Rod Under Axial Vibrations, J. Appl. Mech. 83 (2016) 011005"
-DOI = "10.1115/1.4031710"
 
 FILES = ("claims.md", "claims.json", "report.html")
 

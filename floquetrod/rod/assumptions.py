@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 
+from floquetrod._util.calling import level_of_caller
 from floquetrod.rod.data import RodData
 from floquetrod.rod.load import AxialWave, Load
 
@@ -28,7 +29,7 @@ class UniformForceWarning(UserWarning):
     """The load changes too fast for the axial force to be the same all along the rod."""
 
 
-def warn_unless_uniform(rod: RodData, load: Load, stacklevel: int = 3) -> None:
+def warn_unless_uniform(rod: RodData, load: Load) -> None:
     """Warn where a force that is taken to be uniform along the rod is not, its harmonics that matter included."""
     sizes = np.abs(load.harmonics)
     highest = 1 + int(np.flatnonzero(sizes >= _MATTERS * sizes.max())[-1])
@@ -40,7 +41,7 @@ def warn_unless_uniform(rod: RodData, load: Load, stacklevel: int = 3) -> None:
             f"ratios below {UNIFORM_UP_TO:g}); "
             "AxialWave follows the waves",
             UniformForceWarning,
-            stacklevel=stacklevel,
+            stacklevel=level_of_caller(),
         )
 
 

@@ -7,6 +7,7 @@ strength in ksi.
 
 from __future__ import annotations
 
+import functools
 import re
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -80,6 +81,7 @@ class Pipe(NamedTuple):
     yield_strength: float | None = None
 
 
+@functools.cache
 def pipes() -> tuple[Pipe, ...]:
     """Return every pipe of the catalogue, without a grade.
 
@@ -149,8 +151,8 @@ def pipe(name: str) -> Pipe:
 def pipe_in_a_hole(name: str, bore: float | str, length: float | str, changes: dict[str, Any]) -> dict[str, Any]:
     """Return the arguments of the rod that is a pipe of the catalogue; strings are quantities with their unit."""
     found = pipe(name)
-    given = {key: _si(key, value) for key, value in (changes | {"bore": bore, "length": length}).items()}
-    hole = parameter("bore", given.pop("bore"), "m")
+    given = changes | {"length": length}
+    hole = parameter("bore", bore, "m")
     for other in ("channel_radius", "channel_diameter"):
         if other in given:
             raise ValueError(f"{other} must not be given with bore, got {validate.short(changes[other])}; drop it")
@@ -165,12 +167,6 @@ def pipe_in_a_hole(name: str, bore: float | str, length: float | str, changes: d
     if not {"inner_radius", "inner_diameter", "wall_thickness"} & given.keys():
         size["wall_thickness"] = found.wall_thickness
     return {"youngs_modulus": YOUNGS_MODULUS, "density": DENSITY, **size, "channel_diameter": hole} | given
-
-
-def _si(name: str, value: Any) -> Any:
-    """Return a parameter given as a string with a unit in SI units, anything else as it is."""
-    written = isinstance(value, str) and name in units.ROD_KINDS
-    return units.quantity(value, name, units.ROD_KINDS[name]) if written else value
 
 
 def _inches(value: float) -> str:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from floquetrod._util.roots import bisected
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.references import references, united
 from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
@@ -80,6 +81,11 @@ class CoupledRodStability(RodVerdict):
     whole: SystemStability
     convergence: tuple[tuple[int, float], ...]
     resonances: tuple[Resonance, ...]
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        return united(references(("rod", "model")), self.whole.references)
 
     @property
     def load(self) -> Load:

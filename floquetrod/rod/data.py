@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod._util.calling import TellsAttributes, tells_arguments
 from floquetrod.rod import formulas
 from floquetrod.rod.beam import wavenumbers
 from floquetrod.rod.buckling import BucklingForce, buckling_forces
@@ -22,6 +23,7 @@ from floquetrod.rod.files import read_rod
 from floquetrod.rod.load import Load, require_load
 from floquetrod.rod.lock_up import LockUp
 from floquetrod.rod.parts import (
+    MEANT,
     ON_A_FLOOR,
     Channel,
     Ends,
@@ -30,11 +32,13 @@ from floquetrod.rod.parts import (
     Section,
     decay_rate,
     friction_coefficient,
+    in_si,
     inside_wall,
     parameter,
     radius_of,
     size,
 )
+from floquetrod.rod.plausibility import warn_of_rod
 
 INSTEAD = {
     "diameter": "radius",
@@ -54,8 +58,9 @@ _PLAIN: dict[str, float | str] = {
 """Values of a solid rod in a horizontal channel without fluids."""
 
 
+@tells_arguments(**MEANT)
 @dataclass(frozen=True, init=False, repr=False)
-class RodData:
+class RodData(TellsAttributes):
     """Data sheet of a straight elastic rod or tube on the floor of a straight circular channel.
 
     Its parameters, in SI units, are described at `floquetrod.Rod`, which adds the verdicts.  They are what is typed,
@@ -92,42 +97,43 @@ class RodData:
 
     def __init__(
         self,
-        youngs_modulus: float,
-        density: float,
-        radius: float | None = None,
-        length: float | None = None,
-        channel_radius: float | None = None,
-        gravity: float = 9.81,
-        damping_rate: float = 0.0,
+        youngs_modulus: float | str,
+        density: float | str,
+        radius: float | str | None = None,
+        length: float | str | None = None,
+        channel_radius: float | str | None = None,
+        gravity: float | str = 9.81,
+        damping_rate: float | str = 0.0,
         *,
-        inner_radius: float | None = None,
-        fluid_inside: float = 0.0,
-        fluid_outside: float = 0.0,
-        added_mass_coefficient: float = ON_A_FLOOR,
-        inclination: float = 0.5 * math.pi,
+        inner_radius: float | str | None = None,
+        fluid_inside: float | str = 0.0,
+        fluid_outside: float | str = 0.0,
+        added_mass_coefficient: float | str = ON_A_FLOOR,
+        inclination: float | str = 0.5 * math.pi,
         ends: str = "hinged",
-        diameter: float | None = None,
-        inner_diameter: float | None = None,
-        channel_diameter: float | None = None,
-        wall_thickness: float | None = None,
+        diameter: float | str | None = None,
+        inner_diameter: float | str | None = None,
+        channel_diameter: float | str | None = None,
+        wall_thickness: float | str | None = None,
     ) -> None:
         """Check and clean the parameters."""
-        radius = radius_of(radius, diameter, ("radius", "diameter"))
-        channel_radius = radius_of(channel_radius, channel_diameter, ("channel_radius", "channel_diameter"))
-        for name, given in (("radius", radius), ("length", length), ("channel_radius", channel_radius)):
+        outer = radius_of(radius, diameter, ("radius", "diameter"))
+        hole = radius_of(channel_radius, channel_diameter, ("channel_radius", "channel_diameter"))
+        for name, given in (("radius", outer), ("length", length), ("channel_radius", hole)):
             if given is None:
                 other = next((f", or {other}" for other, instead in INSTEAD.items() if instead == name), "")
                 raise TypeError(f"{name} must be given, in m{other}")
         if wall_thickness is not None:
-            inner = {"inner_radius": inner_radius, "inner_diameter": inner_diameter}
-            inner_radius = inside_wall(radius, wall_thickness, inner)
+            others = {"inner_radius": inner_radius, "inner_diameter": inner_diameter}
+            inner = inside_wall(outer, wall_thickness, others)
         else:
-            inner_radius = radius_of(inner_radius, inner_diameter, ("inner_radius", "inner_diameter"), size)
-        material = Material(youngs_modulus, density)
-        section = Section(radius, 0.0 if inner_radius is None else inner_radius)
+            inner = radius_of(inner_radius, inner_diameter, ("inner_radius", "inner_diameter"), size)
+        material = Material(in_si("youngs_modulus", youngs_modulus), in_si("density", density))
+        section = Section(outer, 0.0 if inner is None else inner)
         length = parameter("length", length, "m")
-        channel = Channel(channel_radius, gravity, inclination)
-        fluids = Fluids(fluid_inside, fluid_outside, added_mass_coefficient)
+        channel = Channel(hole, in_si("gravity", gravity), in_si("inclination", inclination))
+        inside, outside = in_si("fluid_inside", fluid_inside), in_si("fluid_outside", fluid_outside)
+        fluids = Fluids(inside, outside, in_si("added_mass_coefficient", added_mass_coefficient))
         cleaned: dict[str, float | str] = {
             "youngs_modulus": material.youngs_modulus,
             "density": material.density,
@@ -152,6 +158,7 @@ class RodData:
                 f"for density = {self.density:g} and fluid_inside = {self.fluid_inside:g}, a weight of "
                 f"{self.weight_per_length:.4g} N/m: this rod floats"
             )
+        warn_of_rod(self)
 
     def __repr__(self) -> str:
         """Return the expression that makes this rod."""

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.tables import read_toml, require_known
+from floquetrod.rod.parts import MEANT
 
 T = TypeVar("T")
 
@@ -63,6 +64,9 @@ def _require_keys(table: Mapping[str, Any], needed: Mapping[str, bool], instead:
     else:
         known = [*needed, *instead, "catalogue"]
         least = [key for key, need in needed.items() if need]
+    written = next((key for key in table if key in MEANT), None)
+    if written is not None:
+        raise ValueError(f"unknown key {written!r}; {MEANT[written]}")
     require_known(table, known)
     given = {*table, *(instead[key] for key in table if key in instead)}
     missing = [f"missing key {key!r}" for key in least if key not in given]

@@ -70,6 +70,11 @@ class FrictionalRodStability(Verdict):
     fates: tuple[Fate, ...]
 
     @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        return self.linear.references
+
+    @property
     def modes(self) -> tuple[int, ...]:
         """Modes that grow, or may grow, without friction; no kick destabilises any other."""
         return tuple(_growing(self.linear))

@@ -11,8 +11,10 @@ from typing import Any, Literal, NamedTuple, Self, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast
+from floquetrod._util.calling import TellsAttributes, tells_arguments
 
 Quantity: TypeAlias = Literal["mean", "amplitude", "frequency"]
 """A quantity of `AxialLoad`."""
@@ -49,8 +51,21 @@ LIMITS: dict[Quantity, _Limits] = {
 def load_number(quantity: Quantity, value: Any, name: str | None = None) -> float:
     """Return a quantity of a load as a float within its limits; ``name`` is the argument's, where it is another."""
     name, limits = name or quantity, LIMITS[quantity]
+    if isinstance(value, str):
+        value = _in_si(quantity, value, name)
     number = limits.check(name, value, limits.hint)
     return validate.within(name, number, limits.least, limits.largest, f"give it in {limits.unit}")
+
+
+def _in_si(quantity: Quantity, text: str, name: str) -> float:
+    """Return a quantity of a load that is given with its unit, such as "24Hz" or "0.2kN"."""
+    kind = "frequency" if quantity == "frequency" else "force"
+    if kind == "force" and text.strip().lower().endswith("fcr"):
+        raise ValueError(
+            f"{name} must have a unit of force such as N or kN, got {validate.short(text)}: a load knows no rod; "
+            f"give {name} as a number times rod.critical_force"
+        )
+    return units.quantity(text, name, kind)
 
 
 def load_bounds(quantity: Quantity, bounds: Any) -> tuple[float, float]:
@@ -111,7 +126,7 @@ _RESONANT = 1e-6  # denominator of an axial wave below which it counts as resona
 
 
 @dataclass(frozen=True, repr=False)
-class Load(ABC):
+class Load(TellsAttributes, ABC):
     """What every load has: F(s, t) = mean + w_e cos(inclination) (s - mean_at L) + the vibration, compression positive.
 
     Parameters
@@ -198,21 +213,24 @@ class Load(ABC):
     @classmethod
     def hertz(cls, mean: float, amplitude: float, frequency: float, **others: Any) -> Self:
         """Return a load whose frequency is given in Hz."""
-        return cls(mean, amplitude, 2.0 * math.pi * validate.positive("frequency", frequency), **others)
+        return cls(
+            mean, amplitude, 2.0 * math.pi * validate.positive("frequency", frequency, "give it in Hz"), **others
+        )
 
 
+@tells_arguments()
 @dataclass(frozen=True, repr=False)
 class AxialLoad(Load):
     """Force F(t) = mean + amplitude sin(frequency t) that pushes both ends of the rod inwards, alike along the rod.
 
     Parameters
     ----------
-    mean : float
-        F_ave in N; negative pulls.
-    amplitude : float
-        dF in N, zero or more; zero is the static limit.
-    frequency : float
-        omega in rad/s, greater than zero; `AxialLoad.hertz` takes Hz.
+    mean : float or str
+        F_ave in N, or a string with a unit such as "0.2kN"; negative pulls.
+    amplitude : float or str
+        dF in N or with a unit, zero or more; zero is the static limit.
+    frequency : float or str
+        omega in rad/s, greater than zero, or with a unit: "24Hz"; `AxialLoad.hertz` takes Hz.
     mean_at : float or None
         Where along an inclined rod the mean force holds, as a fraction of its length from the upper end; from there it
         grows downwards by the weight along the rod.  None neglects that weight.
@@ -223,6 +241,8 @@ class AxialLoad(Load):
     --------
     >>> round(AxialLoad.hertz(0.3, 0.3, 24.0).frequency, 3)
     150.796
+    >>> AxialLoad("300mN", "300mN", "24Hz") == AxialLoad.hertz(0.3, 0.3, 24.0)
+    True
     """
 
     def profile(self, wave_speed: float, length: float, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
@@ -276,6 +296,7 @@ FAR_ENDS = ("held", "free", "driven")
 """What the lower end may be under an axial wave."""
 
 
+@tells_arguments()
 @dataclass(frozen=True, repr=False)
 class AxialWave(Load):
     """Force that a vibration at the upper end, s = 0, sends along the rod as axial waves of its speed c_0.

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.calling import tells_arguments
 from floquetrod._util.version import __version__
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, BandSource, Chart, Progress, axis_values, fill_rows
@@ -31,6 +32,7 @@ _COUPLED_AT_ONCE = 2000
 """Points of coupled modes computed between two reports of progress: some seconds (a choice)."""
 
 
+@tells_arguments()
 def stability_map(
     rod: Rod,
     *,

@@ -7,7 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.suggest import did_you_mean
 from floquetrod.rod import formulas
 from floquetrod.rod.formulas import SectionNumbers
 
@@ -26,14 +28,32 @@ LIMITS: dict[str, tuple[float, float]] = {
 """Least and largest of each parameter of a rod that is a number, whatever the others are."""
 
 
+MEANT = {
+    "outer_diameter": "the outer diameter is diameter",
+    "outer_radius": "the outer radius is radius",
+    "od": "the outer diameter is diameter",
+    "id": "the inner diameter is inner_diameter",
+    "wall": "did you mean wall_thickness?",
+    "clearance": "give channel_radius, that of the rod and the clearance together",
+}
+"""What is often written for a parameter of a rod, with the remedy."""
+
+
+def in_si(name: str, value: Any) -> Any:
+    """Return a parameter that is a string with a unit, such as "0.8mm", as a number in its SI unit, else as it is."""
+    return units.quantity(value, name, units.ROD_KINDS[name]) if isinstance(value, str) else value
+
+
 def parameter(name: str, value: Any, unit: str) -> float:
     """Return a parameter of a rod, greater than zero, in its SI unit."""
+    value = in_si(name, value)
     number = validate.positive(name, value, f"give it in {unit}")
     return validate.within(name, number, _LEAST, _LARGEST, f"give it in {unit}")
 
 
 def size(name: str, value: Any, unit: str) -> float:
     """Return a parameter that may be zero, in its SI unit."""
+    value = in_si(name, value)
     number = validate.nonnegative(name, value, f"give it in {unit}")
     return validate.within(name, number, 0.0, _LARGEST, f"give it in {unit}")
 
@@ -71,7 +91,7 @@ def inside_wall(radius: Any, wall_thickness: Any, inner: dict[str, Any]) -> floa
 
 def decay_rate(value: Any) -> float:
     """Return the decay rate of free motion in 1/s, zero or more."""
-    rate = validate.nonnegative("damping_rate", value, "give the decay rate in 1/s")
+    rate = validate.nonnegative("damping_rate", in_si("damping_rate", value), "give the decay rate in 1/s")
     return validate.within("damping_rate", rate, 0.0, _LARGEST)
 
 
@@ -209,7 +229,7 @@ class Channel:
         """Check and clean the parameters."""
         object.__setattr__(self, "radius", parameter("channel_radius", self.radius, "m"))
         object.__setattr__(self, "gravity", parameter("gravity", self.gravity, "m/s^2"))
-        hint = 'it is the angle from the vertical in radians: math.radians(60), or "60deg" in a rod file'
+        hint = 'it is the angle from the vertical in radians: math.radians(60), or "60deg"'
         inclination = validate.finite("inclination", self.inclination, hint)
         if not _LEAST <= inclination <= 0.5 * math.pi:
             raise ValueError(
@@ -262,7 +282,7 @@ class Ends:
         if not 1 <= len(parts) <= 2 or not set(parts) <= set(CONDITIONS):
             raise ValueError(
                 f"ends must be one of {', '.join(CONDITIONS)}, or two of them joined by a hyphen, the upper end first, "
-                f'such as "clamped-hinged"; got {validate.short(word)}'
+                f'such as "clamped-hinged"; got {validate.short(word)}{_meant(parts)}'
             )
         return cls(parts[0], parts[-1])
 
@@ -278,3 +298,8 @@ class Ends:
     def first_wavenumber(self, length: float) -> float:
         """Return w_1 = pi / L in 1/m; mode m of a rod with hinged ends has m times as much."""
         return float(formulas.first_wavenumber(length))
+
+
+def _meant(parts: list[str]) -> str:
+    """Return the question whether the condition nearest to the first unknown one was meant, "" where none is near."""
+    return next((did_you_mean(part, CONDITIONS) for part in parts if part not in CONDITIONS), "")

@@ -182,7 +182,7 @@ def stability_intervals(
     validate.progress(progress)
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     name, unit = QUANTITIES[varied]
-    warn_unless_uniform(rod, largest, stacklevel=4)
+    warn_unless_uniform(rod, largest)
     if not rod.coupled_numbers.has_mathieu_modes(largest):
         coupled = _coupled(varied, rod, largest, bounds, tolerance)
         parts, resolution = unstable_parts(varied, coupled, largest, bounds, tolerance, progress)
@@ -202,7 +202,7 @@ def stability_intervals(
 def first_unstable(varied: Quantity, rod: ModalRod, largest: Load, growth_tolerance: float) -> float:
     """Return where one quantity, going from zero to that of ``largest``, first meets growth; infinite without any."""
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-    warn_unless_uniform(rod, largest, stacklevel=4)
+    warn_unless_uniform(rod, largest)
     if not rod.coupled_numbers.has_mathieu_modes(largest):
         bounds = (0.0, getattr(largest, varied))
         coupled = _coupled(varied, rod, largest, bounds, tolerance)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod._util.calling import tells_arguments
 from floquetrod._util.content import ByContent
 from floquetrod.rod.load import LIMITS, AxialLoad, LoadSource, load_number
 from floquetrod.rod.record_file import column_argument, delimiter_argument, read_columns
@@ -25,6 +26,7 @@ _FEWEST = 12  # samples
 _MOST_HARMONICS = 1000  # that may be asked for (a choice)
 
 
+@tells_arguments()
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class ForceRecord(LoadSource, ByContent):
     """Force measured over time, noisy and no whole number of periods long, fitted by a mean and a Fourier series.

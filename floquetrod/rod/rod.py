@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod._util.calling import level_of_caller, tells_arguments
 from floquetrod.friction.fate_of_kicks import UndecidedWarning
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.assumptions import warn_unless_uniform
@@ -29,6 +31,7 @@ from floquetrod.rod.load import AnyLoad, Loads, Progress, kind, load_bounds, req
 from floquetrod.rod.modal import refusal
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.parts import friction_coefficient
+from floquetrod.rod.plausibility import may_be_hertz, warn_of_hertz, warn_of_load
 from floquetrod.rod.proved import ProvedRod
 from floquetrod.rod.ranges import StabilityIntervals, first_unstable, stability_intervals
 from floquetrod.rod.record import ForceRecord
@@ -42,8 +45,8 @@ class Rod(ProvedRod):
 
     Parameters
     ----------
-    youngs_modulus : float
-        E in Pa.
+    youngs_modulus : float or str
+        E in Pa; it and every other number may be a string with a unit instead: "68GPa", "0.8mm", "40ft", "60deg".
     density : float
         rho in kg/m^3.
     radius, length : float
@@ -69,6 +72,11 @@ class Rod(ProvedRod):
         `floquetrod.rod.Ends`.
     diameter, inner_diameter, channel_diameter, wall_thickness : float, optional
         In m, in place of ``radius``, ``inner_radius``, ``channel_radius`` and, the last, of ``inner_radius``.
+
+    Warns
+    -----
+    PlausibilityWarning
+        When a parameter looks as if it were in another unit, or a diameter where a radius belongs.
 
     Notes
     -----
@@ -111,6 +119,7 @@ class Rod(ProvedRod):
         kick: float,
     ) -> FrictionalRodStability: ...
 
+    @tells_arguments()
     def stability(
         self,
         load: AnyLoad,
@@ -145,6 +154,8 @@ class Rod(ProvedRod):
         -----
         UniformForceWarning
             When omega L / (2 pi) exceeds a tenth of the axial wave speed (a heuristic limit).
+        PlausibilityWarning
+            When the load looks as if it were in another unit: Hz for rad/s, kN or mN for N.
 
         Examples
         --------
@@ -158,6 +169,7 @@ class Rod(ProvedRod):
         rubbing = friction_and_kick(friction, kick)
         growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
         warn_unless_uniform(self, load)
+        warn_of_load(self, load)
         if not self.coupled_numbers.has_mathieu_modes(load):
             if friction is not None:
                 raise refusal(self, "friction", load)
@@ -166,8 +178,13 @@ class Rod(ProvedRod):
             return with_noise(self, coupled, source) if isinstance(source, ForceRecord) else coupled
         # The growth rate is that of all modes, tolerated or not.
         linear = classify_modes(self, self.independent_modes(load, modes), growth_tolerance)
+        if linear.stable and may_be_hertz(self, load):
+            faster = self.independent_modes(load.varied("frequency", 2.0 * math.pi * load.frequency), linear.modes)
+            if classify_modes(self, faster, growth_tolerance).status == "unstable":
+                warn_of_hertz(load)
         return linear if rubbing is None else classify_kick(linear, *rubbing)
 
+    @tells_arguments()
     def critical_kick(self, load: AnyLoad, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
         """Return the smallest kick, a transverse velocity in m/s, found to buckle the rod against friction.
 
@@ -189,6 +206,7 @@ class Rod(ProvedRod):
             raise refusal(self, "friction", linear.load)
         return critical_kick(linear, friction)
 
+    @tells_arguments()
     def critical_kicks(
         self,
         mean: Any,
@@ -207,6 +225,7 @@ class Rod(ProvedRod):
         found = critical_kicks(self, systems, friction, tolerance, workers)
         return CriticalKick(*(shaped(part, systems.loads.shape) for part in found))
 
+    @tells_arguments()
     def stable_mean_forces(
         self,
         amplitude: float,
@@ -249,6 +268,7 @@ class Rod(ProvedRod):
         load = kind(like).with_numbers(high, amplitude, frequency)
         return stability_intervals("mean", self, load, (low, high), growth_tolerance, progress)
 
+    @tells_arguments()
     def stable_amplitudes(
         self,
         mean: float,
@@ -269,6 +289,7 @@ class Rod(ProvedRod):
         load = kind(like).with_numbers(mean, high, frequency)
         return stability_intervals("amplitude", self, load, (low, high), growth_tolerance, progress)
 
+    @tells_arguments()
     def stable_frequencies(
         self,
         mean: float,
@@ -291,6 +312,7 @@ class Rod(ProvedRod):
         fastest = slowest.varied("frequency", high)
         return stability_intervals("frequency", self, fastest, (low, high), growth_tolerance, progress)
 
+    @tells_arguments()
     def critical_mean_force(
         self,
         amplitude: float,
@@ -306,6 +328,7 @@ class Rod(ProvedRod):
         load = kind(like).with_numbers(1.5 * self.critical_force, amplitude, frequency)
         return first_unstable("mean", self, load, growth_tolerance)
 
+    @tells_arguments()
     def critical_amplitude(
         self,
         mean: float,
@@ -321,6 +344,7 @@ class Rod(ProvedRod):
         load = kind(like).with_numbers(mean, self.critical_force, frequency)
         return first_unstable("amplitude", self, load, growth_tolerance)
 
+    @tells_arguments()
     def is_stable(
         self,
         mean: Any,
@@ -360,10 +384,11 @@ class Rod(ProvedRod):
             warnings.warn(
                 f"{unsure} of {np.size(found)} loads could not be decided and count as unstable; verdicts tells which",
                 UndecidedWarning,
-                stacklevel=2,
+                stacklevel=level_of_caller(),
             )
         return found == 1
 
+    @tells_arguments()
     def verdicts(
         self,
         mean: Any,
@@ -406,6 +431,7 @@ class Rod(ProvedRod):
             found = systems.are_stable(tolerance, workers).view(np.int8)
         return shaped(found, systems.loads.shape)
 
+    @tells_arguments()
     def growth_rate(
         self, mean: Any, amplitude: Any, frequency: Any, *, like: AnyLoad | None = None, workers: int | None = None
     ) -> Any:
@@ -415,6 +441,7 @@ class Rod(ProvedRod):
         """
         return self.fastest(mean, amplitude, frequency, like=like, workers=workers)[0]
 
+    @tells_arguments()
     def fastest(
         self, mean: Any, amplitude: Any, frequency: Any, *, like: AnyLoad | None = None, workers: int | None = None
     ) -> tuple[Any, Any]:

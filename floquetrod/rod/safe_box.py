@@ -131,7 +131,7 @@ def largest_safe_box(
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     accuracy = validate.within("accuracy", accuracy, 1e-4, 0.5, "it is a share of the width of the box")
     validate.progress(progress)
-    warn_unless_uniform(rod, load, stacklevel=4)
+    warn_unless_uniform(rod, load)
     box = RodBox.of(rod, load, load.mean, load.amplitude, load.frequency, parameters)
     require_in_reach(box)
     proof = prove(box, tolerance)

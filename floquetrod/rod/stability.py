@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.references import references, united
 from floquetrod.floquet.verdict import Cost, Stability, Status, tolerated
 from floquetrod.rod.assumptions import assumptions
 from floquetrod.rod.load import Load, Quantity
@@ -45,6 +46,11 @@ class RodStability(RodVerdict):
     system: ModalSystem
     mode_verdicts: tuple[Stability, ...]
     mode_growth_rates: NDArray[np.float64] = field(compare=False)
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        return united(references(("rod", "model")), *(verdict.references for verdict in self.mode_verdicts))
 
     @property
     def load(self) -> Load:

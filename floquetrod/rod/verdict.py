@@ -56,6 +56,11 @@ class RodVerdict(Verdict):
 
     @property
     @abstractmethod
+    def references(self) -> tuple[str, ...]:
+        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+
+    @property
+    @abstractmethod
     def modes_checked(self) -> int:
         """Number of modes looked at; `cutoff` says why that many."""
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import hashlib
 import platform
-import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -18,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import files
+from floquetrod._util.calling import level_of_caller
 from floquetrod._util.version import __version__
 from floquetrod.kernels import rod_motion
 from floquetrod.simulation.mesh import ENERGIES
@@ -205,14 +205,6 @@ class Checkpoint:
 def _cause(error: BaseException) -> str:
     """Return why a save failed, in a few words."""
     return getattr(error, "strerror", None) or str(error) or type(error).__name__
-
-
-def level_of_caller() -> int:
-    """Return the stack level, for the caller of this function, of the first frame outside the package."""
-    level, frame = 1, sys._getframe(1)
-    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("floquetrod."):
-        level, frame = level + 1, frame.f_back
-    return level
 
 
 def computing_sources() -> Iterator[Path]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod.floquet.references import references
 from floquetrod.simulation.start import LEAST_SEGMENTS
 
 BUCKLED_ANGLE = math.radians(5.0)
@@ -70,6 +71,11 @@ class RecordedMotion(NoTruthValue, ByContent):
     energy: dict[str, NDArray[np.float64]]
     ended: str
     seconds: float = field(compare=False)
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        return references(("rod", "model"))
 
     @property
     def complete(self) -> bool:

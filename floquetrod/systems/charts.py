@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.equations.batches import in_batches
 from floquetrod.floquet import one_by_one
@@ -29,6 +30,7 @@ _GREEK = re.compile(
 )
 
 
+@tells_arguments()
 def chart(
     family: Callable[..., Problem],
     over: Mapping[str, Any],

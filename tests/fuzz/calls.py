@@ -66,6 +66,7 @@ LEFT_OUT = {
     "Solution": "constructed by solve",
     "Stability": "constructed by every method",
     "mathieu.FloquetSolution": "constructed by characteristic_function and floquet_solutions",
+    "PlausibilityWarning": "a warning",
     "UniformForceWarning": "a warning",
     "friction.EscapeRanges": "constructed by escape_ranges",
     "friction.Fate": "constructed by fate",

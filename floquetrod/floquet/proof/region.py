@@ -12,6 +12,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.compilation import compiled_for, runner
 from floquetrod._util.content import NoTruthValue
+from floquetrod.floquet.references import references
 from floquetrod.kernels import regions as kernels
 from floquetrod.kernels.regions_boxes import DAMPING, tail_modes
 
@@ -97,6 +98,11 @@ class RegionProof(NoTruthValue):
     statement: str
     note: str
     assumptions: tuple[str, ...]
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        return references(("equation", "certify"), *(() if isinstance(self.subject, type) else (("rod", "model"),)))
 
     @property
     def stable(self) -> bool | None:

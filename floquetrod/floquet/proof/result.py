@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.floquet.references import references
 from floquetrod.floquet.verdict import Answer, Interval, Status
 
 
@@ -53,6 +54,11 @@ class Proof(Answer):
     statement: str
     enclosures: tuple[Enclosure, ...] = ()
     exact: tuple[tuple[str, Fraction], ...] = field(default=(), kw_only=True)
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        return references(("equation" if isinstance(self.equation, Equation) else "system", "certify"))
 
     def __repr__(self) -> str:
         """Return the proof as a sentence."""

@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple
 
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.matrices import Structure
+from floquetrod.floquet.references import references
 from floquetrod.floquet.verdict import Verdict
 
 
@@ -75,6 +76,11 @@ class SystemStability(Verdict):
     krein_signs: tuple[int, ...]
     resonances: tuple[Resonance, ...]
     strongly_stable: bool | None
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        return references(("system", self.method))
 
     @property
     def multiplier_errors(self) -> tuple[float, ...]:

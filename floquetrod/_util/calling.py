@@ -1,0 +1,83 @@
+"""What a caller sees: TypeErrors and AttributeErrors of Python's own with the remedy, and where a warning points."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import re
+import sys
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from floquetrod._util.suggest import did_you_mean
+
+T = TypeVar("T", bound=Callable[..., Any])
+
+_UNKNOWN = re.compile(r"(.+ got an unexpected keyword argument '(\w+)')")
+
+
+def tells_arguments(**instead: str) -> Callable[[T], T]:
+    """Return a decorator of functions and dataclasses whose TypeErrors about how they are called name the remedy.
+
+    The remedy is the argument nearest to one that is not known, or all arguments.  ``instead`` has remedies of its own
+    for names that are often given.
+    """
+
+    def decorate(target: T) -> T:
+        function: Callable[..., Any] = vars(target)["__init__"] if isinstance(target, type) else target
+
+        @functools.wraps(function)
+        def called(*given: Any, **named: Any) -> Any:
+            try:
+                return function(*given, **named)
+            except TypeError as error:
+                # One entry: raised by the call itself, before anything inside ran.
+                if error.__traceback__ is None or error.__traceback__.tb_next is not None:
+                    raise
+                message = str(error)
+                if isinstance(target, type):  # named after the class that was called, which may be derived
+                    message = message.replace(f"{function.__qualname__}()", f"{type(given[0]).__name__}()")
+                raise TypeError(_with_remedy(message, function, instead)) from None
+
+        if not isinstance(target, type):
+            return called  # type: ignore[return-value]
+        setattr(target, "__init__", called)  # noqa: B010  (an assignment, which mypy takes for unsound)
+        return target
+
+    return decorate
+
+
+def level_of_caller() -> int:
+    """Return the stack level, for the caller of this function, of the first frame outside the package."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("floquetrod."):
+        level, frame = level + 1, frame.f_back
+    return level
+
+
+def _with_remedy(message: str, function: Callable[..., Any], instead: Mapping[str, str]) -> str:
+    """Return the message of a TypeError about how a function is called, with the remedy."""
+    parameters = [p for p in inspect.signature(function).parameters.values() if p.name not in ("self", "cls")]
+    written = ", ".join(p.name if p.default is p.empty else f"{p.name}={p.default!r}" for p in parameters)
+    found = _UNKNOWN.match(message)
+    if found is None:
+        return f"{message}; its arguments are {written}"
+    text, name = found.groups()  # newer Pythons add a guess of their own, which is left out
+    hint = f"; {instead[name]}" if name in instead else did_you_mean(name, [p.name for p in parameters])
+    return text + (hint or f"; its arguments are {written}")
+
+
+class TellsAttributes:
+    """Base of classes whose AttributeErrors name the public attribute nearest to the one asked for, or all of them."""
+
+    if not TYPE_CHECKING:  # a type checker would take every attribute to exist
+
+        def __getattr__(self, name: str) -> Any:
+            """Raise AttributeError for what was not found in the usual way."""
+            if hasattr(type(self), name):  # a property that raised AttributeError itself: again, for its message
+                return object.__getattribute__(self, name)
+            message = f"{type(self).__name__!r} object has no attribute {name!r}"
+            if name.startswith("_"):
+                raise AttributeError(message)
+            public = sorted(each for each in {*dir(type(self)), *vars(self)} if not each.startswith("_"))
+            raise AttributeError(message + (did_you_mean(name, public) or f"; it has {', '.join(public)}"))

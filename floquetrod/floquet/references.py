@@ -1,0 +1,65 @@
+"""What to cite for a result: one table of the sources of every method, and floquetrod itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from floquetrod._util.version import __version__
+
+STUDY_TITLE = "The Instability Mechanism of a Confined Rod Under Axial Vibrations, J. Appl. Mech. 83 (2016) 011005"
+"""The published study behind the rod."""
+
+STUDY_DOI = "10.1115/1.4031710"
+"""Its DOI."""
+
+STUDY = f"{STUDY_TITLE}, doi:{STUDY_DOI}"
+"""Both, as they are cited."""
+
+FLOQUETROD = (
+    "The floquetrod developers, floquetrod: Floquet and spectral stability of a rod vibrated inside a channel, version "
+    f"{__version__}"
+)
+"""The package itself, as in CITATION.cff."""
+
+_THEORY = (
+    "V. A. Yakubovich and V. M. Starzhinskii, Linear Differential Equations with Periodic Coefficients, Wiley 1975"
+)
+_DLMF = "NIST Digital Library of Mathematical Functions, chapter 28, https://dlmf.nist.gov/28"
+_BOTT = "R. Bott, Comm. Pure Appl. Math. 9 (1956) 171, doi:10.1002/cpa.3160090204"
+_VAN_LOAN = "C. F. Van Loan, Linear Algebra Appl. 61 (1984) 233, doi:10.1016/0024-3795(84)90034-X"
+_GRAGG = "W. B. Gragg, SIAM J. Numer. Anal. 2 (1965) 384, doi:10.1137/0702030"
+_JORBA = "A. Jorba and M. Zou, Experimental Mathematics 14 (2005) 99, doi:10.1080/10586458.2005.10128904"
+_RUMP = "S. M. Rump, Verification methods, Acta Numerica 19 (2010)"
+
+SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
+    ("equation", "spectral"): (_DLMF,),
+    ("equation", "determinant"): (STUDY, _DLMF),
+    ("equation", "monodromy"): (_THEORY,),
+    ("equation", "square_wave"): (STUDY,),
+    ("equation", "leapfrog"): (STUDY,),
+    ("equation", "reference"): (_THEORY,),
+    ("system", "half_period"): (_THEORY,),
+    ("system", "monodromy"): (_THEORY, _VAN_LOAN),
+    ("system", "segmented"): (_THEORY,),
+    ("system", "spectral"): (_THEORY, _BOTT),
+    ("system", "reference"): (_THEORY, _GRAGG, _VAN_LOAN),
+    ("equation", "certify"): (_DLMF, _THEORY),
+    ("system", "certify"): (_THEORY, _BOTT, _RUMP),
+    ("any", "solve"): (_JORBA,),
+    ("rod", "model"): (STUDY,),
+}
+"""Sources of each method, by what it is for and its name."""
+
+
+def references(*used: tuple[str, str]) -> tuple[str, ...]:
+    """Return what to cite for a result: floquetrod first, then the sources of the methods used, each once.
+
+    >>> references(("equation", "square_wave"))[1].rpartition(" ")[2]
+    'doi:10.1115/1.4031710'
+    """
+    return united((FLOQUETROD,), *(SOURCES[method] for method in used))
+
+
+def united(*several: Iterable[str]) -> tuple[str, ...]:
+    """Return the references of several results, each once."""
+    return tuple(dict.fromkeys(each for found in several for each in found))

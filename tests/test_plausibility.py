@@ -1,0 +1,158 @@
+"""Slips of units and radii are suspected; plausible rods and loads are not."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import warnings
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import floquetrod as fr
+from floquetrod.cli.main import main
+from floquetrod.rod.catalogue import pipes
+from floquetrod.rod.plausibility import may_be_hertz, suspicions_of_load, suspicions_of_rod
+
+NITINOL = {"youngs_modulus": 68e9, "density": 6500, "radius": 0.8e-3, "length": 3.1, "channel_radius": 4.7e-3}
+TUBING = {"youngs_modulus": 207e9, "density": 7850, "diameter": 0.0508, "wall_thickness": 0.00396} | {
+    "length": 60,
+    "channel_diameter": 0.124,
+}
+
+SLIPS: list[tuple[dict[str, Any], str]] = [
+    (NITINOL | {"length": 3100}, r"length = 3100 m .*mode 6144.*; .*length=\"3100mm\""),
+    (NITINOL | {"radius": 0.8, "channel_radius": 4.7}, r"radius = 0.8 m .*1.6 m thick.*; .*radius=\"0.8mm\""),
+    (NITINOL | {"radius": 0.8, "channel_radius": 4.7, "length": 3100}, r"radius = 0.8 m .*; .*radius=\"0.8mm\""),
+    (NITINOL | {"channel_radius": 4.7}, r"channel_radius = 4.7 m .*; .*channel_radius=\"4.7mm\""),
+    (NITINOL | {"radius": 0.7, "channel_radius": 4.7}, r"length = 3.1 m .*no slender rod; .*\"0.7mm\""),
+    (NITINOL | {"youngs_modulus": 68}, r"youngs_modulus = 68 Pa .*; .*youngs_modulus=\"68GPa\""),
+    (NITINOL | {"youngs_modulus": 68000}, r"youngs_modulus = 68000 Pa .*; .*youngs_modulus=\"68000MPa\""),
+    (NITINOL | {"youngs_modulus": 30e6}, r"youngs_modulus = 3e\+07 Pa .*; .*psi\""),
+    (NITINOL | {"youngs_modulus": 68e12}, r"youngs_modulus = 6.8e\+13 Pa .*diamond; .*GPa"),
+    (NITINOL | {"density": 6.5}, r"density = 6.5 kg/m\^3 .*; .*density=\"6.5g/cm3\""),
+    (NITINOL | {"density": 6500e3}, r"density = 6.5e\+06 kg/m\^3 .*; a number is taken in kg/m\^3"),
+    (NITINOL | {"gravity": 981}, r"gravity = 981 m/s\^2 looks like cm/s\^2; .*9.81"),
+    (NITINOL | {"gravity": 32.2}, r"gravity = 32.2 m/s\^2 looks like ft/s\^2; .*9.81"),
+    (
+        TUBING | {"diameter": None, "radius": "2in", "wall_thickness": "0.156in"},
+        r"radius = 0.0508 m is the diameter .*2.00x0.156 .*; give diameter=0.0508",
+    ),
+    (
+        TUBING | {"diameter": None, "radius": 0.0508, "wall_thickness": None, "inner_radius": 0.042875},
+        r"radius = 0.0508 m is the diameter .*2.00x0.156 .*; give diameter=0.0508",
+    ),
+]
+
+
+@pytest.mark.parametrize(("parameters", "words"), SLIPS)
+def test_slips_in_a_rod_are_suspected_once_and_where_they_are_made(parameters: dict[str, Any], words: str) -> None:
+    with pytest.warns(fr.PlausibilityWarning, match=words) as heard:
+        rod = fr.Rod(**parameters)
+    assert len(heard) == 1
+    assert heard[0].filename == __file__
+    assert 'warnings.simplefilter("ignore", fr.PlausibilityWarning)' in str(heard[0].message)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert pickle.loads(pickle.dumps(rod)) == rod
+
+
+def test_silenced() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        warnings.simplefilter("ignore", fr.PlausibilityWarning)
+        fr.Rod(**NITINOL | {"length": 3100})
+
+
+def test_copies_that_the_package_makes_are_not_judged() -> None:
+    with pytest.warns(fr.PlausibilityWarning):
+        rod = fr.Rod(**NITINOL | {"density": 20})
+    load = fr.AxialLoad(0.1 * rod.critical_force, 0.1 * rod.critical_force, 300.0)
+    assert rod.stability(load).damping_to_stabilise >= 0.0
+
+
+def test_replace_is_judged() -> None:
+    with pytest.warns(fr.PlausibilityWarning, match="length = 3100 m"):
+        fr.Rod.nitinol().replace(length=3100)
+
+
+LOADS = [
+    (fr.Rod.nitinol(), (300, 0.3, "24Hz"), r"mean = 300 N is 177 times .*; .*mean=\"300mN\""),
+    (fr.Rod(**TUBING), (2, 1, "1Hz"), r"mean = 2 N and amplitude = 1 N .*; .*mean=\"2kN\", amplitude=\"1kN\""),
+    (fr.Rod.nitinol(), (0.34, 0.34, 24), r"frequency = 24 rad/s .*AxialLoad.hertz.*frequency=\"24Hz\""),
+]
+
+
+@pytest.mark.parametrize(("rod", "numbers", "words"), LOADS)
+def test_slips_in_a_load_are_suspected(rod: fr.Rod, numbers: tuple[Any, ...], words: str) -> None:
+    with pytest.warns(fr.PlausibilityWarning, match=words) as heard:
+        rod.stability(fr.AxialLoad(*numbers))
+    assert [each.filename for each in heard] == [__file__]
+
+
+def test_a_frequency_in_rad_per_s_is_suspected_only_where_it_matters() -> None:
+    rod = fr.Rod.nitinol()
+    weak, strong = fr.AxialLoad(0.34, 1e-9, 24), fr.AxialLoad(0.34, 0.34, 24)
+    assert may_be_hertz(rod, weak)
+    assert rod.replace(damping_rate=1.0).stability(weak).stable  # in Hz it would be, too: no warning
+    assert not may_be_hertz(rod, fr.AxialLoad.hertz(0.34, 0.34, 24))
+    assert not may_be_hertz(rod, strong.varied("mean", 2.0 * rod.critical_force))
+
+
+SIZES = sorted({(pipe.diameter, pipe.wall_thickness) for pipe in pipes()})
+
+
+@st.composite
+def plausible_rods(draw: st.DrawFn) -> fr.Rod:
+    """Rods as they are built and simulated."""
+    kind = draw(st.sampled_from(["lab", "steel", "pipe", "fibre"]))
+    inclination = draw(st.sampled_from([math.pi / 2, 1.0, 0.3]))
+    if kind == "pipe":
+        diameter, wall = draw(st.sampled_from(SIZES))
+        fluid = draw(st.sampled_from([0.0, 1.2, 1000.0, 1800.0]))
+        return fr.Rod(
+            207e9,
+            7850.0,
+            diameter=diameter,
+            wall_thickness=wall,
+            length=draw(st.sampled_from([10.0, 60, 500, 5000])),
+            channel_diameter=diameter * draw(st.floats(1.1, 8.0)),
+            fluid_inside=fluid,
+            fluid_outside=fluid,
+            inclination=inclination,
+        )
+    if kind == "fibre":
+        radius, modulus, density, length = 62.5e-6, 72e9, 2200.0, draw(st.sampled_from([0.1, 1.0, 10.0]))
+    elif kind == "lab":
+        modulus, density = draw(st.sampled_from([(68e9, 6500.0), (3e9, 1200.0), (70e9, 2700.0), (5e6, 1100.0)]))
+        radius, length = draw(st.sampled_from([0.0005, 0.0008, 0.003])), draw(st.sampled_from([0.3, 1, 3.1, 31]))
+    else:
+        modulus, density = draw(st.sampled_from([(200e9, 7850.0), (210e9, 7800.0), (110e9, 8900.0), (400e9, 19300.0)]))
+        radius, length = draw(st.sampled_from([0.001, 0.01, 0.05])), draw(st.sampled_from([0.5, 5, 100]))
+    hole = radius * draw(st.floats(1.05, 40.0))
+    return fr.Rod(modulus, density, radius, length, hole, inclination=inclination)
+
+
+@given(rod=plausible_rods(), mean=st.floats(-3.0, 3.0), amplitude=st.floats(0.0, 5.0), hertz=st.floats(0.1, 200.0))
+@settings(deadline=None, max_examples=300)
+def test_plausible_rods_and_loads_raise_no_suspicion(rod: fr.Rod, mean: float, amplitude: float, hertz: float) -> None:
+    assert not list(suspicions_of_rod(rod))
+    load = fr.AxialLoad.hertz(mean * rod.critical_force, amplitude * rod.critical_force, round(hertz, 1))
+    assert not list(suspicions_of_load(rod, load))
+    assert not may_be_hertz(rod, load)
+
+
+def test_the_terminal_tells_it_in_a_line(capsys: pytest.CaptureFixture[str], tmp_path: Any) -> None:
+    path = tmp_path / "rod.toml"
+    lines = 'youngs_modulus = "68GPa"\ndensity = 6500\nradius = "0.8mm"\nlength = 3100\nchannel_radius = "4.7mm"\n'
+    path.write_text(lines, encoding="utf-8")
+    command = ["check", "--rod", str(path), "--mean", "0", "--amplitude", "0", "--frequency", "1", "--modes", "1-3"]
+    assert main([*command, "--json"]) == 0
+    told = capsys.readouterr()
+    assert told.out.startswith("{")
+    warned = [line for line in told.err.splitlines() if "3100" in line]
+    assert len(warned) == 1
+    assert warned[0].startswith("floquetrod: warning: length = 3100 m")
+    assert warned[0].endswith('length="3100mm"')
