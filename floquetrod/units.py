@@ -4,14 +4,19 @@ from __future__ import annotations
 
 import math
 import re
+import unicodedata
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
+from floquetrod._util.suggest import did_you_mean
+
 _POUNDS_PER_GALLON = 0.45359237 / 3.785411784e-3  # of US gallons, in kg/m^3
 
+_POUND_FORCE = 4.4482216152605  # in N
+
 _UNITS: dict[str, dict[str, float]] = {
-    "force": {"N": 1.0, "kN": 1e3, "mN": 1e-3, "lbf": 4.4482216152605},
-    "frequency": {"rad/s": 1.0, "1/s": 1.0, "Hz": 2.0 * math.pi, "rpm": math.pi / 30.0},
+    "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "mN": 1e-3, "lbf": _POUND_FORCE, "kip": 1e3 * _POUND_FORCE},
+    "frequency": {"rad/s": 1.0, "1/s": 1.0, "Hz": 2.0 * math.pi, "kHz": 2e3 * math.pi, "rpm": math.pi / 30.0},
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048},
     "pressure": {
@@ -30,14 +35,35 @@ _UNITS: dict[str, dict[str, float]] = {
         "g/cm^3": 1e3,
         "lb/gal": _POUNDS_PER_GALLON,
         "ppg": _POUNDS_PER_GALLON,
+        "lb/ft3": 0.45359237 / 0.3048**3,
+        "lb/in3": 0.45359237 / 0.0254**3,
     },
-    "acceleration": {"m/s2": 1.0, "m/s^2": 1.0},
+    "acceleration": {"m/s2": 1.0, "m/s^2": 1.0, "ft/s2": 0.3048},
     "rate": {"1/s": 1.0, "/s": 1.0},
     "speed": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "ft/s": 0.3048},
     "angle": {"rad": 1.0, "deg": math.pi / 180.0},
     "ratio": {"": 1.0},
 }
 """Kinds of quantity: units and their size in the SI unit, which comes first."""
+
+_ALSO = {
+    "lb": "lbf",
+    "lbs": "lbf",
+    "kips": "kip",
+    "hertz": "Hz",
+    "rad/sec": "rad/s",
+    "sec": "s",
+    "inch": "in",
+    "inches": "in",
+    '"': "in",
+    "feet": "ft",
+    "n/mm2": "MPa",
+    "n/mm^2": "MPa",
+    "\N{DEGREE SIGN}": "deg",
+    "degree": "deg",
+    "degrees": "deg",
+}
+"""Further names of units, in small letters, and the unit that each stands for."""
 
 ROD_KINDS = {
     "youngs_modulus": "pressure",
@@ -94,12 +120,17 @@ _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*
 def _known(name: str, units: Iterable[str]) -> str | None:
     """Return which of the units a name means, in any case but that of M for mega and m for milli; None for none.
 
-    Without regard to case no two units of a kind are alike, which the tests check.
+    Without regard to case no two units of a kind are alike, which the tests check.  A pound is one of force where a
+    force is asked for.
     """
-    return next((unit for unit in units if _folded(unit) == _folded(name)), None)
+    names = {_folded(unit): unit for unit in units}
+    written = _folded(name)
+    return names.get(written) or names.get(_folded(_ALSO.get(written, written)))
 
 
 def _folded(name: str) -> str:
+    """Return a unit in small letters, but for M and m at its beginning; the letter mu as u, raised digits as digits."""
+    name = unicodedata.normalize("NFKC", name).replace("\N{GREEK SMALL LETTER MU}", "u") if not name.isascii() else name
     return name[:1] + name[1:].lower() if name[:1] in ("m", "M") else name.lower()
 
 
@@ -116,9 +147,11 @@ def unit(name: str, what: str, kind: str, critical_force: float | None = None) -
     if not isinstance(name, str):
         raise TypeError(f"{what} must be the name of a unit of {kind}, got {name!r}")
     units = units_of(kind, critical_force)
+    if name == "%":  # of what is known, which says in which unit to show it
+        name = "Fcr" if "Fcr" in units else ""
     chosen = _known(name or next(iter(units)), units)
     if chosen is None:
-        raise ValueError(f"{what} must be a unit of {kind} ({', '.join(units)}), got {name!r}")
+        raise ValueError(f"{what} must be a unit of {kind} ({', '.join(units)}), got {name!r}{_hint(name, units)}")
     return Unit(chosen, units[chosen])
 
 
@@ -148,6 +181,7 @@ def quantity(
     kind: str,
     *,
     critical_force: float | None = None,
+    nominal: float | None = None,
     least: float = -math.inf,
     largest: float = math.inf,
     given: str | None = None,
@@ -158,7 +192,8 @@ def quantity(
     ----------
     value : str or number
         A number with a unit, in any case but that of M for mega and m for milli; a number alone is in the SI unit of
-        its kind.
+        its kind.  A percentage is one of ``nominal`` where that is given, else of the critical force where a force is
+        asked for, and of one where a ratio is.
     name : str
         What it is called in messages.
     kind : str
@@ -166,6 +201,8 @@ def quantity(
         "speed", "time", "angle" or "ratio" (which has no unit).
     critical_force : float, optional
         In N; with it, forces may be given in "Fcr".
+    nominal : float, optional
+        In the SI unit; with it, the quantity may be given in percent of it.
     least, largest : float
         Bounds in SI units; a least value above zero asks for what is greater than zero.
     given : str, optional
@@ -182,6 +219,8 @@ def quantity(
     0.0008
     >>> quantity("0.5Fcr", "mean", "force", critical_force=1.7)
     0.85
+    >>> quantity("50%", "mean", "force", critical_force=1.7), quantity("30%", "friction", "ratio")
+    (0.85, 0.3)
     """
     units = units_of(kind, critical_force)
     if isinstance(value, int | float) and not isinstance(value, bool):
@@ -192,12 +231,40 @@ def quantity(
         return _bounded(number, name, units, least, largest, repr(value) if given is None else given)
     given = repr(value) if given is None else given
     match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
-    unit = _known(match[2] or next(iter(units)), units) if match else None
-    if match is None or unit is None:
-        what = f"unit {match[2]!r}" if match else "this"
-        accepted = f"a {kind} unit ({', '.join(units)}; none means {next(iter(units))})" if any(units) else "no unit"
-        raise ValueError(f"{name} must be a number with {accepted}, got {given}: {what} is not understood")
+    if match is None or "," in match[2]:
+        raise ValueError(f"{_wanted(name, kind, units)}, got {given}: {_why_no_number(value)}")
+    whole = {"force": critical_force, "ratio": 1.0}.get(kind) if nominal is None else nominal
+    if match[2] == "%" and whole == 0.0:
+        raise ValueError(f"{name} must not be a percentage of zero, got {given}; give a number with its unit")
+    if match[2] == "%" and whole is not None:
+        return _bounded(float(match[1]) * whole / 100.0, name, units, least, largest, given)
+    unit = _known(match[2] or next(iter(units)), units)
+    if unit is None:
+        raise ValueError(
+            f"{_wanted(name, kind, units)}, got {given}: unit {match[2]!r} is not understood{_hint(match[2], units)}"
+        )
     return _bounded(float(match[1]) * units[unit], name, units, least, largest, given)
+
+
+def _wanted(name: str, kind: str, units: Iterable[str]) -> str:
+    accepted = f"a {kind} unit ({', '.join(units)}; none means {next(iter(units))})" if any(units) else "no unit"
+    return f"{name} must be a number with {accepted}"
+
+
+def _why_no_number(value: Any) -> str:
+    """Return why a text is no number with a unit."""
+    if isinstance(value, str) and "," in value:
+        return "a comma is not understood; write a point before decimals and nothing between thousands"
+    return "this is not understood"
+
+
+def _hint(name: str, units: Iterable[str]) -> str:
+    """Return what may be meant by a unit that is not one of ``units``."""
+    if name == "%":
+        return "; a percentage needs something it is a part of, such as the critical force of a rod"
+    other = kind_of(name)
+    names = [*filter(None, units), *(also for also, unit in _ALSO.items() if unit in units)]
+    return f"; it is a unit of {other}" if other else did_you_mean(name, names)
 
 
 def _bounded(value: float, name: str, units: dict[str, float], least: float, largest: float, given: str) -> float:

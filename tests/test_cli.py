@@ -186,12 +186,12 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([], "the following arguments are required: command"),
+        ([], "command is missing; name one, such as floquetrod check"),
         (["check", *LOAD], "one of the arguments --system --rod is required"),
         (["check", "--rod", "nitinol", *LOAD[2:]], "the following arguments are required: --mean"),
-        (["frobnicate"], "invalid choice: 'frobnicate'"),
+        (["frobnicate"], "command must be one of check, .*, got 'frobnicate'"),
         (["check", "--rod", "nitinol", *LOAD, "--json=1"], "ignored explicit argument"),
-        (["check", "--rod", "no.toml", *LOAD], "rod file no.toml cannot be read"),
+        (["check", "--rod", "no.toml", *LOAD], "got 'no.toml': there is no such file"),
         ([*CHECK[:-1], "0"], "--frequency must be greater than zero, got '0'"),
         ([*CHECK[:-1], "24Hx"], "--frequency must be a number with a frequency unit"),
         ([*CHECK, "--modes", "a"], "--modes must be like 1-25"),
@@ -201,16 +201,16 @@ def test_compare(capsys: pytest.CaptureFixture[str]) -> None:
         ([*CHECK, "--modes", "1-99999999999999999999"], "--modes must be like 1-25"),
         ([*CHECK, "--modes", "-3"], "--modes must be like 1-25"),
         ([*CHECK, "--kick", "50mm/s"], "--kick needs --friction"),
-        ([*CHECK, "--mu", "0.1"], "--friction needs --kick: .* add .* such as --kick 50mm/s"),
+        ([*CHECK, "--mu", "0.1"], "--friction needs --kick, got .* add .* such as --kick 50mm/s"),
         ([*CHECK, "--mu", "-0.1", "--kick", "1mm/s"], "--friction must be zero or more"),
-        ([*CHECK, "--mu", "nan", "--kick", "1mm/s"], "--friction must be finite"),
+        ([*CHECK, "--mu", "nan", "--kick", "1mm/s"], "--friction/--mu must be a number"),
         ([*CHECK, "--mu", "0.1", "--kick", "-50mm/s"], "--kick must be greater than zero, got '-50mm/s'"),
         ([*CHECK, "--mu", "0.1", "--kick", "0"], "--kick must be greater than zero, got '0'"),
         ([*CHECK, "--mu", "0.1", "--kick", "50mph"], "unit 'mph' is not understood"),
         ([*CHECK, "--json", "-5"], "ignored explicit argument"),
         ([*CHECK[:-1], "1e-300"], "--frequency must lie between 1e-09 and 1e\\+12 rad/s, got '1e-300'"),
         ([*CHECK, "--damping-rate", "-1"], "--damping-rate must be zero or more, got '-1'"),
-        (["compare", "--alpha", "x", "--beta", "0"], "argument --alpha: invalid float value"),
+        (["compare", "--alpha", "x", "--beta", "0"], "--alpha must be a number such as 0.5, got 'x'"),
         (["compare", "--alpha=--", "--beta", "0"], "--alpha needs a value, got '--'"),
         (["compare", "--alpha", "nan", "--beta", "0"], "--alpha must be finite"),
     ],
@@ -527,10 +527,11 @@ def test_a_word_while_a_question_takes_its_time(monkeypatch: pytest.MonkeyPatch)
 
     screen = Screen()
     monkeypatch.setattr(sys, "stderr", screen)
-    monkeypatch.setattr(waiting, "EVERY", 0.001)
-    with waiting.waiting("searching"):
+    monkeypatch.setattr(waiting, "FIRST", 0.001)
+    with waiting.Waiting("searching", "points") as progress:
+        progress(1000, 4000)
         assert screen.said.wait(60.0)
-    assert screen.getvalue().startswith("searching: 0 s (Ctrl-C ends it)\r")
+    assert screen.getvalue().startswith("searching: 0 s, 1,000 of 4,000 points (Ctrl-C ends it)\r")
     assert screen.getvalue().split("\r")[-2].strip() == ""  # and nothing is left of it
     assert not any("_speak" in thread.name for thread in threading.enumerate())
 
@@ -539,7 +540,7 @@ def test_no_word_where_nobody_reads(monkeypatch: pytest.MonkeyPatch) -> None:
     silent = io.StringIO()
     monkeypatch.setattr(sys, "stderr", silent)
     before = threading.active_count()
-    with waiting.waiting("searching"):
+    with waiting.Waiting("searching"):
         assert threading.active_count() == before
     assert silent.getvalue() == ""
 

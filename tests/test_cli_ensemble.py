@@ -283,20 +283,15 @@ def test_interrupted_before_the_first_run(
 def test_progress_tells_the_time_left(
     terminal: bool, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    clock = iter([0.0, 30.0, 30.1, 100.0, 200.0])
-    monkeypatch.setattr(ensemble.time, "monotonic", lambda: next(clock))
+    clock = [0.0]
+    monkeypatch.setattr(ensemble.time, "monotonic", lambda: clock[0])
     monkeypatch.setattr(sys.stderr, "isatty", lambda: terminal, raising=False)
     progress = ensemble._Left()
-    for done in (1, 4, 5, 11, 21):
+    for clock[0], done in ((0.0, 1), (30.0, 4), (100.0, 11), (200.0, 21)):
         progress(done, 21)
-    progress.close()
-    err = capsys.readouterr().err
     assert progress.is_complete
-    lines = [line.strip() for line in re.split(r"[\r\n]+", err) if line.strip()]
-    assert "11 of 21 runs, 100 seconds left" in lines
-    assert lines[-1] == "21 of 21 runs"
-    assert ("4 of 21 runs, 3 minutes left" in lines) == terminal
-    assert not any(line.startswith("5 of 21") for line in lines)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines == ([] if terminal else ["11 of 21 runs, 100 seconds left", "21 of 21 runs"])
 
 
 # --- what is refused -------------------------------------------------------------------------------------------------
@@ -311,7 +306,7 @@ def test_progress_tells_the_time_left(
         ({"": 'rod = "nitinol"\nload = 3', "load": None}, r"load must be a table, .*got 3"),
         ({"extra": "x = 1"}, r"unknown key 'extra'"),
         ({"": "rod = 3"}, r"\[rod\] must be a table as in rod files, nitinol or a rod file, got 3"),
-        ({"": 'rod = "absent.toml"'}, r"\[rod\] rod file \S*absent\.toml cannot be read"),
+        ({"": 'rod = "absent.toml"'}, r"\[rod\] rod must be nitinol.*absent\.toml.: there is no such file"),
         ({"": "", "rod": 'radius = "1mm"'}, r"\[rod\] missing key 'youngs_modulus'"),
         ({"load": 'mean = "0.3Fcr"'}, r"\[load\] missing keys amplitude, frequency"),
         ({"load": TABLES["load"].replace("24Hz", "24cm")}, r"\[load\] frequency must be .*'24cm': unit 'cm'"),
@@ -319,7 +314,7 @@ def test_progress_tells_the_time_left(
         ({"load": TABLES["load"] + '\nwave = "open"'}, r"\[load\] wave must be one of 'held', 'free', 'driven'"),
         ({"load": TABLES["load"] + '\naxial_damping = "2/s"'}, r"\[load\] axial_damping needs wave, got '2/s'"),
         ({"load": 'force = "absent.csv"'}, r"\[load\] force must be a text file"),
-        ({"run": "segmets = 60"}, r"\[run\] unknown key 'segmets'; did you mean 'segments'\?"),
+        ({"run": "segmets = 60"}, r"\[run\] unknown key 'segmets'; did you mean segments\?"),
         ({"run": 'duration = "2 m"'}, r"\[run\] duration must be a number with a time unit"),
         ({"run": "segments = 60.5"}, r"\[run\] segments must be an integer, got 60\.5"),
         ({"run": 'stop_early = "yes"'}, r"\[run\] stop_early must be True or False, got 'yes'"),
@@ -329,7 +324,7 @@ def test_progress_tells_the_time_left(
         ({"start": 'case = "E"'}, r"\[start\] case must be A, B, C or D"),
         ({"start": "kick = {8 = 0.1}\nseed = 1"}, r"\[start\] seed draws nothing here"),
         ({"over": ""}, r"\[over\] needs at least one key"),
-        ({"over": "frequencies = [1]"}, r"\[over\] unknown key 'frequencies'; did you mean 'frequency'\?"),
+        ({"over": "frequencies = [1]"}, r"\[over\] unknown key 'frequencies'; did you mean frequency\?"),
         ({"over": 'frequency = "24Hz"'}, r"\[over\] frequency must be a list, a range .*got '24Hz'"),
         ({"over": 'frequency = ["24Hz", "24kg"]'}, r"\[over\] frequency must be .*'24kg'"),
         ({"over": "frequency = []"}, r"\[over\] frequency must have one dimension and at least one value"),
@@ -378,7 +373,7 @@ def test_what_a_study_must_not_say(
         (["--part", "1/3", "--store", "s.npz"], r"--part needs a store that many can write"),
         (["--store", "s.csv"], r"--store must end in \.zarr or \.npz, got 's\.csv'"),
         (["--confidence", "1"], r"--confidence must lie between 0 and 1, got 1"),
-        (["--confidence", "nan"], r"--confidence must lie between 0 and 1, got nan"),
+        (["--confidence", "nan"], r"--confidence must be a number such as 0.3, or 30%, got .nan."),
     ],
 )
 def test_options_that_cannot_be(
@@ -393,5 +388,5 @@ def test_options_that_cannot_be(
 
 
 def test_no_study(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert "cannot be read" in refused(capsys, str(tmp_path / "absent.toml"))
-    assert "cannot be read" in refused(capsys, str(tmp_path))
+    assert "there is no such file" in refused(capsys, str(tmp_path / "absent.toml"))
+    assert "name a file in it" in refused(capsys, str(tmp_path))

@@ -17,27 +17,11 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.cli import common
 from floquetrod.plane import Axis
 from floquetrod.plane.bands import Band, Bands
 from floquetrod.plotting import charts
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
-
-
-def test_progress_is_shown_to_a_terminal_after_a_second(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
-    progress = common.Progress("points")
-    progress(1000, 4000)
-    assert capsys.readouterr().err == ""
-    assert progress.first is not None
-    progress.first = (progress.first[0] - 4.0, 1000)
-    progress(3000, 4000)
-    assert capsys.readouterr().err.rstrip() == "\r3,000 of 4,000 points, 500 a second, 2 s left"
-    progress(4000, 4000)
-    assert capsys.readouterr().err.startswith("\r4,000 of 4,000 points, 750 a second, 0 s left")
 
 
 def test_answers_beside_pictures_and_along_other_quantities(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

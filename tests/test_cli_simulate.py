@@ -14,7 +14,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.cli import common, simulate
+from floquetrod.cli import simulate, waiting
 from floquetrod.simulation import checkpoints, time_steps
 
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
@@ -198,7 +198,7 @@ def interrupt_after(calls: int, monkeypatch: pytest.MonkeyPatch) -> None:
         if left[0] == 0:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(common.Progress, "__call__", stop)
+    monkeypatch.setattr(waiting.Waiting, "__call__", stop)
 
 
 def test_control_c_keeps_what_there_is(
@@ -279,22 +279,18 @@ def test_mp4_needs_ffmpeg(capsys: pytest.CaptureFixture[str], monkeypatch: pytes
     assert "run.mp4 needs the program ffmpeg" in capsys.readouterr().err
 
 
-def test_progress_tells_rate_and_time_left(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
-    clock = iter([1.0, 3.0, 5.0])
-    monkeypatch.setattr(common.time, "monotonic", lambda: next(clock))
-    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
-    progress = common.Progress("steps")
-    progress(1000, 9000)  # done by an earlier run
-    progress(5000, 9000)
-    progress.close()
-    progress(9000, 9000)
-    told = [line.rstrip() for line in re.split(r"[\r\n]+", capsys.readouterr().err)]
-    assert told == [
-        "",
-        "5,000 of 9,000 steps, 2,000 a second, 2 s left",
-        "9,000 of 9,000 steps, 2,000 a second, 0 s left",
-        "",
-    ]
+def test_progress_tells_rate_and_time_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = [0.0]
+    monkeypatch.setattr(waiting.time, "monotonic", lambda: clock[0])
+    progress = waiting.Waiting("simulating", "steps")
+    assert progress._line() == "simulating: 0 s (Ctrl-C ends it)"
+    for clock[0], done, told in (
+        (1.0, 1000, "1 s, 1,000 of 9,000 steps"),  # done by an earlier run
+        (3.0, 5000, "3 s, 5,000 of 9,000 steps, 2,000 a second, 2 seconds left"),
+        (5.0, 9000, "5 s, 9,000 of 9,000 steps, 2,000 a second, 0 seconds left"),
+    ):
+        progress(done, 9000)
+        assert progress._line() == f"simulating: {told} (Ctrl-C ends it)"
 
 
 @pytest.mark.parametrize(
@@ -310,9 +306,7 @@ def test_a_long_run_says_so_at_its_beginning(
     half_seconds = iter(range(4))
     monkeypatch.setattr(simulate.time, "monotonic", lambda: 0.5 * next(half_seconds))
     seen: list[int] = []
-    monkeypatch.setattr(common.Progress, "__call__", lambda _, done, total: seen.append(done))
-    monkeypatch.setattr(common.Progress, "__init__", lambda self, what: setattr(self, "open", False))
-    progress = simulate._Forewarning(common.Progress("steps"))
+    progress = simulate._Forewarning(lambda done, total: seen.append(done))
     for turn in range(4):
         progress(steps * turn, total)
     assert len(seen) == 4
@@ -323,7 +317,7 @@ def test_a_long_run_says_so_at_its_beginning(
 
 def test_times_are_told_roughly() -> None:
     told = {61.0: "61 seconds", 121.0: "2 minutes", 7300.0: "2 hours", 3e5: "3 days"}
-    assert {seconds: common.roughly(seconds) for seconds in told} == told
+    assert {seconds: waiting.roughly(seconds) for seconds in told} == told
 
 
 class FullDisk:
@@ -377,7 +371,7 @@ def test_a_checkpoint_that_cannot_be_written_is_told_at_once(
 ) -> None:
     monkeypatch.setattr(checkpoints, "_SECONDS_BETWEEN", 0.0)
     told: list[str] = []
-    monkeypatch.setattr(common.Progress, "__call__", lambda *_: told.append(capsys.readouterr().err))
+    monkeypatch.setattr(waiting.Waiting, "__call__", lambda *_: told.append(capsys.readouterr().err))
     FullDisk(monkeypatch, tmp_path)
     record = answer(capsys, "--frames", "21", "--checkpoint", str(tmp_path / "run.ckpt"))
     assert record["complete"]

@@ -54,6 +54,29 @@ def test_a_number_alone_is_in_the_si_unit(value: float) -> None:
         ("68MPA", "pressure", 68e6),
         ("8.6PPG", "density", 8.6 * 0.45359237 / (231 * 0.0254**3)),
         ("60Deg", "angle", math.radians(60.0)),
+        ("2MN", "force", 2e6),
+        ("2mn", "force", 2e-3),
+        ("7850KG/M3", "density", 7850.0),
+        # As people write them.
+        ("3lb", "force", 3.0 * 4.4482216152605),
+        ("2kips", "force", 2e3 * 4.4482216152605),
+        ("2 hertz", "frequency", 4.0 * math.pi),
+        ("1kHz", "frequency", 2e3 * math.pi),
+        ("150rad/sec", "frequency", 150.0),
+        ('2.375"', "length", 0.060325),
+        ("2 inches", "length", 0.0508),
+        ("30 feet", "length", 9.144),
+        ("0.284 lb/in3", "density", 0.284 * 0.45359237 / 0.0254**3),
+        ("490lb/ft3", "density", 490.0 * 0.45359237 / 0.3048**3),
+        ("32.174ft/s2", "acceleration", 32.174 * 0.3048),
+        ("207e3 N/mm2", "pressure", 207e9),
+        ("60\N{DEGREE SIGN}", "angle", math.radians(60.0)),
+        ("800\N{MICRO SIGN}m", "length", 800e-6),
+        ("800\N{GREEK SMALL LETTER MU}m", "length", 800e-6),
+        ("7850kg/m\N{SUPERSCRIPT THREE}", "density", 7850.0),
+        ("9.81 m/s\N{SUPERSCRIPT TWO}", "acceleration", 9.81),
+        ("20%", "force", 0.4),
+        ("30 %", "ratio", 0.3),
     ],
 )
 def test_units(text: str, kind: str, value: float) -> None:
@@ -63,13 +86,14 @@ def test_units(text: str, kind: str, value: float) -> None:
 @pytest.mark.parametrize("text", ["", "N", "1 2", "0x10", "nan", "inf", "1Fxr", "1 kg", "\u0663", None, [1], True])
 def test_anything_else_is_refused_with_what_is_accepted(text: object) -> None:
     with pytest.raises(
-        ValueError, match=r"^--mean must be a number with a force unit \(N, kN, mN, lbf; none means N\)"
+        ValueError, match=r"^--mean must be a number with a force unit \(N, kN, MN, mN, lbf, kip; none means N\)"
     ):
         quantity(text, "--mean", "force")
 
 
 @pytest.mark.parametrize(
-    ("text", "kind"), [("1MN", "force"), ("1mpa", "pressure"), ("1mpsi", "pressure"), ("1M", "length"), ("1Ms", "time")]
+    ("text", "kind"),
+    [("1Mlbf", "force"), ("1mpa", "pressure"), ("1mpsi", "pressure"), ("1M", "length"), ("1Ms", "time")],
 )
 def test_the_case_of_mega_and_milli_counts(text: str, kind: str) -> None:
     with pytest.raises(ValueError, match="is not understood"):
@@ -90,8 +114,42 @@ def test_units_are_shown_as_they_are_written_here() -> None:
     )
 
 
+def test_a_percentage_is_one_of_what_is_known() -> None:
+    assert quantity("1%", "length", "length", nominal=3.1) == pytest.approx(0.031, rel=1e-15)
+    assert quantity("1%", "mean", "force", nominal=3.0, critical_force=2.0) == pytest.approx(0.03, rel=1e-15)
+    assert unit("%", "mean", "force", 2.0).name == "Fcr"
+    assert unit("%", "length", "length").name == "m"
+    for text, kind, known, message in (
+        ("5%", "frequency", {}, "unit '%' is not understood; a percentage needs something it is a part of"),
+        ("5%", "force", {}, "unit '%' is not understood; a percentage needs something it is a part of"),
+        ("5%", "rate", {"nominal": 0.0}, "x must not be a percentage of zero, got '5%'; give a number with its unit"),
+        ("-1%", "force", {"critical_force": 2.0, "least": 0.0}, "x must be zero or more, got '-1%'"),
+    ):
+        with pytest.raises(ValueError, match=re.escape(message)):
+            quantity(text, "x", kind, **known)
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "hint"),
+    [
+        ("24herz", "frequency", "; did you mean hertz?"),
+        ("68gpascal", "pressure", "unit 'gpascal' is not understood"),
+        ("1mpa", "pressure", "; did you mean MPa?"),
+        ("24N", "frequency", "; it is a unit of force"),
+        ("0,2N", "force", "a comma is not understood; write a point"),
+        ("1,000", "force", "a comma is not understood; write a point"),
+    ],
+)
+def test_what_may_be_meant_is_named(text: str, kind: str, hint: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(hint)):
+        quantity(text, "x", kind)
+
+
 def test_a_ratio_has_no_unit() -> None:
-    with pytest.raises(ValueError, match=r"^x must be a number with no unit, got '2 m': unit 'm' is not understood$"):
+    with pytest.raises(
+        ValueError,
+        match=r"^x must be a number with no unit, got '2 m': unit 'm' is not understood; it is a unit of length$",
+    ):
         quantity("2 m", "x", "ratio")
 
 
@@ -132,7 +190,10 @@ def test_a_unit_shows_what_quantity_reads(value: float, name: str) -> None:
 
 
 def test_an_unknown_unit_is_refused_with_what_is_known() -> None:
-    with pytest.raises(ValueError, match=r"^--unit must be a unit of force \(N, kN, mN, lbf, Fcr\), got 'Hz'$"):
+    with pytest.raises(
+        ValueError,
+        match=r"^--unit must be a unit of force \(N, kN, MN, mN, lbf, kip, Fcr\), got 'Hz'; it is a unit of frequency$",
+    ):
         unit("Hz", "--unit", "force", 2.0)
     assert unit("", "x", "force").name == "N"
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import tomllib
 from collections.abc import Collection, Iterable
 from pathlib import Path
 from typing import Any
+
+from floquetrod._util.suggest import did_you_mean
 
 _LARGEST = 1 << 20  # bytes that are read (a choice)
 
@@ -30,6 +31,5 @@ def require_known(keys: Iterable[str], known: Collection[str]) -> None:
     """Raise ValueError for the first of ``keys`` that is not known, with the known one like it, or all of them."""
     unknown = next((key for key in keys if key not in known), None)
     if unknown is not None:
-        close = difflib.get_close_matches(unknown, known, 1)
-        hint = f"did you mean {close[0]!r}?" if close else f"the keys are {', '.join(known)}"
-        raise ValueError(f"unknown key {unknown!r}; {hint}")
+        hint = did_you_mean(unknown, known)
+        raise ValueError(f"unknown key {unknown!r}{f'{hint} The' if hint else '; the'} keys are {', '.join(known)}")

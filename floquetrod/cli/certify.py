@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 import textwrap
 from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod._util.suggest import did_you_mean
 from floquetrod.cli.common import (
     KINDS,
     LARGEST,
     Answer,
-    Progress,
     add_command,
     add_rod,
     add_units,
@@ -21,7 +22,16 @@ from floquetrod.cli.common import (
     read_tolerance,
     read_units,
 )
-from floquetrod.cli.loads import add_kind, read_kind, read_record, read_values, require_quantities
+from floquetrod.cli.loads import (
+    add_kind,
+    add_load,
+    read_kind,
+    read_record,
+    read_values,
+    require_quantities,
+)
+from floquetrod.cli.parser import whole_number
+from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.proof.region import MAX_BOXES, RegionProof, Side
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.ranges import QUANTITIES
@@ -42,6 +52,7 @@ stable: no mode, of any rod, grows faster than --growth-tolerance under any load
 tenfold in a month.  unstable: some mode does under every load.  mixed: each somewhere, with a proved example of both.
 undecided: the work of --max-boxes was not enough.  All in interval arithmetic, rounded outwards, for all modes.
 --largest: the widest proved box about a load, given as three numbers, as a table.
+Modes must be independent: ends hinged, no --wave, --mean-at none in an inclined channel.
 exit status: 0 whatever is proved; with --exit-code 0 stable, 1 unstable or mixed, 3 undecided; 2 for input it cannot
 use.
 """
@@ -57,17 +68,19 @@ def add(commands: Any) -> None:
     add_units(certify)
     add_kind(certify)
     certify.set_defaults(growth_tolerance=f"{HAIRLINE_GROWTH:g}")
-    for name in KINDS:
-        certify.add_argument(f"--{name}", help="a value, or a range such as 0.3Fcr:0.4Fcr")
+    add_load(certify, ranges=True)
     certify.add_argument(
         "--vary",
         action="append",
         default=[],
         metavar="NAME=LOW:HIGH",
-        help="a tolerance of the rod, such as length=3.05:3.15 or radius=0.79mm:0.81mm; may be repeated",
+        help="a tolerance of the rod, such as length=3.05:3.15, radius=1%% or radius=±0.01mm, the latter two to either "
+        "side of its own value; may be repeated",
     )
     certify.add_argument("--largest", action="store_true", help="search the widest safe box about one load")
-    certify.add_argument("--max-boxes", type=int, default=MAX_BOXES, help=f"work allowed (default {MAX_BOXES})")
+    certify.add_argument(
+        "--max-boxes", metavar="N", type=whole_number, default=MAX_BOXES, help=f"work allowed (default {MAX_BOXES})"
+    )
     certify.add_argument(
         "--exit-code", action="store_true", help="exit with 1 when unstable or mixed, 3 when undecided"
     )
@@ -79,7 +92,7 @@ def _certify(options: argparse.Namespace) -> Answer:
     like = read_kind(options, read_record(options))
     values = read_values(options, rod, like)
     tolerance, shown = read_tolerance(options), read_units(options, rod)
-    tolerances = dict(_tolerance(text) for text in options.vary)
+    tolerances = dict(_tolerance(text, rod) for text in options.vary)
     if len(tolerances) < len(options.vary):
         raise ValueError(f"--vary must name a parameter once, got {', '.join(options.vary)}")
     if options.largest:
@@ -89,17 +102,19 @@ def _certify(options: argparse.Namespace) -> Answer:
                 f"--largest needs one load to search about, got --{wide} {getattr(options, wide)}; give one value"
             )
         load = like.with_numbers(**{name: value for name, (value,) in values.items()})
-        found = rod.largest_safe_box(load, growth_tolerance=tolerance, rod=tolerances, progress=Progress("sides moved"))
+        with Waiting("searching the widest safe box", "sides moved") as progress:
+            found = rod.largest_safe_box(load, growth_tolerance=tolerance, rod=tolerances, progress=progress)
         return _answer(options, found.proof, _table(found, shown), found)
     box: dict[str, Any] = {name: tuple(ends) if len(ends) > 1 else ends[0] for name, ends in values.items()}
-    proof = rod.certify(
-        **box,
-        growth_tolerance=tolerance,
-        rod=tolerances,
-        like=like if like.departures else None,
-        max_boxes=options.max_boxes,
-        progress=Progress("boxes"),
-    )
+    with Waiting("proving", "boxes") as progress:
+        proof = rod.certify(
+            **box,
+            growth_tolerance=tolerance,
+            rod=tolerances,
+            like=like if like.departures else None,
+            max_boxes=options.max_boxes,
+            progress=progress,
+        )
     return _answer(options, proof, _report(proof, shown), None)
 
 
@@ -110,22 +125,53 @@ def _answer(options: argparse.Namespace, proof: RegionProof, text: str, safe: Sa
     return Answer(text, _STATUS[proof.status] if options.exit_code else 0)
 
 
-def _tolerance(text: str) -> tuple[str, tuple[float, float]]:
-    """Return a parameter of the rod and both ends of it in SI units; an end without a unit has that of the other."""
+_VARY = "a parameter of the rod and its range, such as length=3.05:3.15, length=1% or length=±5mm"
+
+
+_DIAMETERS = {"diameter": "radius", "inner_diameter": "inner_radius", "channel_diameter": "channel_radius"}
+
+
+def _tolerance(text: str, rod: fr.Rod) -> tuple[str, tuple[float, float]]:
+    """Return a parameter of the rod and both ends of it in SI units; an end without a unit has that of the other.
+
+    A percentage, and what follows the sign ±, is a tolerance to either side of the rod's own value.
+    """
     name, equals, ends = text.partition("=")
-    name = name.strip().replace("-", "_")
-    kind = units.ROD_KINDS.get(name)
-    if not equals or kind is None:
-        raise ValueError(f"--vary must be a parameter of the rod and its range, such as length=3.05:3.15, got {text!r}")
+    name = name.strip().lower().replace("-", "_")
+    name = "channel_diameter" if name == "bore" else name
+    own = rod.parameters | {key: 2.0 * rod.parameters[radius] for key, radius in _DIAMETERS.items()}
+    if not equals or name not in own:
+        hint = did_you_mean(name, own) or f"; the parameters are {', '.join(own)}"
+        hint = "; give inner_diameter in its place" if name == "wall_thickness" else hint
+        raise ValueError(f"--vary must be {_VARY}, got {text!r}{hint}")
+    ends = ends.strip()
+    if ":" in ends and "%" in ends:
+        raise ValueError(f"--vary must be {_VARY}, got {text!r}; a percentage is a tolerance to either side")
+    either_side = re.sub(r"^(±|\+/?-)", "", ends)
+    if either_side != ends or units.unit_of(ends) == "%":
+        return name, _about(own[name], either_side, name, text)
     first, colon, last = ends.partition(":")
     if not colon:
         first = last = ends
     unit = units.unit_of(last) or ""
     given = (first + (unit if units.unit_of(first) == "" else ""), last)
-    low, high = (units.quantity(end, "--vary", kind, largest=LARGEST * LARGEST, given=repr(text)) for end in given)
+    low, high = (_of_a_rod(end, name, text) for end in given)
     if low > high:
         raise ValueError(f"--vary must be a range whose first end is the lower one, got {text!r}")
     return name, (low, high)
+
+
+def _about(own: float, tolerance: str, name: str, text: str) -> tuple[float, float]:
+    """Return the ends of a range about the rod's own value."""
+    size = _of_a_rod(tolerance, name, text, own)
+    if size < 0.0:
+        raise ValueError(f"--vary must be a tolerance of zero or more, got {text!r}")
+    return own - size, own + size
+
+
+def _of_a_rod(value: str, name: str, text: str, own: float | None = None) -> float:
+    kind = units.ROD_KINDS[name]
+    return units.quantity(value, "--vary", kind, nominal=own, largest=LARGEST * LARGEST, given=repr(text))
 
 
 def _report(proof: RegionProof, shown: dict[str, Unit]) -> str:
@@ -139,6 +185,8 @@ def _report(proof: RegionProof, shown: dict[str, Unit]) -> str:
     }[proof.status]
     lines = [heading, "", *(f"{'load' if i == 0 else '':9} {_side(s, shown)}" for i, s in enumerate(proof.box[:3]))]
     lines += [f"{'rods' if i == 0 else '':9} {side}" for i, side in enumerate(proof.box[3:])]
+    if len(proof.box) > 3 and "Fcr" in (unit.name for unit in shown.values()):
+        lines.append(f"{'':9} Fcr is that of the rod as it is described, for every rod of the box")
     for example in proof.examples:
         numbers = ", ".join(f"{name} {shown[name].show(getattr(example.load, name))}" for name in KINDS)
         sizes = "".join(

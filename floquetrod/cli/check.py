@@ -23,8 +23,8 @@ from floquetrod.cli.common import (
     read_tolerance,
     read_units,
 )
-from floquetrod.cli.loads import LOAD_OPTIONS, add_kind, read_kind, read_load, read_record, require_quantities
-from floquetrod.cli.waiting import waiting
+from floquetrod.cli.loads import LOAD_OPTIONS, add_kind, add_load, read_kind, read_load, read_record, require_quantities
+from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.verdict import Status
 from floquetrod.plotting import charts
 from floquetrod.rod.load import Load
@@ -46,8 +46,7 @@ examples:
   floquetrod check --rod my_rod.toml --force record.csv --mean 12N --plot-force fit.png
   floquetrod check --system my_system.toml --exit-code
 
-forces: N, kN, lbf or Fcr (the critical force of the rod).  frequencies: rad/s (none means this), Hz, rpm.
-kicks: m/s, mm/s, cm/s, ft/s.  The answer is in the units of the question or of --unit; --json is in N, rad/s and m/s.
+The answer is in the units of the question or of --unit; --json is in N, rad/s and m/s.
 margins: how far each quantity may fall or rise, the others staying as they are, until the verdict changes.
 exit status: 0 whatever the verdict; with --exit-code 0 stable, 1 unstable, 3 undecided; 2 for input it cannot use.
 rod files: TOML with youngs_modulus, density, radius, length, channel_radius and, if you like, gravity, damping_rate,
@@ -82,6 +81,8 @@ _OF_A_ROD = (
     *KINDS,
     *LOAD_OPTIONS,
     "growth_tolerance",
+    "length",
+    "bore",
     "damping_rate",
     "friction",
     "kick",
@@ -102,25 +103,30 @@ def add(commands: Any) -> None:
     summary = "say whether a rod under an axial load, or a system of equations, is stable"
     check = add_command(commands, "check", summary, _HELP, _check)
     subject = check.add_mutually_exclusive_group(required=True)
-    subject.add_argument("--system", help="a TOML or npz file with the matrices of a system, see below")
+    subject.add_argument("--system", metavar="FILE", help="a TOML or npz file with the matrices of a system, see below")
     add_rod(check, subject)
     add_friction(check)
-    check.add_argument("--mean", help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
-    check.add_argument("--amplitude", help="amplitude of the force; 0 is the static limit")
-    check.add_argument("--frequency", help="frequency, such as 150 (rad/s) or 24Hz")
+    add_load(check)
     add_kind(check)
     add_units(check)
     check.add_argument("--exit-code", action="store_true", help="exit with 1 when unstable, 3 when undecided")
-    check.add_argument("--modes", help="modes to look at, such as 1-25 or 6,7,8 (default: all that can matter)")
+    check.add_argument(
+        "--modes", metavar="LIST", help="modes to look at, such as 1-25 or 6,7,8 (default: all that can matter)"
+    )
     check.add_argument(
         "--margins",
         action=argparse.BooleanOptionalAction,
         help=f"search the margins and the damping that stabilises (default: up to {_QUICK} coupled modes)",
     )
     check.add_argument(
-        "--plot", type=Path, help="write the shape along the rod in which coupled modes grow (.png, .pdf, .svg)"
+        "--plot",
+        metavar="FILE",
+        type=Path,
+        help="write the shape along the rod in which coupled modes grow (.png, .pdf, .svg)",
     )
-    check.add_argument("--plot-force", type=Path, help="write the measured force with its fit (.png, .pdf, .svg)")
+    check.add_argument(
+        "--plot-force", metavar="FILE", type=Path, help="write the measured force with its fit (.png, .pdf, .svg)"
+    )
     check.add_argument("--method", help="of a system: half_period, monodromy, ... (default: the first that decides)")
 
 
@@ -129,12 +135,16 @@ def _check(options: argparse.Namespace) -> Answer:
         given = [name for name in _OF_A_ROD if getattr(options, name) is not None]
         if given:
             raise ValueError(
-                f"--{given[0].replace('_', '-')} belongs to --rod: a system is described by its file alone"
+                f"--{given[0].replace('_', '-')} belongs to --rod, got {str(getattr(options, given[0]))!r}: a system "
+                "is described by its file alone"
             )
         answer, status = system.judge(options)
         return answer._replace(status=_STATUS[status] if options.exit_code else 0)
     if options.method is not None:
-        raise ValueError("--method belongs to --system: the methods for a rod follow from its load")
+        raise ValueError(
+            f"--method belongs to --system, got {options.method!r} with --rod: the methods for a rod follow from its "
+            "load"
+        )
     require_quantities(options)
     rod, record = read_rod(options), read_record(options)
     question = _Question(
@@ -151,7 +161,7 @@ def _check(options: argparse.Namespace) -> Answer:
     if options.plot is not None:
         _require_shape(question, options.plot)
     _draw_record(record, options.plot_force)
-    with waiting("deciding stability and searching the margins"):
+    with Waiting("deciding stability and searching the margins"):
         status, numbers, lines = _judged(question)
     written = [str(path) for path in (options.plot, options.plot_force) if path is not None]
     if written:

@@ -1,21 +1,24 @@
-"""What the commands share: their parser, quantities with units, the rod, progress."""
+"""What the commands share: quantities with units, the rod, files, warnings."""
 
 from __future__ import annotations
 
 import argparse
 import logging
 import math
-import sys
-import time
+import re
 import warnings
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple, NoReturn
+from typing import Any, NamedTuple
 
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.files import writable
+from floquetrod._util.suggest import did_you_mean
+from floquetrod.cli.parser import ratio
+from floquetrod.cli.waiting import say
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.load import LIMITS, Quantity
 from floquetrod.units import Unit
@@ -35,14 +38,6 @@ class Answer(NamedTuple):
     status: int = 0
 
 
-class Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """Raise ValueError, which the terminal shows as one line."""
-        raise ValueError(f"{message} (see {self.prog} --help)")
-
-
 def add_command(commands: Any, name: str, summary: str, text: str, run: Any) -> argparse.ArgumentParser:
     """Add a subcommand whose help begins with the first paragraph of ``text`` and ends with the rest."""
     first, _, rest = text.partition("\n\n")
@@ -59,44 +54,65 @@ def add_rod(command: argparse.ArgumentParser, subject: Any = None, *, judged: bo
 
     ``subject`` is the group of options one of which is required, where --rod is one of several.
     """
-    text = "nitinol (the reference rod), or a TOML file"
-    if subject is None:
-        command.add_argument("--rod", required=True, help=text)
-    else:
-        subject.add_argument("--rod", help=text)
-    command.add_argument("--damping-rate", help="decay rate of free motion in 1/s (replaces that of the rod)")
+    (command if subject is None else subject).add_argument(
+        "--rod",
+        required=subject is None,
+        help="nitinol (the reference rod), a steel pipe by its size in inches such as '2.00x0.156 CT90' (with --bore "
+        "and --length), or a TOML file",
+    )
+    command.add_argument("--length", help="length such as 200ft (replaces that of the rod)")
+    command.add_argument(
+        "--bore", metavar="LENGTH", help="diameter of the channel such as 4.778in (replaces that of the rod)"
+    )
+    command.add_argument(
+        "--damping-rate", metavar="RATE", help="decay rate of free motion in 1/s (replaces that of the rod)"
+    )
     if judged:
         command.add_argument(
             "--growth-tolerance",
-            help="growth in 1/s up to which a mode counts as stable (default 0)",
+            metavar="RATE",
+            help="growth in 1/s up to which a mode counts as stable (default: 0 to check and map, 1e-6 to certify and "
+            "for ranges)",
         )
 
 
 def add_units(command: argparse.ArgumentParser) -> None:
     """Add the option that says in which units to answer."""
-    command.add_argument("--unit", help="units of the answer, such as Hz or Hz,Fcr (default: those of the question)")
+    command.add_argument(
+        "--unit", metavar="UNITS", help="units of the answer, such as Hz or Hz,Fcr (default: those of the question)"
+    )
 
 
 def add_friction(command: argparse.ArgumentParser) -> None:
     """Add the options that describe friction and a kick."""
+    add_coefficient(command, "needs --kick")
     command.add_argument(
-        "--friction", "--mu", type=float, help="coefficient of friction between rod and channel (needs --kick)"
+        "--kick",
+        metavar="SPEED",
+        help="transverse speed each mode is disturbed with, such as 50mm/s (needs --friction)",
     )
-    command.add_argument(
-        "--kick", help="transverse speed each mode is disturbed with, such as 50mm/s (needs --friction)"
-    )
+
+
+def add_coefficient(command: argparse.ArgumentParser, note: str, default: float | None = None) -> None:
+    """Add the option for the coefficient of friction; ``note`` is what its help adds."""
+    text = f"coefficient of friction between rod and channel, such as 0.3 or 30%% ({note})"
+    command.add_argument("--friction", "--mu", type=ratio, metavar="MU", default=default, help=text)
 
 
 def read_friction(options: argparse.Namespace) -> tuple[float, float] | None:
     """Return the coefficient of friction and the kick in m/s, None without either; one alone is refused."""
     if options.friction is None:
         if options.kick is not None:
-            raise ValueError("--kick needs --friction: without friction an unstable mode grows whatever the kick")
+            raise ValueError(
+                f"--kick needs --friction, got {options.kick!r} alone: without friction an unstable mode grows "
+                "whatever the kick; add it, such as --friction 0.1"
+            )
         return None
     if options.kick is None:
         raise ValueError(
-            "--friction needs --kick: friction holds every rod that nothing disturbs, so a verdict without a kick "
-            "would say nothing; add the transverse speed each mode is disturbed with, such as --kick 50mm/s"
+            f"--friction needs --kick, got {options.friction:g} alone: friction holds every rod that nothing disturbs, "
+            "so a verdict without a kick would say nothing; add the transverse speed each mode is disturbed with, such "
+            "as --kick 50mm/s"
         )
     return options.friction, units.quantity(options.kick, "--kick", "speed", least=_TINY, largest=LARGEST)
 
@@ -116,9 +132,16 @@ def read_quantity(text: str, name: Quantity, rod: fr.Rod, given: str | None = No
     )
 
 
+_NO_COLON = re.compile(r"\s*(\d[\d.]*[a-zA-Z/%]*)\s*(?:[-\N{EN DASH};,]|\.\.+|to)\s*(\d[\d.]*[a-zA-Z/%]+)\s*")
+
+
 def read_range(text: str, name: Quantity, rod: fr.Rod) -> list[float]:
     """Return one quantity, or both ends of a range; a first end without a unit has that of the second."""
     first, colon, last = text.partition(":")
+    apart = None if colon else _NO_COLON.fullmatch(text)
+    if apart is not None:
+        typed = f"{apart[1]}:{apart[2]}"
+        raise ValueError(f"--{name} must be one value or a range with a colon, got {text!r}; write {typed}")
     if not colon:
         return [read_quantity(text, name, rod)]
     unit = units.unit_of(last) or ""
@@ -139,7 +162,8 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
         kind = units.kind_of(name.strip())
         if kind not in _SHOWN:
             every = "; ".join(f"{kind}: {', '.join(units.units_of(kind, 1.0))}" for kind in _SHOWN)
-            raise ValueError(f"--unit must name units such as Hz,Fcr, got {name!r} in {options.unit!r} ({every})")
+            near = did_you_mean(name.strip(), [each for kind in _SHOWN for each in units.units_of(kind, 1.0)])
+            raise ValueError(f"--unit must name units such as Hz,Fcr, got {name!r} in {options.unit!r}{near} ({every})")
         if kind in chosen:
             raise ValueError(f"--unit must name one unit of {kind}, got {chosen[kind]} and {name} in {options.unit!r}")
         chosen[kind] = name.strip()
@@ -154,14 +178,88 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
 
 def read_rod(options: argparse.Namespace) -> fr.Rod:
     """Return the rod that the options describe."""
-    try:
-        rod = fr.Rod.nitinol() if options.rod == "nitinol" else fr.Rod.from_toml(options.rod)
-    except (ValueError, OSError) as error:
-        raise ValueError(f"--rod must be nitinol or a TOML file: {error}") from None
+    changes = {
+        key: units.quantity(text, f"--{key}", "length", least=_TINY, largest=LARGEST)
+        for key in ("length", "bore")
+        if (text := getattr(options, key)) is not None
+    }
+    if is_pipe(options.rod):
+        missing = [f"--{key}" for key in ("bore", "length") if key not in changes]
+        if missing:
+            raise ValueError(
+                f"--rod {options.rod!r} needs {' and '.join(missing)}, the diameter of its hole and its length; or "
+                "write all of it into a TOML file"
+            )
+        try:
+            rod = fr.Rod.catalogue(options.rod, **changes)
+        except ValueError as error:
+            message = re.sub(r"^(name|bore|length)\b", lambda key: f"--{_OPTIONS.get(key[1], key[1])}", str(error))
+            raise ValueError(message) from None
+    else:
+        rod = _in_channel(named_rod("--rod", options.rod), changes)
     if options.damping_rate is not None:
         rate = units.quantity(options.damping_rate, "--damping-rate", "rate", least=0.0, largest=LARGEST)
         rod = rod.replace(damping_rate=rate)
     return rod
+
+
+_OPTIONS = {"name": "rod"}
+"""Arguments of `floquetrod.Rod.catalogue` that an option of another name gives."""
+
+_SIZE = re.compile(r"""\s*\d[\d./ -]*(inch(es)?|in\.?|")?\s*[x\N{MULTIPLICATION SIGN}]""", re.ASCII | re.IGNORECASE)
+
+
+def is_pipe(text: str) -> bool:
+    """Return whether a rod is named as a pipe of the catalogue, and not as a file."""
+    return _SIZE.match(text) is not None and not text.endswith(".toml") and not Path(text).is_file()
+
+
+def _in_channel(rod: fr.Rod, changes: dict[str, float]) -> fr.Rod:
+    """Return the rod with another length or channel."""
+    if "bore" in changes:
+        changes["channel_diameter"] = changes.pop("bore")
+    try:
+        return rod.replace(**changes) if changes else rod
+    except ValueError as error:
+        raise ValueError(re.sub(r"^(length\b|channel_(diameter|radius))", _replaced, str(error))) from None
+
+
+def _replaced(name: re.Match[str]) -> str:
+    return "--length" if name[1] == "length" else f"--bore, the {name[1].replace('_', ' ')},"
+
+
+def named_rod(name: str, text: str, folder: Path | None = None) -> fr.Rod:
+    """Return nitinol or the rod of a TOML file, which is looked for in ``folder``; messages begin with ``name``."""
+    if text.strip().lower() == "nitinol":
+        return fr.Rod.nitinol()
+    wanted = "nitinol, a steel pipe such as '2.00x0.156 CT90', or a TOML file"
+    try:
+        path = Path(text) if folder is None else folder / text
+        require_file(name, path, wanted, ["nitinol"])
+        return fr.Rod.from_toml(path if text else text)
+    except (ValueError, OSError) as error:
+        message = str(error)
+        raise ValueError(message if message.startswith(name) else f"{name} must be {wanted}: {message}") from None
+
+
+def require_file(name: str, path: Path, wanted: str, others: Sequence[str] = ()) -> None:
+    """Raise ValueError, naming a file or one of ``others`` that may be meant, where there is nothing at a path."""
+    try:
+        if path.is_dir():
+            raise ValueError(f"{name} must be {wanted}, and {str(path)!r} is a folder; name a file in it")
+        if path.exists():
+            return
+    except OSError as error:  # a name too long, say
+        raise ValueError(f"{name} must be {wanted}, got {str(path)!r}: {error.strerror}") from None
+    beside: list[str] = []
+    with suppress(OSError):
+        beside = [each.name for each in islice(path.parent.iterdir(), _LOOKED_AT)]
+    hint = did_you_mean(path.name, [*others, *beside])
+    folder = "" if path.parent.is_dir() else f"; there is no folder {str(path.parent)!r}"
+    raise ValueError(f"{name} must be {wanted}, got {str(path)!r}: there is no such file{folder or hint}")
+
+
+_LOOKED_AT = 10_000  # files of a folder among which one is looked for (a choice)
 
 
 def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
@@ -219,51 +317,12 @@ class _CompilingTold(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         if not self.told:
-            print("floquetrod: compiling (once), some seconds", file=sys.stderr, flush=True)
+            say("floquetrod: compiling (once), some seconds")
             self.told = True
 
 
-class Progress:
-    """A progress line on stderr once work has taken a second, if stderr is a terminal.
-
-    Both are counted from the first report: what was done before it may have been done in an earlier run, or taken the
-    time to compile.
-    """
-
-    def __init__(self, what: str) -> None:
-        self.what = what
-        self.first: tuple[float, int] | None = None
-        self.open = False
-
-    def __call__(self, done: int, total: int) -> None:
-        """Report ``done`` of ``total``."""
-        now = time.monotonic()
-        self.first = self.first or (now, done)
-        if now - self.first[0] < 1.0 or not sys.stderr.isatty():
-            return
-        rate = (done - self.first[1]) / max(now - self.first[0], 1e-9)
-        speed = f", {rate:,.0f} a second, {(total - done) / rate:.0f} s left" if rate > 0.0 else ""
-        line = f"{done:,} of {total:,} {self.what}{speed}"
-        print(f"\r{line:<78}", end="\n" if done == total else "", file=sys.stderr, flush=True)
-        self.open = done != total
-
-    def close(self) -> None:
-        """End the line where work was cut short."""
-        if self.open:
-            print(file=sys.stderr, flush=True)
-            self.open = False
-
-
-def roughly(seconds: float) -> str:
-    """Return a time in the largest unit of which it has at least two."""
-    for unit, length in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
-        if seconds >= 2.0 * length:
-            return f"{seconds / length:.0f} {unit}"
-    return f"{seconds:.0f} seconds"
-
-
 @contextmanager
-def warnings_at_once(progress: Progress) -> Iterator[None]:
+def warnings_at_once() -> Iterator[None]:
     """Report a checkpoint that cannot be written at once, while the cause can still be removed."""
     with warnings.catch_warnings():
         collect = warnings.showwarning
@@ -272,8 +331,7 @@ def warnings_at_once(progress: Progress) -> Iterator[None]:
             if not issubclass(category, fr.CheckpointWarning):
                 collect(message, category, *rest, **more)
                 return
-            progress.close()
-            print(f"floquetrod: warning: {message}", file=sys.stderr, flush=True)
+            say(f"floquetrod: warning: {message}")
 
         warnings.simplefilter("default", fr.CheckpointWarning)
         warnings.showwarning = tell

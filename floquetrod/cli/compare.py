@@ -8,30 +8,31 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import Answer, add_command, number
-from floquetrod.cli.waiting import waiting
+from floquetrod.cli.parser import real_number
+from floquetrod.cli.waiting import Waiting
 
 _HELP = """\
 Compare on one equation A'' + 2 c A' = (beta + alpha sin tau) A all methods that apply, and show where they agree.
 
 examples:
   floquetrod compare --alpha 0.5 --beta -0.25
-  floquetrod compare --alpha 0.5 --beta -0.25 --damping 0.1 --wave square
+  floquetrod compare --alpha 0.5 --beta -0.25 --damping 0.1 --waveform square
 """
 
 
 def add(commands: Any) -> None:
     """Add the command to the parser."""
     compare = add_command(commands, "compare", "compare all methods on one equation", _HELP, _compare)
-    compare.add_argument("--alpha", required=True, type=float, help="amplitude of the coefficient")
-    compare.add_argument("--beta", required=True, type=float, help="mean of the coefficient")
-    compare.add_argument("--damping", type=float, default=0.0, help="c, per unit tau (default 0)")
-    compare.add_argument("--wave", choices=("sine", "square"), default="sine", help="shape of the coefficient")
+    compare.add_argument("--alpha", required=True, type=real_number, help="amplitude of the coefficient")
+    compare.add_argument("--beta", required=True, type=real_number, help="mean of the coefficient")
+    compare.add_argument("--damping", type=real_number, default=0.0, help="c, per unit tau (default 0)")
+    compare.add_argument("--waveform", choices=("sine", "square"), default="sine", help="shape of the coefficient")
 
 
 def _compare(options: argparse.Namespace) -> Answer:
-    kind = fr.Meissner if options.wave == "square" else fr.Mathieu
+    kind = fr.Meissner if options.waveform == "square" else fr.Mathieu
     equation = kind(options.alpha, options.beta, options.damping)
-    with waiting("asking every method"):
+    with Waiting("asking every method"):
         comparison = fr.compare(equation)
     if not options.json:
         return Answer(repr(comparison))

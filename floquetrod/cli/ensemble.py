@@ -19,8 +19,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.cli.common import Answer, Progress, add_command, number, roughly, warnings_at_once
+from floquetrod.cli.common import Answer, add_command, number, require_file, warnings_at_once
+from floquetrod.cli.parser import ratio, whole_number
 from floquetrod.cli.study import Study, naming_study, read_study
+from floquetrod.cli.waiting import Waiting, roughly
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
 from floquetrod.ensembles.statistics import probability
 
@@ -67,7 +69,6 @@ _SAMPLED = ("seed", "sample", "run")
 """Dimensions along which runs are samples of one another."""
 
 _NUMBER = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?", re.IGNORECASE)
-_REDRAWN = 0.2  # s between changes of the line of progress (a choice)
 _LOGGED = 60.0  # s between lines of progress where stderr is no terminal (a choice)
 
 
@@ -75,24 +76,33 @@ def add(commands: Any) -> None:
     """Add the command to the parser."""
     command = add_command(commands, "ensemble", "simulate a rod many times, with statistics", _HELP, _ensemble)
     command.add_argument("study", type=Path, help="TOML file: what is simulated, and what is varied")
-    command.add_argument("--store", type=Path, help="folder.zarr or file.npz to write while results come")
+    command.add_argument(
+        "--store", metavar="FILE", type=Path, help="folder.zarr or file.npz to write while results come"
+    )
     command.add_argument("--resume", action="store_true", help="go on with a store that exists")
-    command.add_argument("--workers", type=int, help="processes (default: threads, one for each processor)")
-    command.add_argument("--part", help="k/n: only the k-th of n parts, for jobs that share a store ending in .zarr")
-    command.add_argument("--confidence", type=float, default=0.95, help="of the intervals (default 0.95)")
+    command.add_argument(
+        "--workers", metavar="N", type=whole_number, help="processes (default: threads, one for each processor)"
+    )
+    command.add_argument(
+        "--part", metavar="K/N", help="k/n: only the k-th of n parts, for jobs that share a store ending in .zarr"
+    )
+    command.add_argument(
+        "--confidence", metavar="SHARE", type=ratio, default=0.95, help="of the intervals (default 0.95)"
+    )
 
 
 def _ensemble(options: argparse.Namespace) -> Answer:
     if not 0.0 < options.confidence < 1.0:
         raise ValueError(f"--confidence must lie between 0 and 1, got {options.confidence:g}")
     part, store = _part(options), options.store
+    require_file("study file", options.study, "a TOML file")
     study = read_study(options.study)
     if store is None and study.options.get("frames"):
         raise ValueError(f"study file {options.study}: [ensemble] frames needs a --store to keep them in")
     if store is not None and store.exists() and not options.resume and part is None:
         raise ValueError(f"--store {str(store)!r} exists; add --resume to go on with it, or name another")
     progress, started = _Left(), time.monotonic()
-    with naming_study(options.study), warnings_at_once(progress), _stopped_by_signals() as stopped:
+    with naming_study(options.study), warnings_at_once(), _stopped_by_signals() as stopped, progress:
         try:
             found = fr.ensemble(
                 study.problem,
@@ -106,10 +116,7 @@ def _ensemble(options: argparse.Namespace) -> Answer:
         except (ImportError, RuntimeError) as error:
             raise ValueError(str(error)) from None
         except KeyboardInterrupt:  # before the first run, or while results were read
-            progress.close()
             return Answer(f"INTERRUPTED before a run was done\n{_onwards(options)}", 130)
-        finally:
-            progress.close()
     summary = _Summary.of(found, options.confidence)
     complete = summary.pending == 0 or progress.is_complete or not stopped
     record = {
@@ -151,31 +158,28 @@ def _part(options: argparse.Namespace) -> tuple[int, int] | None:
     return int(match[1]), int(match[2])
 
 
-class _Left(Progress):
+class _Left(Waiting):
     """Progress with the time left: in a terminal one line that changes, elsewhere a line every minute."""
 
     def __init__(self) -> None:
-        super().__init__("runs")
-        self.shown = -np.inf
+        super().__init__("simulating", "runs")
+        self.begun: tuple[float, int] | None = None
+        self.told = 0.0
         self.is_complete = False
 
     def __call__(self, done: int, total: int) -> None:
-        """Report ``done`` of ``total``."""
-        now, terminal = time.monotonic(), sys.stderr.isatty()
+        """Note that ``done`` of ``total`` is done."""
+        super().__call__(done, total)
+        now = time.monotonic()
         self.is_complete = done == total
-        if self.first is None:
-            self.first, self.shown = (now, done), now if not terminal else -np.inf
-        since, begun = self.first
-        if now - self.shown < (_REDRAWN if terminal else _LOGGED) and not (self.is_complete and self.open):
+        if self.begun is None:
+            self.begun, self.told = (now, done), now
+        if sys.stderr.isatty() or now - self.told < _LOGGED:
             return
-        self.shown = now
-        left = f", {roughly((total - done) * (now - since) / (done - begun))} left" if total > done > begun else ""
-        line = f"{done:,} of {total:,} runs{left}"
-        if not terminal:
-            print(line, file=sys.stderr, flush=True)
-            return
-        print(f"\r{line:<78}", end="\n" if self.is_complete else "", file=sys.stderr, flush=True)
-        self.open = not self.is_complete
+        since, before = self.begun
+        self.told = now
+        left = f", {roughly((total - done) * (now - since) / (done - before))} left" if total > done > before else ""
+        print(f"{done:,} of {total:,} runs{left}", file=sys.stderr, flush=True)
 
 
 @contextmanager

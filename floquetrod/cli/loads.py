@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
+from pathlib import Path
 from typing import TypeVar
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import KINDS, LARGEST, read_quantity, read_range
+from floquetrod.cli.common import KINDS, LARGEST, read_quantity, read_range, require_file
 from floquetrod.rod.load import Load, Quantity, kind
 from floquetrod.rod.modal import ModalRod
 from floquetrod.units import Unit
@@ -19,10 +20,42 @@ LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "force")
 """What `add_kind` adds."""
 
 
+_LOAD_HELP: dict[Quantity, tuple[str, str]] = {
+    "mean": ("mean force such as 0.2Fcr, 20%%, 12N or 3lbf{}; negative pulls", "0:1.2Fcr"),
+    "amplitude": ("amplitude of the force such as 0.2Fcr, 20%%, 3N or 1lbf{}; 0 is the static limit", "0:0.5Fcr"),
+    "frequency": ("frequency such as 24Hz, 1440rpm or 150 (rad/s){}", "10Hz:60Hz"),
+}
+"""Help of the quantities of a load, and an example of a range."""
+
+
+def add_load(command: argparse.ArgumentParser, *, ranges: bool = False, together: bool = False) -> None:
+    """Add the options for mean, amplitude and frequency, which may be ``ranges`` or be left out ``together``."""
+    for name, (text, example) in _LOAD_HELP.items():
+        given = text.format(f", or a range such as {example}" if ranges else "")
+        rest = "; give all three or none" if together else ""
+        command.add_argument(f"--{name}", metavar=KINDS[name].upper(), help=given + rest)
+    command.epilog = f"{command.epilog}\n{_units()}"
+
+
+def _units() -> str:
+    """Return a paragraph on the units that may be typed."""
+    lines = ["units, in any case but that of M for mega and m for milli; a number without one is in the first:"]
+    for quantity, name in (
+        ("force", "forces"),
+        ("frequency", "frequencies"),
+        ("speed", "speeds"),
+        ("length", "lengths"),
+    ):
+        more = ", Fcr (the critical force of the rod), % (of that force)" if quantity == "force" else ""
+        lines.append(f"  {name:<12} {', '.join(units.units_of(quantity))}{more}")
+    return "\n".join(lines)
+
+
 def add_kind(command: argparse.ArgumentParser) -> None:
     """Add the options that say what kind of load it is."""
     command.add_argument(
         "--mean-at",
+        metavar="FRACTION",
         help="where along an inclined rod the mean force holds, from 0, the upper end, to 1 (default 0.5); none "
         "neglects the weight along the rod",
     )
@@ -31,9 +64,12 @@ def add_kind(command: argparse.ArgumentParser) -> None:
         choices=("held", "free", "driven"),
         help="the force comes from the upper end as axial waves; the lower end is held, free, or driven alike",
     )
-    command.add_argument("--axial-damping", help="decay rate of axial waves in 1/s (needs --wave; default 0)")
+    command.add_argument(
+        "--axial-damping", metavar="RATE", help="decay rate of axial waves in 1/s (needs --wave; default 0)"
+    )
     command.add_argument(
         "--force",
+        metavar="FILE",
         help="a measured force, a text file with columns of time and force such as record.csv: gives the waveform and, "
         "of mean, amplitude and frequency, what is not given",
     )
@@ -44,9 +80,12 @@ def read_record(options: argparse.Namespace) -> fr.ForceRecord | None:
     if options.force is None:
         return None
     try:
+        require_file("--force", Path(options.force), "a text file with columns of time and force")
         return fr.ForceRecord.from_csv(options.force)
     except (ValueError, OSError) as error:
-        raise ValueError(f"--force must be a text file with columns of time and force: {error}") from None
+        message = str(error)
+        start = "" if message.startswith("--force") else "--force must be a text file with columns of time and force: "
+        raise ValueError(f"{start}{message}") from None
 
 
 def read_kind(options: argparse.Namespace, record: fr.ForceRecord | None) -> Load:

@@ -11,7 +11,10 @@ from collections.abc import Sequence
 
 import floquetrod as fr
 from floquetrod.cli import certify, check, compare, ensemble, explore, ranges, reproduce, simulate, stability_map
-from floquetrod.cli.common import Parser, compiling_told
+from floquetrod.cli.common import compiling_told
+from floquetrod.cli.completion import add_completion
+from floquetrod.cli.parser import Parser
+from floquetrod.cli.waiting import say
 from floquetrod.rod.plausibility import SILENCE
 
 
@@ -29,7 +32,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             warnings.simplefilter("always", fr.PlausibilityWarning)
             answer = options.run(options)
         for message in dict.fromkeys(str(warning.message).removesuffix(SILENCE) for warning in caught):
-            print(f"floquetrod: warning: {_in_options(message, options)}", file=sys.stderr)
+            say(f"floquetrod: warning: {_in_options(message, options)}")
         print(answer.text, flush=True)
     except BrokenPipeError:  # the reader, head say, has seen enough; keep the interpreter from writing more at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -102,14 +105,33 @@ def _attached(arguments: Sequence[str]) -> list[str]:
     return result
 
 
+_EPILOG = """\
+examples:
+  floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
+  floquetrod check --help
+
+completion, once floquetrod[completion] is installed:
+  floquetrod --print-completion bash > ~/.local/share/bash-completion/completions/floquetrod
+  floquetrod --print-completion zsh > a folder of $fpath, as _floquetrod
+"""
+
+
 def _parser() -> argparse.ArgumentParser:
     parser = Parser(
         prog="floquetrod",
         description="Floquet stability of a rod vibrated in a channel, and of periodically forced equations.",
-        epilog="Try: floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"floquetrod {fr.__version__}")
+    add_completion(parser)
     commands = parser.add_subparsers(dest="command", required=True, metavar="command", parser_class=Parser)
     for module in (check, certify, ranges, stability_map, explore, compare, simulate, ensemble, reproduce):
         module.add(commands)
+    for name, command in commands.choices.items():
+        others = [(other, each) for each, other in commands.choices.items() if each != name]
+        own = command.options
+        command.elsewhere = {
+            o: f"; floquetrod {each} has it" for other, each in others for o in other.options if o not in own
+        }
     return parser

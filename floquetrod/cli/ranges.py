@@ -9,7 +9,6 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import (
-    KINDS,
     Answer,
     add_command,
     add_rod,
@@ -20,8 +19,15 @@ from floquetrod.cli.common import (
     read_units,
     resonance_record,
 )
-from floquetrod.cli.loads import add_kind, read_kind, read_record, read_values, require_quantities
-from floquetrod.cli.waiting import waiting
+from floquetrod.cli.loads import (
+    add_kind,
+    add_load,
+    read_kind,
+    read_record,
+    read_values,
+    require_quantities,
+)
+from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.ranges import Cause
@@ -57,23 +63,21 @@ def add(commands: Any) -> None:
     add_units(ranges)
     add_kind(ranges)
     ranges.set_defaults(growth_tolerance=f"{HAIRLINE_GROWTH:g}")
-    ranges.add_argument("--mean", help="mean force, or a range such as 0:1.2Fcr")
-    ranges.add_argument("--amplitude", help="amplitude, or a range such as 0:0.5Fcr")
-    ranges.add_argument("--frequency", help="frequency, or a range such as 10Hz:60Hz")
+    add_load(ranges, ranges=True)
 
 
 def _ranges(options: argparse.Namespace) -> Answer:
     require_quantities(options)
     rod = read_rod(options)
-    varied = [name for name in KINDS if ":" in (getattr(options, name) or "")]
+    tolerance = read_tolerance(options)
+    like = read_kind(options, read_record(options))
+    values = read_values(options, rod, like)
+    varied = [name for name, ends in values.items() if len(ends) == 2]
     if len(varied) != 1:
         raise ValueError(
             "exactly one of --mean, --amplitude, --frequency must be a range such as 0:1.2Fcr or 10Hz:60Hz, got "
             f"{len(varied)}"
         )
-    tolerance = read_tolerance(options)
-    like = read_kind(options, read_record(options))
-    values = read_values(options, rod, like)
     shown = read_units(options, rod)
     bounds = tuple(values.pop(varied[0]))
     fixed: dict[str, Any] = {name: value for name, (value,) in values.items()}
@@ -82,7 +86,7 @@ def _ranges(options: argparse.Namespace) -> Answer:
         "amplitude": rod.stable_amplitudes,
         "frequency": rod.stable_frequencies,
     }
-    with waiting(f"searching along the {varied[0]}"):
+    with Waiting(f"searching along the {varied[0]}"):
         found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance, like=like)
     if not options.json:
         return Answer(found.table(*shown[varied[0]]))

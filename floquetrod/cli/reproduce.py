@@ -31,7 +31,9 @@ def add(commands: Any) -> None:
     reproduce = add_command(commands, "reproduce", "make the published study again", _HELP, _reproduce)
     reproduce.add_argument("--quick", action="store_true", help="coarser maps, in seconds")
     reproduce.add_argument("--simulations", action="store_true", help="simulate the rods of Figures 4 and 7, too")
-    reproduce.add_argument("--out", type=Path, default=Path("reproduction"), help="folder (default: reproduction)")
+    reproduce.add_argument(
+        "--out", metavar="FOLDER", type=Path, default=Path("reproduction"), help="folder (default: reproduction)"
+    )
 
 
 def _reproduce(options: argparse.Namespace) -> Answer:

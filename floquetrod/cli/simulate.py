@@ -6,9 +6,9 @@ import argparse
 import json
 import math
 import os
-import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,18 +18,18 @@ from floquetrod._util.files import writable
 from floquetrod.cli import simulated
 from floquetrod.cli.common import (
     Answer,
-    Progress,
+    add_coefficient,
     add_command,
     add_rod,
     add_units,
     read_rod,
     read_units,
-    roughly,
     warnings_at_once,
 )
-from floquetrod.cli.loads import add_kind, read_kind, read_load, read_record, require_quantities
+from floquetrod.cli.loads import add_kind, add_load, read_kind, read_load, read_record, require_quantities
+from floquetrod.cli.parser import whole_number
 from floquetrod.cli.starts import read_perturbation
-from floquetrod.cli.waiting import waiting
+from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.rod.load import Load
 
 _HELP = """\
@@ -72,29 +72,50 @@ def add(commands: Any) -> None:
     command = add_command(commands, "simulate", "simulate a rod and compare it with theory", _HELP, _simulate)
     add_rod(command, judged=False)
     add_units(command)
-    command.add_argument("--mean", help="mean force, such as 0.2Fcr or 0.34N; negative pulls")
-    command.add_argument("--amplitude", help="amplitude of the force")
-    command.add_argument("--frequency", help="frequency, such as 150 (rad/s) or 24Hz")
+    add_load(command)
     add_kind(command)
-    command.add_argument("--feed-speed", help="speed at which the upper end is moved down the channel, such as 10mm/s")
-    command.add_argument("--far-force", help="mean force at the lower end (default: what the load makes it)")
-    command.add_argument("--duration", default="2s", help="how long to simulate (default 2s)")
-    command.add_argument("--friction", "--mu", type=float, default=0.0, help="coefficient of friction (default 0)")
-    command.add_argument("--kick", action="append", default=[], help="speed in a mode, such as 8:50mm/s; repeatable")
-    command.add_argument("--random", help="every node its own speed, up to this, such as 1mm/s")
+    command.add_argument(
+        "--feed-speed", metavar="SPEED", help="speed at which the upper end is moved down the channel, such as 10mm/s"
+    )
+    command.add_argument(
+        "--far-force", metavar="FORCE", help="mean force at the lower end (default: what the load makes it)"
+    )
+    command.add_argument("--duration", metavar="TIME", default="2s", help="how long to simulate (default 2s)")
+    add_coefficient(command, "default 0", 0.0)
+    command.add_argument(
+        "--kick",
+        metavar="MODE:SPEED",
+        action="append",
+        default=[],
+        help="speed in a mode, such as 8:50mm/s; repeatable",
+    )
+    command.add_argument("--random", metavar="SPEED", help="every node its own speed, up to this, such as 1mm/s")
     command.add_argument("--case", help="perturbation of the paper: A, B, C or D, with a mode as in A:6")
-    command.add_argument("--seed", type=int, help="of what is drawn at random (default 1)")
-    command.add_argument("--segments", type=int, help="segments of the rod (default: enough for the load)")
-    command.add_argument("--time-step", help="largest step, such as 2us (default: the largest stable one)")
-    command.add_argument("--frames", type=int, help="frames kept (default: 400, more where the growth rate asks it)")
+    command.add_argument("--seed", metavar="N", type=whole_number, help="of what is drawn at random (default 1)")
+    command.add_argument(
+        "--segments", metavar="N", type=whole_number, help="segments of the rod (default: enough for the load)"
+    )
+    command.add_argument(
+        "--time-step", metavar="TIME", help="largest step, such as 2us (default: the largest stable one)"
+    )
+    command.add_argument(
+        "--frames",
+        metavar="N",
+        type=whole_number,
+        help="frames kept (default: 400, more where the growth rate asks it)",
+    )
     command.add_argument(
         "--theory",
         action=argparse.BooleanOptionalAction,
         default=True,
         help="compare with theory (default), which for coupled modes of a kilometre takes half a minute",
     )
-    command.add_argument("--checkpoint", type=Path, help="file to keep up to date, and to continue from if it exists")
-    command.add_argument("--out", action="append", default=[], type=Path, help="file to write; may be repeated")
+    command.add_argument(
+        "--checkpoint", metavar="FILE", type=Path, help="file to keep up to date, and to continue from if it exists"
+    )
+    command.add_argument(
+        "--out", metavar="FILE", action="append", default=[], type=Path, help="file to write; may be repeated"
+    )
 
 
 def _simulate(options: argparse.Namespace) -> Answer:
@@ -108,7 +129,6 @@ def _simulate(options: argparse.Namespace) -> Answer:
     perturbation, shown = read_perturbation(options), read_units(options, rod)
     _check_kinds(options.out)
     _check_places([*options.out, *filter(None, [options.checkpoint])])
-    progress = Progress("steps")
     problem = fr.SimulationProblem(
         rod,
         load,
@@ -122,16 +142,14 @@ def _simulate(options: argparse.Namespace) -> Answer:
         far_force=far,
     )
     try:
-        with warnings_at_once(progress):
+        with warnings_at_once(), Waiting("simulating", "steps") as progress:
             run = problem.run(_Forewarning(progress), options.checkpoint)
     except fr.SimulationDiverged as error:
-        progress.close()
         kept, missed = _write_all(error.simulation, [path for path in options.out if path.suffix == ".npz"])
         where = f", in {kept[0]}" if kept else ""
         raise ValueError("; ".join([f"{error}{where}", *missed])) from None
-    progress.close()
     written, missed = _write_all(run, options.out)
-    with waiting("comparing with theory"):
+    with Waiting("comparing with theory"):
         found = simulated.found(run, options.theory)
     record = simulated.record(found) | {
         "written": written,
@@ -146,7 +164,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
 class _Forewarning:
     """Progress that says how long a long run will take, estimated from its first second."""
 
-    def __init__(self, progress: Progress) -> None:
+    def __init__(self, progress: Callable[[int, int], None]) -> None:
         self.progress = progress
         self.start: tuple[float, int] | None = None
         self.due = True
@@ -159,12 +177,9 @@ class _Forewarning:
             self.due = False
             left = (total - done) * (now - since) / (done - begun)
             if left > _LONG:
-                self.progress.close()
-                print(
+                say(
                     f"floquetrod: {total:,} steps will take roughly {roughly(left)}; Ctrl-C ends them early, and what "
-                    "was simulated by then is reported",
-                    file=sys.stderr,
-                    flush=True,
+                    "was simulated by then is reported"
                 )
         self.progress(done, total)
 
@@ -203,7 +218,8 @@ def _write_all(run: fr.Simulation, paths: list[Path]) -> tuple[list[str], list[s
     written, missed = [], []
     for path in paths:
         try:
-            written.append(str(_write(run, path)))
+            with Waiting(f"writing {path}", "pictures") as progress:
+                written.append(str(_write(run, path, progress)))
         except OSError as error:
             missed.append(f"{path} could not be written: {error.strerror or error}")
     if missed:
@@ -215,12 +231,11 @@ def _write_all(run: fr.Simulation, paths: list[Path]) -> tuple[list[str], list[s
     return written, missed
 
 
-def _write(run: fr.Simulation, path: Path) -> Path:
+def _write(run: fr.Simulation, path: Path, progress: Callable[[int, int], None]) -> Path:
     from floquetrod.plotting import charts, rod
 
     if path.suffix == ".npz":
         return run.save(path)
     if path.suffix in rod.ANIMATIONS:
-        progress = Progress(f"pictures of {path.name}")
         return rod.save_animation(run.animate(), path, lambda done, total: progress(done + 1, total))
     return charts.save_figure(run.plot_run(), path)

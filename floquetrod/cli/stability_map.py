@@ -12,7 +12,6 @@ import floquetrod as fr
 from floquetrod.cli.common import (
     KINDS,
     Answer,
-    Progress,
     add_command,
     add_friction,
     add_rod,
@@ -24,7 +23,15 @@ from floquetrod.cli.common import (
     read_tolerance,
     read_units,
 )
-from floquetrod.cli.loads import add_kind, read_kind, read_record, read_values, require_quantities
+from floquetrod.cli.loads import (
+    add_kind,
+    add_load,
+    read_kind,
+    read_record,
+    read_values,
+    require_quantities,
+)
+from floquetrod.cli.waiting import Waiting
 from floquetrod.rod.load import Quantity
 
 _HELP = """\
@@ -62,8 +69,7 @@ def add(commands: Any) -> None:
     add_friction(chart)
     add_units(chart)
     add_kind(chart)
-    for name in KINDS:
-        chart.add_argument(f"--{name}", help="a range such as 0:1.1Fcr or 5Hz:60Hz, or one value")
+    add_load(chart, ranges=True)
     shape = chart.add_mutually_exclusive_group()
     shape.add_argument(
         "--bands",
@@ -71,7 +77,7 @@ def add(commands: Any) -> None:
         help="draw the unstable bands as shapes (the default where they take about as long as the points)",
     )
     shape.add_argument("--pixels", action="store_true", help="draw the points in place of bands")
-    chart.add_argument("--points", default="400x300", help="columns x rows (default 400x300)")
+    chart.add_argument("--points", metavar="COLUMNSxROWS", default="400x300", help="columns x rows (default 400x300)")
     chart.add_argument("--growth", action="store_true", help="shade by growth rate")
     chart.add_argument(
         "--paper-criterion",
@@ -81,7 +87,9 @@ def add(commands: Any) -> None:
     chart.add_argument(
         "--mark", help="a point to mark: both varied quantities, in the order mean, amplitude, frequency"
     )
-    chart.add_argument("--out", action="append", type=Path, help="file to write; may be repeated (default map.png)")
+    chart.add_argument(
+        "--out", metavar="FILE", action="append", type=Path, help="file to write; may be repeated (default map.png)"
+    )
 
 
 def _map(options: argparse.Namespace) -> Answer:
@@ -109,33 +117,36 @@ def _map(options: argparse.Namespace) -> Answer:
     }
     criterion = None if options.paper_criterion is None else fr.FiniteTimeCriterion(by=options.paper_criterion)
     point = None if options.mark is None else _point(options.mark, varied, across, rod)
-    chart = fr.stability_map(
-        rod,
-        **load,
-        growth=options.growth,
-        growth_tolerance=tolerance,
-        criterion=criterion,
-        friction=None if rubbing is None else rubbing[0],
-        kick=None if rubbing is None else rubbing[1],
-        like=like if like.departures else None,
-        progress=Progress("points"),
-    )
+    with Waiting("deciding stability", "points") as progress:
+        chart = fr.stability_map(
+            rod,
+            **load,
+            growth=options.growth,
+            growth_tolerance=tolerance,
+            criterion=criterion,
+            friction=None if rubbing is None else rubbing[0],
+            kick=None if rubbing is None else rubbing[1],
+            like=like if like.departures else None,
+            progress=progress,
+        )
     prompt = chart.source is not None and chart.source.prompt
     bands = options.bands or (prompt and not options.pixels)
     if bands:
-        chart.find_bands(progress=Progress("steps along boundaries"))
+        with Waiting("finding bands", "steps along boundaries") as progress:
+            chart.find_bands(progress=progress)
     drawn = chart.in_units(**{name: shown[name].name for name in ("kick", *KINDS)[rubbing is None :]})
     for path in paths:
-        if path.suffix == ".npz":
-            chart.save(path)
-        elif path.suffix == ".csv":
-            drawn.bands.to_csv(path)
-        else:
-            axes = drawn.plot(bands=bands)
-            if point is not None:
-                x, y = (shown[name].of(value) for name, value in point.items())
-                charts.mark(axes, x, y, "the load")
-            charts.save_figure(axes, path)
+        with Waiting(f"writing {path}"):
+            if path.suffix == ".npz":
+                chart.save(path)
+            elif path.suffix == ".csv":
+                drawn.bands.to_csv(path)
+            else:
+                axes = drawn.plot(bands=bands)
+                if point is not None:
+                    x, y = (shown[name].of(value) for name, value in point.items())
+                    charts.mark(axes, x, y, "the load")
+                charts.save_figure(axes, path)
     written = [str(path) for path in paths]
     share = float(chart.stable.mean())
     if options.json:

@@ -15,7 +15,7 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.tables import read_toml, require_known
-from floquetrod.cli.common import KINDS
+from floquetrod.cli.common import KINDS, is_pipe, named_rod
 from floquetrod.cli.loads import LOAD_OPTIONS, read_kind, read_load, read_record
 from floquetrod.cli.starts import read_perturbation
 from floquetrod.ensembles.axes import LAYOUTS, names_of
@@ -140,7 +140,9 @@ def _rod(path: Path, given: Any) -> fr.Rod:
         return rod_of(given, fr.Rod, INSTEAD)
     if not isinstance(given, str):
         raise ValueError(f"must be a table as in rod files, nitinol or a rod file, got {validate.short(given)}")
-    return fr.Rod.nitinol() if given == "nitinol" else fr.Rod.from_toml(path.parent / given)
+    if is_pipe(given):
+        raise ValueError(f"{given!r} needs a table [rod] with catalogue = {given!r}, bore and length")
+    return named_rod("rod", given, path.parent)
 
 
 def _load(path: Path, table: Mapping[str, Any], rod: fr.Rod) -> Any:
@@ -248,7 +250,14 @@ def _distribution(key: str, given: Mapping[str, Any], rod: fr.Rod) -> Any:
     needed = _DISTRIBUTIONS[kind]
     require_known(given, ("distribution", *needed, *(_BOUNDS if kind == "normal" else ())))
     _require_all(key, given, needed)
-    numbers = {name: _quantity(f"{key}: {name}", v, rod, key) for name, v in given.items() if name != "distribution"}
+    numbers = {
+        name: _quantity(f"{key}: {name}", v, rod, key)
+        for name, v in given.items()
+        if name not in ("distribution", "deviation")
+    }
+    if "deviation" in given:  # in percent, of the mean
+        mean = numbers["mean"]
+        numbers["deviation"] = _quantity(f"{key}: deviation", given["deviation"], rod, key, abs(mean))
     low, high = numbers.get("low", -np.inf), numbers.get("high", np.inf)
     if not low < high:
         raise ValueError(f"{key}: low must lie below high, got {given['low']!r} and {given['high']!r}")
@@ -271,9 +280,14 @@ def _require_all(key: str, given: Mapping[str, Any], needed: tuple[str, ...]) ->
         raise ValueError(f"{key} needs {', '.join(needed)}, got {validate.short(dict(given))}")
 
 
-def _quantity(name: str, value: Any, rod: fr.Rod, key: str | None = None) -> float:
-    """Return a quantity in SI units, of the kind of ``key`` where the name is another."""
-    return units.quantity(value, name, _OF_RUNS[key or name], critical_force=rod.critical_force)
+def _quantity(name: str, value: Any, rod: fr.Rod, key: str | None = None, nominal: float | None = None) -> float:
+    """Return a quantity in SI units, of the kind of ``key`` where the name is another.
+
+    A percentage is one of ``nominal``, else of the rod's own value, the critical force or one.
+    """
+    key = key or name
+    own = rod.parameters.get(key) if nominal is None else nominal
+    return units.quantity(value, name, _OF_RUNS[key], critical_force=rod.critical_force, nominal=own)
 
 
 def _scalar(key: str, value: Any) -> str | int | float | None:

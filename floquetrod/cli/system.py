@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 import json
 import math
+from pathlib import Path
 from typing import Any
 
 import floquetrod as fr
-from floquetrod.cli.common import Answer, number, resonance_record
-from floquetrod.cli.waiting import waiting
+from floquetrod.cli.common import Answer, number, require_file, resonance_record
+from floquetrod.cli.waiting import Waiting
 from floquetrod.equations.system_files import read_system
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Status
@@ -20,11 +21,12 @@ _ROWS = 40
 
 def judge(options: argparse.Namespace) -> tuple[Answer, Status]:
     """Return what to print about the system of ``options.system``, and the verdict."""
+    require_file("--system", Path(options.system), "a TOML or npz file")
     try:
         system = read_system(options.system)
     except ValueError as error:
         raise ValueError(f"--system: {error}") from None
-    with waiting("deciding stability"):
+    with Waiting("deciding stability"):
         result = fr.stability(system, method=options.method or "auto")
     text = json.dumps(_record(result), indent=2, allow_nan=False) if options.json else "\n".join(_report(result))
     return Answer(text), result.status

@@ -2,41 +2,97 @@
 
 from __future__ import annotations
 
+import shutil
 import sys
 import threading
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
+from typing import Self
 
-EVERY = 1.0
-"""Seconds until the first message, and between messages."""
+FIRST = 0.5
+"""Seconds until something is shown, so that it is within the first second of a command (a choice)."""
+
+EVERY = 0.25
+"""Seconds between changes of what is shown (a choice)."""
 
 
-@contextmanager
-def waiting(what: str) -> Iterator[None]:
-    """Report on stderr what is being done and since when, if stderr is a terminal.
+class Waiting:
+    """A line on stderr that says what is being done and for how long, if stderr is a terminal.
 
-    Nothing is reported within the first second.  The cursor stays at the beginning of the line, so that the next output
-    replaces the message.
+    A context: the line appears half a second after it was entered and moves until it is left.  It may be called with
+    how much is done of how much.  The cursor stays at the beginning of the line, so that the next output replaces it.
+
+    Parameters
+    ----------
+    what : str
+        What is being done.
+    counted : str
+        What is counted by calls.
     """
-    if not sys.stderr.isatty():
-        yield
-        return
-    done = threading.Event()
-    thread = threading.Thread(target=_speak, args=(what, done), daemon=True)
-    thread.start()
-    try:
-        yield
-    finally:
-        done.set()
-        thread.join()
+
+    def __init__(self, what: str, counted: str = "") -> None:
+        self.what = what
+        self.counted = counted
+        self._start = time.monotonic()
+        self._first: tuple[float, int] | None = None
+        self._last: tuple[int, int] | None = None
+        self._width = 0
+        self._left = threading.Event()
+        self._thread = threading.Thread(target=self._speak, daemon=True)
+
+    def __enter__(self) -> Self:
+        """Start to show the line."""
+        self._start = time.monotonic()
+        if sys.stderr.isatty():
+            self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Remove the line."""
+        self._left.set()
+        if self._thread.ident is not None:
+            self._thread.join()
+
+    def __call__(self, done: int, total: int) -> None:
+        """Note that ``done`` of ``total`` is done.
+
+        The rate is counted from the first call: what was done before it may have been done in an earlier run, or taken
+        the time to compile.
+        """
+        self._first = self._first or (time.monotonic(), done)
+        self._last = done, total
+
+    def _speak(self) -> None:
+        pause = FIRST
+        while not self._left.wait(pause):
+            pause = EVERY
+            line = self._line()[: shutil.get_terminal_size().columns - 1]
+            print(f"{line:<{self._width}}", end="\r", file=sys.stderr, flush=True)
+            self._width = len(line)
+        if self._width:
+            print(" " * self._width, end="\r", file=sys.stderr, flush=True)
+
+    def _line(self) -> str:
+        now, first, last = time.monotonic(), self._first, self._last
+        line = f"{self.what}: {now - self._start:.0f} s"
+        if first is not None and last is not None and self.counted:
+            done, total = last
+            line += f", {done:,} of {total:,} {self.counted}"
+            rate = (done - first[1]) / max(now - first[0], 1e-9)
+            if rate > 0.0 and now - first[0] >= 1.0:
+                line += f", {rate:,.0f} a second" if rate >= 1.0 else ""
+                line += f", {roughly((total - done) / rate)} left"
+        return f"{line} (Ctrl-C ends it)"
 
 
-def _speak(what: str, done: threading.Event) -> None:
-    start, width = time.monotonic(), 0
-    while not done.wait(EVERY):
-        line = f"{what}: {time.monotonic() - start:.0f} s (Ctrl-C ends it)"
-        width = len(line)
-        print(line, end="\r", file=sys.stderr, flush=True)
-    if width:
-        print(" " * width, end="\r", file=sys.stderr, flush=True)
+def say(message: str) -> None:
+    """Print a message on stderr, in place of a line of `Waiting` that may be there."""
+    print(f"\r{message:<{shutil.get_terminal_size().columns - 1}}" if sys.stderr.isatty() else message, file=sys.stderr)
+    sys.stderr.flush()
+
+
+def roughly(seconds: float) -> str:
+    """Return a time in the largest unit of which it has at least two."""
+    for unit, length in (("days", 86400.0), ("hours", 3600.0), ("minutes", 60.0)):
+        if seconds >= 2.0 * length:
+            return f"{seconds / length:.0f} {unit}"
+    return f"{seconds:.0f} seconds"

@@ -34,7 +34,7 @@ LINES = (
     "check --system system.toml",
     "check --system system.toml --method segmented --json",
     "check --system system.npz --exit-code",
-    "compare --alpha 0.5 --beta -0.25 --damping 0.1 --wave square",
+    "compare --alpha 0.5 --beta -0.25 --damping 0.1 --waveform square",
     "compare --alpha 0.5 --beta -0.25 --json",
     "simulate --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150 --duration 5ms --segments 40 --frames 4",
     "simulate --rod nitinol --mean 0.8Fcr --amplitude 0.7Fcr --frequency 150 --duration 5ms --segments 60 --mu 0.1 "

@@ -1,0 +1,115 @@
+"""The parser of the terminal: errors of one line that name option, value and remedy."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shlex
+from collections.abc import Mapping, Sequence
+from itertools import takewhile
+from types import MappingProxyType
+from typing import Any, NoReturn
+
+from floquetrod import units
+from floquetrod._util.suggest import did_you_mean
+
+_DASHES = "-\N{EN DASH}\N{EM DASH}\N{MINUS SIGN}"
+_OPTION = re.compile(rf"([{_DASHES}]{{1,2}})([A-Za-z][\w-]*)(=.*)?", re.DOTALL)
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line; ``elsewhere`` holds options of other commands, with what to say of them."""
+
+    elsewhere: Mapping[str, str] = MappingProxyType({})
+
+    def error(self, message: str) -> NoReturn:
+        """Raise ValueError, which the terminal shows as one line."""
+        raise ValueError(f"{_plain(message)} (see {self.prog} --help)")
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
+        """Return what argparse does, where every word is known; what is unknown is an error here."""
+        words = list(args)
+        for word in takewhile(lambda word: word != "--" and self._is_own(word), words):
+            self._require_known(word)
+        found, left = super().parse_known_args(words, namespace)
+        if left:
+            self.error(_alone(left[0], words, self._option_string_actions))
+        return found, left
+
+    @property
+    def options(self) -> tuple[str, ...]:
+        """The options there are, as they are typed."""
+        return tuple(self._option_string_actions)
+
+    def _is_own(self, word: str) -> bool:
+        """Return whether a word is for this parser: what follows the name of a command is for that of the command."""
+        return self._subparsers is None or word[:1] in _DASHES
+
+    def _require_known(self, word: str) -> None:
+        """Refuse a word that looks like an option, or the beginning of one, and is none."""
+        written = _OPTION.fullmatch(word)
+        known = self._option_string_actions
+        if written is None or any(option.startswith(written[1] + written[2]) for option in known):
+            return
+        typed = written[1] + written[2]
+        option = "--" + written[2].replace("_", "-")
+        self.error(f"unknown option {typed}{self.elsewhere.get(option) or did_you_mean(option, known)}")
+
+
+def _alone(word: str, words: Sequence[str], options: Any) -> str:
+    """Return a message about a word that belongs to no option."""
+    before = list(words[: words.index(word)])
+    name, equals, value = word.partition("=")
+    if equals and f"--{name}" in options:
+        return f"{word!r} belongs to no option; did you mean --{name}={value}?"
+    place = max((i for i, each in enumerate(before) if each.startswith("--")), default=None)
+    if place is None or (place == len(before) - 1 and "=" not in before[place]):
+        return f"{word!r} belongs to no option; see which there are"
+    option, _, attached = before[place].partition("=")
+    value = " ".join(filter(None, [attached, *before[place + 1 :], word]))
+    return f"{word!r} belongs to no option; a value of several words needs quotes, as in {option} {shlex.quote(value)}"
+
+
+def _plain(message: str) -> str:
+    """Return a message of argparse as the library words its own."""
+    if message.endswith("required: command"):
+        return "command is missing; name one, such as floquetrod check"
+    found = re.fullmatch(r"argument (\S+): (.*)", message, re.DOTALL)
+    if found is None:
+        return message
+    name, problem = found.groups()
+    choice = re.fullmatch(r"invalid choice: '(.*)' \(choose from (.*)\)", problem, re.DOTALL)
+    if choice is not None:
+        known = [each.strip(" '") for each in choice[2].split(",")]
+        return f"{name} must be one of {', '.join(known)}, got {choice[1]!r}{did_you_mean(choice[1], known)}"
+    if problem == "expected one argument":
+        return f"{name} needs a value"
+    return f"{name} {problem}"
+
+
+def whole_number(text: str) -> int:
+    """Return an integer that was typed."""
+    try:
+        return int(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"must be a whole number such as 200, got {text!r}") from None
+
+
+def real_number(text: str) -> float:
+    """Return a number without a unit that was typed."""
+    return _typed(text, "must be a number such as 0.5")
+
+
+def ratio(text: str) -> float:
+    """Return a number that was typed, or a percentage."""
+    return _typed(text, "must be a number such as 0.3, or 30%")
+
+
+def _typed(text: str, wanted: str) -> float:
+    try:
+        if not wanted.endswith("%"):
+            return float(text)
+        return units.quantity(text, "it", "ratio")
+    except ValueError:
+        comma = "; write a point in place of the comma" if "," in text else ""
+        raise argparse.ArgumentTypeError(f"{wanted}, got {text!r}{comma}") from None

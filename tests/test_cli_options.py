@@ -1,0 +1,52 @@
+"""The same words for the same options in every command of the terminal."""
+
+from __future__ import annotations
+
+import argparse
+import re
+
+import pytest
+
+from floquetrod.cli.main import _parser
+
+_COMMANDS = next(a for a in _parser()._actions if isinstance(a, argparse._SubParsersAction)).choices
+
+# Options that mean something else in some commands, which their help says.
+_OTHERWISE = {"--out", "--kick", "--friction", "--mu", "--exit-code"}
+
+# `explore` has its own words until it shares `add_load`.
+_OWN_WORDS = {"explore"}
+
+
+def _options() -> dict[str, list[tuple[str, argparse.Action]]]:
+    found: dict[str, list[tuple[str, argparse.Action]]] = {}
+    for name, command in _COMMANDS.items():
+        for action in command._actions:
+            for option in action.option_strings:
+                found.setdefault(option, []).append((name, action))
+    return found
+
+
+@pytest.mark.parametrize("option", sorted(_options()))
+def test_an_option_has_the_same_words_in_every_command(option: str) -> None:
+    uses = [(name, action) for name, action in _options()[option] if name not in _OWN_WORDS]
+    for _, action in uses:
+        assert action.help
+    if option in _OTHERWISE:
+        return
+    helps = {re.sub(r", or a range such as [^;]+|\s*\(default[^)]*\)", "", str(action.help)) for _, action in uses}
+    assert len(helps) <= 1
+    assert len({(action.metavar, action.type, str(action.choices)) for _, action in uses}) <= 1
+
+
+def test_no_two_options_of_a_command_say_the_same() -> None:
+    for command in _COMMANDS.values():
+        helps = [action.help for action in command._actions]
+        assert len(set(helps)) == len(helps)
+
+
+def test_quantities_say_what_they_are_in() -> None:
+    for name in ("check", "certify", "ranges", "map", "simulate"):
+        text = _COMMANDS[name].format_help()
+        assert "forces       N, kN" in text
+        assert "Fcr (the critical force of the rod), % (of that force)" in text
