@@ -24,6 +24,7 @@ from floquetrod.cli.loads import add_kind, describe_load, read_kind, read_load, 
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
 from floquetrod.rod.load import Load
+from floquetrod.units import Unit
 
 _HELP = """\
 Open a window with a slider for mean force, amplitude and frequency; map, modes, growth and verdict follow.
@@ -64,15 +65,15 @@ def add(commands: Any) -> None:
 def _explore(options: argparse.Namespace) -> Answer:
     _require_web(options)
     rod = read_rod(options)
-    load = _load(options, rod)
     if options.out is not None:
         check_out(options.out, charts.FIGURES)
     shown = read_units(options, rod)
+    load = _load(options, rod, shown)
     if options.web:
         import matplotlib as mpl
 
         mpl.use("agg")  # the window is a page
-    units = {name: shown[name].name for name in KINDS}
+    units: dict[str, str] = {name: shown[name].name for name in KINDS}
     explorer = fr.Explorer(rod, load, units, options=_named(options))
     if options.out is not None:
         explorer.refine()
@@ -94,7 +95,7 @@ def _explore(options: argparse.Namespace) -> Answer:
     return Answer(f"{where}{describe_load(load, shown, rod)}\n{rod.stability(load)}\n{explorer.command}")
 
 
-def _load(options: argparse.Namespace, rod: fr.Rod) -> Load:
+def _load(options: argparse.Namespace, rod: fr.Rod, shown: dict[str, Unit]) -> Load:
     """Return the load to begin with, by default in the middle of things."""
     given = [name for name in KINDS if getattr(options, name) is not None]
     if given and len(given) < len(KINDS) and options.force is None:
@@ -102,7 +103,7 @@ def _load(options: argparse.Namespace, rod: fr.Rod) -> Load:
     record = read_record(options)
     like = read_kind(options, record)
     if record is None and not given:
-        first = Scale.of(rod).load
+        first = Scale.of(rod).first_load(shown)
         return like.with_numbers(first.mean, first.amplitude, first.frequency)
     return read_load(options, rod, like)
 
@@ -121,7 +122,9 @@ def _require_web(options: argparse.Namespace) -> None:
     if options.port is not None and not 0 <= options.port <= _LAST_PORT:
         raise ValueError(f"--port must lie between 0 and {_LAST_PORT}, got {options.port}")
     if options.web and options.out is not None:
-        raise ValueError(f"--out writes a picture and opens no page, got {str(options.out)!r} with --web; leave one out")
+        raise ValueError(
+            f"--out writes a picture and opens no page, got {str(options.out)!r} with --web; leave one out"
+        )
 
 
 def _serve(explorer: fr.Explorer, options: argparse.Namespace) -> None:

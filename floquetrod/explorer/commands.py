@@ -33,7 +33,7 @@ def written(value: float, unit: Unit) -> str:
     ('0.3N', '0.0001kN')
     """
     for digits in range(1, 18):
-        text = f"{unit.of(value):.{digits}g}"
+        text = repr(float(f"{unit.of(value):.{digits}g}")).removesuffix(".0")
         if float(unit.si(float(text))) == value:
             return f"{text}{unit.name}"
     return repr(value)

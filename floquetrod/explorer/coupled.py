@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -52,15 +52,18 @@ class CoupledModes:
             verdict = classify_coupled(self.rod, load, None, 0.0)
         except ValueError as error:  # too many modes, or a resonance of axial waves
             yield {"verdict": f"no verdict: {str(error).partition(';')[0]}", "shape": None}
-            verdict = None
-        else:
-            what = str(verdict.resonances[0]) if verdict.resonances else "a solution grows"
-            yield {"verdict": verdict_words(verdict.status, verdict.growth_rate, what)}
-        yield from self._line(load, stale)
-        if verdict is not None and not stale():
+            yield from self._line(load, stale, _LINE)
+            yield from self._map(load, stale, _COARSENINGS)
+            return
+        what = f"{verdict.resonances[0]}," if verdict.resonances else "growth"
+        yield {"verdict": verdict_words(verdict.status, verdict.growth_rate, what)}
+        yield from self._line(load, stale, _LINE[:1])
+        if not stale():
             yield {"shape": _shape(verdict)}
-        yield from self._map(load, stale)
-        if verdict is not None and verdict.modes_checked <= _MARGINS:
+        yield from self._map(load, stale, _COARSENINGS[:2])
+        yield from self._line(load, stale, _LINE)
+        yield from self._map(load, stale, _COARSENINGS)
+        if verdict.modes_checked <= _MARGINS:
             for name, margin in MARGINS.items():
                 if stale():
                     return
@@ -70,26 +73,24 @@ class CoupledModes:
     def _frequencies(self) -> NDArray[np.float64]:
         return np.linspace(*self.limits["frequency"], _LINE[-1])
 
-    def _line(self, load: Load, stale: Stale) -> Iterator[Parts]:
+    def _line(self, load: Load, stale: Stale, numbers: Sequence[int]) -> Iterator[Parts]:
         """Yield growth over the frequency, at ever more frequencies."""
         if self._line_of != (load.mean, load.amplitude):
             self._line_of = load.mean, load.amplitude
             self._growth, self._tried = np.full(_LINE[-1], np.nan), np.zeros(_LINE[-1], dtype=np.bool_)
         every = self._frequencies
         yield {"line": LineView(every, self._growth.copy())}
-        for number in _LINE:
+
+        def found(chosen: NDArray[np.int64]) -> None:
+            self._growth[chosen] = _judged(self.rod, load, Loads.along(load, "frequency", every[chosen]))[1]
+            self._tried[chosen] = True
+
+        for number in numbers:
             wanted = np.arange(0, _LINE[-1], (_LINE[-1] - 1) // (number - 1))
-            wanted = wanted[~self._tried[wanted]]
-
-            def found(chosen: NDArray[np.int64]) -> None:
-                loads = Loads.along(load, "frequency", every[chosen])
-                self._growth[chosen] = _judged(self.rod, load, loads)[1]
-                self._tried[chosen] = True
-
-            for _ in _in_portions(wanted, found, stale):
+            for _ in _in_portions(wanted[~self._tried[wanted]], found, stale):
                 yield {"line": LineView(every, self._growth.copy())}
 
-    def _map(self, load: Load, stale: Stale) -> Iterator[Parts]:
+    def _map(self, load: Load, stale: Stale, sides: Sequence[int]) -> Iterator[Parts]:
         """Yield the map in ever smaller cells."""
         if self._map_of != load.amplitude:
             self._map_of, self._cells = load.amplitude, np.full(_MAP[::-1], UNKNOWN, dtype=np.int8)
@@ -99,20 +100,19 @@ class CoupledModes:
             low + (np.arange(number) + 0.5) * (high - low) / number
             for number, (low, high) in zip(_MAP, (self.limits["frequency"], self.limits["mean"]), strict=True)
         )
-        for side in _COARSENINGS:
-            rows, columns = np.meshgrid(
-                np.arange(side // 2, _MAP[1], side), np.arange(side // 2, _MAP[0], side), indexing="ij"
-            )
-            chosen = np.flatnonzero(self._cells[rows, columns].ravel() == UNKNOWN)
-            rows, columns = rows.ravel()[chosen], columns.ravel()[chosen]
 
-            def found(some: NDArray[np.int64]) -> None:
-                means, frequencies = mean[rows[some]], frequency[columns[some]]
-                loads = Loads(means.shape, means, np.full(means.shape, load.amplitude), frequencies)
-                self._cells[rows[some], columns[some]] = 1 - _judged(self.rod, load, loads)[0]
+        def found(places: NDArray[np.int64]) -> None:
+            column, row = places.T
+            loads = Loads((len(places),), mean[row], np.full(len(places), load.amplitude), frequency[column])
+            self._cells[row, column] = 1 - _judged(self.rod, load, loads)[0]
 
+        for side in sides:
             # Neighbours in frequency together: they share the number of modes.
-            for _ in _in_portions(np.argsort(columns, kind="stable"), found, stale):
+            places = np.array(
+                [(i, j) for i in range(side // 2, _MAP[0], side) for j in range(side // 2, _MAP[1], side)]
+            )
+            unknown = self._cells[places[:, 1], places[:, 0]] == UNKNOWN
+            for _ in _in_portions(places[unknown], found, stale):
                 yield {"map": MapView(self._filled(side), None)}
 
     def _filled(self, side: int) -> NDArray[np.int8]:
@@ -139,12 +139,10 @@ def _judged(rod: Rod, like: Load, loads: Loads) -> tuple[NDArray[np.int8], NDArr
     return found.status, found.growth
 
 
-def _in_portions(
-    wanted: NDArray[np.int64], found: Callable[[NDArray[np.int64]], None], stale: Stale
-) -> Iterator[None]:
+def _in_portions(wanted: NDArray[np.int64], found: Callable[[NDArray[np.int64]], None], stale: Stale) -> Iterator[None]:
     """Yield after each portion of what is wanted, of a size that takes about as long as may pass unseen."""
     at, size = 0, 4
-    while at < wanted.size and not stale():
+    while at < len(wanted) and not stale():
         began = time.monotonic()
         found(wanted[at : at + size])
         taken = time.monotonic() - began

@@ -62,9 +62,9 @@ class Explorer:
         """Open the window."""
         self.rod = validate.instance("rod", rod, Rod)
         scale = Scale.of(rod)
-        self.load: Load = scale.load if load is None else require_load("load", load)
-        scale.require(self.load)
         self._units = _units(rod, {} if units is None else units)
+        self.load: Load = scale.first_load(self._units) if load is None else require_load("load", load)
+        scale.require(self.load)
         self._options = options
         limits = _rounded(scale.limits(self.load), self._units)
         independent = rod.coupled_numbers.has_mathieu_modes(self.load)

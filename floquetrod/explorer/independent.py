@@ -1,4 +1,4 @@
-"""What is shown of a rod whose modes are independent: points and rates at once, curves and margins when there is time."""
+"""What is shown of a rod whose modes are independent: points and rates at once, curves and margins in time."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _BANDED = 600  # modes up to which bands are searched: seconds (a choice)
 _FARTHEST = 1e4  # natural frequency over that of the load up to which the chart goes
 
 
-class _Replaced(Exception):  # noqa: N818  # no error: it ends a search that nobody waits for
+class _Replaced(Exception):  # no error: it ends a search that nobody waits for
     """The search has been replaced by another one."""
 
 
@@ -102,7 +102,9 @@ class IndependentModes:
             like=load,
         )
 
-    def _modes(self, alpha: NDArray[np.float64], beta: NDArray[np.float64], damping: float, growth: NDArray[np.float64]) -> ModesView:
+    def _modes(
+        self, alpha: NDArray[np.float64], beta: NDArray[np.float64], damping: float, growth: NDArray[np.float64]
+    ) -> ModesView:
         """Return where modes lie among tongues, over axes that stay as they are for most moves."""
         x = np.clip(-np.sign(beta) * np.sqrt(np.abs(beta)), -_FARTHEST, _FARTHEST)
         wanted = _frame(x, alpha)

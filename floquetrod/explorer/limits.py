@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod.rod.load import AxialLoad, Load
 from floquetrod.rod.rod import Rod
+from floquetrod.units import Unit
 
 _STRONGEST = 50.0  # times the force of `Scale` (a choice): beyond, a map takes too long for interactive use
 _SLOWEST = 1000.0  # times slower than the frequency of `Scale`, and faster (a choice)
@@ -38,10 +40,11 @@ class Scale(NamedTuple):
         first = float(rod.natural_frequency(1)) * (1.0 if rod.end_conditions.are_hinged else 2.0)
         return cls(first**2 * rod.mass_per_length * (rod.length / math.pi) ** 2, first)
 
-    @property
-    def load(self) -> AxialLoad:
-        """Where to begin: in the middle of things."""
-        return AxialLoad(0.2 * self.force, 0.2 * self.force, 3.0 * self.frequency)
+    def first_load(self, shown: Mapping[str, Unit]) -> AxialLoad:
+        """Return where to begin, in the middle of things, in three digits of the units shown."""
+        numbers = {"mean": 0.2 * self.force, "amplitude": 0.2 * self.force, "frequency": 3.0 * self.frequency}
+        rounded = {n: float(shown[n].si(float(f"{shown[n].of(value):.3g}"))) for n, value in numbers.items()}
+        return AxialLoad(rounded["mean"], rounded["amplitude"], rounded["frequency"])
 
     def require(self, load: Load) -> None:
         """Raise ValueError for a load out of reach."""

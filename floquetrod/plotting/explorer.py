@@ -109,6 +109,7 @@ class Window:
             color=palette.NEUTRAL,
             initcolor="none",
         )
+        slider.valtext.set_text(slider.valfmt % unit.of(start))  # which need not be a whole number of steps
         slider.drawon = False
         slider.on_changed(lambda value: self.show(self._moved(name, self._meant(name, value))))
         self.sliders[name] = slider

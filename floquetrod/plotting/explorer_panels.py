@@ -1,4 +1,4 @@
-"""The panels of the explorer's window: a map, modes among their tongues and their rates, growth over frequency, a shape.
+"""The panels of the explorer's window: a map, modes among tongues and their rates, growth over frequency, a shape.
 
 Each panel has ``moving`` artists, drawn anew for each view over a copy of everything else; `show` returns whether that
 everything else has changed.
@@ -283,7 +283,7 @@ def straightened(ratio: Any, *, back: bool = False) -> Any:
 
 
 def fitting(highest: float, top: float) -> float:
-    """Return the end of an axis for values up to ``highest``: as it is, where it is not ten times too large, or for 0."""
+    """Return the end of an axis for values up to ``highest``: as it is for 0 and up to ten times too large."""
     if highest == 0.0:
         return top or 1.0
     wanted = _step_above(highest)

@@ -7,6 +7,7 @@ import hmac
 import html
 import json
 import secrets
+import socket
 from collections.abc import Callable, Mapping
 from io import BytesIO
 from pathlib import Path
@@ -52,7 +53,9 @@ document.addEventListener("DOMContentLoaded", function () {
     show("verdict", message.verdict);
     show("command", message.command);
   };
-  socket.addEventListener("close", function () { show("ended", "The program has ended; what is shown no longer moves."); });
+  socket.addEventListener("close", function () {
+    show("ended", "The program has ended; what is shown no longer moves.");
+  });
   document.getElementById("copy").addEventListener("click", function () {
     navigator.clipboard.writeText(document.getElementById("command").textContent);
   });
@@ -112,24 +115,25 @@ def listen(figure: Any, words: Callable[[], Mapping[str, str]], *, title: str, p
     """Return a server of a figure, which answers within the running loop, and its address."""
     from matplotlib.backends.backend_webagg_core import FigureCanvasWebAggCore
     from tornado.httpserver import HTTPServer
-    from tornado.netutil import bind_sockets
 
     try:
-        sockets = bind_sockets(port, _HOST)
+        listening = socket.create_server((_HOST, port))
     except (OSError, OverflowError) as error:
         raise ValueError(
             f"--port {port} cannot be listened on: {getattr(error, 'strerror', None) or error}; leave --port out for "
             "any free one"
         ) from None
-    number, token = sockets[0].getsockname()[1], secrets.token_urlsafe(24)
-    manager = FigureCanvasWebAggCore.new_manager(figure, 1)
+    listening.setblocking(False)
+    number, token = listening.getsockname()[1], secrets.token_urlsafe(24)
+    figure.set_label(title)
+    manager: Any = FigureCanvasWebAggCore.new_manager(figure, 1)
 
     def tell(_: Any) -> None:
         manager.canvas.send_event("words", **words())
 
     figure.canvas.mpl_connect("draw_event", tell)
     server = HTTPServer(_application(manager, token, f"{_HOST}:{number}", title))
-    server.add_sockets(sockets)
+    server.add_socket(listening)
     return server, f"http://{_HOST}:{number}/{token}/"
 
 
