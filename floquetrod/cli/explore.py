@@ -24,7 +24,6 @@ from floquetrod.cli.loads import add_kind, describe_load, read_kind, read_load, 
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
 from floquetrod.rod.load import Load
-from floquetrod.units import Unit
 
 _HELP = """\
 Open a window with a slider for mean force, amplitude and frequency; map, modes, growth and verdict follow.
@@ -65,10 +64,13 @@ def add(commands: Any) -> None:
 def _explore(options: argparse.Namespace) -> Answer:
     _require_web(options)
     rod = read_rod(options)
+    load, is_given = _given_load(options, rod)
     if options.out is not None:
         check_out(options.out, charts.FIGURES)
     shown = read_units(options, rod)
-    load = _load(options, rod, shown)
+    if not is_given:  # begin in the middle of things
+        first = Scale.of(rod).first_load(shown)
+        load = load.with_numbers(first.mean, first.amplitude, first.frequency)
     if options.web:
         import matplotlib as mpl
 
@@ -95,17 +97,13 @@ def _explore(options: argparse.Namespace) -> Answer:
     return Answer(f"{where}{describe_load(load, shown, rod)}\n{rod.stability(load)}\n{explorer.command}")
 
 
-def _load(options: argparse.Namespace, rod: fr.Rod, shown: dict[str, Unit]) -> Load:
-    """Return the load to begin with, by default in the middle of things."""
+def _given_load(options: argparse.Namespace, rod: fr.Rod) -> tuple[Load, bool]:
+    """Return the load that the options describe, and whether they give its numbers."""
     given = [name for name in KINDS if getattr(options, name) is not None]
     if given and len(given) < len(KINDS) and options.force is None:
         raise ValueError(f"--mean, --amplitude and --frequency go together; got only --{', --'.join(given)}")
     record = read_record(options)
-    like = read_kind(options, record)
-    if record is None and not given:
-        first = Scale.of(rod).first_load(shown)
-        return like.with_numbers(first.mean, first.amplitude, first.frequency)
-    return read_load(options, rod, like)
+    return read_load(options, rod, read_kind(options, record)), bool(given) or record is not None
 
 
 def _named(options: argparse.Namespace) -> list[str]:
