@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = "floquetrod"
 LAZY = {"numba", "llvmlite", "scipy", "mpmath", "sympy", "matplotlib"}
-EXTRAS = {"xarray", "zarr", "numcodecs", "cloudpickle", "shtab"}
+EXTRAS = {"xarray", "zarr", "numcodecs", "cloudpickle", "shtab", "tornado"}
 ALLOWED = {"numpy", "numba", "scipy", "mpmath", "sympy", "matplotlib"} | EXTRAS | set(sys.stdlib_module_names)
 
 

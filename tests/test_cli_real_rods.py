@@ -317,18 +317,6 @@ def test_other_refusals(record: str, capsys: pytest.CaptureFixture[str]) -> None
         assert f"{option[0]} belongs to --rod" in refused(capsys, "check", "--system", system, *option)
 
 
-def test_what_has_no_picture_yet_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    message = refused(capsys, "explore", "--rod", WIRE, "--out", "explorer.png")
-    assert "--rod must have independent modes to be explored" in message
-    assert "clamped-hinged ends, weight along the rod" in message
-    rod = fr.Rod.nitinol()
-    square = fr.AxialLoad(0.3, 0.1, 100.0, waveform=(-1j, 0.0, -0.3j))
-    with pytest.raises(ValueError, match=r"got a waveform other than a sine; Rod\.stability"):
-        fr.Explorer(rod, square)
-    with pytest.raises(ValueError, match="got weight along the rod"):
-        fr.Explorer(rod.replace(inclination=1.0), fr.AxialLoad(0.3, 0.1, 100.0, mean_at=None))
-
-
 def test_a_warning_speaks_of_options(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["check", "--rod", WELL, *SHAKE[:4], "--frequency", "20Hz", "--no-margins"]) == 0
     warning = capsys.readouterr().err.replace(COMPILING, "")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
+import webbrowser
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +17,13 @@ from floquetrod.cli.common import (
     add_rod,
     add_units,
     check_out,
-    read_quantity,
     read_rod,
     read_units,
 )
-from floquetrod.cli.loads import describe_load
+from floquetrod.cli.loads import add_kind, describe_load, read_kind, read_load, read_record
+from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
+from floquetrod.rod.load import Load
 
 _HELP = """\
 Open a window with a slider for mean force, amplitude and frequency; map, modes, growth and verdict follow.
@@ -29,10 +32,19 @@ examples:
   floquetrod explore --rod nitinol
   floquetrod explore --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz
   floquetrod explore --rod nitinol --unit Fcr,Hz --out explorer.png
+  floquetrod explore --rod examples/well.toml --wave held --web
+  floquetrod explore --rod my_rod.toml --force record.csv
 
-With --out the picture is written and no window opened, which needs no screen.  Axes
-and sliders are in the units of the load given, or of --unit.
+Any rod and load that check judges.  What takes longer than following a slider, all of coupled modes among it, appears
+while the sliders rest.  Axes and sliders are in the units of the load given, or of --unit.  The load is shown as a
+command, which is printed when the window closes.
+
+With --out the picture is written and no window opened, which needs no screen.
+With --web the window is a page in the browser of this machine (pip install floquetrod[web]).  Its address, which holds
+a secret, is printed, and nobody can open the page without it; Ctrl-C ends it.
 """
+
+_LAST_PORT = 65_535
 
 
 def add(commands: Any) -> None:
@@ -41,28 +53,86 @@ def add(commands: Any) -> None:
     add_rod(explore, judged=False)
     add_units(explore)
     for name in KINDS:
-        explore.add_argument(f"--{name}", help=f"{name} to begin with; give all three or none")
+        explore.add_argument(f"--{name}", help=f"{name} to begin with; give all three or none, or --force")
+    add_kind(explore)
     explore.add_argument("--out", type=Path, help="write the picture (.png, .pdf, .svg) and open no window")
+    explore.add_argument("--web", action="store_true", help="show a page in the browser in place of a window")
+    explore.add_argument("--port", type=int, help="port of the page (needs --web; default: any free one)")
+    explore.add_argument("--open", action="store_true", help="open the page in the browser (needs --web)")
 
 
 def _explore(options: argparse.Namespace) -> Answer:
+    _require_web(options)
     rod = read_rod(options)
-    given = [name for name in KINDS if getattr(options, name) is not None]
-    if given and len(given) < len(KINDS):
-        raise ValueError(f"--mean, --amplitude and --frequency go together; got only --{', --'.join(given)}")
-    values = {name: read_quantity(getattr(options, name), name, rod) for name in given}
-    load = fr.AxialLoad(values["mean"], values["amplitude"], values["frequency"]) if values else None
+    load, is_given = _given_load(options, rod)
     if options.out is not None:
         check_out(options.out, charts.FIGURES)
     shown = read_units(options, rod)
-    explorer = fr.Explorer(rod, load, {name: shown[name].name for name in KINDS})
+    if not is_given:  # begin in the middle of things
+        first = Scale.of(rod).first_load(shown)
+        load = load.with_numbers(first.mean, first.amplitude, first.frequency)
+    if options.web:
+        import matplotlib as mpl
+
+        mpl.use("agg")  # the window is a page
+    units: dict[str, str] = {name: shown[name].name for name in KINDS}
+    explorer = fr.Explorer(rod, load, units, options=_named(options))
     if options.out is not None:
+        explorer.refine()
         charts.save_figure(explorer.window.figure, options.out)
+    elif options.web:
+        _serve(explorer, options)
     else:
         charts.show()
     load = explorer.load
     if options.json:
-        record = {"mean_N": load.mean, "amplitude_N": load.amplitude, "frequency_rad_per_s": load.frequency}
+        record = {
+            "mean_N": load.mean,
+            "amplitude_N": load.amplitude,
+            "frequency_rad_per_s": load.frequency,
+            "command": explorer.command,
+        }
         return Answer(json.dumps(record, indent=2, allow_nan=False))
     where = f"written: {options.out}\n" if options.out is not None else ""
-    return Answer(f"{where}{describe_load(load, shown, rod)}\n{rod.stability(load)}")
+    return Answer(f"{where}{describe_load(load, shown, rod)}\n{rod.stability(load)}\n{explorer.command}")
+
+
+def _given_load(options: argparse.Namespace, rod: fr.Rod) -> tuple[Load, bool]:
+    """Return the load that the options describe, and whether they give its numbers."""
+    given = [name for name in KINDS if getattr(options, name) is not None]
+    if given and len(given) < len(KINDS) and options.force is None:
+        raise ValueError(f"--mean, --amplitude and --frequency go together; got only --{', --'.join(given)}")
+    record = read_record(options)
+    return read_load(options, rod, read_kind(options, record)), bool(given) or record is not None
+
+
+def _named(options: argparse.Namespace) -> list[str]:
+    """Return the options that name the rod and the measured force."""
+    given = {"--rod": options.rod, "--damping-rate": options.damping_rate, "--force": options.force}
+    return [word for option, value in given.items() if value is not None for word in (option, value)]
+
+
+def _require_web(options: argparse.Namespace) -> None:
+    """Raise ValueError for options that do not go with the page, or are for it alone."""
+    for name in ("port", "open"):
+        if getattr(options, name) not in (None, False) and not options.web:
+            raise ValueError(f"--{name} needs --web, got --{name} alone")
+    if options.port is not None and not 0 <= options.port <= _LAST_PORT:
+        raise ValueError(f"--port must lie between 0 and {_LAST_PORT}, got {options.port}")
+    if options.web and options.out is not None:
+        raise ValueError(
+            f"--out writes a picture and opens no page, got {str(options.out)!r} with --web; leave one out"
+        )
+
+
+def _serve(explorer: fr.Explorer, options: argparse.Namespace) -> None:
+    """Show the page until Ctrl-C."""
+    from floquetrod.plotting.web import serve
+
+    def told(address: str) -> None:
+        print(f"open {address} in the browser of this machine; Ctrl-C ends", file=sys.stderr, flush=True)
+        if options.open:
+            webbrowser.open(address)
+
+    window = explorer.window
+    serve(window.figure, lambda: window.words, told, title="floquetrod: the explorer", port=options.port or 0)

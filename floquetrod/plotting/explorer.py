@@ -1,155 +1,177 @@
-"""The explorer's window: a map, the modes on the stability chart, their growth rates, a slider for each quantity."""
+"""The explorer's window: panels, sliders, the verdict above and the command below."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+import textwrap
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from floquetrod.plotting import palette
+from floquetrod.plotting.explorer_panels import NAMES, Line, Map, Modes, Rates, ShapeOf
 from floquetrod.units import Unit, label
 
 QUANTITIES = ("mean", "amplitude", "frequency")
-_NAMES = {
-    "mean": ("mean force", r"F_\mathrm{ave}"),
-    "amplitude": ("amplitude", r"\Delta F"),
-    "frequency": ("frequency", r"\omega"),
-}
 
-
-class View(NamedTuple):
-    """What the window shows for one load.
-
-    ``unstable`` is the map over frequency (columns) and mean force (rows); ``chart`` that over ``chart_alpha`` and
-    ``chart_beta`` (first, last); ``alpha``, ``beta`` and ``growth`` (1/s) are those of modes 1, 2, ...
-    """
-
-    load: dict[str, float]
-    unstable: NDArray[np.bool_]
-    chart: NDArray[np.bool_]
-    chart_alpha: tuple[float, float]
-    chart_beta: tuple[float, float]
-    alpha: NDArray[np.float64]
-    beta: NDArray[np.float64]
-    growth: NDArray[np.float64]
-    verdict: str
+_TICK = 80  # milliseconds between two looks for what has been found meanwhile
+_DIGITS = 12  # of a slider's value: what it is meant to be, freed of rounding
+_WIDTH = 125  # characters of the line with the command
+_INLINE = (
+    "sliders do not move here: use %matplotlib widget (pip install ipympl),\n"
+    "a window, or a browser: floquetrod explore --web"
+)
 
 
 class Window:
-    """A matplotlib figure that shows a `View` and reports what its sliders are moved to.
+    """A matplotlib figure that shows parts of a view as they come, and reports what its sliders are moved to.
 
     Axes and labels are drawn once; a new view redraws only what moves, over a copy of the rest, so that it follows the
-    slider.  Where axes must grow they do so in steps, with one full drawing each.
+    slider.  Where axes must change they do so in steps, with one full drawing each.
     """
 
     def __init__(
         self,
-        limits: dict[str, tuple[float, float]],
-        units: dict[str, Unit],
-        view: View,
-        moved: Callable[[dict[str, float]], View],
+        limits: Mapping[str, tuple[float, float]],
+        units: Mapping[str, Unit],
+        steps: Mapping[str, float],
+        panels: tuple[str, str],
+        length: float,
+        numbers: Mapping[str, float],
+        moved: Callable[[str, float], Mapping[str, Any]],
+        begin: Callable[[], None],
+        found: Callable[[], Mapping[str, Any]],
     ) -> None:
-        """Open the window on ``view``; ``moved`` is asked for the view of a new load, by quantity in SI units.
+        """Open the window.
 
-        ``limits`` and views are in SI units; what is shown, sliders included, is in ``units``.
+        ``moved`` is asked for what to show when a quantity has been moved, to a value in SI units; ``begin`` is called
+        when a live window has been drawn first, and then ``found``, now and then, is asked for what has been found
+        since.  Limits, ``numbers`` to begin with and what is shown are in SI units, on
+        the screen in ``units``; ``steps`` of the sliders are in these.
         """
+        import matplotlib as mpl
         from matplotlib import pyplot
-        from matplotlib.widgets import Slider
 
-        self.figure: Any = pyplot.figure(figsize=(10.5, 6.6))
-        self._moved, self._units = moved, units
-        labels = {name: label(*_NAMES[name], units[name].name) for name in QUANTITIES}
-        ends = {name: tuple(units[name].of(end) for end in limits[name]) for name in QUANTITIES}
+        self.figure: Any = pyplot.figure(figsize=(11.0, 7.0))
+        self._moved, self._begin, self._found, self._units = moved, begin, found, units
         areas = self.figure.subplots(1, 3)
-        self.figure.subplots_adjust(left=0.08, right=0.98, bottom=0.33, top=0.88, wspace=0.32)
-        self._map, self._chart, self._bars = areas
-        style: dict[str, Any] = {"origin": "lower", "aspect": "auto", "cmap": palette.verdicts(), "vmin": 0, "vmax": 1}
-        extent = (*ends["frequency"], *ends["mean"])
-        self._map_image = self._map.imshow(view.unstable, extent=extent, interpolation="nearest", **style)
-        (self._here,) = self._map.plot([], [], **palette.POINT, markersize=8)
-        self._map.set_xlabel(labels["frequency"])
-        self._map.set_ylabel(labels["mean"])
-        self._map.set_title("unstable loads (orange)", fontsize="medium")
-        self._chart_image = self._chart.imshow(view.chart, interpolation="nearest", **style)
-        (self._all,) = self._chart.plot([], [], **palette.POINT, linewidth=0.6)
-        (self._growing,) = self._chart.plot([], [], "o", color="black")
-        self._chart.set_xlabel(r"$\alpha$")
-        self._chart.set_ylabel(r"$\beta$")
-        self._chart.set_title("modes on the stability chart", fontsize="medium")
-        self._stems = self._bars.bar(np.arange(1, view.growth.size + 1), view.growth, color=palette.UNSTABLE)
-        self._bars.set_xlabel("mode $m$")
-        self._bars.set_ylabel("growth rate / (1/s)")
-        self._bars.set_title("growth of each mode", fontsize="medium")
-        self._text = self._map.text(
-            0.08, 0.94, "", fontsize="large", weight="bold", transform=self.figure.transFigure, clip_on=False
-        )
-        self.sliders = {}
+        self.figure.subplots_adjust(left=0.075, right=0.98, bottom=0.385, top=0.835, wspace=0.34)
+        self._map = Map(areas[0], limits, units)
+        kinds: dict[str, Callable[[Any], Any]] = {
+            "modes": Modes,
+            "rates": Rates,
+            "line": lambda ax: Line(ax, limits["frequency"], units["frequency"]),
+            "shape": lambda ax: ShapeOf(ax, length),
+        }
+        self._panels: dict[str, Any] = {"map": self._map}
+        self._panels |= {name: kinds[name](ax) for name, ax in zip(panels, areas[1:], strict=True)}
+        place: dict[str, Any] = {"transform": self.figure.transFigure, "clip_on": False, "va": "center"}
+        self._texts = {
+            "verdict": areas[0].text(0.03, 0.955, "", fontsize="large", weight="bold", **place),
+            "details": areas[0].text(0.03, 0.905, "", fontsize="small", **place),
+            "busy": areas[0].text(0.98, 0.955, "", fontsize="small", ha="right", color="0.35", **place),
+            "command": areas[0].text(0.03, 0.045, "", fontsize=8.0, family="monospace", **place),
+        }
+        if mpl.get_backend().lower().endswith("inline"):
+            self.figure.text(0.98, 0.955, _INLINE, fontsize="x-small", ha="right", va="center", color="0.35")
+        self.sliders: dict[str, Any] = {}
         for row, name in enumerate(QUANTITIES):
-            place = self.figure.add_axes((0.26, 0.16 - 0.055 * row, 0.58, 0.03))
-            start, colour = units[name].of(view.load[name]), palette.NEUTRAL
-            slider = Slider(place, labels[name], *ends[name], valinit=start, color=colour, initcolor="none")
-            slider.drawon = False
-            slider.on_changed(self._ask)
-            self.sliders[name] = slider
-        self._moving = [self._map_image, self._here, self._chart_image, self._all, self._growing, self._text]
-        self._moving += self._stems
+            self._add_slider(row, name, limits[name], numbers[name], steps[name])
+        self._moving = [artist for panel in self._panels.values() for artist in panel.moving]
         for slider in self.sliders.values():
             self._moving += [slider.poly, slider.valtext, *slider.ax.lines]
+        self._moving += self._texts.values()
         for artist in self._moving:
             artist.set_animated(True)
         self._rest: Any = None
-        self._frame: Any = None
+        self._timer: Any = None
+        self.words: dict[str, str] = {}
         self.figure.canvas.mpl_connect("draw_event", self._drawn)
-        self.show(view)
 
-    def show(self, view: View) -> None:
-        """Replace what is shown."""
-        self._map_image.set_data(view.unstable)
-        here = [[self._units[name].of(view.load[name])] for name in ("frequency", "mean")]
-        self._here.set_data(*here)
-        self._chart_image.set_data(view.chart)
-        self._all.set_data(view.alpha, view.beta)
-        growing = view.growth > 0.0
-        self._growing.set_data(view.alpha[growing], view.beta[growing])
-        for stem, rate in zip(self._stems, view.growth, strict=True):
-            stem.set_height(rate)
-        self._text.set_text(view.verdict)
-        extent = (*view.chart_alpha, *view.chart_beta)
-        highest = _step_above(float(view.growth.max()))
-        if self._frame is not None and highest <= self._frame[1] <= 10.0 * highest:
-            highest = self._frame[1]  # axes larger than needed do not warrant a full redraw
+    @property
+    def is_live(self) -> bool:
+        """Whether the figure is shown where timers run: in a window, a browser, a notebook with widgets."""
+        from matplotlib.backend_bases import TimerBase
+
+        return type(self.figure.canvas.new_timer(_TICK)) is not TimerBase
+
+    def _add_slider(self, row: int, name: str, limits: tuple[float, float], start: float, step: float) -> None:
+        from matplotlib.widgets import Slider
+
+        unit = self._units[name]
+        low, high = (unit.of(end) for end in limits)
+        slider = Slider(
+            self.figure.add_axes((0.26, 0.235 - 0.055 * row, 0.58, 0.03)),
+            label(*NAMES[name], unit.name),
+            low,
+            high,
+            valinit=unit.of(start),
+            valstep=step,
+            valfmt="%.6g",
+            color=palette.NEUTRAL,
+            initcolor="none",
+        )
+        slider.valtext.set_text(slider.valfmt % unit.of(start))  # which need not be a whole number of steps
+        slider.drawon = False
+        slider.on_changed(lambda value: self.show(self._moved(name, self._meant(name, value))))
+        self.sliders[name] = slider
+
+    def _meant(self, name: str, value: float) -> float:
+        """Return the SI value that a slider is meant to stand at."""
+        return float(self._units[name].si(float(f"{value:.{_DIGITS}g}")))
+
+    def show(self, parts: Mapping[str, Any]) -> None:
+        """Replace some of what is shown: panels by their names, "load", "busy", and words."""
+        changed = self._rest is None
+        for name, part in parts.items():
+            if name == "load":
+                for panel in self._panels.values():
+                    if hasattr(panel, "move"):
+                        panel.move(part)
+            elif name == "busy":
+                self._texts["busy"].set_text("refining ..." if part else "")
+            elif name in self._panels:
+                changed = self._panels[name].show(part) or changed
+            else:
+                self.words[name] = part
+                text = part if name == "verdict" else textwrap.fill(part, _WIDTH, break_on_hyphens=False)
+                self._texts[name].set_text(text)
         canvas = self.figure.canvas
-        if self._rest is None or (extent, highest) != self._frame or not canvas.supports_blit:
-            self._frame = extent, highest
-            self._chart_image.set_extent(extent)
-            self._bars.set_ylim(0.0, highest)
+        if changed or not canvas.supports_blit:
             canvas.draw_idle()
-        else:
+        elif parts:
             canvas.restore_region(self._rest)
             self._draw_moving()
             canvas.blit(self.figure.bbox)
 
+    def when_closed(self, then: Callable[[], None]) -> None:
+        """Call a function once when the window closes."""
+        self.figure.canvas.mpl_connect("close_event", lambda _: self._close(then))
+
+    def _close(self, then: Callable[[], None]) -> None:
+        if self._timer is not None:
+            self._timer.stop()
+        then()
+
     def _drawn(self, _: Any) -> None:
         """Keep a copy of the static parts and draw the moving ones over it."""
-        if self.figure.canvas.is_saving():  # then everything is drawn already
+        canvas = self.figure.canvas
+        if canvas.is_saving():  # then everything is drawn already
             return
-        if self.figure.canvas.supports_blit:
-            self._rest = self.figure.canvas.copy_from_bbox(self.figure.bbox)
+        if canvas.supports_blit:
+            self._rest = canvas.copy_from_bbox(self.figure.bbox)
+        else:
+            self._rest = False
         self._draw_moving()
+        if self._timer is None and self.is_live:  # from the first picture on: then there is a loop to wait in
+            self._begin()
+            self._timer = canvas.new_timer(_TICK)
+            self._timer.add_callback(self._look)
+            self._timer.start()
 
     def _draw_moving(self) -> None:
         for artist in self._moving:
             artist.axes.draw_artist(artist)
 
-    def _ask(self, _: float) -> None:
-        self.show(self._moved({name: float(self._units[name].si(slider.val)) for name, slider in self.sliders.items()}))
-
-
-def _step_above(value: float) -> float:
-    """Return the least of 1, 2, 5, 10, 20, ... that is above ``value``."""
-    step = 1.0
-    while step <= value:
-        step *= 2.5 if f"{step:e}"[0] == "2" else 2.0
-    return step
+    def _look(self) -> None:
+        parts = self._found()
+        if len(parts) > 1 or parts["busy"] != bool(self._texts["busy"].get_text()):
+            self.show(parts)

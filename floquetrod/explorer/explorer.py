@@ -1,0 +1,171 @@
+"""The explorer: a load moved by sliders; map, modes, growth, verdict and command follow."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+
+from floquetrod import units as known
+from floquetrod._util import validate
+from floquetrod.explorer.background import Background, Parts, Stale
+from floquetrod.explorer.commands import command
+from floquetrod.explorer.coupled import CoupledModes
+from floquetrod.explorer.independent import IndependentModes
+from floquetrod.explorer.limits import Scale, step
+from floquetrod.explorer.words import margin_words
+from floquetrod.plotting.explorer import Window
+from floquetrod.rod.load import AnyLoad, Load, require_load
+from floquetrod.rod.rod import Rod
+from floquetrod.rod.verdict import Margin
+
+
+class Explorer:
+    """A rod under a load that can be moved.
+
+    What takes longer than following a slider, curves in place of points, margins, everything of coupled modes, is found
+    while the sliders rest and shown as it is found.
+
+    Parameters
+    ----------
+    rod : Rod
+    load : AxialLoad, AxialWave or ForceRecord, optional
+        Where to begin; by default a sine of 0.2 critical forces of both kinds at three times the pendulum frequency, of
+        a short rod 0.2 of its buckling force at three times the frequency of its first mode.  At most 50 such forces,
+        and between a thousandth of that frequency and a thousand times it.  Waveform and axial waves stay as they are.
+    units : mapping, optional
+        Units that axes and sliders speak, by quantity: ``{"mean": "Fcr", "frequency": "Hz"}``; by default N and rad/s.
+    options : sequence of str, optional
+        Options of the terminal that name the rod, and the measured force if there is one, for `command`:
+        ``["--rod", "my_rod.toml"]``.
+
+    Attributes
+    ----------
+    window : floquetrod.plotting.explorer.Window
+        The figure and its sliders.
+    load : AxialLoad or AxialWave
+        The load shown.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For loads and units out of reach.
+    """
+
+    def __init__(
+        self,
+        rod: Rod,
+        load: AnyLoad | None = None,
+        units: Mapping[str, str] | None = None,
+        *,
+        options: Sequence[str] | None = None,
+    ) -> None:
+        """Open the window."""
+        self.rod = validate.instance("rod", rod, Rod)
+        scale = Scale.of(rod)
+        self._units = _units(rod, {} if units is None else units)
+        self.load: Load = scale.first_load(self._units) if load is None else require_load("load", load)
+        scale.require(self.load)
+        self._options = options
+        limits = _rounded(scale.limits(self.load), self._units)
+        independent = rod.coupled_numbers.has_mathieu_modes(self.load)
+        self._shown: IndependentModes | CoupledModes = (
+            IndependentModes(rod, limits) if independent else CoupledModes(rod, limits)
+        )
+        self._background = Background()
+        self._margins: dict[str, Margin] = {}
+        steps = {name: step(*(unit.of(end) for end in limits[name])) for name, unit in self._units.items()}
+        first = self._at_once()
+        self.window = Window(
+            limits,
+            self._units,
+            steps,
+            self._shown.panels,
+            rod.length,
+            first["load"],
+            self._moved,
+            self._begin,
+            self._found,
+        )
+        self.window.show(first)
+        self.window.when_closed(self._background.stop)
+
+    @property
+    def command(self) -> str:
+        """The command that judges exactly this load: the terminal's, or Python's where the terminal has no name for it.
+
+        >>> import matplotlib
+        >>> matplotlib.use("agg")
+        >>> Explorer(Rod.nitinol(), None, {"mean": "Fcr", "amplitude": "Fcr", "frequency": "rad/s"}).command[:47]
+        'floquetrod check --rod nitinol --mean 0.2Fcr --'
+        """
+        return command(self.rod, self.load, self._units, self._options)
+
+    def refine(self) -> None:
+        """Find and show at once what a window finds while its sliders rest: for pictures, and where there is no window.
+
+        Some tenths of a second where modes are independent, up to minutes where they are coupled.
+        """
+        for parts in self._background.run(self._in_time):
+            self.window.show(self._with_margins(parts))
+        self.window.show({"busy": False})
+
+    def _at_once(self) -> Parts:
+        numbers = {name: getattr(self.load, name) for name in self._units}
+        return self._shown.at_once(self.load) | {"load": numbers, "command": self.command}
+
+    def _in_time(self, stale: Stale) -> Iterator[Parts]:
+        return self._shown.in_time(self.load, stale)
+
+    def _moved(self, name: str, value: float) -> Parts:
+        """Return what is shown at once when a quantity, in SI units, has been moved, and start on the rest."""
+        numbers = {each: getattr(self.load, each) for each in self._units} | {name: value}
+        self.load = self.load.with_numbers(**numbers)
+        self._margins = {}
+        parts = self._at_once()
+        if self.window.is_live:
+            self._begin()
+            parts["busy"] = True
+        return parts
+
+    def _begin(self) -> None:
+        self._background.start(self._in_time)
+
+    def _found(self) -> Parts:
+        """Return what was found since the last time, and whether more is to come."""
+        found, busy = self._background.fetch()
+        parts: Parts = {}
+        for each in found:
+            parts |= self._with_margins(each)
+        return parts | {"busy": busy}
+
+    def _with_margins(self, parts: Parts) -> Parts:
+        """Return the same parts, a margin in words and together with those found before it."""
+        if "margin" not in parts:
+            return parts
+        name, margin = parts["margin"]
+        self._margins[name] = margin
+        return {"details": margin_words(self._margins, self.load, self._units)}
+
+
+def _rounded(limits: dict[str, tuple[float, float]], units: dict[str, known.Unit]) -> dict[str, tuple[float, float]]:
+    """Return limits moved outwards to whole steps of their sliders."""
+    found = {}
+    for name, (low, high) in limits.items():
+        unit = units[name]
+        size = step(unit.of(low), unit.of(high))
+        first, last = math.floor(unit.of(low) / size + 1e-9), math.ceil(unit.of(high) / size - 1e-9)
+        # A frequency is never zero.
+        found[name] = (float(unit.si(first * size)) if first or not low else low, float(unit.si(last * size)))
+    return found
+
+
+def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:
+    kinds = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
+    if not isinstance(names, Mapping):
+        raise TypeError(f"units must be a mapping such as {{'mean': 'Fcr'}}, got {validate.short(names)}")
+    if not names.keys() <= kinds.keys():
+        raise ValueError(f"units must be of mean, amplitude and frequency, got {dict(names)!r}")
+    return {
+        name: known.unit(names.get(name, ""), f"units[{name!r}]", kind, rod.critical_force)
+        for name, kind in kinds.items()
+    }
