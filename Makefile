@@ -3,11 +3,15 @@ PYTHON ?= python3
 WORKERS ?= 2
 # `make fuzz SEEDS=5`: how many seeds every attack is run from.
 SEEDS ?= 1
+# `make compatibility PYTHONS="python3.12 python3.13" WHOLE=--whole`: those not found are left out; the whole quick suite.
+PYTHONS ?= python3.11 python3.12 python3.13
+WHOLE ?=
 
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 DOCS_READY := $(VENV)/.docs-ready
+DIST_READY := $(VENV)/.dist-ready
 # Hypothesis and pytest write their own caches; worksteal keeps both workers busy to the end.
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 # Tests that reach every kernel.  They run twice more: interpreted, so that a kernel is seen to be the Python it is
@@ -15,7 +19,7 @@ PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 KERNEL_TESTS := -m kernels
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint slow bite fuzz coverage bench agreement docs clean
+.PHONY: demo test lint slow bite fuzz coverage bench agreement docs dist compatibility clean
 
 demo: $(READY)
 	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
@@ -61,11 +65,20 @@ bench: $(READY)
 agreement: $(READY)
 	$(BIN)/python -m benchmarks.agreement
 
+# The sdist and the wheel in dist/, checked and tried in an empty environment.  Needs git and a network.
+dist: $(DIST_READY)
+	$(BIN)/python -m tools.check_dist
+	$(BIN)/python -m tools.try_wheel
+
+# The same wheel with every Python found and the oldest and newest dependencies: minutes, with WHOLE=--whole hours.
+compatibility: dist
+	$(BIN)/python -m tools.try_wheel --pythons $(PYTHONS) --dependencies oldest newest $(WHOLE)
+
 clean:
 	rm -f demo_map.png .coverage
 	rm -rf docs/_build docs/gallery
 	rm -rf $(VENV) .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache build dist
-	find floquetrod tests benchmarks examples -name __pycache__ -prune -exec rm -rf {} +
+	find floquetrod tests benchmarks examples tools -name __pycache__ -prune -exec rm -rf {} +
 
 # Written last, so that a failed or interrupted installation is begun again, from nothing.
 $(READY): pyproject.toml constraints.txt
@@ -75,4 +88,8 @@ $(READY): pyproject.toml constraints.txt
 
 $(DOCS_READY): $(READY)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test,docs]"
+	@touch $@
+
+$(DIST_READY): $(READY)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test,dist]"
 	@touch $@

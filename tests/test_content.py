@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 import floquetrod as fr
 from floquetrod._util.content import ByContent
@@ -157,7 +158,7 @@ def dataclasses_of_the_package() -> Iterator[type]:
 
 
 def holds_arrays(hint: Any) -> bool:
-    return typing.get_origin(hint) is np.ndarray or any(map(holds_arrays, typing.get_args(hint)))
+    return typing.get_origin(hint) in (np.ndarray, NDArray) or any(map(holds_arrays, typing.get_args(hint)))
 
 
 def test_no_dataclass_compares_arrays_by_their_truth() -> None:

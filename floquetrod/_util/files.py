@@ -42,7 +42,7 @@ def writable(path: str | Path) -> Path:
 
     Raises ValueError when its folder is missing or closed, or when it is a folder, a device or write-protected.
     """
-    path = Path(path)
+    path = validate.path("path", path)
     folder = _target(path).parent
     try:
         handle, part = _new_part(folder, 0o600)

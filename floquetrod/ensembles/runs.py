@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util import files, validate
+from floquetrod._util import extras, files, validate
 from floquetrod._util.content import ByContent, NoTruthValue
 
 _FORMAT = "floquetrod runs 1"
@@ -81,8 +81,7 @@ class Runs(NoTruthValue, ByContent):
 
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[ensemble])."""
-        import xarray
-
+        xarray = extras.xarray("ensemble")
         variables, coords = dict(self.variables), dict(self.coords)
         return xarray.Dataset(variables, coords, self.attrs)
 

@@ -70,7 +70,7 @@ def square(a: float, b: float) -> tuple[float, float]:
 def divide(a: float, b: float, c: float, d: float) -> tuple[float, float]:
     """Enclose the quotients of [a, b] by [c, d], which must not hold zero: else NaN."""
     if not (c > 0.0 or d < 0.0):
-        return float("nan"), float("nan")
+        return math.nan, math.nan
     ac = a / c
     ad = a / d
     bc = b / c
@@ -85,7 +85,7 @@ def divide(a: float, b: float, c: float, d: float) -> tuple[float, float]:
 def exp(x: float) -> tuple[float, float]:
     """Enclose the exponential of a double between -600 and 600: powers of two and a series."""
     if not -600.0 <= x <= 600.0:
-        return float("nan"), float("nan")
+        return math.nan, math.nan
     n = float(math.floor(x / LOG2_LOW + 0.5))
     a, b = multiply(n, n, LOG2_LOW, LOG2_HIGH)
     a, b = subtract(x, x, a, b)
@@ -102,7 +102,7 @@ def exp(x: float) -> tuple[float, float]:
 def sinh_squared(x: float) -> tuple[float, float]:
     """Enclose sinh(x)^2 for a double from 0 to 300."""
     if not 0.0 <= x <= 300.0:
-        return float("nan"), float("nan")
+        return math.nan, math.nan
     if x < 0.5:  # the sum of (2 x)^(2 j) / (2 (2 j)!), the rest within a part in 1e18 of the first term
         y, z = square(2.0 * x, 2.0 * x)
         low, high = 1.0, 1.0

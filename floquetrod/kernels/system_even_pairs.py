@@ -101,7 +101,7 @@ def pair_values(y: Any, slip: float, r: Any, form_slip: float, out: Any) -> None
     largest = max(max(abs(y[0, 0]), abs(y[0, 1])), max(abs(y[1, 0]), abs(y[1, 1])))
     unit = 1.0
     if 1e100 < largest < math.inf:  # its square would overflow
-        unit = 2.0 ** math.floor(math.log2(largest))
+        unit = 2.0 ** math.floor(np.log2(largest))
         slip /= unit
         for row in range(2):
             for column in range(2):

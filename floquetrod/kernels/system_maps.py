@@ -201,7 +201,7 @@ def balance_matrices(a: Any, scaling: Any) -> None:
             quotient = row / column
             if not 1e-300 < quotient < 1e300:
                 continue
-            factor = 2.0 ** math.floor(0.5 * math.log2(quotient) + 0.5)
+            factor = 2.0 ** math.floor(0.5 * np.log2(quotient) + 0.5)  # numba 0.59 has no math.log2
             if factor == 1.0:
                 continue
             changed = True

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util import files, validate
+from floquetrod._util import extras, files, validate
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod.plane.axes import Axis
 
@@ -161,8 +161,7 @@ class Bands(NoTruthValue, ByContent):
         The dimensions are "band" and "vertex", to which ``vertex_band`` gives the band, counted from 0; a mode or
         tongue that is not known is -1, and a partner 0.
         """
-        import xarray
-
+        xarray = extras.xarray()
         arrays = self.as_arrays()
         x, y = (axis.name for axis in (self.x, self.y))
         data = {

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import units
-from floquetrod._util import files, validate
+from floquetrod._util import extras, files, validate
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Bands
@@ -260,8 +260,7 @@ class Chart(NoTruthValue, ByContent):
 
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset (needs xarray, an extra: pip install floquetrod[xarray])."""
-        import xarray
-
+        xarray = extras.xarray()
         coords = {axis.name: (axis.name, axis.values, {"units": axis.unit}) for axis in (self.x, self.y)}
         names = ("stable", "growth_rate", "first_mode", "cells")
         data = {n: ((self.y.name, self.x.name), getattr(self, n)) for n in names if getattr(self, n) is not None}

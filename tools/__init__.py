@@ -1,0 +1,1 @@
+"""What checks a release: `make dist`, `make compatibility`."""
