@@ -186,16 +186,16 @@ def array(name: str, values: Any, *, least: float = -LARGEST, largest: float = L
     return result
 
 
-def integer_array(name: str, values: Any, least: int, most: int = MOST_NUMBERS) -> NDArray[np.int64]:
+def integer_array(name: str, values: Any, least: int, most: int = MOST_NUMBERS, hint: str = "") -> NDArray[np.int64]:
     """Return ``values`` as an int64 array of integers from ``least`` to ``most``."""
     raw = _raw(name, values)
     if raw.dtype.kind not in "iu" and raw.size:
         if raw.dtype.kind == "O":  # names the entry that is none, or is too large
             for index, value in np.ndenumerate(raw):
-                integer(_at(name, index), value, least, most)
-        raise TypeError(f"{name} must hold integers, got {short(values)}")
+                integer(_at(name, index), value, least, most, hint)
+        raise TypeError(f"{name} must hold integers, got {short(values)}{_remedy(hint)}")
     if raw.size and (raw.min() < least or raw.max() > most):
-        raise ValueError(f"{name} must lie between {least} and {most}, got {short(values)}")
+        raise ValueError(f"{name} must lie between {least} and {most}, got {short(values)}{_remedy(hint)}")
     return raw.astype(np.int64)
 
 

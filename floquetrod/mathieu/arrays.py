@@ -19,11 +19,13 @@ from floquetrod._util.compilation import INTERPRETED_UP_TO, over_chunks
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.kernels import mathieu_counts as counts
 
+_FROM_AQ = dict.fromkeys("aq", "alpha, beta = fr.conventions.from_aq(a, q) gives what it takes")
+
 _PATIENCE = 100
 """Times as many points as are always interpreted before growth is compiled, which takes seconds (heuristic)."""
 
 
-@tells_arguments()
+@tells_arguments(**_FROM_AQ)
 def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return whether every solution stays bounded.
 
@@ -64,7 +66,7 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     return shaped(out, shape)
 
 
-@tells_arguments()
+@tells_arguments(**_FROM_AQ)
 def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return the growth rate of the fastest solution, per unit tau; 0 where stable.
 
@@ -83,7 +85,7 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     return shaped(out, shape)
 
 
-@tells_arguments()
+@tells_arguments(**_FROM_AQ)
 def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return the trace of the monodromy matrix, +-inf beyond the range of a double.
 
@@ -100,7 +102,7 @@ def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | No
     return shaped(out, shape)
 
 
-@tells_arguments()
+@tells_arguments(**_FROM_AQ)
 def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return both Floquet multipliers, the larger first, in a last axis of length 2 (complex).
 
@@ -117,10 +119,12 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     return shaped(out, (*shape, 2))
 
 
+@tells_arguments(**_FROM_AQ)
 def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau", workers: int | None = None) -> Any:
     """Return both Floquet exponents, in a last axis of length 2 (complex), the one that grows faster first.
 
-    Arguments as in `is_stable`.  Real parts are growth rates, negative ones too, finite however large or small the
+    Arguments as in `is_stable`: alpha and beta, not a and q, which `floquetrod.conventions.from_aq` turns into them.
+     Real parts are growth rates, negative ones too, finite however large or small the
     multipliers; imaginary parts lie in [0, 1/2] first and in [-1/2, 0] second, but both are 1/2 where multipliers are
     negative.  ``per`` is "tau", or "z" for those of y'' + (a - 2 q cos 2 z) y = 0, twice as large, whose imaginary part
     is the order nu up to its sign and an even number.

@@ -152,12 +152,17 @@ def characteristic_function(order: float, q: float, kind: str = "floquet") -> Fl
     size = validate.within("q", validate.finite("q", q), -_LARGEST_Q, _LARGEST_Q)
     if kind == "floquet":
         nu = validate.within("order", validate.finite("order", order), -_HIGHEST, _HIGHEST)
+        if nu == round(nu):
+            raise ValueError(
+                f'order must not be a whole number for kind "floquet", got {nu:g}; "a" is ce and "b" is se'
+            )
         value, shift, vector = real_order_values(nu, size), *_real_order(nu, size)[1:]
         frequencies = shift + 2.0 * (np.arange(vector.size) - vector.size // 2)
         frequencies, vector = _without_tails(frequencies, vector)
         scaled = vector * _sign(kind, nu, size, frequencies, vector) / math.sqrt(float(vector @ vector))
         return FloquetSolution(f"me_{nu:g}(z, {size:g})", 0j, frequencies, scaled.astype(complex), math.pi, False)
-    m = validate.integer("order", order, 1 if kind == "b" else 0, int(_HIGHEST))
+    hint = 'kind "floquet" takes other orders'
+    m = validate.integer("order", order, 1 if kind == "b" else 0, int(_HIGHEST), hint)
     value = characteristic_values(m, size, kind)
     harmonics, vector = _periodic(m, size, kind, value)
     harmonics, vector = _without_tails(harmonics, vector)

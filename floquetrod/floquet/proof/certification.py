@@ -25,10 +25,11 @@ from floquetrod.floquet.proof.problem import (
     MOST_DIGITS,
     ExactProblem,
     Parameters,
+    exact_number,
     exact_problem,
     problem_of_one,
 )
-from floquetrod.floquet.proof.region import MAX_BOXES, RegionProof
+from floquetrod.floquet.proof.region import MAX_BOXES, RegionProof, side_ends
 from floquetrod.floquet.proof.region_equation import certify_box
 from floquetrod.floquet.proof.result import Enclosure, Proof
 from floquetrod.floquet.proof.series import time_unit, undamped_series
@@ -67,7 +68,8 @@ def certify(
     **parameters
         Of the class, by name: numbers that are taken exactly, int, float, Fraction, Decimal or text such as "1/3" or
         "-0.1".  The period of a `Hill` is the double nearest to 2 pi where it is left out.  Of `Mathieu` each may be
-        (low, high), all values between which are meant.
+        (low, high), all values between which are meant; and in place of alpha and beta, a and q of
+        y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with ``damping`` k, per unit z.
 
     Returns
     -------
@@ -98,6 +100,8 @@ def certify(
 
     >>> certify(Mathieu, alpha=(0.4, 0.5), beta=(-0.8, -0.7)).status
     'stable'
+    >>> certify(Mathieu, a=(1.9, 2.1), q=("0.8", "1.0")).statement
+    'for every alpha 0.4 to 0.5, beta -0.525 to -0.475, damping 0 no solution grows'
 
     Two equal oscillators, which no search for separate multipliers can decide:
 
@@ -114,6 +118,8 @@ def certify(
             raise TypeError(f"{', '.join(parameters)} must be of the system: certify takes a system as a value only")
         require_one(equation, "equation")
         return _certify_system(equation, max_digits)
+    if equation is Mathieu and parameters.keys() & {"a", "q"}:
+        parameters = _from_aq(parameters)
     boxed = [name for name, value in parameters.items() if isinstance(value, tuple) and name not in LISTS]
     if equation is Mathieu and (boxed or growth_tolerance):
 
@@ -127,6 +133,20 @@ def certify(
             "of the class Mathieu only; give one equation at a time"
         )
     return _certify(exact_problem(equation, parameters), max_digits)
+
+
+def _from_aq(parameters: Parameters) -> dict[str, Any]:
+    """Return alpha, beta and c for a, q and k, exactly."""
+    if wrong := [name for name in ("a", "q") if name not in parameters]:
+        raise TypeError(f"{wrong[0]} must be given, a number or (low, high), beside {'q' if wrong[0] == 'a' else 'a'}")
+    if wrong := sorted(parameters.keys() - {"a", "q", "damping"}):
+        raise TypeError(f"{', '.join(wrong)} must be left out beside a and q, with which damping may be given")
+    found = {}
+    for name, of, factor in (("alpha", "q", 2), ("beta", "a", -4), ("damping", "damping", 2)):
+        value = parameters.get(of, 0)
+        ends = sorted(end / factor for end in side_ends(of, value, exact_number))
+        found[name] = tuple(ends) if isinstance(value, tuple) else ends[0]
+    return found
 
 
 def _certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proof:
