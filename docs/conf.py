@@ -7,7 +7,10 @@ from importlib import metadata
 from pathlib import Path
 
 import sphinx
+from pygments.formatters import HtmlFormatter
 from pygments.lexers.special import TextLexer
+from pygments.token import Name, Punctuation
+from sphinx.highlighting import PygmentsBridge
 
 import floquetrod
 
@@ -27,6 +30,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
     "command_pages",
+    "formulas",
     "search_excerpts",
 ]
 exclude_patterns = ["_build", "gallery/*.ipynb"]  # the gallery offers its notebooks for download
@@ -95,6 +99,16 @@ sphinx_gallery_conf = {
     "matplotlib_animations": False,
     "thumbnail_size": (600, 420),
 }
+
+
+class LightFormatter(HtmlFormatter):
+    """Code in HTML without marks on what has no colour of its own, which halves it: pages stay small."""
+
+    def _get_css_class(self, ttype: object) -> str:
+        return "" if ttype in (Name, Punctuation) else super()._get_css_class(ttype)
+
+
+PygmentsBridge.html_formatter = LightFormatter
 
 
 def setup(app: sphinx.application.Sphinx) -> None:

@@ -193,6 +193,14 @@ def test_every_public_name_has_a_place_in_the_reference() -> None:
     assert set(fr.__all__) - shown - modules.keys() == {"SquareWave", "__version__"}
 
 
+def test_every_formula_typeset_is_one_that_a_docstring_writes() -> None:
+    module = runpy.run_path(str(DOCS / "formulas.py"))
+    lines = [line for _, _, text in docstrings() for line in text.splitlines()]
+    met = {found for line in lines for found in module["_ANY"].findall(line)}
+    assert set(module["FORMULAS"]) - met == set()
+    assert module["typeset"]("p(tau) = beta + alpha sin tau; x") == r":math:`p(\tau) = \beta + \alpha \sin\tau`; x"
+
+
 def test_a_page_for_every_command_says_what_its_help_says(tmp_path: Path) -> None:
     sys.path.insert(0, str(DOCS))
     try:
