@@ -81,8 +81,8 @@ _ANY = re.compile("|".join(re.escape(plain) for plain in sorted(FORMULAS, key=le
 
 
 def typeset(text: str) -> str:
-    """Return a line of a docstring with its formulas as mathematics; examples are left alone."""
-    if ">>>" in text:
+    """Return a line of a docstring with its formulas as mathematics; examples and rows of tables are left alone."""
+    if ">>>" in text or "   " in text.strip():
         return text
     return _ANY.sub(lambda found: f":math:`{FORMULAS[found[0]]}`", text)
 

@@ -42,7 +42,11 @@ def violations(page: Any) -> Iterator[str]:
 
     for found in Axe().run(page, options={"preload": False}).response["violations"]:
         # axe does not read MathML, which MathJax writes beside each formula for those who hear it.
-        nodes = [node for node in found["nodes"] if found["id"] != "empty-table-header" or "mjx-" not in node["html"]]
+        nodes = [
+            node
+            for node in found["nodes"]
+            if found["id"] != "empty-table-header" or not page.locator(f"{node['target'][0]} mjx-container").count()
+        ]
         if not nodes:
             continue
         places = [" ".join(map(str, node["target"])) for node in nodes]
@@ -62,7 +66,7 @@ def faults(page: Any, address: str, view: str, picture: Path) -> Iterator[str]:
     height = min(page.evaluate("() => document.documentElement.scrollHeight"), TALLEST)
     page.screenshot(path=picture, full_page=True, clip={"x": 0, "y": 0, "width": VIEWS[view][0], "height": height})
     page.evaluate(UNFOLD)
-    page.wait_for_timeout(100)
+    page.wait_for_timeout(500)  # what is unfolded fades in
     wide, code = page.evaluate(SCROLLS)
     if wide > 0:
         yield f"the page scrolls sideways by {wide} px"

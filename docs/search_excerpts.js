@@ -6,3 +6,7 @@ window.fetch = async (url) => {
   return { text: async () => pageTexts[page] };
 };
 Search.htmlToText = (sections, anchor) => sections[anchor] || Object.values(sections).join(" ");
+// The theme's page of results has no heading.
+const heading = document.createElement("h1");
+heading.textContent = "Search";
+document.getElementById("search-results").before(heading);
