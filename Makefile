@@ -19,7 +19,7 @@ PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 KERNEL_TESTS := -m kernels
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint slow bite fuzz coverage bench agreement docs dist compatibility clean
+.PHONY: demo test lint slow bite fuzz coverage bench agreement docs look dist compatibility clean
 
 demo: $(READY)
 	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
@@ -59,6 +59,11 @@ docs: $(DOCS_READY)
 	$(BIN)/python -m sphinx -W --keep-going -T -b html -d docs/_build/doctrees docs docs/_build/html
 	$(BIN)/python docs/check_site.py docs/_build/html
 
+# Every page of that site in a browser, on a desktop, on a phone and in the dark; pictures of all into docs/_build/look.
+look: docs
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test,docs,site-check]"
+	$(BIN)/python docs/look.py docs/_build/html docs/_build/look
+
 bench: $(READY)
 	$(BIN)/python -m benchmarks
 
@@ -76,7 +81,7 @@ compatibility: dist
 
 clean:
 	rm -f demo_map.png .coverage
-	rm -rf docs/_build docs/gallery
+	rm -rf docs/_build docs/gallery docs/reference/commands
 	rm -rf $(VENV) .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache build dist
 	find floquetrod tests benchmarks examples tools -name __pycache__ -prune -exec rm -rf {} +
 

@@ -7,12 +7,15 @@ from importlib import metadata
 from pathlib import Path
 
 import sphinx
+from pygments.formatters import HtmlFormatter
 from pygments.lexers.special import TextLexer
+from pygments.token import Name, Punctuation
+from sphinx.highlighting import PygmentsBridge
 
 import floquetrod
 
 HERE = Path(__file__).parent
-sys.path.append(str(HERE))  # where sphinx-gallery finds gallery_order
+sys.path.append(str(HERE))  # where Sphinx finds gallery_order and our extensions
 
 project = "floquetrod"
 author = "The floquetrod developers"
@@ -26,6 +29,9 @@ extensions = [
     "sphinx.ext.mathjax",
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
+    "command_pages",
+    "formulas",
+    "search_excerpts",
 ]
 exclude_patterns = ["_build", "gallery/*.ipynb"]  # the gallery offers its notebooks for download
 
@@ -36,7 +42,7 @@ html_title = f"floquetrod {version}"
 html_theme_options = {"footer_icons": [], "top_of_page_buttons": []}
 html_copy_source = False
 html_show_sourcelink = False
-html_show_search_summary = False  # summaries are fetched page by page, which a browser refuses to do from disk
+html_domain_indices = False  # a list of modules, which the reference is already
 
 
 def mathjax() -> Path:
@@ -47,8 +53,9 @@ def mathjax() -> Path:
     raise FileNotFoundError("sphinx-mathjax-offline holds no tex-svg-full.js; install the docs extra: .[docs]")
 
 
-html_static_path = [str(mathjax()), "custom.css"]
+html_static_path = [str(mathjax()), "custom.css", "search_excerpts.js", "names.js"]
 html_css_files = ["custom.css"]
+html_js_files = [("names.js", {"defer": "defer"})]
 mathjax_path = "tex-svg-full.js"
 mathjax3_config = {"svg": {"fontCache": "global"}, "options": {"enableMenu": False}}
 
@@ -61,6 +68,10 @@ nb_execution_timeout = 300
 nb_execution_in_temp = True
 nb_merge_streams = True
 nb_number_source_lines = False
+nb_code_prompt_show = (
+    "Show the computation"  # of cells tagged hide-input: derivations are folded, their results are not
+)
+nb_code_prompt_hide = "Hide the computation"
 
 # --- reference --------------------------------------------------------------------------------------------------------
 default_role = "py:obj"  # `Rod` in a docstring is a link where there is something to link to
@@ -86,7 +97,18 @@ sphinx_gallery_conf = {
     "write_computation_times": False,
     "copyfile_regex": r".*\.toml",
     "matplotlib_animations": False,
+    "thumbnail_size": (600, 420),
 }
+
+
+class LightFormatter(HtmlFormatter):
+    """Code in HTML without marks on what has no colour of its own, which halves it: pages stay small."""
+
+    def _get_css_class(self, ttype: object) -> str:
+        return "" if ttype in (Name, Punctuation) else super()._get_css_class(ttype)
+
+
+PygmentsBridge.html_formatter = LightFormatter
 
 
 def setup(app: sphinx.application.Sphinx) -> None:

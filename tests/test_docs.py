@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+import floquetrod as fr
+
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 WRITTEN = [path for path in sorted(DOCS.rglob("*.md")) if not {"_build", "gallery"} & set(path.relative_to(DOCS).parts)]
@@ -94,12 +96,14 @@ def build(site: Path, page: str, example: str) -> subprocess.CompletedProcess[st
     docs, examples = site / "docs", site / "examples"
     docs.mkdir()
     examples.mkdir()
-    for name in ("conf.py", "gallery_order.py", "custom.css"):
-        shutil.copy(DOCS / name, docs)
+    for path in [*DOCS.glob("*.py"), *DOCS.glob("*.css"), *DOCS.glob("*.js")]:
+        shutil.copy(path, docs)
     shutil.copy(ROOT / "examples/GALLERY_HEADER.rst", examples)
     (examples / "one.py").write_text(f'"""\nOne\n===\n\nAn example.\n"""\n\n{example}\n', encoding="utf-8")
     (docs / "page.md").write_text(page, encoding="utf-8")
-    (docs / "index.md").write_text("# Site\n\n```{toctree}\npage\ngallery/index\n```\n", encoding="utf-8")
+    (docs / "index.md").write_text(
+        "# Site\n\n```{toctree}\npage\ngallery/index\nreference/commands/index\n```\n", encoding="utf-8"
+    )
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-T", "-q", "docs", "html"]
     return subprocess.run(command, capture_output=True, text=True, cwd=site)
 
@@ -139,7 +143,7 @@ def test_broken_and_remote_references_are_found(tmp_path: Path) -> None:
     (tmp_path / "sub").mkdir()
     (tmp_path / "index.html").write_text(
         """<h1 id="top">Here</h1> <a href="#top">a</a> <a href="sub/">b</a> <a href="https://example.org">c</a>
-        <a href="#nowhere">d</a> <img src="absent.png"> <script src="https://example.org/x.js"></script>
+        <a href="#nowhere">d</a> <img src="absent.png" alt=""> <script src="https://example.org/x.js"></script>
         <link rel="canonical" href="https://example.org/">""",
         encoding="utf-8",
     )
@@ -150,6 +154,84 @@ def test_broken_and_remote_references_are_found(tmp_path: Path) -> None:
         ("index.html", "#nowhere", "no such anchor"),
         ("sub/index.html", "../index.html#no", "no such anchor"),
     ]
+
+
+def test_pages_too_large_too_far_or_undescribed_are_found(tmp_path: Path) -> None:
+    (tmp_path / "index.html").write_text(
+        '<a href="one.html"></a> <img src="one.html"> <img src="one.html" alt="a.png">'
+    )
+    (tmp_path / "one.html").write_text('<a href="two.html"></a> <img src="one.html" alt="A rod">')
+    (tmp_path / "two.html").write_text('<a href="three.html"></a>')
+    (tmp_path / "three.html").write_text(" " * 150_001)
+    assert [(fault.page, fault.why.partition(";")[0]) for fault in faults(tmp_path)] == [
+        ("index.html", "has no text in place of the picture"),
+        ("index.html", "has no text in place of the picture"),
+        ("three.html", "has 150001 bytes"),
+        ("three.html", "is more than 2 clicks away"),
+    ]
+
+
+@pytest.mark.parametrize("path", WRITTEN, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_code_fits_its_column(path: Path) -> None:
+    """At 120 columns nothing scrolls sideways on a desktop; `make look` sees it in a browser."""
+    blocks = re.findall(r"^```.*\n((?s:.*?))^```", path.read_text(encoding="utf-8"), re.MULTILINE)
+    lines = [line for block in blocks for line in block.splitlines() if not line.startswith(":")]
+    assert [line for line in lines if len(line) > 120] == []
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.startswith("theory/")])
+def test_derivations_are_folded(page: str) -> None:
+    text = (DOCS / page).read_text(encoding="utf-8")
+    for cell in re.findall(r"^```\{code-cell\}.*?\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
+        derives = "assert" in cell or "sp." in cell
+        assert not derives or re.match(r":tags: \[(hide-input|remove-cell)\]", cell), cell
+
+
+def test_every_public_name_has_a_place_in_the_reference() -> None:
+    text = "\n".join(path.read_text(encoding="utf-8") for path in DOCS.glob("reference/*.*"))
+    shown = set(re.findall(r":: floquetrod\.(\w+)", text))
+    modules = {"conventions": "equations", "simulation": "simulation"}
+    assert set(fr.__all__) - shown - modules.keys() == {"SquareWave", "__version__"}
+
+
+def test_every_formula_typeset_is_one_that_a_docstring_writes() -> None:
+    module = runpy.run_path(str(DOCS / "formulas.py"))
+    lines = [line for _, _, text in docstrings() for line in text.splitlines()]
+    met = {found for line in lines for found in module["_ANY"].findall(line)}
+    assert set(module["FORMULAS"]) - met == set()
+    assert module["typeset"]("p(tau) = beta + alpha sin tau; x") == r":math:`p(\tau) = \beta + \alpha \sin\tau`; x"
+
+
+def test_a_page_for_every_command_says_what_its_help_says(tmp_path: Path) -> None:
+    sys.path.insert(0, str(DOCS))
+    try:
+        import command_pages
+    finally:
+        sys.path.remove(str(DOCS))
+    (tmp_path / "gone.rst").write_text("a command that is no more")
+    command_pages.write(tmp_path)
+    _, commands = command_pages.parsers()
+    assert {path.stem for path in tmp_path.glob("*.rst")} == {*commands, "index"}
+    for name, (_, parser) in commands.items():
+        page = (tmp_path / f"{name}.rst").read_text(encoding="utf-8")
+        assert max(map(len, re.findall(r"^   .*(?:\\|floquetrod.*)$", page, re.MULTILINE))) <= 120
+        plain = " ".join(re.sub(r"[`*\\]", "", page).split())
+        for action in parser._actions:
+            assert all(option in plain for option in action.option_strings)
+        for sentence in re.split(r"(?<=\.)\s+", parser.epilog or ""):
+            if "\n  " not in sentence:
+                assert re.sub(r"[`*\\]", "", " ".join(sentence.split())) in plain
+
+
+def test_the_search_reads_what_a_page_says(tmp_path: Path) -> None:
+    texts = runpy.run_path(str(DOCS / "search_excerpts.py"))["texts"]
+    (tmp_path / "page.html").write_text(
+        """<nav>menu</nav><article><section id="a"><h1>Rods<a class="headerlink" href="#a">#</a></h1><p>of
+        <b>steel</b> <img src="x.png"> wire</p><section id="b">and string</section><script>no()</script></section>
+        </article>footer""",
+        encoding="utf-8",
+    )
+    assert texts(tmp_path, ["page", "absent"]) == {"page": {"#a": "Rods of steel wire", "#b": "and string"}}
 
 
 def docstrings() -> Iterator[tuple[str, bool, str]]:
