@@ -16,11 +16,10 @@ from scipy import special
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
-from test_docs import execute
+from test_docs import STORIES, execute
 from test_snippets import require_as_shown
 
 HOW_TO = Path(__file__).parents[1] / "docs/how_to"
-STORIES = ["my_rod", "ion_trap", "recorded_force", "cluster", "two_equations"]
 
 Ran = Callable[[str], tuple[dict[str, Any], Path]]
 
