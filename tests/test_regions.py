@@ -511,3 +511,32 @@ def test_kind_of_load_is_checked_before_numbers() -> None:
     box = RodBox.of(ROD, kind(None), *SAFE.values(), {"length": (3.0, 3.1)})
     assert [side.name for side in box.sides] == ["mean", "amplitude", "frequency", "length"]
     assert str(box.sides[3]) == "length 3 to 3.1 m"
+
+
+@given(
+    st.fractions(-5, 20, max_denominator=1000),
+    st.fractions(-5, 5, max_denominator=1000),
+    st.fractions(0, 1, max_denominator=100),
+    st.fractions(0, Fraction(1, 2), max_denominator=100),
+)
+def test_a_box_of_a_and_q_is_the_box_of_alpha_and_beta(a: Fraction, q: Fraction, k: Fraction, width: Fraction) -> None:
+    """Its ends exactly, whatever their signs."""
+    aq = fr.certify(fr.Mathieu, a=(a, a + width), q=(q, q + width), damping=k, max_boxes=200)
+    alpha, beta = (q / 2, (q + width) / 2), (-(a + width) / 4, -a / 4)
+    assert aq == fr.certify(fr.Mathieu, alpha=alpha, beta=beta, damping=k / 2, max_boxes=200)
+    point = fr.certify(fr.Mathieu, a=a, q=str(q), damping=k)
+    assert point == fr.certify(fr.Mathieu, alpha=q / 2, beta=-a / 4, damping=k / 2)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"a": 1.0}, "q must be given, a number or .* beside a"),
+        ({"a": 1.0, "q": 1.0, "beta": 0.0}, "beta must be left out beside a and q"),
+        ({"a": 1.0, "q": (1.0, 0.0)}, "q must not decrease"),
+        ({"a": "x", "q": 1.0}, "a must be a number"),
+    ],
+)
+def test_boxes_of_a_and_q_that_are_none(given: dict[str, Any], message: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=message):
+        fr.certify(fr.Mathieu, **given)
