@@ -214,7 +214,7 @@ def test_a_chart_in_other_units_is_the_same_chart(tmp_path: Path) -> None:
     ("units", "message"),
     [
         ({"force": "N"}, "force must be a quantity with a unit of this chart: frequency, mean force, amplitude"),
-        ({"mean": "Hz"}, r"mean must be a unit of force \(N, kN, mN, lbf, Fcr\), got 'Hz'"),
+        ({"mean": "Hz"}, r"mean must be a unit of force \(N, .*, Fcr\), got 'Hz'; it is a unit of frequency"),
         ({"frequency": "Fcr"}, "frequency must be a unit of frequency"),
     ],
 )

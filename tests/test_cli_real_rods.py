@@ -248,17 +248,17 @@ def test_maps_say_what_kind_of_load_they_are_of(tmp_path: Path, capsys: pytest.C
 @pytest.mark.parametrize(
     ("option", "text", "remedy"),
     [
-        ("--wave", "up", "choose from '?held'?, '?free'?, '?driven'?"),
+        ("--wave", "up", "--wave must be one of held, free, driven"),
         ("--mean-at", "2", "a fraction of the length from 0, the upper end, to 1, the lower, or none"),
         ("--mean-at", "-0.1", "a fraction of the length"),
         ("--mean-at", "middle", "a fraction of the length"),
         ("--mean-at", "", "a fraction of the length"),
         ("--mean-at", "nan", "a fraction of the length"),
         ("--axial-damping", "0.5", "add --wave held, free or driven"),
-        ("--force", "no/such.csv", "a text file with columns of time and force: .* there is no such file"),
+        ("--force", "no/such.csv", "a text file with columns of time and force, .*: there is no such file"),
         ("--force", "table.toml", "a text file with columns of time and force: "),
-        ("--force", ".", "a text file with columns of time and force: "),
-        ("--force", "", "a text file with columns of time and force: "),
+        ("--force", ".", "a text file with columns of time and force, and .* is a folder"),
+        ("--force", "", "a text file with columns of time and force, and .* is a folder"),
     ],
 )
 def test_junk_is_one_line_that_names_option_value_and_remedy(

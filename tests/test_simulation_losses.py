@@ -280,6 +280,7 @@ def test_absurd_runs_are_refused_before_anything_is_allocated(
         run(**changes)
 
 
+@pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
 def test_rods_too_slender_or_too_extreme_are_refused() -> None:
     thread = fr.Rod(youngs_modulus=68e9, density=6500.0, radius=1e-8, length=40.0, channel_radius=4.7e-3)
     with pytest.raises(ValueError, match="rod cannot be simulated: 6 segments for every half wave"):

@@ -306,7 +306,7 @@ def test_refuses_ends_that_cannot_be(load: Any, changes: dict[str, Any], message
 
 
 @pytest.mark.parametrize("name", ["feed_speed", "far_force"])
-@pytest.mark.parametrize("value", ["1", [1.0], True, 1j, object()])
+@pytest.mark.parametrize("value", ["one", [1.0], True, 1j, object()])
 def test_refuses_what_is_no_number(name: str, value: Any) -> None:
-    with pytest.raises(TypeError, match=name):
+    with pytest.raises((TypeError, ValueError), match=f"{name} must be"):
         fr.SimulationProblem(TUBING, steady(1.0), duration=0.1, **{name: value})

@@ -105,7 +105,7 @@ def test_my_rod_is_stable_in_its_windows_alone(ran: Ran) -> None:
         assert abs(found - band.worst_growth) < 1e-6
     assert windows.table("Hz") == windows.table("Hz", 2.0 * math.pi)
     assert windows.table() == windows.table("rad/s", 1.0)
-    with pytest.raises(ValueError, match=r"unit must be a unit of frequency \(rad/s, 1/s, Hz, rpm\), got 'N'"):
+    with pytest.raises(ValueError, match=r"unit must be a unit of frequency \(rad/s, .*, rpm\), got 'N'"):
         windows.table("N")
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,18 +24,18 @@ _AT_ONCE = 0.15  # seconds after which what was found is shown (a choice)
 _MARGINS = 50  # modes up to which margins take seconds (a choice)
 
 
-@dataclass
 class CoupledModes:
     """The rod and the limits within which its load moves; keeps what is known of the map and of the line."""
 
-    rod: Rod
-    limits: dict[str, tuple[float, float]]
-    panels: tuple[str, str] = ("line", "shape")
-    _map_of: float | None = None
-    _cells: NDArray[np.int8] = field(default_factory=lambda: np.full(_MAP[::-1], UNKNOWN, dtype=np.int8))
-    _line_of: tuple[float, float] | None = None
-    _growth: NDArray[np.float64] = field(default_factory=lambda: np.full(_LINE[-1], np.nan))
-    _tried: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(_LINE[-1], dtype=np.bool_))
+    panels: ClassVar[tuple[str, str]] = ("line", "shape")
+
+    def __init__(self, rod: Rod, limits: dict[str, tuple[float, float]]) -> None:
+        self.rod, self.limits = rod, limits
+        self._map_of: float | None = None
+        self._cells: NDArray[np.int8] = np.full(_MAP[::-1], UNKNOWN, dtype=np.int8)
+        self._line_of: tuple[float, float] | None = None
+        self._growth: NDArray[np.float64] = np.full(_LINE[-1], np.nan)
+        self._tried: NDArray[np.bool_] = np.zeros(_LINE[-1], dtype=np.bool_)
 
     def at_once(self, load: Load) -> Parts:
         """Return what follows a slider: what is no longer so disappears."""

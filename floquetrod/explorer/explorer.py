@@ -91,7 +91,7 @@ class Explorer:
 
     @property
     def command(self) -> str:
-        """The command that judges exactly this load: the terminal's, or Python's where the terminal has no name for it.
+        """The command that judges exactly this load, the terminal's, or Python's where the terminal has no name for it.
 
         >>> import matplotlib
         >>> matplotlib.use("agg")

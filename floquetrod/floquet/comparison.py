@@ -55,7 +55,7 @@ class Comparison(NoTruthValue):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return united(*(result.references for result in self.results))
 
     def __repr__(self) -> str:

@@ -73,7 +73,7 @@ class Solution(ByContent):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return references(("any", "solve"))
 
     def __call__(self, time: Any, derivative: int = 0) -> Any:

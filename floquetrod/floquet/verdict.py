@@ -137,7 +137,7 @@ class Stability(Verdict):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return references(("equation", self.method))
 
     def __repr__(self) -> str:

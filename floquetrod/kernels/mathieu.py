@@ -175,8 +175,8 @@ def exponents_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
         else:
             part = math.asin(min(1.0, math.sqrt(-math.ldexp(x, e)))) / math.pi
             turn = part if sign > 0 else 0.5 - part
-            out[i, 0] = complex(-damping[i], turn)
-            out[i, 1] = complex(-damping[i], 0.5 if turn == 0.5 else -turn)
+            out[i, 0] = complex(0.0 - damping[i], turn)
+            out[i, 1] = complex(0.0 - damping[i], 0.5 if turn == 0.5 else 0.0 - turn)
 
 
 @kernel

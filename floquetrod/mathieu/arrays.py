@@ -123,11 +123,11 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
 def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau", workers: int | None = None) -> Any:
     """Return both Floquet exponents, in a last axis of length 2 (complex), the one that grows faster first.
 
-    Arguments as in `is_stable`: alpha and beta, not a and q, which `floquetrod.conventions.from_aq` turns into them.
-     Real parts are growth rates, negative ones too, finite however large or small the
-    multipliers; imaginary parts lie in [0, 1/2] first and in [-1/2, 0] second, but both are 1/2 where multipliers are
-    negative.  ``per`` is "tau", or "z" for those of y'' + (a - 2 q cos 2 z) y = 0, twice as large, whose imaginary part
-    is the order nu up to its sign and an even number.
+    Arguments as in `is_stable`, alpha and beta, not a and q, which `floquetrod.conventions.from_aq` turns into them.
+    Real parts are growth rates, negative ones too, finite however large or small the multipliers; imaginary parts lie
+    in [0, 1/2] first and in [-1/2, 0] second, but both are 1/2 where multipliers are negative.  ``per`` is "tau", or
+    "z" for those of y'' + (a - 2 q cos 2 z) y = 0, twice as large, whose imaginary part is the order nu up to its sign
+    and an even number.
 
     Examples
     --------

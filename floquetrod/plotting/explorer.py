@@ -88,7 +88,7 @@ class Window:
 
     @property
     def is_live(self) -> bool:
-        """Whether the figure is shown where timers run: in a window, a browser, a notebook with widgets."""
+        """Whether the figure is shown where timers run, in a window, a browser, a notebook with widgets."""
         from matplotlib.backend_bases import TimerBase
 
         return type(self.figure.canvas.new_timer(_TICK)) is not TimerBase

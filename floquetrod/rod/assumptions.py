@@ -34,7 +34,7 @@ def warn_unless_uniform(rod: RodData, load: Load) -> None:
     sizes = np.abs(load.harmonics)
     highest = 1 + int(np.flatnonzero(sizes >= _MATTERS * sizes.max())[-1])
     ratio = highest * rod.wave_ratio(load)
-    if load.is_uniform and ratio > UNIFORM_UP_TO:
+    if load.amplitude > 0.0 and load.is_uniform and ratio > UNIFORM_UP_TO:
         warnings.warn(
             f"at {highest * load.frequency:.6g} rad/s omega L / (2 pi) is {ratio:.2g} of the axial wave speed "
             f"{rod.wave_speed:.0f} m/s: the force is not uniform along the rod, as this load takes it to be (fit for "

@@ -84,7 +84,7 @@ class CoupledRodStability(RodVerdict):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return united(references(("rod", "model")), self.whole.references)
 
     @property

@@ -71,7 +71,7 @@ class FrictionalRodStability(Verdict):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return self.linear.references
 
     @property

@@ -57,7 +57,7 @@ class RodVerdict(Verdict):
     @property
     @abstractmethod
     def references(self) -> tuple[str, ...]:
-        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
 
     @property
     @abstractmethod

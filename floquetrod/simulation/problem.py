@@ -92,6 +92,7 @@ class SimulationProblem:
 
     Examples
     --------
+    >>> from floquetrod.rod.load import AxialLoad
     >>> problem = SimulationProblem(Rod.nitinol(), AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0), duration=0.01)
     >>> problem.time_steps.count, problem.replace(duration=0.02).time_steps.count
     (1197, 1995)

@@ -101,7 +101,7 @@ class RegionProof(NoTruthValue):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return references(("equation", "certify"), *(() if isinstance(self.subject, type) else (("rod", "model"),)))
 
     @property

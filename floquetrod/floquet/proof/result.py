@@ -57,7 +57,7 @@ class Proof(Answer):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return references(("equation" if isinstance(self.equation, Equation) else "system", "certify"))
 
     def __repr__(self) -> str:

@@ -79,7 +79,7 @@ class SystemStability(Verdict):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite: floquetrod, then the sources of what was used; plain text with DOI."""
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return references(("system", self.method))
 
     @property
