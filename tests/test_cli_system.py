@@ -327,3 +327,26 @@ def test_the_file_in_the_help_is_a_system(tmp_path: Path, capsys: pytest.Capture
     system = read_system(written(tmp_path, found[0].replace("  [", "[", 1)))
     assert system == read_system(EXAMPLE)
     assert "floquetrod check --system my_system.toml" in shown
+
+
+def test_certify_proves_the_system(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["certify", "--system", str(EXAMPLE), "--exit-code"]) == 1
+    assert capsys.readouterr().out == f"PROVED UNSTABLE: {fr.certify(read_system(EXAMPLE)).statement} (15 digits)\n"  # type: ignore[union-attr]
+    calm = written(tmp_path, "[system]\nstiffness = [[1.0, 0.0], [0.0, 4.0]]\nperiod = 2.5\n")
+    assert cli.main(["certify", "--system", str(calm), "--json", "--exit-code"]) == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "stable"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--largest"], "--largest belongs to --rod"),
+        (["--vary", "length=1%"], "--vary belongs to --rod"),
+        (["--mean", "3N"], "--mean belongs to --rod, got '3N'"),
+        (["--growth-tolerance", "0.1"], "--growth-tolerance belongs to --rod"),
+        (["--rod", "nitinol"], "not allowed with"),
+    ],
+)
+def test_a_system_takes_no_box(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["certify", "--system", str(EXAMPLE), *arguments]) == 2
+    assert re.search(message, capsys.readouterr().err)

@@ -11,6 +11,7 @@ from typing import Any
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.suggest import did_you_mean
+from floquetrod.cli import system
 from floquetrod.cli.common import (
     KINDS,
     LARGEST,
@@ -23,6 +24,7 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.loads import (
+    LOAD_OPTIONS,
     add_kind,
     add_load,
     read_kind,
@@ -39,7 +41,8 @@ from floquetrod.rod.safe_box import SafeBox
 from floquetrod.units import Unit
 
 _HELP = """\
-Prove that a rod is stable, or unstable, under every load of a box, and whatever it is within its tolerances.
+Prove that a rod is stable, or unstable, under every load of a box, and whatever it is within its tolerances;
+or that a system of equations is.
 
 examples:
   floquetrod certify --rod nitinol --mean 0.33Fcr:0.35Fcr --amplitude 0.2Fcr --frequency 150 --growth-tolerance 0.05
@@ -47,6 +50,7 @@ examples:
   floquetrod certify --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 150 --growth-tolerance 0.05
   floquetrod certify --rod my_rod.toml --mean 4N --amplitude 2N --frequency 14.5Hz --largest --vary length=5.95:6.05
   floquetrod certify --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 149:151 --json --exit-code
+  floquetrod certify --system my_system.toml
 
 stable: no mode, of any rod, grows faster than --growth-tolerance under any load of the box; by default 1e-6 1/s,
 tenfold in a month.  unstable: some mode does under every load.  mixed: each somewhere, with a proved example of both.
@@ -64,7 +68,11 @@ _STATUS = {"stable": 0, "unstable": 1, "mixed": 1, "undecided": 3}
 def add(commands: Any) -> None:
     """Add the command to the parser."""
     certify = add_command(commands, "certify", "prove stability for every load of a box", _HELP, _certify)
-    add_rod(certify)
+    subject = certify.add_mutually_exclusive_group(required=True)
+    subject.add_argument(
+        "--system", metavar="FILE", help="a TOML or npz file with the matrices of a system, see floquetrod check --help"
+    )
+    add_rod(certify, subject)
     add_units(certify)
     add_kind(certify)
     certify.set_defaults(growth_tolerance=f"{HAIRLINE_GROWTH:g}")
@@ -86,7 +94,28 @@ def add(commands: Any) -> None:
     )
 
 
+_OF_A_ROD = (
+    *KINDS,
+    *LOAD_OPTIONS,
+    "length",
+    "bore",
+    "damping_rate",
+    "growth_tolerance",
+    "unit",
+    "vary",
+    "largest",
+    "max_boxes",
+)
+"""Options that say nothing about a system."""
+
+
 def _certify(options: argparse.Namespace) -> Answer:
+    if options.system is not None:
+        usual = {"growth_tolerance": f"{HAIRLINE_GROWTH:g}", "max_boxes": MAX_BOXES}
+        given = [name for name in _OF_A_ROD if getattr(options, name) not in (None, [], False, usual.get(name))]
+        system.require_alone(options, given)
+        answer, status = system.prove(options)
+        return answer._replace(status=_STATUS[status] if options.exit_code else 0)
     require_quantities(options)
     rod = read_rod(options)
     like = read_kind(options, read_record(options))

@@ -103,7 +103,9 @@ def add(commands: Any) -> None:
     summary = "say whether a rod under an axial load, or a system of equations, is stable"
     check = add_command(commands, "check", summary, _HELP, _check)
     subject = check.add_mutually_exclusive_group(required=True)
-    subject.add_argument("--system", metavar="FILE", help="a TOML or npz file with the matrices of a system, see below")
+    subject.add_argument(
+        "--system", metavar="FILE", help="a TOML or npz file with the matrices of a system, see floquetrod check --help"
+    )
     add_rod(check, subject)
     add_friction(check)
     add_load(check)
@@ -132,12 +134,7 @@ def add(commands: Any) -> None:
 
 def _check(options: argparse.Namespace) -> Answer:
     if options.system is not None:
-        given = [name for name in _OF_A_ROD if getattr(options, name) is not None]
-        if given:
-            raise ValueError(
-                f"--{given[0].replace('_', '-')} belongs to --rod, got {str(getattr(options, given[0]))!r}: a system "
-                "is described by its file alone"
-            )
+        system.require_alone(options, [name for name in _OF_A_ROD if getattr(options, name) is not None])
         answer, status = system.judge(options)
         return answer._replace(status=_STATUS[status] if options.exit_code else 0)
     if options.method is not None:

@@ -1,12 +1,13 @@
-"""`floquetrod check --system`: one system of equations from a file."""
+"""`floquetrod check --system` and `certify --system`: one system of equations from a file."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import floquetrod as fr
 from floquetrod.cli.common import Answer, number, require_file, resonance_record
@@ -19,17 +20,42 @@ _ROWS = 40
 """Multipliers listed; the others, which decay fastest, are in the JSON."""
 
 
+def require_alone(options: argparse.Namespace, given: Sequence[str]) -> None:
+    """Raise ValueError where options of a rod were given beside a system, by their names in the namespace."""
+    if given:
+        raise ValueError(
+            f"--{given[0].replace('_', '-')} belongs to --rod, got {str(getattr(options, given[0]))!r}: a system "
+            "is described by its file alone"
+        )
+
+
 def judge(options: argparse.Namespace) -> tuple[Answer, Status]:
     """Return what to print about the system of ``options.system``, and the verdict."""
-    require_file("--system", Path(options.system), "a TOML or npz file")
-    try:
-        system = read_system(options.system)
-    except ValueError as error:
-        raise ValueError(f"--system: {error}") from None
+    system = _read(options)
     with Waiting("deciding stability"):
         result = fr.stability(system, method=options.method or "auto")
     text = json.dumps(_record(result), indent=2, allow_nan=False) if options.json else "\n".join(_report(result))
     return Answer(text), result.status
+
+
+def prove(options: argparse.Namespace) -> tuple[Answer, Status]:
+    """Return what to print about the proof of the system of ``options.system``, and what was proved."""
+    system = _read(options)
+    with Waiting("proving"):
+        proof = cast(fr.Proof, fr.certify(system))  # no box
+    record = {"status": proof.status, "statement": proof.statement, "digits": proof.digits}
+    heads = {"stable": "PROVED STABLE", "unstable": "PROVED UNSTABLE", "undecided": "UNDECIDED"}
+    text = f"{heads[proof.status]}: {proof.statement} ({proof.digits} digits)"
+    return Answer(json.dumps(record, indent=2) if options.json else text), proof.status
+
+
+def _read(options: argparse.Namespace) -> fr.HillSystem | fr.PeriodicSystem:
+    """Return the system of ``options.system``."""
+    require_file("--system", Path(options.system), "a TOML or npz file")
+    try:
+        return read_system(options.system)
+    except ValueError as error:
+        raise ValueError(f"--system: {error}") from None
 
 
 def _report(result: SystemStability) -> list[str]:
