@@ -108,7 +108,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.mathieu.tongue_widths, {"order": 2, "q": 0.5, "workers": 1}),
     (fr.mathieu.real_order_values, {"order": 0.5, "q": 1.0}),
     (fr.mathieu.characteristic_function, {"order": 3, "q": 1.0, "kind": "a"}),
-    (fr.mathieu.floquet_solutions, {"equation": fr.Mathieu(0.5, -0.3)}),
+    (fr.mathieu.floquet_solutions, {"equation": fr.Mathieu(0.5, -0.3), "per": "z"}),
     (fr.mathieu.exponents, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "per": "z", "workers": 1}),
     (fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),
     (fr.Mathieu.from_aq, {"a": 1.0, "q": 1.0, "damping": 0.1}),

@@ -136,6 +136,15 @@ def test_floquet_solutions_of_an_equation(equation: fr.Mathieu) -> None:
     assert first.exponent.real == pytest.approx(
         fr.mathieu.growth_rate(equation.alpha, equation.beta, equation.damping) or -equation.damping, abs=1e-12
     )
+    k, a, q = 2.0 * equation.damping, -4.0 * equation.beta, 2.0 * equation.alpha
+    z = np.linspace(-1.0, 1.0, 31)
+    for solution, other in zip(floquet_solutions(equation, per="z"), (first, second), strict=True):
+        values = solution(z)
+        residual = solution(z, 2) + 2.0 * k * solution(z, 1) + (a - 2.0 * q * np.cos(2.0 * z)) * values
+        assert np.abs(residual).max() < 1e-10 * (1.0 + abs(a) + abs(q)) * np.abs(values).max()
+        assert solution.exponent == 2.0 * other.exponent
+        ratio = other(2.0 * z + 0.5 * math.pi) / values  # the same solution, but for its scale
+        assert ratio == pytest.approx(np.full(31, ratio[0]), rel=1e-7)
     # As a solution from its own initial values.
     start = [solution.real for solution in (complex(first(0.0)), complex(first(0.0, 1)))]
     assert fr.solve(equation, start, 3.0)(3.0) == pytest.approx(complex(first(3.0)).real, abs=1e-9 * abs(first(3.0)))
@@ -199,6 +208,7 @@ def test_from_aq_and_words() -> None:
     ax = solution.plot()
     assert ax.get_xlabel() == "$z$"
     assert floquet_solutions(fr.Mathieu(0.5, -0.6))[0].plot(periods=1.0).get_xlabel() == r"$\tau$"
+    assert floquet_solutions(fr.Mathieu(0.5, -0.6), per="z")[0].plot(periods=1.0).get_xlabel() == "$z$"
 
 
 @pytest.mark.parametrize(

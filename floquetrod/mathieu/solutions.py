@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
+from floquetrod._util.calling import tells_arguments
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Mathieu
 from floquetrod.equations.base import require
@@ -175,12 +176,14 @@ def characteristic_function(order: float, q: float, kind: str = "floquet") -> Fl
     return FloquetSolution(name, 0j, np.concatenate([harmonics, -harmonics]), both.astype(complex), math.pi, True)
 
 
-def floquet_solutions(equation: Mathieu) -> tuple[FloquetSolution, ...]:
+@tells_arguments()
+def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSolution, ...]:
     """Return the Floquet solutions A(tau) = exp(mu tau) P(tau) of Mathieu's equation, the faster growing first.
 
     Two of them; one where both exponents are equal, on a transition curve: the other solutions are no Floquet
     solutions there (but with alpha = 0).  Each is scaled so that the squares of its coefficients add up to one.
-    TypeError for another equation, ValueError for abs(alpha) above 5e6.
+    ``per`` is "tau", or "z" for those of y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with its exponents and as functions of
+    z, where tau = 2 z + pi / 2.  TypeError for another equation, ValueError for abs(alpha) above 5e6.
 
     Examples
     --------
@@ -190,20 +193,24 @@ def floquet_solutions(equation: Mathieu) -> tuple[FloquetSolution, ...]:
     ('0.2267267672+0.5000000000j', '-0.2267267672+0.5000000000j')
     """
     require(equation, (Mathieu,), "floquet_solutions")
+    in_z = validate.choice("per", per, ("tau", "z")) == "z"
     alpha, beta, damping = equation.alpha, equation.beta, equation.damping
     validate.within("alpha", alpha, -0.5 * _LARGEST_Q, 0.5 * _LARGEST_Q)
     level = beta + damping**2  # of the equation freed of its damping
-    name, period, found = f"Floquet solution of {equation!r}", 2.0 * math.pi, []
+    name, found = f"Floquet solution of {equation!r}", []
     for exponent in dict.fromkeys(_constant_exponents(level) if alpha == 0.0 else exponents(alpha, level).tolist()):
         if alpha == 0.0:
             turns = float(round(exponent.imag))
-            exponent, frequencies, vector = exponent - 1j * turns, np.array([turns]), np.ones(1, dtype=complex)
+            exponent, frequencies, vector = exponent - 1j * turns, np.array([2.0 * turns]), np.ones(1, dtype=complex)
         else:
             frequencies, vector = _null_vector(-4.0 * level, 2.0 * alpha, 2.0 * exponent)
-            # In time: z is half of tau less a quarter of pi.
-            vector = vector * np.exp(-(2.0 * exponent + 1j * frequencies) * (0.25 * math.pi))
-            frequencies, vector = 0.5 * frequencies, vector / np.linalg.norm(vector)
-        found.append(FloquetSolution(name, exponent - damping, frequencies, vector, period, False))
+            if not in_z:  # z is half of tau less a quarter of pi
+                vector = vector * np.exp(-(2.0 * exponent + 1j * frequencies) * (0.25 * math.pi))
+        vector, rate = vector / np.linalg.norm(vector), exponent - damping
+        if in_z:
+            found.append(FloquetSolution(name, 2.0 * rate, frequencies, vector, math.pi, False))
+        else:
+            found.append(FloquetSolution(name, rate, 0.5 * frequencies, vector, 2.0 * math.pi, False))
     return tuple(found)
 
 

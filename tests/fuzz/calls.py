@@ -384,7 +384,9 @@ def _of_mathieu() -> dict[str, Call]:
         "mathieu.characteristic_function": Call(
             fr.mathieu.characteristic_function, {"order": 3, "q": 2.0, "kind": "a"}
         ),
-        "mathieu.floquet_solutions": Call(fr.mathieu.floquet_solutions, {"equation": fr.Mathieu(0.5, -0.3)}),
+        "mathieu.floquet_solutions": Call(
+            fr.mathieu.floquet_solutions, {"equation": fr.Mathieu(0.5, -0.3), "per": "z"}
+        ),
         "mathieu.exponents": Call(
             fr.mathieu.exponents, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "per": "tau", "workers": 1}
         ),
