@@ -232,6 +232,7 @@ def test_labels_name_what_is_known() -> None:
     assert said(None, None) == ("", "")
     both = replace(box(0.0, 1.0, 0.0, 1.0, 1, 3), partner=2)
     assert (labels.label(both), both.name) == ("1+2·3", "modes 1 + 2, tongue 3")
+    assert repr(both) == "<modes 1 + 2, tongue 3: 4 vertices, largest growth 1 at (0.5, 0.5)>"
     assert labels.label(replace(both, partner=-2)) == "1\N{MINUS SIGN}2·3"
 
 

@@ -19,7 +19,7 @@ from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, 
 _EPS = 2.220446049250313e-16
 
 
-@tells_arguments()
+@tells_arguments(frequency="period is 2 pi / frequency")
 @dataclass(frozen=True)
 class Hill(Equation):
     """Hill's equation A'' + 2 c A' = p(tau) A for a finite Fourier series p.

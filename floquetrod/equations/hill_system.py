@@ -43,7 +43,7 @@ class EvenForm(NamedTuple):
     doubt: NDArray[np.float64]
 
 
-@tells_arguments()
+@tells_arguments(frequency="period is 2 pi / frequency")
 @dataclass(frozen=True, eq=False, repr=False)
 class HillSystem(matrices.FourierSystem):
     """The system M q'' + (C + G) q' + K(t) q = 0 of n equations, K(t) a finite Fourier series of period 2 pi / w.

@@ -24,7 +24,7 @@ _NEGLIGIBLE = 4.0 * _EPS  # part of the largest coefficient: harmonics below it 
 _REQUIRED_DECAY = 1e-10  # part of the largest coefficient: where the last harmonics exceed it, the series is refused
 
 
-@tells_arguments()
+@tells_arguments(frequency="period is 2 pi / frequency")
 @dataclass(frozen=True, eq=False, repr=False)
 class PeriodicSystem(matrices.FourierSystem):
     """The system x' = A(t) x of N equations with A(t) = mean + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t.

@@ -19,7 +19,7 @@ from floquetrod.plane.axes import Axis
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Band(ByContent):
     """One unstable region of a plane.
 
@@ -54,6 +54,11 @@ class Band(ByContent):
         if self.partner is not None:
             parts = [f"modes {self.mode} {'+' if self.partner > 0 else '-'} {abs(self.partner)}"]
         return ", ".join(parts if self.tongue is None else [*parts, f"tongue {self.tongue}"])
+
+    def __repr__(self) -> str:
+        """Return name, size and fastest growth."""
+        x, y = self.place
+        return f"<{self.name or 'band'}: {self.x.size} vertices, largest growth {self.largest_growth:.6g} at ({x:.6g}, {y:.6g})>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
