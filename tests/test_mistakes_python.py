@@ -74,6 +74,7 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.HillSystem([[1.0, 0.0]], WAVE), "stiffness", "(1, 2)", "square"),
     (lambda: fr.HillSystem(TWO, WAVE, mass=[[1.0, 0.5], [0.0, 1.0]]), "mass", "0.5", "symmetric"),
     (lambda: fr.HillSystem(TWO, WAVE, periode=2), "HillSystem()", "'periode'", "did you mean period?"),
+    (lambda: fr.HillSystem(TWO, WAVE, frequency=2), "HillSystem()", "'frequency'", "period is 2 pi / frequency"),
     (lambda: fr.solve(EQUATION, [1.0], 20.0), "initial", "1", "2"),
     (lambda: fr.solve(EQUATION, [1.0, 0.0], span=0.0), "span", "0", "from one time to another"),
     (lambda: fr.chart(pendulum, {"a": (1.0, 0.0, 5), "b": (0.0, 1.0, 5)}), "a", "1", "0"),

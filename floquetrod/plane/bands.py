@@ -57,8 +57,8 @@ class Band(ByContent):
 
     def __repr__(self) -> str:
         """Return name, size and fastest growth."""
-        x, y = self.place
-        return f"<{self.name or 'band'}: {self.x.size} vertices, largest growth {self.largest_growth:.6g} at ({x:.6g}, {y:.6g})>"
+        fastest = f"largest growth {self.largest_growth:.6g} at ({self.place[0]:.6g}, {self.place[1]:.6g})"
+        return f"<{self.name or 'band'}: {self.x.size} vertices, {fastest}>"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
