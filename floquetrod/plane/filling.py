@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from floquetrod._util.version import __version__
 from floquetrod.plane.axes import Axis, require_bearable
 from floquetrod.plane.chart import BandSource, Chart, Progress
-from floquetrod.plane.judging import Judge, Namer
+from floquetrod.plane.judging import VERTEX, Judge, Namer
 from floquetrod.plane.tracing import TracedBands
 
 _AT_ONCE = 1 << 18  # points computed between two reports of progress: about a megabyte an array
@@ -54,6 +54,7 @@ def charted(
     quick: Judge | None = None,
     prompt: bool = True,
     name: Namer | None = None,
+    vertex: float = VERTEX,
 ) -> Chart:
     """Return the chart of verdicts that ``classify`` computes, a few rows at a time.
 
@@ -70,14 +71,23 @@ def charted(
     judge : callable (x (n,), y (n,)) -> (status, growth rate), optional
         What judges any points; in place of a source, it lets the bands be traced.
     quick, name : callable, optional
-    prompt : bool
+    prompt, vertex
         As in `TracedBands`.
     """
     kinds = np.int8, np.float64
     status, rate = fill_rows(classify, y.values, x.values.size, kinds, progress, rows_at_once)
     if judge is not None:
         source = TracedBands(
-            judge, x, y, status == 0, growth_unit, growth_tolerance, quick=quick, prompt=prompt, name=name
+            judge,
+            x,
+            y,
+            status == 0,
+            growth_unit,
+            growth_tolerance,
+            quick=quick,
+            vertex=vertex,
+            prompt=prompt,
+            name=name,
         )
     return Chart(
         x,

@@ -20,9 +20,13 @@ from floquetrod.floquet.systems.many import STABLE, UNSTABLE
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
+from floquetrod.plane.judging import VERTEX
 from floquetrod.systems import arrays
 
 Problem = Equation | HillSystem | PeriodicSystem
+
+_VERTEX = 1e-8
+"""Share of the axes within which vertices of systems lie on a boundary (a choice: closer to it verdicts are slow)."""
 
 _GREEK = re.compile(
     "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|iota|kappa|lambda|mu|nu|xi|pi|rho|sigma|tau|upsilon|phi|chi|psi|omega"
@@ -104,6 +108,7 @@ def chart(
         judge=judge,
         quick=replace(judge, quick=True),
         name=judge.name,
+        vertex=VERTEX if isinstance(first, Equation) else _VERTEX,
     )
 
 
