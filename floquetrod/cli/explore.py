@@ -23,6 +23,7 @@ from floquetrod.cli.common import (
 from floquetrod.cli.loads import add_kind, describe_load, read_kind, read_load, read_record
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
+from floquetrod.plotting.web import require_tornado, serve
 from floquetrod.rod.load import Load
 
 _HELP = """\
@@ -123,11 +124,12 @@ def _require_web(options: argparse.Namespace) -> None:
         raise ValueError(
             f"--out writes a picture and opens no page, got {str(options.out)!r} with --web; leave one out"
         )
+    if options.web:
+        require_tornado()
 
 
 def _serve(explorer: fr.Explorer, options: argparse.Namespace) -> None:
     """Show the page until Ctrl-C."""
-    from floquetrod.plotting.web import serve
 
     def told(address: str) -> None:
         print(f"open {address} in the browser of this machine; Ctrl-C ends", file=sys.stderr, flush=True)

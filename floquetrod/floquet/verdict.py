@@ -144,7 +144,7 @@ class Stability(Verdict):
         """Return the verdict as a sentence."""
         verdict: str = self.status
         if self.status == "unstable":
-            verdict += f": grows at {self.growth_rate:.6g} per unit tau"
+            verdict += f": grows {pace(self.growth_rate)} per unit tau"
         elif self.status == "undecided":
             verdict += f": growth {self.growth_rate:.3g} per unit tau cannot be told from none"
         if self.interval is not None:
@@ -154,6 +154,11 @@ class Stability(Verdict):
             size = f"{'-' if self.discriminant < 0.0 else ''}exp({self.log_abs_discriminant:.10g})"
         text = f"{verdict}; discriminant {size} +- {self.error:.1g} relative; {self.method}, {self.cost}"
         return f"<{text}; {self.note}>" if self.note else f"<{text}>"
+
+
+def pace(growth_rate: float) -> str:
+    """Return how fast an unstable solution grows, in words that end before the unit of time."""
+    return f"at {growth_rate:.6g}" if growth_rate > 0.0 else "slower than any exponential, at 0"
 
 
 def classify(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import hmac
 import html
+import importlib.util
 import json
 import secrets
 import socket
@@ -63,6 +64,12 @@ document.addEventListener("DOMContentLoaded", function () {
 """
 
 
+def require_tornado() -> None:
+    """Raise ValueError where the web server is not installed."""
+    if importlib.util.find_spec("tornado") is None:
+        raise ValueError("--web needs tornado, which is not installed: pip install floquetrod[web]")
+
+
 def serve(
     figure: Any,
     words: Callable[[], Mapping[str, str]],
@@ -91,10 +98,7 @@ def serve(
     ValueError
         Where tornado is missing, or the port is taken.
     """
-    try:
-        import tornado  # noqa: F401
-    except ImportError:
-        raise ValueError("--web needs tornado, which is not installed: pip install floquetrod[web]") from None
+    require_tornado()
 
     async def until_cancelled() -> None:
         server, address = listen(figure, words, title=title, port=port)

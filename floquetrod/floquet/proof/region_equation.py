@@ -113,13 +113,14 @@ def _example(
 
 def _statement(status: RegionStatus, box: tuple[Side, ...], tolerance: float) -> str:
     """Return what was proved, in a sentence."""
-    where = f"for every {', '.join(str(side) for side in box)}"
+    sides = ", ".join(map(str, box))
+    where = f"for every {sides}"
     grows = f"grows faster than {tolerance:g} per tau" if tolerance else "grows"
     return {
         "stable": f"{where} no solution {grows}",
         "unstable": f"{where} a solution {grows}",
-        "mixed": f"{where}: at some points a solution {grows}, at some none",
-        "undecided": f"{where} nothing is proved of all",
+        "mixed": f"within {sides} at some points a solution {grows}, at some none",
+        "undecided": f"within {sides} nothing is proved of all",
     }[status]
 
 

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.matrices import Structure
 from floquetrod.floquet.references import references
-from floquetrod.floquet.verdict import Verdict
+from floquetrod.floquet.verdict import Verdict, pace
 
 
 class Resonance(NamedTuple):
@@ -94,7 +94,7 @@ class SystemStability(Verdict):
         """Return the verdict as a sentence."""
         verdict: str = "strongly stable" if self.strongly_stable and self.status == "stable" else self.status
         if self.status == "unstable":
-            verdict += f": grows at {self.growth_rate:.6g} per unit time"
+            verdict += f": grows {pace(self.growth_rate)} per unit time"
         elif self.status == "undecided" and self.exponents:
             verdict += f": growth {self.growth_rate:.3g} per unit time cannot be told from none"
         if self.resonances:
