@@ -29,7 +29,7 @@ def test_a_box_proved_stable(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_json_has_si_units(capsys: pytest.CaptureFixture[str]) -> None:
-    _, text, _ = run(capsys, *LOAD, "--vary", "length=3.099:3.101", "--vary", "radius=0.8mm", "--json")
+    _, text, _ = run(capsys, *LOAD, "--vary", "length=3.099:3.101", "--vary", "radius=0.8:0.8mm", "--json")
     record = json.loads(text)
     assert record["status"] == "stable"
     force = fr.Rod.nitinol().critical_force
@@ -75,7 +75,8 @@ def test_the_largest_safe_box(capsys: pytest.CaptureFixture[str]) -> None:
         ([*LOAD, "--vary", "lenth=3:4"], "--vary must be a parameter"),
         ([*LOAD, "--vary", "length=4:3"], "--vary must be a range"),
         ([*LOAD, "--vary", "length=3kg:4kg"], "--vary must be a number with a length unit"),
-        ([*LOAD, "--vary", "length=3:3.1", "--vary", "length=3.1"], "--vary must name a parameter once"),
+        ([*LOAD, "--vary", "length=0.1ft"], "one value; a tolerance of that size is length=±0.1ft"),
+        ([*LOAD, "--vary", "length=3:3.1", "--vary", "length=3.1:3.2"], "--vary must name a parameter once"),
         ([*LOAD, "--max-boxes", "0"], "--max-boxes must be 1 or more"),
         (["--mean", "0.3"], "--amplitude, --frequency"),
         ([*POINT[:4], "--frequency", "0:150"], "--frequency must be greater than zero"),

@@ -541,3 +541,11 @@ def test_a_box_of_a_and_q_is_the_box_of_alpha_and_beta(a: Fraction, q: Fraction,
 def test_boxes_of_a_and_q_that_are_none(given: dict[str, Any], message: str) -> None:
     with pytest.raises((TypeError, ValueError), match=message):
         fr.certify(fr.Mathieu, **given)
+
+
+def test_a_rod_far_stiffer_than_its_load_is_quick() -> None:
+    """Its first mode is thousands of times faster than the load: the bound of the others must not count them all."""
+    stub = fr.Rod(youngs_modulus=2e11, density=7850.0, radius=0.02, length=0.5, channel_radius=0.05)
+    proof = stub.certify(mean=(0.0, 2000.0), amplitude=(0.0, 1000.0), frequency=(0.5, 90.0))
+    assert (proof.status, proof.modes, proof.boxes) == ("stable", 1, 1)
+    assert 0.0 <= proof.left_out_bound < 1e-50

@@ -181,7 +181,9 @@ def _tolerance(text: str, rod: fr.Rod) -> tuple[str, tuple[float, float]]:
         return name, _about(own[name], either_side, name, text)
     first, colon, last = ends.partition(":")
     if not colon:
-        first = last = ends
+        raise ValueError(
+            f"--vary must be {_VARY}, got {text!r}, which is one value; a tolerance of that size is {name}=±{ends}"
+        )
     unit = units.unit_of(last) or ""
     given = (first + (unit if units.unit_of(first) == "" else ""), last)
     low, high = (_of_a_rod(end, name, text) for end in given)

@@ -24,6 +24,10 @@ MEAN, AMPLITUDE, FREQUENCY, BENDING, PUSH, SWING, DAMPING = range(7)
 """Rows of a box."""
 
 
+_NOTHING = 1e-60
+"""Growth in 1/s below which no smaller bound is looked for."""
+
+
 @kernel
 def mode_box(box: Any, mode: int) -> tuple[float, float, float, float]:
     """Enclose kappa and p, both in 1/s^2, of a mode freed of its damping: u'' + (kappa - p sin omega t) u = 0.
@@ -101,6 +105,8 @@ def tail_bound(box: Any, last: int) -> float:
             if not settled:
                 break
             best = min(best, up(bound / down(2.0 * (k + 2.0) * slow)))
+            if best < _NOTHING:
+                break  # further factors only lower it, and far above the forcing there are thousands
             k += 2.0
         worst = max(worst, best)
     return worst
