@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from decimal import ROUND_CEILING, Context
 from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple, TypeAlias
@@ -125,6 +126,14 @@ class StabilityIntervals(NoTruthValue):
         return self.searched.unstable_bands([(low, high) for low, high in pairs if low < high])
 
     @property
+    def required_damping(self) -> float:
+        """Largest damping rate in 1/s that any of the unstable bands requires, 0 without any, infinite beyond reach.
+
+        As sampled, see `unstable`; of coupled modes, that of the load of fastest growth in each band.
+        """
+        return max((band.required_damping for band in self.unstable), default=0.0)
+
+    @property
     def note(self) -> str:
         """What has been left out."""
         slow = max(self.growth_tolerance, 1e-12)
@@ -162,9 +171,10 @@ class StabilityIntervals(NoTruthValue):
             lines.append("  none")
         if unstable:
             what = "this load" if self.searched.has_coupled_modes else "the band, as sampled,"
-            lines.append(
-                f"  (unstable: fastest growth, at which load, and damping rate from which on {what} is stable)"
-            )
+            lines += [
+                f"  (unstable: fastest growth, at which load, and damping rate from which on {what} is stable)",
+                f"  (largest damping rate required: {_rounded_up(self.required_damping)})",
+            ]
         if self.resolution:
             lines.append(f"  (unstable parts narrower than {self.resolution / size:.2g} {unit} may have been missed)")
         return "\n".join([*lines, f"  ({self.note})"])
@@ -268,7 +278,7 @@ def _unstable_rows(bands: Sequence[UnstableBand], size: float) -> Iterator[tuple
             _end(band.cause),
             f"{band.worst_growth:.4g}",
             f"{band.at / size:.6g}",
-            "none" if math.isinf(band.required_damping) else f"{band.required_damping:.4g} 1/s",
+            _rounded_up(band.required_damping),
         )
         for band in bands
     ]
@@ -276,6 +286,13 @@ def _unstable_rows(bands: Sequence[UnstableBand], size: float) -> Iterator[tuple
     for band, (what, fast, where, damping) in zip(bands, columns, strict=True):
         text = f"unstable: {what:<{cause}}   {fast:>{growth}} 1/s at {where:<{at}}   damping {damping}"
         yield band.low, band.high, text
+
+
+def _rounded_up(damping: float) -> str:
+    """Return a damping rate with four digits that is not less than the rate itself; "none" for an infinite one."""
+    if math.isinf(damping):
+        return "none"
+    return f"{Context(prec=4, rounding=ROUND_CEILING).create_decimal_from_float(damping):.4g} 1/s"
 
 
 def _end(end: Cause) -> str:
