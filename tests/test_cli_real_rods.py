@@ -244,6 +244,26 @@ def test_maps_say_what_kind_of_load_they_are_of(tmp_path: Path, capsys: pytest.C
 # --- refusals --------------------------------------------------------------------------------------------------------
 
 
+def test_the_noise_of_a_record_counts_in_the_terminal_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rod = fr.Rod.nitinol().replace(damping_rate=0.3)
+    shape = fr.AxialLoad(0.3 * rod.critical_force, 1.0, 150.0, waveform=(-1j, 0.5))
+    edge = rod.critical_amplitude(shape.mean, shape.frequency, like=shape)
+    t = np.arange(0.0, 0.5, 4e-4)
+    force = shape.mean + edge * (np.sin(150.0 * t) + 0.5 * np.cos(300.0 * t))
+    noise = 0.1 * edge * np.random.default_rng(0).standard_normal(t.size)
+    path = tmp_path / "force.csv"
+    np.savetxt(path, np.c_[t, force + noise], "%.9g", ",", header="time / s,force / N", comments="")
+    given = ["check", "--rod", "nitinol", "--damping-rate", "0.3", "--force", str(path), "--no-margins"]
+    found, expected = answer(capsys, *given), rod.stability(fr.ForceRecord.from_csv(path))
+    assert (found["status"], found["growth_rate_error_per_s"]) == (expected.status, expected.error)
+    assert expected.status == "undecided"
+    assert found["note"] == expected.note
+    assert cli.main([*given, "--exit-code"]) == 3
+    assert "sine      of the same mean, amplitude and frequency: " in capsys.readouterr().out
+    replaced = answer(capsys, *given, "--mean", f"{shape.mean}N")
+    assert (found["force_record"]["noise_in_error"], replaced["force_record"]["noise_in_error"]) == (True, False)
+
+
 @pytest.mark.parametrize("command", ["check", "ranges", "map"])
 @pytest.mark.parametrize(
     ("option", "text", "remedy"),

@@ -67,15 +67,20 @@ def test_verdicts_are_those_of_the_clean_force() -> None:
 
 
 def test_near_a_boundary_the_noise_leaves_the_verdict_open() -> None:
+    """On it one in five or so is decided all the same: the fit is then off by more than two standard errors."""
     rng = np.random.default_rng(8)
     load = fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5))
     edge = ROD.critical_amplitude(load.mean, load.frequency, like=load)
-    records = [recorded(replace(load, amplitude=share * edge), rng) for share in (0.6, 0.999, 1.001, 1.4)]
-    low, below, above, high = map(ROD.stability, records)
-    assert (low.status, below.status, above.status, high.status) == ("stable", "undecided", "undecided", "unstable")
-    assert "by its fit alone the rod is" in below.note
-    assert "within two standard errors of the record growth varies by" in high.note
-    assert high.error < 0.2 * high.growth_rate
+    found = {}
+    for share, count in ((0.8, 6), (1.0, 30), (1.2, 6)):
+        verdicts = [ROD.stability(recorded(replace(load, amplitude=share * edge), rng)) for _ in range(count)]
+        found[share] = [verdict.status for verdict in verdicts]
+        assert all(("forces within its errors not" in v.note) == (v.status == "undecided") for v in verdicts)
+    assert set(found[0.8]) == {"stable"}
+    assert set(found[1.2]) == {"unstable"}
+    assert found[1.0].count("undecided") >= 20
+    assert "by the noise of the record growth is uncertain by" in verdicts[0].note
+    assert 0.0 < verdicts[0].error < verdicts[0].growth_rate
 
 
 def test_a_record_stands_for_its_load() -> None:

@@ -78,6 +78,7 @@ class TellsAttributes:
                 return object.__getattribute__(self, name)
             message = f"{type(self).__name__!r} object has no attribute {name!r}"
             if name.startswith("_"):
-                raise AttributeError(message)
+                raise AttributeError(message, name=name)
             public = sorted(each for each in {*dir(type(self)), *vars(self)} if not each.startswith("_"))
-            raise AttributeError(message + (did_you_mean(name, public) or f"; it has {', '.join(public)}"))
+            # With a name and no object, so that Python adds no guess of its own.
+            raise AttributeError(message + (did_you_mean(name, public) or f"; it has {', '.join(public)}"), name=name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -199,17 +200,39 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
         }
         lines = [*kick.report(verdict, shown["kick"]), "", "without friction:"]
         return verdict.status, record, [*lines, *independent.report(linear, shown, searched)]
-    result = rod.stability(load, modes=asked.modes, growth_tolerance=asked.tolerance)
+    # A record as it is, so that its noise counts; its fit where options replace some of the numbers.
+    measured = asked.force if asked.force is not None and load == asked.force.load else None
+    judged = load if measured is None else measured
+    result = rod.stability(judged, modes=asked.modes, growth_tolerance=asked.tolerance)
     searched = asked.searched(result)
     if isinstance(result, fr.RodStability):
         return result.status, independent.record(result, searched), independent.report(result, shown, searched)
     record, lines = coupled.record(result, searched), coupled.report(result, shown, searched)
     if asked.force is not None:
-        record["force_record"] = _force_record(asked.force)
-        lines.append(f"record    {repr(asked.force)[1:-1]}")
+        left_out = (
+            "" if measured is not None else "; its noise is not in the error, for options replace some of its numbers"
+        )
+        sine = _sine(asked)
+        record["force_record"] = _force_record(asked.force) | {"noise_in_error": measured is not None}
+        record["sine_of_the_same_amplitude"] = {
+            "status": sine.status,
+            "growth_rate_per_s": sine.growth_rate,
+        }
+        lines.append(f"sine      of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}")
+        lines.append(f"record    {repr(asked.force)[1:-1]}{left_out}")
     if asked.plot is not None:
         charts.save_figure(result.plot(), asked.plot)
     return result.status, record, lines
+
+
+def _sine(asked: _Question) -> RodVerdict:
+    """Return the verdict on the load without its higher harmonics."""
+    sine: Load = replace(asked.load, waveform="sine")
+    return asked.rod.stability(sine, growth_tolerance=asked.tolerance)
+
+
+def _growing(verdict: RodVerdict) -> str:
+    return f", {verdict.growth_rate:.6g} 1/s" if verdict.growth_rate > 0.0 else ""
 
 
 def _force_record(record: fr.ForceRecord) -> dict[str, Any]:

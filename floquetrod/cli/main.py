@@ -8,6 +8,7 @@ import re
 import sys
 import warnings
 from collections.abc import Sequence
+from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli import certify, check, compare, ensemble, explore, ranges, reproduce, simulate, stability_map
@@ -27,12 +28,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     options = argparse.Namespace()
     try:
         options = _parser().parse_args(_attached(sys.argv[1:] if argv is None else argv))
-        with compiling_told(), warnings.catch_warnings(record=True) as caught:
+        with compiling_told(), warnings.catch_warnings():
             warnings.simplefilter("always", fr.UniformForceWarning)
             warnings.simplefilter("always", fr.PlausibilityWarning)
+            warnings.showwarning = _Telling(options)
             answer = options.run(options)
-        for message in dict.fromkeys(str(warning.message).removesuffix(SILENCE) for warning in caught):
-            say(f"floquetrod: warning: {_in_options(message, options)}")
         print(answer.text, flush=True)
     except BrokenPipeError:  # the reader, head say, has seen enough; keep the interpreter from writing more at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -49,6 +49,20 @@ def main(argv: Sequence[str] | None = None) -> int:
         print("floquetrod: interrupted", file=sys.stderr)
         return 130
     return int(answer.status)
+
+
+class _Telling:
+    """Prints warnings when they are given, each once: what follows may take long because of what they say."""
+
+    def __init__(self, options: argparse.Namespace) -> None:
+        self.options = options
+        self.told: set[str] = set()
+
+    def __call__(self, message: Warning | str, *_: Any, **__: Any) -> None:
+        text = str(message).removesuffix(SILENCE)
+        if text not in self.told:
+            self.told.add(text)
+            say(f"floquetrod: warning: {_in_options(text, self.options)}")
 
 
 _ARGUMENTS = {"load": "mean", "criterion": "paper_criterion"}
