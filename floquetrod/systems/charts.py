@@ -132,14 +132,19 @@ class _Judge:
         return _verdicts(self.members(x, y), self.tolerance, self.workers, self.quick)
 
     def name(self, x: float, y: float) -> tuple[int | None, int | None, int | None]:
-        """Return the mode, its partner and the order of the fastest resonance at a place; None where none is named."""
+        """Return the mode, its partner and the order of the fastest resonance at a place; None where none is named.
+
+        Nor is buckling: a region of it may hold that of several modes.
+        """
         (member,) = self.members(np.array([x]), np.array([y]))
         verdict = stability(member)
         if not isinstance(verdict, SystemStability) or not verdict.resonances:
             return None, None, None
         resonance = verdict.resonances[0]
+        if resonance.kind == "buckling":
+            return None, None, None
         if len(resonance.modes) == 1:
-            return resonance.modes[0], None, resonance.order or None
+            return resonance.modes[0], None, resonance.order
         first, second = resonance.modes
         order = resonance.order or None
         return (second, -first, order) if resonance.kind == "difference" else (first, second, order)
