@@ -37,6 +37,7 @@ from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.proof.region import MAX_BOXES, RegionProof, Side
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.ranges import QUANTITIES
+from floquetrod.rod.rod_box import DIAMETERS
 from floquetrod.rod.safe_box import SafeBox
 from floquetrod.units import Unit
 
@@ -157,9 +158,6 @@ def _answer(options: argparse.Namespace, proof: RegionProof, text: str, safe: Sa
 _VARY = "a parameter of the rod and its range, such as length=3.05:3.15, length=1% or length=±5mm"
 
 
-_DIAMETERS = {"diameter": "radius", "inner_diameter": "inner_radius", "channel_diameter": "channel_radius"}
-
-
 def _tolerance(text: str, rod: fr.Rod) -> tuple[str, tuple[float, float]]:
     """Return a parameter of the rod and both ends of it in SI units; an end without a unit has that of the other.
 
@@ -168,7 +166,7 @@ def _tolerance(text: str, rod: fr.Rod) -> tuple[str, tuple[float, float]]:
     name, equals, ends = text.partition("=")
     name = name.strip().lower().replace("-", "_")
     name = "channel_diameter" if name == "bore" else name
-    own = rod.parameters | {key: 2.0 * rod.parameters[radius] for key, radius in _DIAMETERS.items()}
+    own = rod.parameters | {key: 2.0 * rod.parameters[radius] for key, radius in DIAMETERS.items()}
     if not equals or name not in own:
         hint = did_you_mean(name, own) or f"; the parameters are {', '.join(own)}"
         hint = "; give inner_diameter in its place" if name == "wall_thickness" else hint

@@ -19,7 +19,7 @@ from floquetrod.rod.modal import ModalRod, refusal
 QUANTITIES: tuple[Quantity, ...] = ("mean", "amplitude", "frequency")
 """What a box of loads has sides of, in the order of the kernels."""
 
-_DIAMETERS = {"diameter": "radius", "inner_diameter": "inner_radius", "channel_diameter": "channel_radius"}
+DIAMETERS = {"diameter": "radius", "inner_diameter": "inner_radius", "channel_diameter": "channel_radius"}
 """What may be given in place of a parameter: twice as much."""
 
 _SINE_TERMS = 14  # of the series of the sine up to pi/2: what is left out is far below a unit of the last place
@@ -152,7 +152,7 @@ def _rod_sides(rod: ModalRod, given: Mapping[str, Any] | None) -> dict[str, Inte
         raise TypeError(f'rod must be a mapping such as {{"length": (3.05, 3.15)}}, got {validate.short(given)}')
     sides: dict[str, Interval] = {}
     for word, value in given.items():
-        name = _DIAMETERS.get(word, word)
+        name = DIAMETERS.get(word, word)
         if name not in rod.parameters:
             also = "; give inner_radius in place of it" if word == "wall_thickness" else ""
             also = "; the ends of a rod are no number" if word == "ends" else also
@@ -162,7 +162,7 @@ def _rod_sides(rod: ModalRod, given: Mapping[str, Any] | None) -> dict[str, Inte
         if name in sides:
             raise ValueError(f"rod must give {name} once, got it also as {word}")
         ends = side_ends(str(word), value, validate.finite)
-        sides[name] = Interval(*(0.5 * end if word in _DIAMETERS else end for end in ends))
+        sides[name] = Interval(*(0.5 * end if word in DIAMETERS else end for end in ends))
     return sides
 
 
