@@ -112,8 +112,8 @@ def stability_map(
     across, up = (name for name in _AXES if name not in fixed)
     x, y = (Axis(*_AXES[name], axis_values(name, given[name])) for name in (across, up))
     value = validate.finite(fixed[0], given[fixed[0]])
-    fastest = {fixed[0]: value, across: float(x.values[-1]), up: float(y.values[-1])}["frequency"]
-    warn_unless_uniform(rod, kind(like).varied("frequency", fastest))
+    most = {fixed[0]: value, across: float(x.values[-1]), up: float(y.values[-1])}
+    warn_unless_uniform(rod, kind(like).with_numbers(most["mean"], most["amplitude"], most["frequency"]))
     if validate.flag("certified", certified):
         _require_provable(rod, like, tolerance, criterion=criterion, friction=rubbing)
 

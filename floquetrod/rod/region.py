@@ -53,7 +53,7 @@ def certify_rods(
     max_boxes = validate.integer("max_boxes", max_boxes, 1)
     validate.progress(progress)
     box = RodBox.of(rod, kind(like), mean, amplitude, frequency, parameters)
-    warn_unless_uniform(rod, box.like.varied("frequency", box.loads["frequency"].high))
+    warn_unless_uniform(rod, box.like.with_numbers(*(box.loads[name].high for name in QUANTITIES)))
     require_in_reach(box)
     return prove(box, tolerance, max_boxes, progress)
 
