@@ -51,10 +51,13 @@ PATHS = ("/TOKEN/", "/TOKEN/mpl.js", "/TOKEN/page.js", "/TOKEN/_static/js/mpl_to
 
 
 def test_the_page_answers_who_knows_its_address() -> None:
-    answers = fetched([*((path, {}) for path in PATHS), ("/TOKEN/download.png", {}), ("/TOKEN/nothing", {})])
-    assert [status for status, _ in answers] == [200] * 6 + [404]
+    answers = fetched(
+        [*((path, {}) for path in PATHS), ("/TOKEN/download.png", {}), ("/TOKEN", {}), ("/TOKEN/nothing", {})]
+    )
+    assert [status for status, _ in answers] == [200] * 7 + [404]
     assert b"<title>a &amp; b</title>" in answers[0][1]
     assert answers[5][1].startswith(b"\x89PNG")
+    assert answers[6] == answers[0]  # without the slash at its end
 
 
 def test_everybody_else_is_refused() -> None:

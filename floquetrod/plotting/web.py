@@ -189,6 +189,12 @@ def _application(manager: Any, token: str, host: str, title: str) -> Any:
             self.set_header("Content-Type", _DOWNLOADS[kind])
             self.finish(picture.getvalue())
 
+    class Cut(Guarded):
+        """The address as it is copied at times, without the slash at its end."""
+
+        def get(self) -> None:
+            self.redirect(f"{self.request.path}/")
+
     class Missing(Guarded):
         def get(self, *_: str) -> None:
             raise HTTPError(404)
@@ -220,6 +226,7 @@ def _application(manager: Any, token: str, host: str, title: str) -> Any:
     images = str(Path(mpl.get_data_path()) / "images")
     return Application(
         [
+            (r"/[^/]+", Cut),
             (r"/[^/]+/", Text, {"text": page, "kind": "text/html"}),
             (r"/[^/]+/page\.js", Text, {"text": _SCRIPT, "kind": script}),
             (r"/[^/]+/mpl\.js", Text, {"text": type(manager).get_javascript(), "kind": script}),
