@@ -239,7 +239,7 @@ def named_rod(name: str, text: str, folder: Path | None = None) -> fr.Rod:
         return fr.Rod.from_toml(path if text else text)
     except (ValueError, OSError) as error:
         message = str(error)
-        raise ValueError(message if message.startswith(name) else f"{name} must be {wanted}: {message}") from None
+        raise ValueError(message if message.startswith(name) else f"{name}: {message}") from None
 
 
 def require_file(name: str, path: Path, wanted: str, others: Sequence[str] = ()) -> None:

@@ -31,8 +31,9 @@ def main(argv: Sequence[str] | None = None) -> int:
         with compiling_told(), warnings.catch_warnings():
             warnings.simplefilter("always", fr.UniformForceWarning)
             warnings.simplefilter("always", fr.PlausibilityWarning)
-            warnings.showwarning = _Telling(options)
+            telling = warnings.showwarning = _Telling(options)
             answer = options.run(options)
+        telling.rest()
         print(answer.text, flush=True)
     except BrokenPipeError:  # the reader, head say, has seen enough; keep the interpreter from writing more at exit
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -52,17 +53,26 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 class _Telling:
-    """Prints warnings when they are given, each once: what follows may take long because of what they say."""
+    """Prints warnings, each once: of implausible numbers at once, for they may take long, others with the answer."""
 
     def __init__(self, options: argparse.Namespace) -> None:
         self.options = options
-        self.told: set[str] = set()
+        self.known: dict[str, bool] = {}  # texts, and whether they have been printed
 
-    def __call__(self, message: Warning | str, *_: Any, **__: Any) -> None:
+    def __call__(self, message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
         text = str(message).removesuffix(SILENCE)
-        if text not in self.told:
-            self.told.add(text)
-            say(f"floquetrod: warning: {_in_options(text, self.options)}")
+        at_once = issubclass(category, fr.PlausibilityWarning)
+        if at_once and text not in self.known:
+            self._say(text)
+        self.known.setdefault(text, at_once)
+
+    def rest(self) -> None:
+        """Print what has been kept back."""
+        for text in [text for text, printed in self.known.items() if not printed]:
+            self._say(text)
+
+    def _say(self, text: str) -> None:
+        say(f"floquetrod: warning: {_in_options(text, self.options)}")
 
 
 _ARGUMENTS = {"load": "mean", "criterion": "paper_criterion"}
