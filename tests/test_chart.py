@@ -180,7 +180,7 @@ def test_plots_are_labelled(growth: bool) -> None:
             "the number of points must be at most 268,435,456, got 10,000,000,000",
         ),
         ({"frequency": (0.0, 1.0, 5)}, "frequency must be finite and lie between"),
-        ({"amplitude": -1.0}, "amplitude must be finite and lie between 0"),
+        ({"amplitude": -1.0}, "amplitude must be zero or more"),
         ({"growth_tolerance": -1.0}, "growth_tolerance must be zero or more"),
         ({"growth": True, "friction": 0.1, "kick": 0.05}, "leave out either growth or friction"),
     ],

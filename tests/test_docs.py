@@ -199,6 +199,7 @@ def test_every_public_name_has_a_place_in_the_reference() -> None:
     assert set(fr.__all__) - shown - modules.keys() == {"SquareWave", "__version__"}
 
 
+@pytest.mark.slow  # needs Sphinx
 def test_every_formula_typeset_is_one_that_a_docstring_writes() -> None:
     module = runpy.run_path(str(DOCS / "formulas.py"))
     lines = [line for _, _, text in docstrings() for line in text.splitlines()]
@@ -207,6 +208,7 @@ def test_every_formula_typeset_is_one_that_a_docstring_writes() -> None:
     assert module["typeset"]("p(tau) = beta + alpha sin tau; x") == r":math:`p(\tau) = \beta + \alpha \sin\tau`; x"
 
 
+@pytest.mark.slow  # needs Sphinx
 def test_a_page_for_every_command_says_what_its_help_says(tmp_path: Path) -> None:
     sys.path.insert(0, str(DOCS))
     try:
@@ -228,6 +230,7 @@ def test_a_page_for_every_command_says_what_its_help_says(tmp_path: Path) -> Non
                 assert re.sub(r"[`*\\]", "", " ".join(sentence.split())) in plain
 
 
+@pytest.mark.slow  # needs Sphinx
 def test_the_search_reads_what_a_page_says(tmp_path: Path) -> None:
     texts = runpy.run_path(str(DOCS / "search_excerpts.py"))["texts"]
     (tmp_path / "page.html").write_text(

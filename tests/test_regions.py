@@ -153,6 +153,7 @@ def test_loads_next_to_a_boundary_agree_with_many_digits() -> None:
         assert (max(rates) > tolerance) == grows
 
 
+@pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
 def test_most_boxes_with_a_margin_are_proved() -> None:
     """Boxes whose enlargement by a hundredth of the values is stable on a dense sample."""
     rng = np.random.default_rng()
