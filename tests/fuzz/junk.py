@@ -16,7 +16,7 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod.floquet.systems.result import SystemStability
-from fuzz.calls import LOAD, ROD, Call, folder, table
+from fuzz.calls import CLAMPED, LOAD, ROD, Call, folder, table
 from fuzz.core import Found, TookTooLong, limit, own_warnings, told
 
 CASES = 2000
@@ -157,10 +157,8 @@ def _judge(answer: Any, call: Call, values: dict[str, Any]) -> list[str]:
             return [told(answer)]
         return [] if _names_an_argument(str(answer), call) else [f"names no argument: {told(answer)}"]
     wrong = []
-    of_systems = call.function in (
-        fr.systems.growth_rate,
-        fr.systems.multipliers,
-    )  # NaN where nothing could be computed
+    # NaN where nothing could be computed
+    of_systems = call.function in (fr.systems.growth_rate, fr.systems.multipliers, CLAMPED.growth_rate, CLAMPED.fastest)
     if (
         _has_nan(answer)
         and not of_systems
