@@ -416,3 +416,15 @@ def test_gyroscopic_systems_of_a_tiny_period_are_not_called_unstable() -> None:
         system = fr.HillSystem(stiffness, [wave], gyroscopic=[[0.0, 0.2], [-0.2, 0.0]], period=period)
         assert {fr.stability(system, name).status for name in ("monodromy", "reference")} <= {"stable", "undecided"}
         assert fr.stability(system).status == "stable"
+
+
+def test_segmented_finds_both_of_two_nearly_equal_pairs() -> None:
+    """Exponents 4e-11 apart of two uncoupled equations, and those of coupled ones that are nearly these."""
+    k, f, period = 3.616844176880306, -3.620777130126953, 1.6455678642150124
+    for turn in (0.0, 0.3):
+        rotation = np.array([[math.cos(turn), -math.sin(turn)], [math.sin(turn), math.cos(turn)]])
+        stiffness = rotation @ np.diag([k, k + 9.0096e-10]) @ rotation.T
+        system = fr.HillSystem(0.5 * (stiffness + stiffness.T), [f * np.eye(2)], period=period)
+        found, true = fr.stability(system, method="segmented"), fr.stability(system, method="reference")
+        for exponent, error, other in zip(found.exponents, found.exponent_errors, true.exponents, strict=True):
+            assert abs(exponent.real - other.real) <= error + 1e-13

@@ -16,7 +16,8 @@ from floquetrod.floquet.systems.classification import LogDiscs
 from floquetrod.floquet.systems.spectra import log_distances, touching
 from floquetrod.floquet.systems.symplectic import symplectic_unit
 
-_LEAST_SINE = 1e-6  # of the angle between a state and those before it, below which it is one of them (a choice)
+_SINES = (0.5, 0.1, 1e-2, 1e-4, 1e-6)
+"""Of the angle between a state and those before it, below which it is one of them: tried in turn (a choice)."""
 _ROUNDING = 1e-12  # of a form on a subspace, computed in doubles
 
 
@@ -40,14 +41,23 @@ class Solutions(NamedTuple):
 
 def independent(states: NDArray[np.complex128], distance: NDArray[np.float64]) -> NDArray[np.intp] | None:
     """Return as many columns as rows that are independent, those of the smallest ``distance`` first; None where few."""
-    order = len(states)
     states = states / np.maximum(np.linalg.norm(states, axis=0), 1e-300)
+    nearest = np.argsort(distance, kind="stable")
+    # Clearly independent ones first: where exponents nearly coincide, states of one solution, found several times, mix
+    # with another's and differ a little.
+    found = (_independent(states, nearest, sine) for sine in _SINES)
+    return next((chosen for chosen in found if chosen is not None), None)
+
+
+def _independent(states: NDArray[np.complex128], nearest: NDArray[np.intp], least: float) -> NDArray[np.intp] | None:
+    """Return columns each of which has at least a sine with the span of those before; None where they are too few."""
+    order = len(states)
     basis = np.zeros((order, 0), dtype=np.complex128)
     chosen: list[int] = []
-    for i in np.argsort(distance, kind="stable").tolist():
+    for i in nearest.tolist():
         rest = states[:, i] - basis @ (basis.conj().T @ states[:, i])
         size = float(np.linalg.norm(rest))
-        if size > _LEAST_SINE:
+        if size > least:
             rest = rest / size
             rest = rest - basis @ (basis.conj().T @ rest)
             basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
