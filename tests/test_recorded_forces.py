@@ -67,7 +67,7 @@ def test_verdicts_are_those_of_the_clean_force() -> None:
 
 
 def test_near_a_boundary_the_noise_leaves_the_verdict_open() -> None:
-    """On it one in five or so is decided all the same: the fit is then off by more than two standard errors."""
+    """On it some one in six is decided all the same: errors are drawn as if independent."""
     rng = np.random.default_rng(8)
     load = fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5))
     edge = ROD.critical_amplitude(load.mean, load.frequency, like=load)

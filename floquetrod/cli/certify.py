@@ -13,8 +13,8 @@ from floquetrod import units
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.cli import system
 from floquetrod.cli.common import (
-    KINDS,
     LARGEST,
+    ROD_OPTIONS,
     Answer,
     add_command,
     add_rod,
@@ -36,6 +36,7 @@ from floquetrod.cli.parser import whole_number
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.proof.region import MAX_BOXES, RegionProof, Side
 from floquetrod.rod.constants import HAIRLINE_GROWTH
+from floquetrod.rod.load import KINDS
 from floquetrod.rod.ranges import QUANTITIES
 from floquetrod.rod.rod_box import DIAMETERS
 from floquetrod.rod.safe_box import SafeBox
@@ -98,9 +99,7 @@ def add(commands: Any) -> None:
 _OF_A_ROD = (
     *KINDS,
     *LOAD_OPTIONS,
-    "length",
-    "bore",
-    "damping_rate",
+    *ROD_OPTIONS,
     "growth_tolerance",
     "unit",
     "vary",

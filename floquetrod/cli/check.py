@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import floquetrod as fr
 from floquetrod.cli import coupled, independent, kick, system
 from floquetrod.cli.common import (
-    KINDS,
+    ROD_OPTIONS,
     Answer,
     add_command,
     add_friction,
@@ -28,7 +28,7 @@ from floquetrod.cli.loads import LOAD_OPTIONS, add_kind, add_load, read_kind, re
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.verdict import Status
 from floquetrod.plotting import charts
-from floquetrod.rod.load import Load
+from floquetrod.rod.load import KINDS, Load
 from floquetrod.rod.verdict import RodVerdict
 from floquetrod.units import Unit
 
@@ -82,9 +82,7 @@ _OF_A_ROD = (
     *KINDS,
     *LOAD_OPTIONS,
     "growth_tolerance",
-    "length",
-    "bore",
-    "damping_rate",
+    *ROD_OPTIONS,
     "friction",
     "kick",
     "unit",
@@ -148,6 +146,7 @@ def _check(options: argparse.Namespace) -> Answer:
     question = _Question(
         rod,
         record,
+        all(getattr(options, name) is None for name in (*KINDS, *LOAD_OPTIONS) if name != "force"),
         read_load(options, rod, read_kind(options, record)),
         _modes(options.modes),
         read_tolerance(options),
@@ -172,6 +171,7 @@ def _check(options: argparse.Namespace) -> Answer:
 class _Question(NamedTuple):
     rod: fr.Rod
     force: fr.ForceRecord | None
+    is_whole: bool  # whether the record says all about the load
     load: Load
     modes: list[int] | None
     tolerance: float
@@ -200,20 +200,17 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
         }
         lines = [*kick.report(verdict, shown["kick"]), "", "without friction:"]
         return verdict.status, record, [*lines, *independent.report(linear, shown, searched)]
-    # A record as it is, so that its noise counts; its fit where options replace some of the numbers.
-    measured = asked.force if asked.force is not None and load == asked.force.load else None
-    judged = load if measured is None else measured
+    # A record as it is, so that its noise counts; its fit where options say more about the load.
+    judged = asked.force if asked.force is not None and asked.is_whole else load
     result = rod.stability(judged, modes=asked.modes, growth_tolerance=asked.tolerance)
     searched = asked.searched(result)
     if isinstance(result, fr.RodStability):
         return result.status, independent.record(result, searched), independent.report(result, shown, searched)
     record, lines = coupled.record(result, searched), coupled.report(result, shown, searched)
     if asked.force is not None:
-        left_out = (
-            "" if measured is not None else "; its noise is not in the error, for options replace some of its numbers"
-        )
+        left_out = "" if asked.is_whole else "; its noise is not in the error, for options say more about the load"
         sine = _sine(asked)
-        record["force_record"] = _force_record(asked.force) | {"noise_in_error": measured is not None}
+        record["force_record"] = _force_record(asked.force) | {"noise_in_error": asked.is_whole}
         record["sine_of_the_same_amplitude"] = {
             "status": sine.status,
             "growth_rate_per_s": sine.growth_rate,

@@ -20,13 +20,10 @@ from floquetrod._util.suggest import did_you_mean
 from floquetrod.cli.parser import ratio
 from floquetrod.cli.waiting import say
 from floquetrod.floquet.systems.result import Resonance
-from floquetrod.rod.load import LIMITS, Quantity
+from floquetrod.rod.load import KINDS, LIMITS, Quantity
 from floquetrod.units import Unit
 
 _TINY, LARGEST = 1e-9, 1e12  # what the library takes, in SI units: a typing error lies beyond
-
-KINDS: dict[Quantity, str] = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
-"""Quantities of a load and their kind."""
 
 _SHOWN = ("force", "frequency", "speed")  # kinds of quantity that --unit is for
 
@@ -47,6 +44,10 @@ def add_command(commands: Any, name: str, summary: str, text: str, run: Any) -> 
     command.add_argument("--json", action="store_true", help="print JSON, units in the names")
     command.set_defaults(run=run)
     return command
+
+
+ROD_OPTIONS = ("rod", "length", "bore", "damping_rate")
+"""Options of `add_rod` that describe the rod."""
 
 
 def add_rod(command: argparse.ArgumentParser, subject: Any = None, *, judged: bool = True) -> None:

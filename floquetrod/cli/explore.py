@@ -11,7 +11,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import (
-    KINDS,
+    ROD_OPTIONS,
     Answer,
     add_command,
     add_rod,
@@ -24,7 +24,7 @@ from floquetrod.cli.loads import add_kind, describe_load, read_kind, read_load, 
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
 from floquetrod.plotting.web import require_tornado, serve
-from floquetrod.rod.load import Load
+from floquetrod.rod.load import KINDS, Load
 
 _HELP = """\
 Open a window with a slider for mean force, amplitude and frequency; map, modes, growth and verdict follow.
@@ -109,8 +109,8 @@ def _given_load(options: argparse.Namespace, rod: fr.Rod) -> tuple[Load, bool]:
 
 def _named(options: argparse.Namespace) -> list[str]:
     """Return the options that name the rod and the measured force."""
-    given = {"--rod": options.rod, "--damping-rate": options.damping_rate, "--force": options.force}
-    return [word for option, value in given.items() if value is not None for word in (option, value)]
+    given = {name: getattr(options, name) for name in (*ROD_OPTIONS, "force")}
+    return [word for name, text in given.items() if text is not None for word in (f"--{name.replace('_', '-')}", text)]
 
 
 def _require_web(options: argparse.Namespace) -> None:

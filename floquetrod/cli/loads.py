@@ -9,8 +9,8 @@ from typing import TypeVar
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import KINDS, LARGEST, read_quantity, read_range, require_file
-from floquetrod.rod.load import Load, Quantity, kind
+from floquetrod.cli.common import LARGEST, read_quantity, read_range, require_file
+from floquetrod.rod.load import KINDS, Load, Quantity, kind
 from floquetrod.rod.modal import ModalRod
 from floquetrod.units import Unit
 

@@ -10,7 +10,6 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import (
-    KINDS,
     Answer,
     add_command,
     add_friction,
@@ -32,7 +31,7 @@ from floquetrod.cli.loads import (
     require_quantities,
 )
 from floquetrod.cli.waiting import Waiting
-from floquetrod.rod.load import Quantity
+from floquetrod.rod.load import KINDS, Quantity
 
 _HELP = """\
 Draw a rod's stability over two of mean force, amplitude and frequency; the third is fixed.

@@ -15,13 +15,13 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.tables import read_toml, require_known
-from floquetrod.cli.common import KINDS, is_pipe, named_rod
+from floquetrod.cli.common import is_pipe, named_rod
 from floquetrod.cli.loads import LOAD_OPTIONS, read_kind, read_load, read_record
 from floquetrod.cli.starts import read_perturbation
 from floquetrod.ensembles.axes import LAYOUTS, names_of
 from floquetrod.rod.data import INSTEAD
 from floquetrod.rod.files import rod_of
-from floquetrod.rod.load import FAR_ENDS
+from floquetrod.rod.load import FAR_ENDS, KINDS
 from floquetrod.units import Unit
 
 _TABLES = ("rod", "load", "run", "start", "over", "ensemble")

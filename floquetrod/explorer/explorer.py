@@ -14,7 +14,7 @@ from floquetrod.explorer.independent import IndependentModes
 from floquetrod.explorer.limits import Scale, step
 from floquetrod.explorer.words import margin_words
 from floquetrod.plotting.explorer import Window
-from floquetrod.rod.load import AnyLoad, Load, require_load
+from floquetrod.rod.load import KINDS, AnyLoad, Load, require_load
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.verdict import Margin
 
@@ -160,12 +160,11 @@ def _rounded(limits: dict[str, tuple[float, float]], units: dict[str, known.Unit
 
 
 def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:
-    kinds = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
     if not isinstance(names, Mapping):
         raise TypeError(f"units must be a mapping such as {{'mean': 'Fcr'}}, got {validate.short(names)}")
-    if not names.keys() <= kinds.keys():
+    if not names.keys() <= KINDS.keys():
         raise ValueError(f"units must be of mean, amplitude and frequency, got {dict(names)!r}")
     return {
         name: known.unit(names.get(name, ""), f"units[{name!r}]", kind, rod.critical_force)
-        for name, kind in kinds.items()
+        for name, kind in KINDS.items()
     }

@@ -30,16 +30,16 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FloquetSolution(ByContent):
-    """A solution y(t) = sum_k c_k exp((mu + i w_k) t): periodic but for the exponential of its exponent mu.
+    """A solution y(t) = sum_k c_k exp((mu + i w_k) t): periodic but for the exponential of mu, and me of exp(i nu z).
 
     Attributes
     ----------
     name : str
         What it is, such as "ce_3(z, 10)".
     exponent : complex
-        mu; its real part is the growth rate.  0 for ce and se.
+        mu; its real part is the growth rate.  0 for ce, se and me.
     frequencies : ndarray (n,) of float
-        w_k.
+        w_k; those of me have the order nu in them.
     coefficients : ndarray (n,) of complex
         c_k.
     period : float

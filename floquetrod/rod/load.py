@@ -25,6 +25,9 @@ Progress: TypeAlias = Callable[[int, int], None]
 _STRONGEST = 1e12  # N
 _SLOWEST, _FASTEST = 1e-9, 1e12  # rad/s: beyond any rod, and within what doubles can follow
 
+KINDS: dict[Quantity, str] = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
+"""Kind of each, of which `floquetrod.units` knows the units."""
+
 
 class _Limits(NamedTuple):
     """What a quantity of a load may be: from ``least`` to ``largest``, both in ``unit``; ``check`` sees it first."""
@@ -59,13 +62,12 @@ def load_number(quantity: Quantity, value: Any, name: str | None = None) -> floa
 
 def _in_si(quantity: Quantity, text: str, name: str) -> float:
     """Return a quantity of a load that is given with its unit, such as "24Hz" or "0.2kN"."""
-    kind = "frequency" if quantity == "frequency" else "force"
-    if kind == "force" and text.strip().lower().endswith("fcr"):
+    if KINDS[quantity] == "force" and text.strip().lower().endswith("fcr"):
         raise ValueError(
             f"{name} must have a unit of force such as N or kN, got {validate.short(text)}: a load knows no rod; "
             f"give {name} as a number times rod.critical_force"
         )
-    return units.quantity(text, name, kind)
+    return units.quantity(text, name, KINDS[quantity])
 
 
 def load_bounds(quantity: Quantity, bounds: Any) -> tuple[float, float]:

@@ -18,7 +18,7 @@ from floquetrod._util.content import NoTruthValue
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.coupled import CoupledModes
-from floquetrod.rod.load import Load, Loads, Progress, Quantity
+from floquetrod.rod.load import KINDS, Load, Loads, Progress, Quantity
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.sampled import UnstablePart, first_change, unstable_parts
@@ -156,7 +156,7 @@ class StabilityIntervals(NoTruthValue):
         if not isinstance(wanted, str):
             raise TypeError(f"unit must be a word such as 'Hz', got {validate.short(unit)}")
         if size is None:
-            kind = "frequency" if self.quantity == "frequency" else "force"
+            kind = KINDS[self.searched.varied]
             wanted, size = units.unit(wanted, "unit", kind, self.searched.rod.critical_force)
         size = validate.positive("size", size, "give it in the unit of the intervals")
         return self._table(wanted, size, self.unstable)

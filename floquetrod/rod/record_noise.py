@@ -16,9 +16,9 @@ from floquetrod.rod.record import ForceRecord
 from floquetrod.rod.verdict import RodVerdict
 
 _DRAWS = 20
-"""Forces drawn: where the true force is on the other side, all of them miss that with a probability of 2 % at most."""
+"""Forces drawn (a choice)."""
 
-_ERRORS = 2.0  # standard deviations of growth that enter the error (a choice: some 95 of 100 lie within)
+_ERRORS = 2.0  # standard errors by which they depart from the fit, and which enter the error of growth (a choice)
 
 AnyVerdict = TypeVar("AnyVerdict", bound=RodVerdict)
 
@@ -26,9 +26,9 @@ AnyVerdict = TypeVar("AnyVerdict", bound=RodVerdict)
 def with_noise(rod: ModalRod, verdict: AnyVerdict, record: ForceRecord) -> AnyVerdict:
     """Return a verdict on the fit of a record with the error that its noise makes.
 
-    Twenty forces are drawn, whose mean, frequency and harmonics, their sizes and phases, depart from those of the fit
-    by their errors, the same ones in every call.  Twice the root mean square of the change in growth adds to the error;
-    where one of them has another verdict, it is undecided.
+    Twenty forces are drawn, the same ones in every call, whose mean, frequency and harmonics, their sizes and phases,
+    depart from those of the fit by two standard errors.  The root mean square of the change in growth adds to the
+    error; where one of them has another verdict, it is undecided.
     """
     if verdict.status == "undecided":
         return verdict
@@ -38,7 +38,7 @@ def with_noise(rod: ModalRod, verdict: AnyVerdict, record: ForceRecord) -> AnyVe
         status, growth = (column[0] for column in one.answers())
         others += bool(status != (verdict.status == "stable"))
         changes.append(float(growth) - verdict.growth_rate)
-    noise = _ERRORS * math.sqrt(float(np.mean(np.square(changes))))
+    noise = math.sqrt(float(np.mean(np.square(changes))))
     note = f"by the noise of the record growth is uncertain by {noise:.2g} 1/s"
     if others:
         note = f"{note}; by its fit the rod is {verdict.status}, by {others} of {_DRAWS} forces within its errors not"
@@ -51,13 +51,14 @@ def with_noise(rod: ModalRod, verdict: AnyVerdict, record: ForceRecord) -> AnyVe
 
 
 def _drawn(record: ForceRecord) -> Iterator[AxialLoad]:
-    """Yield loads whose numbers are drawn about those of the fit, with their standard errors."""
+    """Yield loads whose numbers are drawn about those of the fit, with twice their standard errors."""
     random, fit, kept = np.random.default_rng(0), record.load, np.array(record.kept) - 1
     slowest = LIMITS["frequency"].least
     for _ in range(_DRAWS):
         shift = random.standard_normal((kept.size, 2)) @ np.array([1.0, 1j])
         harmonics = record.harmonics.copy()
-        harmonics[kept] += record.harmonic_errors[kept] * shift
-        mean, omega = random.normal((fit.mean, fit.frequency), (record.mean_error, record.frequency_error)).tolist()
+        harmonics[kept] += _ERRORS * record.harmonic_errors[kept] * shift
+        spread = _ERRORS * record.mean_error, _ERRORS * record.frequency_error
+        mean, omega = random.normal((fit.mean, fit.frequency), spread).tolist()
         waveform = tuple((harmonics[: len(record.waveform)] / record.amplitude).tolist())
         yield replace(fit, mean=mean, frequency=max(omega, slowest), waveform=waveform)

@@ -17,7 +17,7 @@ from floquetrod._util.content import NoTruthValue
 from floquetrod._util.interval import Interval
 from floquetrod.floquet.proof.region import RegionProof, Side
 from floquetrod.rod.assumptions import warn_unless_uniform
-from floquetrod.rod.load import LIMITS, AnyLoad, Load, Progress, Quantity, require_load
+from floquetrod.rod.load import KINDS, LIMITS, AnyLoad, Load, Progress, Quantity, require_load
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.ranges import QUANTITIES as NAMES
 from floquetrod.rod.region import is_proved_stable, prove, require_in_reach
@@ -79,9 +79,8 @@ class SafeBox(NoTruthValue):
         wanted = dict(names)
         found = []
         for each in self.ranges:
-            kind = "frequency" if each.quantity == "frequency" else "force"
             name = wanted.pop(each.quantity, each.unit)
-            unit = units.unit(name, each.quantity, kind, self.proof.subject.critical_force)
+            unit = units.unit(name, each.quantity, KINDS[each.quantity], self.proof.subject.critical_force)
             found.append(
                 SafeRange(each.quantity, unit.of(each.low), unit.of(each.value), unit.of(each.high), unit.name)
             )

@@ -7,11 +7,11 @@ from typing import NamedTuple
 
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.dispatch import stability
+from floquetrod.rod.assumptions import UNIFORM_UP_TO
 from floquetrod.rod.coupled import CoupledModes, RodNumbers
 from floquetrod.rod.load import AxialLoad, Load, Loads, with_waves
 from floquetrod.rod.modal import ModalRod
 
-_UNIFORM_UP_TO = 0.1  # length in axial waves up to which a uniform force serves for differences (heuristic)
 _MORE = 1.25  # of the effect of segments, for what one wavenumber leaves out (a choice)
 _AT_THE_ENDS = 4.0  # times more where an end is clamped or free, and shapes change fast (measured: up to 3.5)
 _STRAINED = 5.0  # of the strain, by which growth falls short besides (measured: 3 to 4)
@@ -55,7 +55,7 @@ def model_errors(
     (2 sigma / l)^2 (1 + sigma^2 / 3) for the curvature of directions, in place of k and k^2.  Large angles: the cubic
     terms of EI (theta'''' - 6 theta'^2 theta'') and of the weight, averaged over a standing wave.
     """
-    if isinstance(load, AxialLoad) and rod.wave_ratio(load) > _UNIFORM_UP_TO:
+    if isinstance(load, AxialLoad) and rod.wave_ratio(load) > UNIFORM_UP_TO:
         # What an AxialLoad does to a rod of this length.
         load = with_waves(load)
     numbers = rod.coupled_numbers
