@@ -203,8 +203,10 @@ def quantity(
         In N; with it, forces may be given in "Fcr".
     nominal : float, optional
         In the SI unit; with it, the quantity may be given in percent of it.
-    least, largest : float
-        Bounds in SI units; a least value above zero asks for what is greater than zero.
+    least : float
+        Least value in SI units; one above zero asks for what is greater than zero.
+    largest : float
+        Largest value in SI units.
     given : str, optional
         What messages quote in place of ``value``.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import re
 import runpy
 import shutil
@@ -255,3 +256,31 @@ def test_docstrings_are_shown_as_they_are_written() -> None:
     for place, is_property, text in docstrings():
         assert not (is_property and ":" in text.splitlines()[0]), f"{place}: what precedes a colon would be its type"
         assert not re.search(r"^ *[A-Za-z]\.$", text, re.MULTILINE), f"{place}: a letter and a dot would begin a list"
+
+
+def public_callables() -> Iterator[tuple[str, object]]:
+    """Yield functions, classes and methods that the package names, modules of functions included."""
+    for name in fr.__all__:
+        thing = getattr(fr, name)
+        members = getattr(thing, "__all__", None) if inspect.ismodule(thing) else None
+        for inner in [thing] if members is None else [getattr(thing, member) for member in members]:
+            if callable(inner):
+                yield name, inner
+                for method in vars(inner) if inspect.isclass(inner) else ():
+                    if not method.startswith("_") and callable(getattr(inner, method)):
+                        yield f"{name}.{method}", getattr(inner, method)
+
+
+def test_parameters_have_an_entry_each() -> None:
+    """Nobody finds the unit of a length in an entry named "radius, length"."""
+    looked_at = 0
+    for place, thing in public_callables():
+        lines = inspect.cleandoc(thing.__doc__ or "").splitlines()
+        if "Parameters" not in lines:
+            continue
+        entries = lines[lines.index("Parameters") + 2 :]
+        end = next((i for i, line in enumerate(entries[1:]) if line.startswith("---")), len(entries))
+        names = [line.split(" : ")[0] for line in entries[:end] if line and not line.startswith(" ")]
+        assert not [name for name in names if "," in name], place
+        looked_at += 1
+    assert looked_at > 40

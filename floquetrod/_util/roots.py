@@ -23,10 +23,14 @@ def roots(
     ----------
     function : callable
         ``function(x, i)`` returns the values at places x, one for each, in the brackets of number i.
-    low, high : ndarray of float
-        Ends of the brackets.
-    at_low, at_high : ndarray of float
-        Values there, of different signs or zero.
+    low : ndarray of float
+        One end of each bracket.
+    high : ndarray of float
+        The other.
+    at_low : ndarray of float
+        Values at ``low``.
+    at_high : ndarray of float
+        Values at ``high``, of the other sign, or zero.
 
     Notes
     -----
@@ -66,8 +70,10 @@ def bisected(
     ----------
     holds : callable
         Takes a place in every bracket and returns whether the statement holds there.
-    low, high : ndarray of float
-        Ends of the brackets, in any order; the statement holds at ``low`` and not at ``high``, which is not looked at.
+    low : ndarray of float
+        One end of each bracket, where the statement holds.
+    high : ndarray of float
+        The other, lower or higher, where it does not; it is not looked at.
     halvings : int
         How often they are halved at most.
     relative : float

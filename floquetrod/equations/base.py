@@ -30,8 +30,10 @@ class Piece(NamedTuple):
     ----------
     share : Fraction
         Its length as a part of the period; an exact number, so that pieces meet without rounding.
-    mean, slope : Fraction or float
-        Taken as the exact numbers they are.
+    mean : Fraction or float
+        Taken as the exact number it is.
+    slope : Fraction or float
+        Taken as the exact number it is.
     harmonics : tuple of complex
         Amplitudes z_k, k = 1, 2, ..., with W = 2 pi / period and tau counted from the beginning of the period.
     """

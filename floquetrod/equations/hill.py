@@ -30,8 +30,11 @@ class Hill(Equation):
     ----------
     mean : float
         Mean of the coefficient.
-    cosines, sines : sequence of float
-        Fourier coefficients from the first harmonic on; their lengths may differ.
+    cosines : sequence of float
+        Coefficients of the cosines from the first harmonic on; none by default.
+    sines : sequence of float
+        Coefficients of the sines from the first harmonic on; none by default.  Their number may differ
+        from that of the cosines.
     period : float
         Period of the coefficient, in the unit of tau.
     damping : float

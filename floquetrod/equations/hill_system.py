@@ -59,8 +59,11 @@ class HillSystem(matrices.FourierSystem):
     ----------
     stiffness : array_like (..., n, n)
         Mean of K; it need not be symmetric (a follower load makes it so).
-    cosines, sines : sequence of array_like (..., n, n)
-        Fourier coefficients of K from the first harmonic on; their numbers may differ.
+    cosines : sequence of array_like (..., n, n)
+        Coefficients of the cosines of K from the first harmonic on; none by default.
+    sines : sequence of array_like (..., n, n)
+        Coefficients of the sines of K from the first harmonic on; none by default.  Their number may differ from that
+        of the cosines.
     mass : array_like (..., n, n), optional
         M, symmetric and positive definite; the identity by default, which is kept as None.
     damping : array_like (..., n, n), optional

@@ -22,8 +22,10 @@ class Mathieu(Alternating):
 
     Parameters
     ----------
-    alpha, beta : float
-        Amplitude and mean of the coefficient (dimensionless, magnitude at most 1e9).
+    alpha : float
+        Amplitude of the coefficient (dimensionless, magnitude at most 1e9).
+    beta : float
+        Mean of the coefficient (dimensionless, magnitude at most 1e9).
     damping : float
         c, the decay rate per unit tau of the free motion; zero or more.
 
@@ -85,8 +87,10 @@ class FrictionalMathieu:
 
     Parameters
     ----------
-    alpha, beta : float
-        Amplitude and mean of the coefficient (dimensionless, magnitude at most 1e9).
+    alpha : float
+        Amplitude of the coefficient (dimensionless, magnitude at most 1e9).
+    beta : float
+        Mean of the coefficient (dimensionless, magnitude at most 1e9).
     gamma : float
         Friction force over inertia, zero or more.
     damping : float

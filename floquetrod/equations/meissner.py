@@ -20,8 +20,10 @@ class Meissner(Alternating):
 
     Parameters
     ----------
-    alpha, beta : float
-        Amplitude and mean of the coefficient (dimensionless, magnitude at most 1e9).
+    alpha : float
+        Amplitude of the coefficient (dimensionless, magnitude at most 1e9).
+    beta : float
+        Mean of the coefficient (dimensionless, magnitude at most 1e9).
     damping : float
         c, the decay rate per unit tau of the free motion; zero or more.
 

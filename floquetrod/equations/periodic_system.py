@@ -36,8 +36,11 @@ class PeriodicSystem(matrices.FourierSystem):
     ----------
     mean : array_like (..., N, N)
         Mean of A, per unit of time.
-    cosines, sines : sequence of array_like (..., N, N)
-        Fourier coefficients from the first harmonic on; their numbers may differ.
+    cosines : sequence of array_like (..., N, N)
+        Coefficients of the cosines from the first harmonic on; none by default.
+    sines : sequence of array_like (..., N, N)
+        Coefficients of the sines from the first harmonic on; none by default.  Their number may differ from that of
+        the cosines.
     period : float or array_like (...)
         Period of A, in the unit of time of which A is the inverse.
     coefficient_error : float

@@ -62,14 +62,22 @@ def critical_kick(
 
     Parameters
     ----------
-    alpha, beta, gamma, damping : array_like
-        Broadcast against each other; the result is proportional to gamma.  gamma and damping are zero or more.
+    alpha : array_like
+        Amplitude of the coefficient.  The four arrays broadcast against each other.
+    beta : array_like
+        Mean of the coefficient.
+    gamma : array_like
+        Friction force over inertia, zero or more; the result is proportional to it.
+    damping : array_like
+        c, the decay rate per unit tau, zero or more.
     largest : array_like
         Largest kick to search, which shortens it: ``smallest_found`` is infinite where none up to it was found.
     samples : int
         Kicks tried on the way up from the proved bound; more are tried where neighbouring orbits differ in kind.
-    max_steps, workers : int
+    max_steps : int
         As in `fates`.  A kick that cannot be decided counts as not found to escape.
+    workers : int, optional
+        Threads; by default all cores.
 
     Returns
     -------

@@ -56,9 +56,17 @@ def fates(
 
     Parameters
     ----------
-    alpha, beta, gamma, kick, damping : array_like
-        Broadcast against each other.  gamma and damping are zero or more; a negative kick is the mirror image of its
-        positive.  Fastest where kick varies along the last axis.
+    alpha : array_like
+        Amplitude of the coefficient.  The five arrays broadcast against each other.
+    beta : array_like
+        Mean of the coefficient.
+    gamma : array_like
+        Friction force over inertia, zero or more.
+    kick : array_like
+        Initial velocity A'(0); a negative one is the mirror image of its positive.  Fastest where it varies along the
+        last axis.
+    damping : array_like
+        c, the decay rate per unit tau, zero or more.
     max_steps : int
         Steps (32 or more to a period) that an orbit may take before it is given up as undecided.
     workers : int, optional
@@ -184,15 +192,19 @@ class Fate(NoTruthValue):
 
     Attributes
     ----------
-    equation, kick : FrictionalMathieu, float
-        What was asked.
+    equation : FrictionalMathieu
+        The equation asked about.
+    kick : float
+        The initial velocity asked about.
     status : {"bounded", "escapes", "undecided"}
     reason : str
         How it is known.
     tau : float
         Time at which it was known.
-    reversals, sticks : int
-        How often the motion had come to a stop by then, and how often it had stuck.
+    reversals : int
+        How often the motion had come to a stop by then.
+    sticks : int
+        How often it had stuck by then.
     """
 
     ask = ".status"

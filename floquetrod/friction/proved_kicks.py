@@ -26,8 +26,10 @@ class CertainKicks(NamedTuple):
 
     Attributes
     ----------
-    bounded_up_to, escapes_above : float
-        No kick up to the one escapes, every kick above the other does; infinite where there is no such kick.
+    bounded_up_to : float
+        No kick up to it escapes; infinite where none ever does.
+    escapes_above : float
+        Every kick above it escapes; infinite where there is no such kick.
     """
 
     bounded_up_to: float

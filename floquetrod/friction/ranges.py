@@ -36,8 +36,10 @@ class EscapeRanges(NoTruthValue):
     equation : FrictionalMathieu
     intervals : tuple of KickRange
         Ranges of kicks that escape, increasing; the last is unbounded.
-    bounded_up_to, escapes_above : float
-        Proved: no kick up to the one escapes, every kick above the other does.
+    bounded_up_to : float
+        Proved: no kick up to it escapes.
+    escapes_above : float
+        Proved: every kick above it escapes.
     step : float
         Ratio of neighbouring kicks tried less one: ranges and gaps narrower than this may be missed.
     undecided : int

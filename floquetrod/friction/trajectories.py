@@ -26,9 +26,16 @@ class Trajectory(ByContent):
 
     Attributes
     ----------
-    equation, kick : FrictionalMathieu, float
-    tau, A, velocity : ndarray
-        Times, A and A', at equal steps and at every stop and release.
+    equation : FrictionalMathieu
+        The equation solved.
+    kick : float
+        The initial velocity.
+    tau : ndarray
+        Times, at equal steps and at every stop and release.
+    A : ndarray
+        Displacement at these times.
+    velocity : ndarray
+        A' at these times.
     state : ndarray of int8
         1 or -1, the sign of A', where it moves (at a stop: into which it moves off); 0 where it sticks.
     """

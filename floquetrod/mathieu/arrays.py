@@ -31,8 +31,10 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
 
     Parameters
     ----------
-    alpha, beta : array_like of float
-        Amplitude and mean of the coefficient; magnitudes up to 1e9.
+    alpha : array_like of float
+        Amplitude of the coefficient, magnitude up to 1e9; without unit.
+    beta : array_like of float
+        Mean of the coefficient, magnitude up to 1e9; without unit.
     damping : array_like of float
         c >= 0, the decay rate per unit tau of the free motion.
     workers : int, optional

@@ -85,8 +85,10 @@ class TransitionCurves(ByContent):
         Where the curves are given.
     orders : tuple of int, length k
         Their orders m; on curves of even order a solution has period 2 pi, of odd order 4 pi.
-    even, odd : ndarray (k, n)
-        beta = -a_m / 4 and -b_m / 4; NaN in ``odd`` for order 0, which has no second curve.
+    even : ndarray (k, n)
+        beta = -a_m / 4.
+    odd : ndarray (k, n)
+        beta = -b_m / 4; NaN for order 0, which has no second curve.
     width : ndarray (k, n)
         Width of tongue m in beta, abs(even - odd) but accurate relative to itself; infinite for order 0, the
         half-plane of static buckling.

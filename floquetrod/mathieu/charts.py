@@ -38,8 +38,10 @@ def chart(
 
     Parameters
     ----------
-    alpha, beta : tuple (low, high, number) or increasing array
-        Columns and rows.
+    alpha : tuple (low, high, number) or increasing array
+        Columns.
+    beta : tuple (low, high, number) or increasing array
+        Rows.
     damping : float
         c, one value for the whole chart.
     equation : callable (alpha, beta, damping) -> Equation

@@ -67,8 +67,10 @@ class Bands(NoTruthValue, ByContent):
 
     Attributes
     ----------
-    x, y : Axis
-        The axes of the plane; their values are its ends, (low, high).
+    x : Axis
+        The horizontal axis of the plane; its values are its ends, (low, high).
+    y : Axis
+        The vertical axis likewise.
     bands : tuple of Band
         They may overlap; of those in which nothing grows faster than the tolerance none is here.
     growth_unit : str

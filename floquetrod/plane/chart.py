@@ -55,8 +55,10 @@ class Chart(NoTruthValue, ByContent):
 
     Attributes
     ----------
-    x, y : Axis
-        Columns and rows.
+    x : Axis
+        Columns.
+    y : Axis
+        Rows.
     stable : ndarray (ny, nx) of bool
         Verdict, growth tolerance included.
     growth_rate : ndarray (ny, nx) or None

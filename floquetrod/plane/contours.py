@@ -32,8 +32,10 @@ def crossings(u: Floats, v: Floats, unstable: Bools, middle: Callable[[Floats], 
 
     Parameters
     ----------
-    u, v : ndarray
-        Columns and rows.
+    u : ndarray
+        Columns.
+    v : ndarray
+        Rows.
     unstable : ndarray (len(v), len(u)) of bool
     middle : callable ((n, 2)) -> (n,)
         Says whether places are unstable; asked about the middles of cells whose corners differ crosswise.

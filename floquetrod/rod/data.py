@@ -195,8 +195,10 @@ class RodData(TellsAttributes):
         name : str
             Outer diameter x wall thickness in inches, and a grade if wanted: "2.00x0.156 CT90".  The grade does not
             change the rod, which is linearly elastic; `floquetrod.rod.catalogue.pipe` returns its yield strength.
-        bore, length : float or str
-            Inner diameter of the hole, and length, in m or as a string with a unit such as "4.778in".
+        bore : float or str
+            Inner diameter of the hole in m, or a string with a unit such as "4.778in".
+        length : float or str
+            Length in m, or a string with a unit such as "200ft".
         **changes
             Other parameters of a rod, which replace those of the pipe; also with a unit.
 

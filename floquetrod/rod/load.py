@@ -234,10 +234,11 @@ class AxialLoad(Load):
     frequency : float or str
         omega in rad/s, greater than zero, or with a unit: "24Hz"; `AxialLoad.hertz` takes Hz.
     mean_at : float or None
-        Where along an inclined rod the mean force holds, as a fraction of its length from the upper end; from there it
-        grows downwards by the weight along the rod.  None neglects that weight.
+        Where along an inclined rod the mean force holds, as a fraction of its length from the upper end, 0 to 1, by
+        default 0.5; from there it grows downwards by the weight along the rod.  None neglects that weight.
     waveform : "sine" or sequence of complex
-        sin(omega t), or h_1, h_2, ...: the amplitude times Re(h_1 e^(i omega t) + h_2 e^(2 i omega t) + ...).
+        sin(omega t), the default, or h_1, h_2, ...: the amplitude times Re(h_1 e^(i omega t) + h_2 e^(2 i omega t) +
+        ...).
 
     Examples
     --------
@@ -305,13 +306,21 @@ class AxialWave(Load):
 
     Parameters
     ----------
-    mean, amplitude, frequency, mean_at, waveform
-        As in `AxialLoad`; the amplitude is that at the driven end.
+    mean : float or str
+        F_ave in N, or a string with a unit such as "0.2kN"; negative pulls.
+    amplitude : float or str
+        dF at the driven end in N or with a unit, zero or more.
+    frequency : float or str
+        omega in rad/s, greater than zero, or with a unit: "16Hz".
+    mean_at : float or None
+        As in `AxialLoad`, by default 0.5.
+    waveform : "sine" or sequence of complex
+        As in `AxialLoad`, by default "sine".
     far_end : {"held", "free", "driven"}
-        The lower end, s = L: held against axial motion; free of axial vibration; driven alike, as both ends are in the
-        study.
+        The lower end, s = L: held against axial motion, the default; free of axial vibration; driven alike, as both
+        ends are in the study.
     axial_damping : float
-        Decay rate c_a of free axial waves in 1/s: u_tt + 2 c_a u_t = c_0^2 u_ss.
+        Decay rate c_a of free axial waves in 1/s, zero or more, by default 0: u_tt + 2 c_a u_t = c_0^2 u_ss.
 
     Notes
     -----

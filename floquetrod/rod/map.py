@@ -55,8 +55,12 @@ def stability_map(
     Parameters
     ----------
     rod : Rod
-    mean, amplitude, frequency : float, tuple (low, high, number) or increasing array
-        N, N and rad/s; exactly one is a single number.  All modes that can matter are looked at, everywhere.
+    mean : float, tuple (low, high, number) or increasing array
+        F_ave in N.  Exactly one of the three quantities is a single number.
+    amplitude : float, tuple (low, high, number) or increasing array
+        dF in N, 0 or more.
+    frequency : float, tuple (low, high, number) or increasing array
+        omega in rad/s, greater than 0.  All modes that can matter are looked at, everywhere.
     growth : bool
         Whether to compute the growth rate (1/s) and the fastest mode too.
     growth_tolerance : float
@@ -65,9 +69,11 @@ def stability_map(
         Decay rate of free motion in 1/s, in place of the rod's.
     criterion : FiniteTimeCriterion, optional
         The paper's test in place of stability for all time.
-    friction, kick : float, optional
-        Coefficient of friction, and the transverse velocity in m/s that every mode is given; not together with
-        ``growth``, which is that without friction.
+    friction : float, optional
+        Coefficient of friction, 0 or more; it needs a ``kick``.  Not together with ``growth``, which is that without
+        friction.
+    kick : float, optional
+        Transverse velocity in m/s that every mode is given, 0 or more; it needs ``friction``.
     like : AxialLoad, AxialWave or ForceRecord, optional
         What everything else of the loads is taken from; by default a sine, uniform but for the weight along the rod.
     certified : bool

@@ -38,8 +38,12 @@ class ProvedRod(ModalRod):
 
         Parameters
         ----------
-        mean, amplitude, frequency : float or (low, high)
-            N, N and rad/s: a number, or both ends of what the quantity may be.
+        mean : float or (low, high)
+            F_ave in N: a number, or both ends of what it may be.
+        amplitude : float or (low, high)
+            dF in N, 0 or more: a number, or both ends of what it may be.
+        frequency : float or (low, high)
+            omega in rad/s, greater than 0: a number, or both ends of what it may be.
         growth_tolerance : float
             Growth rate in 1/s up to which a mode counts as stable.  Without damping nothing of positive size can be
             proved stable with 0: hairline tongues are everywhere.

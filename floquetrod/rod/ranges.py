@@ -60,8 +60,10 @@ class StabilityIntervals(NoTruthValue):
 
     Attributes
     ----------
-    quantity, unit : str
-        What varies ("mean force", "amplitude" or "frequency"), in N or rad/s.
+    quantity : str
+        What varies: "mean force", "amplitude" or "frequency".
+    unit : str
+        Its unit: "N" or "rad/s".
     bounds : tuple of float
         Where was searched, (low, high).
     intervals : tuple of StabilityInterval

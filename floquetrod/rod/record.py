@@ -152,17 +152,24 @@ class ForceRecord(LoadSource, ByContent):
         ----------
         path : path
             The first line may hold headings.
-        time, force : str or int, optional
-            Heading of the column, or its number from 0.  By default those headed time or t, and force or f; of two
-            columns with other headings or none, the first and the second.
-        time_unit, force_unit : str, optional
-            Units such as "ms" and "lbf".  By default those in the headings, as in "t [ms]", "force (kN)", "F / N" or
-            "time_ms", and else s and N.
+        time : str or int, optional
+            Heading of the column of times, or its number from 0.  By default the one headed time or t; of two columns
+            with other headings or none, the first.
+        force : str or int, optional
+            Heading of the column of forces, or its number from 0.  By default the one headed force or f; of two columns
+            with other headings or none, the second.
+        time_unit : str, optional
+            Unit of the times, such as "ms".  By default that in the heading, as in "t [ms]" or "time_ms", and else s.
+        force_unit : str, optional
+            Unit of the forces, such as "lbf".  By default that in the heading, as in "force (kN)" or "F / N", and
+            else N.
         delimiter : str, optional
             What separates columns, by default the first of semicolon, tab, comma and space that the first line holds.
             With another one than the comma, numbers may have decimal commas.
-        harmonics, frequency
+        harmonics : int, optional
             As for `ForceRecord`.
+        frequency : float, optional
+            In rad/s, as for `ForceRecord`.
 
         Raises
         ------

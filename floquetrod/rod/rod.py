@@ -46,32 +46,45 @@ class Rod(ProvedRod):
     Parameters
     ----------
     youngs_modulus : float or str
-        E in Pa; it and every other number may be a string with a unit instead: "68GPa", "0.8mm", "40ft", "60deg".
-    density : float
-        rho in kg/m^3.
-    radius, length : float
-        Outer radius r_o and length L in m.
-    channel_radius : float
-        Inner radius of the channel in m, greater than the rod's.
-    gravity : float
-        g in m/s^2.
-    damping_rate : float
-        Decay rate of free motion in 1/s.
-    inner_radius : float
-        r_i of a tube in m; 0 for a solid rod.
-    fluid_inside, fluid_outside : float
-        Densities in kg/m^3 of what fills the tube and of what surrounds it; 0 for none.  The load is then the effective
-        force F_wall + p_i A_i - p_o A_o.  A rod that floats is refused.
+        Young's modulus E in Pa, or a string with a unit such as "68GPa"; greater than 0.
+    density : float or str
+        Density rho of the material in kg/m^3, or with a unit such as "7.85g/cm3"; greater than 0.
+    radius : float or str
+        Outer radius r_o in m, or with a unit such as "0.8mm"; greater than 0.  Give it or ``diameter``.
+    length : float or str
+        Length L in m, or with a unit such as "40ft"; greater than 0.
+    channel_radius : float or str
+        Inner radius of the channel in m, or with a unit; greater than that of the rod.  Give it or
+        ``channel_diameter``.
+    gravity : float or str
+        g in m/s^2, or with a unit; greater than 0, by default 9.81.
+    damping_rate : float or str
+        Decay rate c of free motion in 1/s, or with a unit; 0 or more, by default 0.
+    inner_radius : float or str
+        Inner radius r_i of a tube in m, or with a unit; from 0, a solid rod and the default, to less than ``radius``.
+    fluid_inside : float or str
+        Density of what fills the tube in kg/m^3, or with a unit such as "10ppg"; 0 or more, by default 0, nothing.
+        With a fluid inside or outside the load is the effective force F_wall + p_i A_i - p_o A_o.
+    fluid_outside : float or str
+        Density of what surrounds the rod in kg/m^3, or with a unit; 0 or more, by default 0, nothing.  A rod that
+        floats is refused.
     added_mass_coefficient : float
-        Mass of the outer fluid that moves with the rod over the mass displaced: by default pi^2/3 - 1 = 2.29, that of a
-        cylinder touching a plane floor; more in a narrow gap.
-    inclination : float
-        Angle of the channel from the vertical in radians, above 0 and at most pi/2, which is horizontal.
+        Mass of the outer fluid that moves with the rod over the mass displaced, without unit; 0 or more, by default
+        pi^2/3 - 1 = 2.29, that of a cylinder touching a plane floor; more in a narrow gap.
+    inclination : float or str
+        Angle of the channel from the vertical in rad, or with a unit such as "60deg"; above 0 and at most pi/2, which
+        is horizontal and the default.
     ends : str
-        "hinged", "clamped", "guided" or "free", or two of them, the upper end first: "clamped-hinged".  See
-        `floquetrod.rod.Ends`.
-    diameter, inner_diameter, channel_diameter, wall_thickness : float, optional
-        In m, in place of ``radius``, ``inner_radius``, ``channel_radius`` and, the last, of ``inner_radius``.
+        "hinged", the default, "clamped", "guided" or "free", or two of them, the upper end first: "clamped-hinged".
+        See `floquetrod.rod.Ends`.
+    diameter : float or str, optional
+        Outer diameter in m, or with a unit, in place of ``radius``.
+    inner_diameter : float or str, optional
+        Inner diameter in m, or with a unit, in place of ``inner_radius``.
+    channel_diameter : float or str, optional
+        Inner diameter of the channel in m, or with a unit, in place of ``channel_radius``.
+    wall_thickness : float or str, optional
+        Wall of a tube in m, or with a unit, in place of ``inner_radius``; at most the outer radius.
 
     Warns
     -----
@@ -139,10 +152,12 @@ class Rod(ProvedRod):
             Modes to look at; by default all that can matter, see `modes_needed`.  Where modes are coupled, 1 to n.
         growth_tolerance : float
             Growth rate in 1/s up to which a mode counts as stable.
-        friction, kick : float, optional
-            Coefficient of friction with the floor, static and kinetic, and the kick that every mode is given, a
-            transverse velocity in m/s: stable when it destabilises none of them.  Friction holds every rod that nothing
-            disturbs, so neither goes without the other.  For independent modes only.
+        friction : float, optional
+            Coefficient of friction with the floor, static and kinetic, 0 or more.  Friction holds every rod that
+            nothing disturbs, so it needs a ``kick``.  For independent modes only.
+        kick : float, optional
+            Transverse velocity in m/s that every mode is given, 0 or more: stable when it destabilises none of them.
+            It needs ``friction``.
 
         Returns
         -------
@@ -243,8 +258,10 @@ class Rod(ProvedRod):
 
         Parameters
         ----------
-        amplitude, frequency : float
-            dF in N and omega in rad/s.
+        amplitude : float
+            dF in N, 0 or more.
+        frequency : float
+            omega in rad/s, greater than 0.
         bounds : tuple of float, optional
             Mean forces between which to search, (low, high) in N; by default from 0 to 1.5 critical forces.
         growth_tolerance : float

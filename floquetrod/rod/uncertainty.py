@@ -59,8 +59,12 @@ class InstabilityProbability(NoTruthValue):
         Confidence interval of the probability by Clopper and Pearson, whose coverage is at least ``confidence``.
         Samples that could not be decided count as stable at its lower end and as unstable at its upper.
     confidence : float
-    samples, unstable, undecided : int
-        Drawn, and how many of them are unstable, or could not be decided.
+    samples : int
+        Number of rods and loads drawn.
+    unstable : int
+        How many of them are unstable.
+    undecided : int
+        How many of them could not be decided.
     growth_tolerance : float
         Growth in 1/s up to which a mode counts as stable.
     seed : int

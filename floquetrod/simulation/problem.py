@@ -297,8 +297,10 @@ class Simulation(RecordedMotion):
         The steps taken: their number, how many between frames, their size in s, and what limited it.
     time : ndarray (frames,)
         In s.
-    positions, velocities : ndarray (frames, nodes, 3)
-        m and m/s; x along the channel, z up, the axis of the channel at y = z = 0.
+    positions : ndarray (frames, nodes, 3)
+        In m; x along the channel, z up, the axis of the channel at y = z = 0.
+    velocities : ndarray (frames, nodes, 3)
+        In m/s.
     end_forces : ndarray (frames, 2)
         Forces in N that push the upper and the lower end, each its mean since the frame before.
     energy : dict of ndarray (frames,)

@@ -22,7 +22,9 @@ def simulate(
     ----------
     rod : Rod
     load : AxialLoad, AxialWave or ForceRecord
-    progress, checkpoint
+    progress : callable, optional
+        See `SimulationProblem.run`.
+    checkpoint : path, optional
         See `SimulationProblem.run`.
     **options
         Those of `SimulationProblem`: ``duration`` in s, ``friction``, ``perturbation``, ``segments`` and so on.
