@@ -288,7 +288,7 @@ def workers(value: Any) -> int | None:
 
 def untyped(name: str, values: Any) -> NDArray[Any]:
     """Return ``values`` as an array of any type; ragged and masked ones are refused, and those too large."""
-    elements(name, _counted(name, values, {}))
+    elements(name, values.size if type(values) is np.ndarray else _counted(name, values, {}))
     try:
         return np.asarray(values)
     except Exception:  # ragged, or whatever an object's own conversion raises
