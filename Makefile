@@ -14,9 +14,11 @@ DOCS_READY := $(VENV)/.docs-ready
 DIST_READY := $(VENV)/.dist-ready
 # Hypothesis and pytest write their own caches; worksteal keeps both workers busy to the end.
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
-# Tests that reach every kernel.  They run twice more: interpreted, so that a kernel is seen to be the Python it is
-# written in, and compiled with every index checked.
+# Tests that reach every kernel.  They run once more interpreted, where a kernel is seen to be the Python it is written
+# in and every index is checked; with `make slow` compiled with every index checked, too.
 KERNEL_TESTS := -m kernels
+# Four times the examples and more, of every test that draws some.
+DEEP := FLOQUETROD_TEST_DEPTH=deep
 
 .DELETE_ON_ERROR:
 .PHONY: demo test lint slow bite fuzz coverage bench agreement docs look dist compatibility clean
@@ -29,7 +31,6 @@ demo: $(READY)
 
 test: lint
 	NUMBA_DISABLE_JIT=1 $(PYTEST) $(KERNEL_TESTS)
-	NUMBA_BOUNDSCHECK=1 $(PYTEST) $(KERNEL_TESTS)
 	$(PYTEST) -m "not slow"
 
 lint: $(READY)
@@ -37,8 +38,10 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+# Everything, and what draws examples draws many.
 slow: $(DOCS_READY)
-	$(PYTEST) -m slow
+	$(DEEP) NUMBA_BOUNDSCHECK=1 $(PYTEST) $(KERNEL_TESTS)
+	$(DEEP) $(PYTEST)
 
 # How often each property was checked, and how often its example was discarded: a property that hardly bites fails.
 bite: $(READY)

@@ -1,10 +1,12 @@
-"""Settings of the whole suite: hypothesis profiles, random numbers fresh in every run yet repeatable, `--bite`."""
+"""Settings of the whole suite: how deeply it looks, random numbers fresh in every run yet repeatable, `--bite`."""
 
 from __future__ import annotations
 
 import os
 import re
 import secrets
+import signal
+import threading
 import zlib
 from collections.abc import Generator
 
@@ -23,8 +25,17 @@ BITES: dict[str, tuple[int, ...]] = {}
 LEAST_SHARE = 0.3
 """Share of the examples drawn that a property has to be true of, rather than discard (a choice)."""
 
+DEEP = os.environ.get("FLOQUETROD_TEST_DEPTH") == "deep"
+"""Whether to draw as many examples as `make slow` does; `make test` draws others in every run, but fewer."""
+
+
+def depth(deep: int, quick: int) -> int:
+    """Return how often to draw: the first number when the suite looks deeply, else the second."""
+    return deep if DEEP else quick
+
+
 # Fresh examples in every run (no derandomize): the suite is meant to go on looking.  No deadline: nothing is timed.
-settings.register_profile("default", deadline=None, print_blob=True)
+settings.register_profile("default", deadline=None, print_blob=True, max_examples=depth(100, 25))
 # Without the compiler an example costs about a hundred times more.
 settings.register_profile(
     "interpreted", deadline=None, print_blob=True, max_examples=10, suppress_health_check=[HealthCheck.too_slow]
@@ -33,8 +44,13 @@ settings.load_profile("interpreted" if os.environ.get("NUMBA_DISABLE_JIT", "0") 
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Choose the seed of the run before the worker processes start, so that all of them inherit it."""
+    """Choose the seed of the run before the worker processes start, so that all of them inherit it; hear Ctrl-C.
+
+    A run in the background inherits that Ctrl-C is ignored, and so would all that its tests start and interrupt.
+    """
     os.environ.setdefault(SEED, str(secrets.randbits(63)))
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN and threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_report_header(config: pytest.Config) -> str:

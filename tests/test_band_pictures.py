@@ -18,6 +18,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.plane import Axis
 from floquetrod.plane.bands import Band, Bands
 from floquetrod.plotting import charts, labels, palette
@@ -277,7 +278,7 @@ def test_labels_follow_the_axes() -> None:
     pyplot.close(ax.figure)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=depth(60, 15), deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(3, 12))
 def test_a_label_fits_into_its_polygon(seed: int, corners: int) -> None:
     rng = np.random.default_rng(seed)

@@ -291,7 +291,17 @@ def test_a_cold_verdict_loads_no_compiler() -> None:
     assert python("-m", "floquetrod", *CHECK[:-1]).returncode == 2
 
 
-@pytest.mark.parametrize("path", sorted((ROOT / "examples").glob("*.py")), ids=lambda path: path.name)
+LONG = ("ensemble_phase_diagram", "ensemble_probability", "helical_buckling", "systems_coupled", "uncertainty")
+"""Examples of many runs or verdicts, which `make slow` and `make docs` run."""
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        pytest.param(path, id=path.name, marks=[pytest.mark.slow] * (path.stem in LONG))
+        for path in sorted((ROOT / "examples").glob("*.py"))
+    ],
+)
 def test_examples_run(path: Path, tmp_path: Path) -> None:
     code = f"import os, runpy, sys; sys.path.insert(0, {str(ROOT)!r}); os.chdir({str(tmp_path)!r})"
     code += f"; sys.argv = [{str(path)!r}]"
@@ -516,32 +526,43 @@ def test_junk_is_one_line_that_names_option_and_value(
 
 def test_a_word_while_a_question_takes_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
     class Screen(io.StringIO):
-        said = threading.Event()
-
         def isatty(self) -> bool:
             return True
 
-        def write(self, text: str) -> int:
-            self.said.set()
-            return super().write(text)
+    class Pauses(threading.Event):
+        """The waits of a question that is left in its third: each of them ends when there is something to say."""
 
-    screen = Screen()
+        def __init__(self) -> None:
+            super().__init__()
+            self.seconds: list[float | None] = []
+            self.counted = threading.Event()
+
+        def wait(self, timeout: float | None = None) -> bool:
+            self.seconds.append(timeout)
+            self.counted.wait()
+            clock[0] += timeout or 0.0
+            return len(self.seconds) == 3
+
+    clock, screen, pauses = [100.0], Screen(), Pauses()
     monkeypatch.setattr(sys, "stderr", screen)
-    monkeypatch.setattr(waiting, "FIRST", 0.001)
-    with waiting.Waiting("searching", "points") as progress:
+    monkeypatch.setattr(waiting.time, "monotonic", lambda: clock[0])
+    progress = waiting.Waiting("searching", "points")
+    progress._left = pauses
+    with progress:
         progress(1000, 4000)
-        assert screen.said.wait(60.0)
-    assert screen.getvalue().startswith("searching: 0 s, 1,000 of 4,000 points (Ctrl-C ends it)\r")
-    assert screen.getvalue().split("\r")[-2].strip() == ""  # and nothing is left of it
+        pauses.counted.set()
+    assert pauses.seconds == [waiting.FIRST, waiting.EVERY, waiting.EVERY]
+    line = "searching: 0 s, 1,000 of 4,000 points (Ctrl-C ends it)"
+    spoken = screen.getvalue().split("\r")
+    assert spoken == [line, line.replace("0 s", "1 s"), " " * len(line), ""]  # and nothing is left of it
     assert not any("_speak" in thread.name for thread in threading.enumerate())
 
 
 def test_no_word_where_nobody_reads(monkeypatch: pytest.MonkeyPatch) -> None:
     silent = io.StringIO()
     monkeypatch.setattr(sys, "stderr", silent)
-    before = threading.active_count()
     with waiting.Waiting("searching"):
-        assert threading.active_count() == before
+        assert not any("_speak" in thread.name for thread in threading.enumerate())
     assert silent.getvalue() == ""
 
 

@@ -246,19 +246,19 @@ def test_signals_keep_what_came(
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are those of POSIX")
 def test_a_terminated_command_leaves_its_store_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path, store = written(tmp_path, over="seed = {from = 1, to = 4000}"), tmp_path / "runs.npz"
+    # The second run would take days: the command cannot come to its end before it is told to.
+    path, store = written(tmp_path, over='duration = ["10ms", "100000s"]'), tmp_path / "runs.npz"
     command = [sys.executable, "-m", "floquetrod", "ensemble", path, "--store", str(store)]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment) as process:
-        until = time.monotonic() + 60.0
         while not (store.exists() and (Runs.load(store)["status"] == 1).any()):
-            assert time.monotonic() < until
+            assert process.poll() is None
             time.sleep(0.05)
         process.send_signal(signal.SIGTERM)
-        out, _ = process.communicate(timeout=60.0)
+        out, _ = process.communicate()
     assert process.returncode == 130
     assert out.startswith(b"INTERRUPTED: ")
-    assert 0 < (Runs.load(store)["status"] == 1).sum() < 4000
+    assert (Runs.load(store)["status"] == 1).tolist() == [True, False]
 
 
 def test_interrupted_before_the_first_run(

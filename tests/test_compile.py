@@ -275,7 +275,8 @@ def test_ctrl_c_where_numba_forgets_exceptions_is_heard_and_compiling_can_be_tri
 @needs_jit
 @pytest.mark.parametrize("delay", [0.0, 0.4, 1.1])
 def test_ctrl_c_while_numba_compiles_ends_it(delay: float, tmp_path: Path) -> None:
-    program = BIG + "try:\n    print('ready', flush=True)\n    once()\nexcept KeyboardInterrupt:\n    print('heard')\n"
+    hearing = "try:\n    print('ready', flush=True)\n    once()\n    signal.pause()\n"  # should compiling be faster
+    program = BIG + hearing + "except KeyboardInterrupt:\n    print('heard')\n"
     run = interrupted([sys.executable, "-P", "-c", program], delay, tmp_path)
     assert run == ("heard\n", "", 0)
 

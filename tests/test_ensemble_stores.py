@@ -142,22 +142,35 @@ def test_parts_fill_one_store_at_once(tmp_path: Path) -> None:
 
 def test_a_second_reader_sees_whole_runs_while_a_store_grows(tmp_path: Path) -> None:
     place, whole, seen, wrong = tmp_path / "runs.zarr", fr.ensemble(PROBLEM, OVER, summary=depth), [], []
+    begun, read_once, finished = (threading.Event() for _ in range(3))
 
     def read() -> None:
-        while not place.exists():
-            pass
-        while len(seen) < 1000 and (not seen or seen[-1] < 30):
+        begun.wait()
+        last = False
+        while not last:
+            last = finished.is_set()
             found = xarray.open_zarr(place, chunks=None)
             done = found.status.values == 1
             wrong.extend(n for n in ("depth", "buckled") if (found[n].values[done] != whole[n].values[done]).any())
             seen.append(int(done.sum()))
+            read_once.set()
+
+    def shown(done: int, total: int) -> None:
+        if done == 10:  # some runs are stored by now, and the others wait for the reader
+            begun.set()
+            read_once.wait()
 
     reader = threading.Thread(target=read)
     reader.start()
-    fr.ensemble(PROBLEM, OVER, store=place, summary=depth)
-    reader.join()
+    try:
+        fr.ensemble(PROBLEM, OVER, store=place, summary=depth, progress=shown)
+    finally:
+        begun.set()
+        finished.set()
+        reader.join()
     assert not wrong
     assert seen == sorted(seen)
+    assert seen[0] < 30
     assert seen[-1] == 30
 
 

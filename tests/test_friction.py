@@ -12,11 +12,12 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.friction import BOUNDED, ESCAPES, UNDECIDED
 from strategies import decades, numbers
 
 FRACTAL = fr.FrictionalMathieu(alpha=1.3817153980732138, beta=0.6107295815800908, gamma=1.0)
-few = settings(max_examples=25)
+few = settings(max_examples=depth(25, 5))
 
 
 def rest_and_motion(equation: fr.FrictionalMathieu, kick: float, end: float) -> tuple[float, float]:
@@ -190,7 +191,7 @@ def test_friction_brakes_resonant_modes_at_every_phase(order: int, trace: float,
     assert fr.friction.fates(alpha, beta, 1.0, 1e9) == BOUNDED
 
 
-@settings(max_examples=60)
+@settings(max_examples=depth(60, 15))
 @given(
     st.just(0.0) | decades(1e-8, 1e4) | decades(1e-8, 1e4).map(lambda x: -x),
     st.just(0.0) | decades(1e-8, 1e4) | decades(1e-8, 1e4).map(lambda x: -x),

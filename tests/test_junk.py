@@ -6,6 +6,7 @@ import dataclasses
 import datetime
 import inspect
 import math
+import sys
 import types
 from collections.abc import Callable
 from decimal import Decimal
@@ -17,6 +18,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod.floquet.methods.monodromy import monodromy_matrix
+from fuzz.junk import LONGEST_MESSAGE, Endless, Raising, loop, objects, tree
 
 ROD = fr.Rod.nitinol()
 LOAD = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
@@ -360,6 +362,18 @@ JUNK: list[Any] = [
     object(),
     ...,
     types.SimpleNamespace(),
+    loop(),
+    loop(0.3),
+    loop(twice=True),
+    tree(30),
+    Endless(),
+    Raising(),
+    objects(0.3, Raising()),
+    range(10**12),
+    "x" * 10**6,
+    ["x" * 10**6],
+    np.broadcast_to(0.3, 10**12),
+    np.broadcast_to(0.3, (10**6, 10**6)),
 ]
 
 
@@ -375,8 +389,8 @@ def short(value: Any) -> str:
     """Return what a value looks like, however long it is."""
     try:
         return repr(value)[:40]
-    except ValueError:
-        return "a huge integer"
+    except (ValueError, ZeroDivisionError):
+        return f"a {type(value).__name__}"
 
 
 def numbers_in(result: Any) -> list[np.ndarray]:
@@ -391,7 +405,10 @@ def numbers_in(result: Any) -> list[np.ndarray]:
 
 
 @pytest.mark.parametrize(("call", "given", "name"), CASES, ids=[f"{named(c)}-{n}" for c, _, n in CASES])
-def test_junk_is_refused_by_name_or_answered(call: Callable[..., Any], given: dict[str, Any], name: str) -> None:
+def test_junk_is_refused_by_name_or_answered(
+    call: Callable[..., Any], given: dict[str, Any], name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys.modules["floquetrod.floquet.solve"], "_MOST_STEPS", 1000)  # of spans without end
     faults = []
     for junk in JUNK:
         try:
@@ -399,6 +416,8 @@ def test_junk_is_refused_by_name_or_answered(call: Callable[..., Any], given: di
         except (TypeError, ValueError) as error:
             if name not in str(error):
                 faults.append(f"{short(junk)}: {type(error).__name__} does not name it: {error}")
+            if len(str(error)) > LONGEST_MESSAGE:
+                faults.append(f"{short(junk)}: {type(error).__name__} of {len(str(error))} characters")
         except (
             fr.friction.UndecidedWarning,
             fr.UniformForceWarning,

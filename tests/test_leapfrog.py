@@ -9,12 +9,11 @@ import pytest
 from hypothesis import assume, given, settings
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.methods.leapfrog import leapfrog
 from floquetrod.kernels.leapfrog import leapfrog_run
 from strategies import decades, hills, mathieus, square_waves
-
-pytestmark = pytest.mark.kernels
 
 EQUATIONS = [
     fr.Mathieu(0.9, -0.6),
@@ -25,6 +24,7 @@ EQUATIONS = [
 ]
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize("equation", EQUATIONS, ids=repr)
 def test_second_order_in_the_step(equation: fr.Mathieu | fr.Meissner | fr.Hill) -> None:
     exact = fr.stability(equation, method="monodromy").discriminant
@@ -61,6 +61,7 @@ def test_growth_is_measured() -> None:
     assert leapfrog(equation, step=5e-3, periods=2000).growth_rate == pytest.approx(exact, rel=1e-3)
 
 
+@pytest.mark.kernels
 def test_huge_growth_does_not_overflow() -> None:
     result = leapfrog(fr.Mathieu(100.0, 20000.0), periods=3)
     assert result.status == "unstable"
@@ -69,6 +70,7 @@ def test_huge_growth_does_not_overflow() -> None:
     )
 
 
+@pytest.mark.kernels
 def test_damping_shrinks_areas_exactly() -> None:
     # Each step of the scheme has determinant exp(-2 c step), so Liouville holds to rounding.
     table = -0.3 + 0.7 * np.sin(np.arange(200) * (2.0 * math.pi / 200))
@@ -123,7 +125,8 @@ def test_a_step_too_long_for_the_coefficient_is_told() -> None:
         leapfrog(fr.Hill(1.0, period=1e200), step=1e199)
 
 
-@settings(max_examples=100)
+@pytest.mark.kernels
+@settings(max_examples=depth(100, 25))
 @given(
     mathieus(largest_alpha=1e4, beta=(-1e4, 1e3), largest_damping=10.0)
     | square_waves(largest=1e3, largest_damping=10.0)
@@ -140,6 +143,7 @@ def test_an_error_that_leaves_digits_covers_the_truth(
     assert abs(result.discriminant - exact.discriminant) <= (result.error + exact.error) * scale
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize(
     ("equation", "step"),
     [
@@ -156,6 +160,7 @@ def test_chance_and_coarse_steps_do_not_pass_for_accuracy(equation: fr.Mathieu |
     assert abs(result.discriminant - exact) <= result.error * max(1.0, abs(result.discriminant))
 
 
+@pytest.mark.kernels
 @pytest.mark.parametrize(
     ("equation", "step"),
     [(fr.Mathieu(0.5, -0.25), 1e-9), (fr.Hill(1.0, period=1e6), 5e-4), (fr.Hill(1.0, period=1e300), 1e-300)],

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.rod.lock_up import LockUp
 
 PIPE = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1000.0, fluid_inside=1000.0, fluid_outside=1000.0)
@@ -54,7 +55,7 @@ def test_a_horizontal_string_locks_up_as_known() -> None:
 strings = st.tuples(st.floats(0.02, 1.0), st.floats(-3.0, 4.0), st.floats(0.05, 0.5 * math.pi))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=depth(150, 20), deadline=None)
 @given(strings, st.floats(0.01, 0.97))
 @example((0.3, 0.0, 0.5 * math.pi), 0.5)
 @example((0.3, 3.0, 1.0), 0.9)  # locks up although weight exceeds the friction of a straight string
@@ -74,7 +75,7 @@ def test_the_force_is_that_of_the_equation_integrated(string: tuple[float, float
     assert (math.isinf(found.length)) == (slope(rod, friction, max(F0, 0.0)) <= 0.0 or (F0 < 0.0 < balance))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=depth(150, 20), deadline=None)
 @given(strings, st.floats(0.0, 8.0))
 def test_what_a_force_can_push(string: tuple[float, float, float], more: float) -> None:
     friction, start, inclination = string

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.floquet.methods.reference import reference
 from floquetrod.kernels.mathieu_counts import count_below
 from floquetrod.mathieu import arrays
@@ -55,7 +56,7 @@ def test_discriminants_to_1e_12_near_and_1e_10_far() -> None:
     assert error.max() < 1e-10
 
 
-@settings(max_examples=60)
+@settings(max_examples=depth(60, 15))
 @given(mathieu_points() | near_boundary_points())
 def test_fresh_points_agree_with_the_reference(point: tuple[float, float]) -> None:
     alpha, beta = point
@@ -72,7 +73,7 @@ def test_fresh_points_agree_with_the_reference(point: tuple[float, float]) -> No
         assert abs(found.discriminant - true.discriminant) <= found.error * scale
 
 
-@settings(max_examples=100)
+@settings(max_examples=depth(100, 25))
 @given(mathieu_points(largest_alpha=5.0, beta=(-4.0, 1.0)))
 def test_near_plane_discriminants_to_1e_12(point: tuple[float, float]) -> None:
     true = reference(fr.Mathieu(*point), digits=30).discriminant

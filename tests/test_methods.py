@@ -11,6 +11,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.floquet.dispatch import EQUATIONS
 from floquetrod.floquet.methods.determinant import _log_product, determinant
 from floquetrod.floquet.methods.reference import discriminant_excess
@@ -46,31 +47,31 @@ def check_agreement(equation: fr.Mathieu | fr.Meissner | fr.Hill) -> None:
             assert one.growth_rate == pytest.approx(truth.growth_rate, rel=1e-7, abs=4.0 * rate), (one, truth)
 
 
-@settings(max_examples=40)
+@settings(max_examples=depth(40, 10))
 @given(mathieus(largest_alpha=30.0, beta=(-30.0, 5.0), largest_damping=0.3))
 def test_methods_agree_on_mathieu(equation: fr.Mathieu) -> None:
     check_agreement(equation)
 
 
-@settings(max_examples=30)
+@settings(max_examples=depth(30, 7))
 @given(near_boundary_points())
 def test_methods_agree_beside_boundaries(point: tuple[float, float]) -> None:
     check_agreement(fr.Mathieu(*point))
 
 
-@settings(max_examples=30)
+@settings(max_examples=depth(30, 7))
 @given(square_waves(largest_damping=0.3))
 def test_methods_agree_on_square_waves(equation: fr.Meissner) -> None:
     check_agreement(equation)
 
 
-@settings(max_examples=25)
+@settings(max_examples=depth(25, 6))
 @given(hills(largest=10.0, largest_damping=0.3))
 def test_methods_agree_on_hill(equation: fr.Hill) -> None:
     check_agreement(equation)
 
 
-@settings(max_examples=60)
+@settings(max_examples=depth(60, 15))
 @given(mathieus(largest_damping=0.3) | square_waves(largest_damping=0.3))
 def test_multipliers_follow_from_liouville_and_the_trace(equation: fr.Mathieu | fr.Meissner) -> None:
     result = fr.stability(equation)
@@ -148,7 +149,7 @@ def extreme_equations() -> st.SearchStrategy[fr.Mathieu | fr.Meissner | fr.Hill]
     return st.builds(fr.Mathieu, amplitudes, means, damping) | st.builds(fr.Meissner, amplitudes, means, damping) | hill
 
 
-@settings(max_examples=100)
+@settings(max_examples=depth(100, 25))
 @given(extreme_equations(), st.none() | st.integers(2, 60) | st.integers(2, 5000))
 @example(fr.Mathieu(1e-9, -23.0), 10)
 @example(fr.Mathieu(5e-324, -0.25), None)

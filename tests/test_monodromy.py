@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.methods.monodromy import monodromy, monodromy_matrix
 from floquetrod.kernels.taylor import advance
@@ -28,7 +29,7 @@ EQUATIONS = (
 )
 
 
-@settings(max_examples=60)
+@settings(max_examples=depth(60, 15))
 @given(EQUATIONS, st.floats(-30.0, 30.0))
 def test_liouville_and_invariance_under_a_shift_of_time(
     equation: fr.Mathieu | fr.Meissner | fr.Hill, start: float
@@ -40,7 +41,7 @@ def test_liouville_and_invariance_under_a_shift_of_time(
     assert np.trace(shifted) == pytest.approx(np.trace(at_zero), abs=1e-10 * size)
 
 
-@settings(max_examples=60)
+@settings(max_examples=depth(60, 15))
 @given(EQUATIONS)
 def test_half_a_period_and_a_whole_one_agree(equation: fr.Mathieu | fr.Meissner | fr.Hill) -> None:
     matrix = monodromy_matrix(equation)
@@ -126,7 +127,7 @@ def test_too_many_steps_are_declined() -> None:
         monodromy(fr.Mathieu(1.0, 1.0), rtol=0.0)
 
 
-@settings(max_examples=30)
+@settings(max_examples=depth(30, 7))
 @given(mathieus(largest_alpha=50.0, beta=(-50.0, 5.0), largest_damping=0.3))
 def test_the_sign_of_alpha_is_a_shift_of_half_a_period(equation: fr.Mathieu) -> None:
     one, other = monodromy(equation), monodromy(fr.Mathieu(-equation.alpha, equation.beta, equation.damping))

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.equations import Equation, Piece
 from strategies import numbers
 
@@ -91,7 +92,7 @@ def trace(equation: Equation) -> float:
     return float(y[0] + y[3])
 
 
-@settings(max_examples=30)
+@settings(max_examples=depth(30, 7))
 @given(KINDS, numbers(-8.0, 8.0), numbers(-12.0, 2.0), st.just(0.0) | numbers(1e-3, 0.3))
 def test_every_method_serves_it_and_they_agree(kind: type, alpha: float, beta: float, damping: float) -> None:
     equation = kind(alpha, beta, damping)

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.cli.main import main
 from floquetrod.rod.catalogue import pipes
 from floquetrod.rod.plausibility import may_be_hertz, suspicions_of_load, suspicions_of_rod
@@ -136,7 +137,7 @@ def plausible_rods(draw: st.DrawFn) -> fr.Rod:
 
 
 @given(rod=plausible_rods(), mean=st.floats(-3.0, 3.0), amplitude=st.floats(0.0, 5.0), hertz=st.floats(0.1, 200.0))
-@settings(deadline=None, max_examples=300)
+@settings(deadline=None, max_examples=depth(300, 75))
 def test_plausible_rods_and_loads_raise_no_suspicion(rod: fr.Rod, mean: float, amplitude: float, hertz: float) -> None:
     assert not list(suspicions_of_rod(rod))
     load = fr.AxialLoad.hertz(mean * rod.critical_force, amplitude * rod.critical_force, round(hertz, 1))

@@ -15,6 +15,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from conftest import depth
 from floquetrod.equations import Equation, FrictionalMathieu, Hill, Mathieu, Meissner
 from floquetrod.floquet.methods.reference import discriminant_excess, reference
 from floquetrod.floquet.proof import certify
@@ -117,7 +118,7 @@ def assert_agrees(equation: Equation) -> None:
 
 
 @given(mathieus())
-@settings(max_examples=40)
+@settings(max_examples=depth(40, 10))
 def test_mathieu_agrees_with_the_reference(equation: Mathieu) -> None:
     assert_agrees(equation)
 
@@ -130,19 +131,19 @@ def test_golden_verdicts_are_proved(rng: np.random.Generator) -> None:
 
 
 @given(near_boundary_points(nearest=1e-12))
-@settings(max_examples=40)
+@settings(max_examples=depth(40, 10))
 def test_agrees_beside_transition_curves(point: tuple[float, float]) -> None:
     assert_agrees(Mathieu(*point))
 
 
 @given(mathieus(largest_alpha=10.0, beta=(-10.0, 3.0), largest_damping=0.5))
-@settings(max_examples=15)
+@settings(max_examples=depth(15, 3))
 def test_damped_mathieu_agrees_with_the_reference(equation: Mathieu) -> None:
     assert_agrees(equation)
 
 
 @given(square_waves(largest_damping=0.5))
-@settings(max_examples=60)
+@settings(max_examples=depth(60, 15))
 @example(Meissner(1e9, -1e9))
 @example(Meissner(3.0, -3.0, 0.2))
 def test_square_wave_agrees_with_the_reference(equation: Meissner) -> None:
@@ -150,7 +151,7 @@ def test_square_wave_agrees_with_the_reference(equation: Meissner) -> None:
 
 
 @given(hills(harmonics=3))
-@settings(max_examples=25)
+@settings(max_examples=depth(25, 6))
 @example(Hill(0.0, (1.0,)))
 @example(Hill(-1.0, (0.0, 1.0)))
 @example(Hill(-400.0, (200.0,), (0.0, 0.0, 0.0, 200.0)))
@@ -159,14 +160,14 @@ def test_hill_agrees_with_the_reference(equation: Hill) -> None:
 
 
 @given(hills(harmonics=2, largest=3.0, largest_damping=0.3))
-@settings(max_examples=8)
+@settings(max_examples=depth(8, 3))
 @example(Hill(0.5, (0.5,), (0.3,), period=3.0, damping=0.1))
 def test_damped_hill_agrees_with_the_reference(equation: Hill) -> None:
     assert_agrees(equation)
 
 
 @given(mathieu_points(largest_alpha=30.0, beta=(-30.0, 5.0)))
-@settings(max_examples=25)
+@settings(max_examples=depth(25, 6))
 def test_mathieu_as_hill_lies_in_the_same_interval(point: tuple[float, float]) -> None:
     alpha, beta = point
     assume(abs(alpha) > 1e-6)
@@ -194,7 +195,7 @@ def test_trace_is_enclosed(equation: Mathieu | Hill, digits: int) -> None:
 
 
 @given(square_waves(largest=10.0))
-@settings(max_examples=30)
+@settings(max_examples=depth(30, 7))
 def test_enclosures_of_the_square_wave_hold_the_trace(equation: Meissner) -> None:
     proof = certify(equation)
     assume(proof.enclosures)  # undecided at the limit of digits: nothing enclosed
@@ -385,7 +386,7 @@ def test_exact_hill_and_square_wave() -> None:
 
 
 @given(mathieus(20.0, (-20.0, 5.0), 0.3) | square_waves(10.0, 0.3) | hills(2, 5.0, 0.3))
-@settings(max_examples=15)
+@settings(max_examples=depth(15, 3))
 def test_values_and_classes_are_proved_alike(equation: Equation) -> None:
     parameters = {name: getattr(equation, name) for name in equation.__dataclass_fields__}
     assert certify(type(equation), **parameters) == certify(equation)

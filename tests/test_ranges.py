@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.floquet.methods.reference import reference
 from floquetrod.mathieu import tongues
 from floquetrod.mathieu.tongues import along_amplitude
@@ -95,7 +96,7 @@ def test_dense_scans_of_random_rods(modes: float, mean: float, amplitude: float,
 
 
 @pytest.mark.slow
-@settings(max_examples=80)
+@settings(max_examples=depth(80, 20))
 @RODS_AND_LOADS
 def test_dense_scans_of_many_random_rods(
     modes: float, mean: float, amplitude: float, speed: float, power: float
@@ -135,7 +136,7 @@ def scan_a_damped_rod(
     return partial
 
 
-@settings(max_examples=15)
+@settings(max_examples=depth(15, 3))
 @DAMPED
 def test_damped_and_tolerant_ranges_against_dense_scans(
     size: float, mean: float, amplitude: float, speed: float, damping: float, tolerance: float

@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from conftest import depth
 from coupled_cases import solid_like
 from floquetrod import cli
 from floquetrod.rod.mode_friction import mode_friction
@@ -145,7 +146,7 @@ def test_a_plain_rod_is_what_it_was_to_the_bit() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=depth(200, 50), deadline=None)
 @given(st.floats(1e-6, 10.0), st.floats(100.0, 2e4), st.floats(1e-3, 100.0))
 def test_gravity_of_plain_rods_keeps_every_bit(radius: float, density: float, gravity: float) -> None:
     rod = fr.Rod(1e11, density, radius, 1000.0 * radius, 2.0 * radius, gravity)
@@ -174,7 +175,7 @@ tubes = st.builds(
 )
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=depth(25, 6), deadline=None)
 @given(tubes)
 def test_a_tube_is_the_solid_rod_of_the_same_stiffness_inertia_and_weight(tube: fr.Rod) -> None:
     alike = solid_like(tube)
@@ -194,7 +195,7 @@ def test_a_tube_is_the_solid_rod_of_the_same_stiffness_inertia_and_weight(tube: 
     assert kicked.gamma == pytest.approx(mode_friction(solid, 0.2, 0.05, 0.0, load.frequency).gamma, rel=1e-12)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=depth(25, 6), deadline=None)
 @given(tubes)
 def test_a_tube_is_its_data_sheet(tube: fr.Rod) -> None:
     assert eval("fr." + repr(tube)) == tube == pickle.loads(pickle.dumps(tube)) == copy.deepcopy(tube)
@@ -311,7 +312,7 @@ def test_critical_forces_name_every_criterion_and_its_source() -> None:
     assert all(re.search(r"[A-Z].* (19|20)\d\d$", criterion.source) for criterion in found.values())
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=depth(25, 6), deadline=None)
 @given(tubes, st.floats(0.3, 1.0))
 def test_the_vertical_criterion_does_not_depend_on_the_inclination(tube: fr.Rod, inclination: float) -> None:
     assume(inclination != tube.inclination)

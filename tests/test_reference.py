@@ -13,6 +13,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from conftest import depth
 from floquetrod.equations import Equation, Hill, Mathieu, Meissner
 from floquetrod.floquet.methods.reference import DiscriminantExcess, TooMuchWork, discriminant_excess, reference
 from strategies import hills, mathieus, near_boundary_points, numbers, square_waves
@@ -73,7 +74,7 @@ def half_wave_map(level: Any, damping: Any) -> Any:
 
 
 @given(square_waves(largest=30.0, largest_damping=0.5))
-@settings(max_examples=15)
+@settings(max_examples=depth(15, 3))
 @example(Meissner(3.0, 3.0))
 @example(Meissner(1e-30, -2.0, 0.3))
 def test_square_wave_is_two_matrix_exponentials(equation: Meissner) -> None:
@@ -145,7 +146,7 @@ def assert_consistent(few: DiscriminantExcess, many: DiscriminantExcess, digits:
 
 
 @given(mathieus(largest_damping=0.5) | hills(largest_damping=0.5))
-@settings(max_examples=25)
+@settings(max_examples=depth(25, 6))
 @example(Mathieu(400.0, -400.0))
 @example(Mathieu(400.0, 40.0))
 @example(Mathieu(50.0, -10.0))
@@ -155,13 +156,13 @@ def test_digits_are_correct(equation: Equation) -> None:
 
 
 @given(near_boundary_points(nearest=1e-12))
-@settings(max_examples=10)
+@settings(max_examples=depth(10, 3))
 def test_digits_near_transition_curves(point: tuple[float, float]) -> None:
     assert_consistent(discriminant_excess(Mathieu(*point), 30), discriminant_excess(Mathieu(*point), 50), 30)
 
 
 @given(numbers(-60.0, 60.0), st.integers(-(2**12), 2**9), st.integers(1, 2**7))
-@settings(max_examples=15)
+@settings(max_examples=depth(15, 3))
 def test_damping_is_a_shift_of_the_mean(alpha: float, mean: int, rate: int) -> None:
     beta, c = mean / 2**6, rate / 2**8
     shifted = beta + c * c
@@ -173,7 +174,7 @@ def test_damping_is_a_shift_of_the_mean(alpha: float, mean: int, rate: int) -> N
 
 
 @given(hills(harmonics=3), st.sampled_from(["quarter", "half", "reversed"]))
-@settings(max_examples=15)
+@settings(max_examples=depth(15, 3))
 def test_shift_and_reversal_of_time_change_nothing(equation: Hill, change: str) -> None:
     size = max(len(equation.cosines), len(equation.sines))
     cosines = equation.cosines + (0.0,) * (size - len(equation.cosines))
@@ -205,7 +206,7 @@ def test_unit_of_time_does_not_matter() -> None:
 
 
 @given(mathieus(largest_alpha=100.0, beta=(-100.0, 20.0), largest_damping=0.5))
-@settings(max_examples=10)
+@settings(max_examples=depth(10, 3))
 def test_verdict_follows_from_the_excess(equation: Mathieu) -> None:
     found, verdict = discriminant_excess(equation, 30), reference(equation, digits=30)
     assume(abs(found.excess) > found.error)

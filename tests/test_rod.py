@@ -15,6 +15,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.kernels import rod_modes as kernels
 from floquetrod.mathieu.tongues import along_mean, damping_to_stabilise
 from floquetrod.rod.parts import Channel, Ends, Material, Section
@@ -158,7 +159,7 @@ def test_twenty_five_modes_are_wrong_for_a_long_rod() -> None:
     assert long.stability(push, modes=range(1, 26)).stable
 
 
-@settings(max_examples=60)
+@settings(max_examples=depth(60, 15))
 @given(rods, st.floats(-0.5, 1.2), st.floats(0.01, 0.8), st.floats(0.5, 20.0))
 def test_no_mode_beyond_the_cut_off_matters(rod: fr.Rod, mean: float, amplitude: float, speed: float) -> None:
     omega = speed * rod.pendulum_frequency
@@ -172,7 +173,7 @@ def test_no_mode_beyond_the_cut_off_matters(rod: fr.Rod, mean: float, amplitude:
     assert (omega * fr.mathieu.growth_rate(system.alpha, system.beta)).max() <= coarse_bound * (1.0 + 1e-9)
 
 
-@settings(max_examples=200)
+@settings(max_examples=depth(200, 50))
 @given(st.integers(1, 30), st.floats(-2.0, 2.3), st.floats(-0.5, 1.5))
 def test_the_growth_bound_bounds(order: int, power: float, place: float) -> None:
     q = 10.0**power
@@ -195,7 +196,7 @@ def test_without_coupling_nothing_grows_even_at_a_resonance() -> None:
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
-@settings(max_examples=40)
+@settings(max_examples=depth(40, 10))
 @given(rods, st.floats(0.0, 1.1), st.floats(0.0, 0.6), st.floats(1.0, 10.0), st.just(0.0) | st.floats(0.001, 0.1))
 def test_arrays_and_single_loads_agree(
     rod: fr.Rod, mean: float, amplitude: float, speed: float, damping: float
@@ -254,7 +255,7 @@ def test_the_verdict_changes_at_the_margin(mean: float, omega: float, tolerance:
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")  # at 20 rad/s
-@settings(max_examples=25)
+@settings(max_examples=depth(25, 6))
 @given(st.floats(0.02, 0.95), st.floats(0.05, 0.5), st.floats(20.0, 300.0))
 def test_damping_to_stabilise(mean: float, amplitude: float, omega: float) -> None:
     result = ROD.stability(load(mean, amplitude, omega))
@@ -304,7 +305,7 @@ def test_the_end_of_the_search_is_no_margin() -> None:
     assert math.isinf(above) or rod.is_stable(push.mean, outside, push.frequency)
 
 
-@settings(max_examples=200)
+@settings(max_examples=depth(200, 50))
 @given(rods, st.floats(-1.0, 3.0), st.floats(0.0, 2.0), st.floats(0.5, 50.0), st.floats(1.0, 9.0), st.floats(0.0, 0.2))
 def test_more_of_a_load_never_needs_fewer_modes(
     rod: fr.Rod, mean: float, amplitude: float, speed: float, more: float, damping: float

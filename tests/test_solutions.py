@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from scipy import special
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.mathieu import (
     characteristic_function,
     characteristic_values,
@@ -57,7 +58,7 @@ def test_real_orders_to_1e_12(order: float, q: float) -> None:
 
 
 @given(st.floats(-9.0, 9.0), st.floats(-10.0, 10.0))  # beyond, the bands of low orders are thinner than rounding
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=depth(60, 15), deadline=None)
 def test_orders_and_exponents_are_inverse(order: float, q: float) -> None:
     """At a = lambda_nu(q) the exponent per unit z is i nu, up to its sign and even numbers."""
     if abs(order - round(order)) < 1e-3:
@@ -181,7 +182,7 @@ def test_without_forcing_solutions_are_exponentials(beta: float, damping: float)
     st.sampled_from([0.0, 1e-3, 0.1, 0.4, 2.0, 150.0]),
     st.sampled_from([1.0, 30.0, 1e3]),
 )
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=depth(200, 30), deadline=None)
 def test_exponents_are_those_of_the_verdict(alpha: float, beta: float, damping: float, scale: float) -> None:
     """Decaying ones, too, and where multipliers underflow."""
     verdict = fr.stability(fr.Mathieu(scale * alpha, scale * beta, damping))

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.floquet import solve as module
 
 HILL = fr.HillSystem(
@@ -108,7 +109,7 @@ def test_against_many_digits(alpha: float, beta: float, end: float) -> None:
     st.floats(-10.0, 10.0),
     st.sampled_from([-1.0, 1.0]),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=depth(40, 10), deadline=None)
 def test_a_period_multiplies_by_the_multipliers(
     alpha: float, beta: float, damping: float, start: float, way: float
 ) -> None:

@@ -9,12 +9,13 @@ import pytest
 from hypothesis import given, settings
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.floquet.methods.monodromy import monodromy
 from floquetrod.floquet.methods.square_wave import square_wave
 from strategies import square_waves
 
 
-@settings(max_examples=150)
+@settings(max_examples=depth(150, 37))
 @given(square_waves(largest=40.0, largest_damping=0.3))
 def test_closed_form_against_integration(equation: fr.Meissner) -> None:
     closed, carried = square_wave(equation), monodromy(equation)

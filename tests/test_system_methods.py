@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.floquet import system_methods
 from floquetrod.floquet.dispatch import SYSTEMS
 from floquetrod.floquet.system_methods import reference, segmented, spectral
@@ -102,7 +103,7 @@ def test_decades_are_kept(method: str) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@settings(max_examples=15)
+@settings(max_examples=depth(15, 3))
 @given(
     mean=numbers(-2.0, 1.0),
     waves=st.lists(st.tuples(numbers(-2.0, 2.0), numbers(-2.0, 2.0)), min_size=1, max_size=2),
@@ -134,7 +135,7 @@ def test_one_equation_is_the_scalar_one(
 # --- against each other and another integrator -----------------------------------------------------------------------
 
 
-@settings(max_examples=25)
+@settings(max_examples=depth(25, 6))
 @given(systems())
 def test_methods_agree(system: System) -> None:
     truth = reference(system)
@@ -144,7 +145,7 @@ def test_methods_agree(system: System) -> None:
             check_agreement(EVERY[name](system), truth)
 
 
-@settings(max_examples=8)
+@settings(max_examples=depth(8, 3))
 @given(systems())
 def test_reference_is_what_an_integrator_finds(system: System) -> None:
     first = system.as_periodic_system() if isinstance(system, fr.HillSystem) else system
@@ -224,7 +225,7 @@ def test_backward_time_inverts_multipliers(method: str, system: fr.PeriodicSyste
 
 
 @pytest.mark.parametrize("method", METHODS)
-@settings(max_examples=10)
+@settings(max_examples=depth(10, 3))
 @given(system=systems())
 def test_exponents_sum_to_the_trace(method: str, system: System) -> None:
     first = system.as_periodic_system() if isinstance(system, fr.HillSystem) else system
@@ -234,7 +235,7 @@ def test_exponents_sum_to_the_trace(method: str, system: System) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@settings(max_examples=10)
+@settings(max_examples=depth(10, 3))
 @given(system=systems(("hamiltonian", "reversible", "gyroscopic")))
 def test_multipliers_come_in_pairs(method: str, system: fr.HillSystem) -> None:
     result = METHODS[method](system)
@@ -337,7 +338,7 @@ def test_counts_tell_krein_signs() -> None:
     assert not found.strongly_stable
 
 
-@settings(max_examples=10)
+@settings(max_examples=depth(10, 3))
 @given(systems(("hamiltonian", "gyroscopic")))
 def test_counts_agree_with_multipliers(system: fr.HillSystem) -> None:
     result = reference(system)

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.inertia import inertia
@@ -238,7 +239,7 @@ def test_one_equation_is_proved_as_the_scalar_is(equation: fr.Hill) -> None:
     assert isinstance(system.equation, HillSystem)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=depth(30, 3), deadline=None)
 @given(st.floats(-3.0, 1.0), st.floats(-2.0, 2.0), st.floats(0.0, 0.2), st.floats(0.5, 8.0))
 def test_one_equation_is_proved_as_the_scalar_is_by_the_means_of_systems(
     mean: float, amplitude: float, damping: float, period: float
@@ -305,7 +306,7 @@ def hamiltonian(seed: int, n: int) -> HillSystem:
     )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=depth(60, 12), deadline=None)
 @given(seeds, st.integers(1, 4))
 def test_no_proof_contradicts_an_integration(seed: int, n: int) -> None:
     system = hamiltonian(seed, n)
@@ -324,7 +325,7 @@ def test_nearly_every_hamiltonian_system_is_decided_with_doubles() -> None:
     assert min(statuses.count("stable"), statuses.count("unstable")) > 20
 
 
-@settings(max_examples=8, deadline=None)
+@settings(max_examples=depth(8, 3), deadline=None)
 @given(seeds, st.integers(1, 2))
 @example(0, 3)
 def test_more_digits_agree(seed: int, n: int) -> None:
@@ -377,7 +378,7 @@ def random_matrices(seed: int, n: int, *, real: bool) -> tuple[Any, Any]:
 
 
 @by_arithmetic
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=depth(25, 6), deadline=None)
 @given(seeds, st.integers(1, 4), st.booleans())
 def test_operations_enclose(arithmetic: Any, seed: int, n: int, real: bool) -> None:
     a, b = random_matrices(seed, n, real=real)
@@ -478,7 +479,7 @@ def test_errors_of_coefficients_widen_the_map() -> None:
 
 
 @by_arithmetic
-@settings(max_examples=10, deadline=None)
+@settings(max_examples=depth(10, 3), deadline=None)
 @given(seeds, st.integers(1, 4))
 def test_discs_contain_the_eigenvalues(arithmetic: Any, seed: int, n: int) -> None:
     rng = np.random.default_rng(seed)

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.equations.batches import in_batches, pick
 from floquetrod.floquet.systems import many
 from floquetrod.systems import arrays
@@ -69,7 +70,7 @@ def test_the_truth_of_the_literature() -> None:
     assert fr.systems.is_stable(batch).tolist() == [False, False, False, True]
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=depth(20, 5), deadline=None)
 @given(st.lists(systems(), min_size=1, max_size=6))
 def test_systems_of_every_kind_in_batches(members: list[fr.HillSystem | fr.PeriodicSystem]) -> None:
     answers = in_batches(members, arrays.verdicts)

@@ -230,13 +230,17 @@ def test_meissner_and_the_finite_time_criterion() -> None:
     agree(chart.bands, criterion.is_stable)
 
 
-def test_rods_judged_by_a_criterion_and_with_coupled_modes() -> None:
+def test_rods_judged_by_a_criterion() -> None:
     rod = fr.Rod.nitinol()
     plane: dict[str, Any] = {"mean": (0.8, 1.7, 20), "amplitude": 0.34, "frequency": (120.0, 200.0, 20)}
     criterion = fr.FiniteTimeCriterion()
     chart = fr.stability_map(rod, **plane, criterion=criterion)
     assert chart.bands.bands
     agree(chart.bands, lambda x, y: rod.verdicts(y, 0.34, x, criterion=criterion))
+
+
+@pytest.mark.slow
+def test_rods_with_coupled_modes() -> None:
     short = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, ends="clamped-clamped")  # of few modes, and they are coupled
     chart = fr.stability_map(short, mean=(700.0, 1500.0, 7), amplitude=1000.0, frequency=(18.0, 24.0, 7))
     bands = chart.find_bands(0.1)

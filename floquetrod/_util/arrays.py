@@ -6,10 +6,13 @@ return shaped(computed(x, y), shape)
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from floquetrod._util import validate
 
 
 def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[Any], ...]]:
@@ -20,6 +23,7 @@ def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[An
         *some, last = arrays
         shapes = ", ".join(str(array.shape) for array in arrays.values())
         raise ValueError(f"{', '.join(some)} and {last} must broadcast to one shape, got shapes {shapes}") from None
+    validate.elements(", ".join(arrays), math.prod(shape))
     whole = (array if array.shape == shape else np.broadcast_to(array, shape) for array in arrays.values())
     return shape, tuple(np.ascontiguousarray(array).ravel() for array in whole)
 

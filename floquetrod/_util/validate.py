@@ -12,6 +12,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from itertools import islice
 from pathlib import Path
+from reprlib import Repr
 from typing import Any, TypeVar
 
 import numpy as np
@@ -31,8 +32,19 @@ MOST_THREADS = 1024
 MOST_NUMBERS = 20_000
 """Most modes, orders or Fourier coefficients in one list (a choice)."""
 
+MOST_ELEMENTS = 100_000_000
+"""Most elements of an array, 0.8 GB of doubles, beyond which memory may run out before Ctrl-C is heard (a choice)."""
+
+_MOST_CHARACTERS = 4096  # of a path: what Linux opens
+_DEEPEST = 32  # levels of nested lists: more than NumPy 1 takes
+
 _LEAST_POSITIVE = math.ulp(0.0)
 _LARGEST_INTEGER = 2**62  # by default; what machine code can hold with room to add
+
+_SHORT = Repr()  # goes through no more than what is shown: nested lists may hold one part many times
+_SHORT.maxlevel = 4
+_SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = _SHORT.maxset = 20
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 200  # all of what is not cut below
 
 T = TypeVar("T")
 
@@ -51,7 +63,7 @@ def finite(name: str, value: Any, hint: str = "") -> float:
         number = float(value)
     except OverflowError:
         raise ValueError(f"{name} must be finite, got a number beyond 1e308{_remedy(hint)}") from None
-    except (TypeError, ValueError):
+    except Exception:  # whatever an object's own conversion raises
         raise TypeError(f"{name} must be a single real number, got {short(value)}{_remedy(hint)}") from None
     if not math.isfinite(number):
         raise _outside(name, number, -math.inf, math.inf, hint)
@@ -110,7 +122,7 @@ def integer(name: str, value: Any, least: int, most: int = _LARGEST_INTEGER, hin
         raise TypeError(f"{name} must be an integer, got {value!r}{_remedy(hint)}")
     try:
         number = operator.index(value)
-    except TypeError:
+    except Exception:  # whatever an object's own conversion raises
         raise TypeError(f"{name} must be an integer, got {short(value)}{_remedy(hint)}") from None
     if number < least:
         raise ValueError(f"{name} must be {least} or more, got {short(number)}{_remedy(hint)}")
@@ -125,7 +137,7 @@ def interval(name: str, value: Any, element: Callable[[str, Any], float] = finit
         if isinstance(value, str | bytes | Mapping | Set):
             raise TypeError
         low, high = value
-    except (TypeError, ValueError):
+    except Exception:  # whatever an object's own iterator raises
         raise TypeError(f"{name} must be two numbers (low, high), got {short(value)}") from None
     ends = element(f"{name}[0]", low), element(f"{name}[1]", high)
     if not ends[0] < ends[1]:
@@ -138,12 +150,26 @@ def interval(name: str, value: Any, element: Callable[[str, Any], float] = finit
 
 def sequence(name: str, values: Any, example: str = "(0.5, 0.1)") -> list[Any]:
     """Return a one-dimensional sequence as a list of no more than `MOST_NUMBERS`."""
-    if isinstance(values, str | bytes | Mapping | Set | np.ma.MaskedArray) or not np.iterable(values):
+    if isinstance(values, str | bytes | Mapping | Set | np.ma.MaskedArray) or not iterable(values):
         raise TypeError(f"{name} must be a sequence of numbers such as {example}, got {short(values)}")
-    listed = list(islice(values, MOST_NUMBERS + 1))
-    if len(listed) > MOST_NUMBERS:
-        raise ValueError(f"{name} must hold at most {MOST_NUMBERS} numbers, got more")
-    return listed
+    return listed(name, values, MOST_NUMBERS, "numbers")
+
+
+def iterable(values: Any) -> bool:
+    """Return whether ``values`` can be iterated over, as far as it can be asked."""
+    try:
+        iter(values)
+    except Exception:  # is not, or raises when asked
+        return False
+    return True
+
+
+def listed(name: str, values: Iterable[Any], most: int, what: str) -> list[Any]:
+    """Return what is iterated over, no more than ``most``, as a list."""
+    found = [] if _length(values) > most else list(islice(values, most + 1))
+    if _length(values) > most or len(found) > most:
+        raise ValueError(f"{name} must hold at most {most} {what}, got more")
+    return found
 
 
 def numbers(name: str, values: Any) -> tuple[float, ...]:
@@ -153,8 +179,8 @@ def numbers(name: str, values: Any) -> tuple[float, ...]:
 
 def integers(name: str, values: Any, least: int, most: int = MOST_NUMBERS, hint: str = "") -> tuple[int, ...]:
     """Return a one-dimensional sequence of ints from ``least`` to ``most`` as a tuple."""
-    listed = sequence(name, values, "(6, 7, 8)")
-    return tuple(integer(f"{name}[{i}]", value, least, most, hint) for i, value in enumerate(listed))
+    given = sequence(name, values, "(6, 7, 8)")
+    return tuple(integer(f"{name}[{i}]", value, least, most, hint) for i, value in enumerate(given))
 
 
 def modes(values: Any, name: str = "modes") -> tuple[int, ...]:
@@ -167,7 +193,7 @@ def modes(values: Any, name: str = "modes") -> tuple[int, ...]:
 
 def array(name: str, values: Any, *, least: float = -LARGEST, largest: float = LARGEST) -> NDArray[np.float64]:
     """Return ``values`` as a float64 array of finite numbers in ``[least, largest]``."""
-    raw = _raw(name, values)
+    raw = untyped(name, values)
     if raw.dtype.kind == "O":  # Fraction, Decimal, int beyond 64 bits: as a single number would be taken
         flat = [finite(_at(name, index), value) for index, value in np.ndenumerate(raw)]
         raw = np.array(flat, dtype=np.float64).reshape(raw.shape)
@@ -188,7 +214,7 @@ def array(name: str, values: Any, *, least: float = -LARGEST, largest: float = L
 
 def integer_array(name: str, values: Any, least: int, most: int = MOST_NUMBERS, hint: str = "") -> NDArray[np.int64]:
     """Return ``values`` as an int64 array of integers from ``least`` to ``most``."""
-    raw = _raw(name, values)
+    raw = untyped(name, values)
     if raw.dtype.kind not in "iu" and raw.size:
         if raw.dtype.kind == "O":  # names the entry that is none, or is too large
             for index, value in np.ndenumerate(raw):
@@ -209,7 +235,7 @@ def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
         raise TypeError(f"{name} must be one of {', '.join(map(repr, options))}, got {short(value)}")
     if value not in options:
         raise ValueError(
-            f"{name} must be one of {', '.join(map(repr, options))}, got {value!r}{did_you_mean(value, options)}"
+            f"{name} must be one of {', '.join(map(repr, options))}, got {short(value)}{did_you_mean(value, options)}"
         )
     return str(value)
 
@@ -229,6 +255,8 @@ def path(name: str, value: Any) -> Path:
         raise ValueError(f"{name} must name a file, got {value!r}")
     if "\0" in os.fspath(value):
         raise ValueError(f"{name} must not hold a null byte, got {short(value)}")
+    if len(os.fspath(value)) > _MOST_CHARACTERS:
+        raise ValueError(f"{name} must be a path of at most {_MOST_CHARACTERS} characters, got {short(value)}")
     return Path(value)
 
 
@@ -258,24 +286,53 @@ def workers(value: Any) -> int | None:
     return None if value is None else integer("workers", value, 1, MOST_THREADS, "leave it out for one per core")
 
 
-def _raw(name: str, values: Any) -> NDArray[Any]:
-    """Return ``values`` as an array of any type; ragged and masked ones are refused."""
-    if _masked(values):
+def untyped(name: str, values: Any) -> NDArray[Any]:
+    """Return ``values`` as an array of any type; ragged and masked ones are refused, and those too large."""
+    elements(name, values.size if type(values) is np.ndarray else _counted(name, values, {}))
+    try:
+        return np.asarray(values)
+    except Exception:  # ragged, or whatever an object's own conversion raises
+        raise ValueError(f"{name} must be an array or nested lists of equal lengths, got {short(values)}") from None
+
+
+def elements(name: str, count: int) -> None:
+    """Raise ValueError for an array of more than `MOST_ELEMENTS`, before memory is taken for it."""
+    if count > MOST_ELEMENTS:
+        raise ValueError(
+            f"{name} must have at most {MOST_ELEMENTS:,} elements, got {short(count)}; ask for one piece at a time"
+        )
+
+
+def _counted(name: str, values: Any, known: dict[int, int], depth: int = 0) -> int:
+    """Return how many elements an array of nested lists would have; what cannot become one is refused.
+
+    A list met again, of which ``known`` has the number, is not gone through again: nested lists may share their parts.
+    """
+    if isinstance(values, np.ma.MaskedArray):
         raise TypeError(
             f"{name} must not be a masked array: its mask would be lost; give {name}.compressed(), or "
             f"{name}.filled(value) and mask the result"
         )
+    if isinstance(values, np.ndarray):
+        return values.size
+    if not isinstance(values, list | tuple):
+        return 1 if isinstance(values, str | bytes) or hasattr(values, "__array__") else _length(values)
+    if depth > _DEEPEST:
+        raise ValueError(f"{name} must not be nested deeper than {_DEEPEST} levels; does a list in it contain itself?")
+    if id(values) not in known:
+        parts = (value for value in values if not isinstance(value, float | int))
+        known[id(values)] = len(values) + sum(_counted(name, part, known, depth + 1) for part in parts)
+    return known[id(values)]
+
+
+def _length(values: Any) -> int:
+    """Return what an object says its length is, 1 for one that says nothing."""
     try:
-        return np.asarray(values)
-    except (ValueError, OverflowError):  # ragged, or deeper than arrays go
-        raise ValueError(f"{name} must be an array or nested lists of equal lengths, got {short(values)}") from None
-
-
-def _masked(values: Any) -> bool:
-    """Return whether ``values`` is a masked array or holds one."""
-    if isinstance(values, list | tuple):
-        return any(_masked(value) for value in values if not isinstance(value, float | int))
-    return isinstance(values, np.ma.MaskedArray)
+        return len(values)
+    except OverflowError:  # more than a list can hold
+        return _LARGEST_INTEGER
+    except Exception:  # has none, or raises when asked
+        return 1
 
 
 def _at(name: str, index: Sequence[int]) -> str:
@@ -302,7 +359,7 @@ def _remedy(hint: str) -> str:
 def short(value: Any) -> str:
     """Return ``value`` as it is written in a message, however long it is."""
     try:
-        text = repr(value)
-    except ValueError:  # an integer of more digits than Python prints
-        text = f"a {type(value).__name__} too long to print"
+        text = _SHORT.repr(value)
+    except Exception:  # an integer of more digits than Python prints, or whatever an object's own text raises
+        text = f"a {type(value).__name__} that cannot be printed"
     return text if len(text) <= 80 else f"{text[:77]}..."

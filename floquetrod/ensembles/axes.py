@@ -188,7 +188,7 @@ def study_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, s
 def _values(problem: SimulationProblem, name: str, given: Any) -> NDArray[Any]:
     """Return the values given for a name, one-dimensional and not empty."""
     argument = f"over[{name!r}]"
-    if isinstance(given, str | bytes | Mapping | set | frozenset) or not np.iterable(given):
+    if isinstance(given, str | bytes | Mapping | set | frozenset) or not validate.iterable(given):
         raise TypeError(
             f"{argument} must be a sequence of numbers such as [0.1, 0.2], or a frozen distribution such as "
             f"scipy.stats.uniform(0.1, 0.1), got {validate.short(given)}"

@@ -38,9 +38,9 @@ def stack(systems: Sequence[System]) -> System:
     >>> stack([HillSystem([[1.0]], period=2.0), HillSystem([[1.5]], [[[0.2]]], period=2.0)]).harmonics[:, 0, 0, 0].real
     array([0. , 0.2])
     """
-    if not np.iterable(systems):
+    if not validate.iterable(systems):
         raise TypeError(f"systems must be a sequence of systems, got {validate.short(systems)}")
-    listed: list[Any] = list(systems)
+    listed = validate.listed("systems", systems, validate.MOST_ELEMENTS, "systems")
     if not listed:
         raise ValueError("systems must hold at least one system, got none")
     kind = HillSystem if isinstance(listed[0], HillSystem) else PeriodicSystem

@@ -132,12 +132,12 @@ def by_harmonic(name: str, values: Any, order: int, like: str) -> tuple[Matrix, 
 
 def _is_flat(value: Any) -> bool:
     """Return whether this is a number, or a sequence of numbers."""
-    return not any(np.iterable(part) for part in value) if np.iterable(value) else True
+    return not any(validate.iterable(part) for part in value) if validate.iterable(value) else True
 
 
 def periods(value: Any) -> float | NDArray[np.float64]:
     """Return a period, or an array of them for a batch."""
-    if not np.iterable(value) or isinstance(value, str | bytes):
+    if not validate.iterable(value) or isinstance(value, str | bytes):
         number = validate.within("period", value, _LEAST_PERIOD, 1.0 / _LEAST_PERIOD)
         _require_unrounded("period", np.asarray(value), np.asarray(number))
         return number

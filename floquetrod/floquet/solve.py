@@ -174,7 +174,7 @@ def solve(equation: Any, initial: Any, span: Any) -> Solution:
 
 def _span(span: Any) -> tuple[float, float]:
     """Return the interval as two different times."""
-    if isinstance(span, str | bytes) or not np.iterable(span):
+    if isinstance(span, str | bytes) or not validate.iterable(span):
         start, stop = 0.0, validate.finite("span", span)
     else:
         values = validate.array("span", span)

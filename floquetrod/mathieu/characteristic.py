@@ -134,7 +134,7 @@ def transition_curves(alpha: Any, orders: Any) -> TransitionCurves:
     values = np.atleast_1d(validate.array("alpha", alpha, least=-_LARGEST_ALPHA, largest=_LARGEST_ALPHA))
     if values.ndim != 1:
         raise ValueError(f"alpha must be one-dimensional, got shape {values.shape}; ravel it first")
-    if np.iterable(orders):
+    if validate.iterable(orders):
         listed = validate.integers("orders", orders, 0)
     else:
         listed = tuple(range(validate.integer("orders", orders, 0, validate.MOST_NUMBERS) + 1))

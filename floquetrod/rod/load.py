@@ -388,10 +388,8 @@ def _waveform(value: Any) -> Waveform:
     """Return a waveform, checked: "sine", or finite complex numbers, the last not zero."""
     if isinstance(value, str) and value == "sine":
         return value
-    if isinstance(value, np.ma.MaskedArray):
-        raise TypeError("waveform must not be a masked array: its mask would be lost; give waveform.filled(0)")
     try:
-        numbers = np.asarray(value)
+        numbers = validate.untyped("waveform", value)
         known = numbers.ndim == 1 and numbers.size > 0 and numbers.dtype.kind in "iufc"
     except ValueError:
         known = False

@@ -306,11 +306,12 @@ def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.flo
 
 def _column(name: str, values: Any, least: float, largest: float) -> NDArray[np.float64]:
     """Return one column of samples as a new array, in which there may be NaN."""
+    values = validate.untyped(name, values)
     try:
         holes = np.isnan(values)
-    except (TypeError, ValueError):  # of another kind, or ragged, which the check names
+    except TypeError:  # of another kind, which the check names
         holes = np.array(False)
-    if not isinstance(values, np.ma.MaskedArray) and holes.any():
+    if holes.any():
         values = np.where(holes, 0.0, values)
     result = np.where(holes, np.nan, validate.array(name, values, least=least, largest=largest))
     if result.ndim != 1:

@@ -140,7 +140,7 @@ def _place(name: str, wanted: str | None, headings: Sequence[str] | None, many: 
     if len(found) != 1:
         what = "a heading of one column" if headings else f"a column from 0 to {many - 1}"
         raise ValueError(
-            f"{name} must be {what}, got {wanted!r}"
+            f"{name} must be {what}, got {validate.short(wanted)}"
             + (f"; the headings are {', '.join(map(repr, listed))}" if listed else "")
         )
     return found[0]

@@ -17,14 +17,14 @@ import numpy as np
 
 import floquetrod as fr
 from fuzz import apart, runs
-from fuzz.calls import FIRST_ORDER, LOAD, ROD, SYSTEM, oscillators, simulation, table
+from fuzz.calls import CLAMPED, FIRST_ORDER, LOAD, ROD, SYSTEM, oscillators, simulation, table
 from fuzz.core import Found, told
 
 CASES = 60
 QUICK = 8
 
-PROMPT = 15.0
-"""Seconds within which Ctrl-C has to be answered: the pieces of work between are far shorter."""
+PROMPT = 60.0
+"""Seconds within which Ctrl-C has to be answered: the pieces of work between are far shorter on the busiest machine."""
 _AGAIN = 3.0  # seconds until it is sent once more
 
 QUIET = {"Explorer", "simulate", "compare", "Chart.save", "Simulation.save"}
@@ -107,6 +107,7 @@ LONG: dict[str, Callable[[], Any]] = {
     "systems.is_stable": lambda: fr.systems.is_stable(
         fr.HillSystem(np.eye(8), [0.1 * np.ones((8, 8))], period=np.linspace(1.0, 9.0, 200_000))
     ),
+    "coupled loads": lambda: CLAMPED.is_stable(np.linspace(0.1, 0.2, 3_000_000) * CLAMPED.critical_force, 100.0, 20.0),
     "compare": lambda: [fr.compare(fr.Mathieu(0.5, -0.25 - 1e-6 * k)) for k in range(10_000)],
     "stability": lambda: [ROD.stability(LOAD) for _ in range(10_000)],
     "simulate": lambda: _whole(fr.simulate(ROD, LOAD, duration=1000.0, segments=100)),
@@ -126,7 +127,11 @@ def interrupts(rng: np.random.Generator) -> Found:
     Python itself loses one that arrives in a callback of its garbage collector: tools of tests have such callbacks.
     """
     name = str(rng.choice(sorted(LONG)))
-    process, reader = apart.start(functools.partial(_hearing, LONG[name]))
+    begun, begins = os.pipe()
+    process, reader = apart.start(functools.partial(_hearing, LONG[name], begins))
+    os.close(begins)
+    os.read(begun, 1)  # before, Ctrl-C would end the fork of the process that asks
+    os.close(begun)
     time.sleep(float(rng.uniform(0.3, 0.8)))
     asked = pressed = time.monotonic()
     os.kill(process, signal.SIGINT)
@@ -149,10 +154,11 @@ def interrupts(rng: np.random.Generator) -> Found:
     return Found(1, [])
 
 
-def _hearing(call: Callable[[], Any]) -> Any:
-    """Call, hearing Ctrl-C even where this runs in the background, which a process inherits."""
+def _hearing(call: Callable[[], Any], begins: int) -> Any:
+    """Say through a pipe that the call begins, and call, hearing Ctrl-C even in the background, as is inherited."""
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
         signal.signal(signal.SIGINT, signal.default_int_handler)
+    os.write(begins, b".")
     return call()
 
 

@@ -109,10 +109,83 @@ JUNK: tuple[str, ...] = (
     "{'omega': (2.5, 3.5, 3), 'epsilon': (0.1, math.inf, 2)}",
     "{'omega': (2.5, 3.5, 3)}",
     "{'omega': (-1.0, 0.0, 2), 'epsilon': (0.1, 0.2, 2)}",
+    "loop()",
+    "loop(0.3)",
+    "loop(twice=True)",
+    "tree(40)",
+    "tree(30)",
+    "Endless()",
+    "Raising()",
+    "[Raising()]",
+    "objects(0.3, Raising())",
+    "range(10**12)",
+    "range(10**30)",
+    "'x' * 10**6",
+    "'1' * 10**6",
+    "b'x' * 10**6",
+    "['x' * 10**6]",
+    "np.array(['x' * 10**5])",
+    "np.broadcast_to(0.3, 10**12)",
+    "np.broadcast_to(0.3, (10**6, 10**6))",
+    "np.broadcast_to(0.3, (10**10, 2, 2))",
 )
 """What is put in the place of an argument, as expressions."""
 
-_NAMES = {"fr": fr, "np": np, "math": math, "Fraction": Fraction, "ROD": ROD, "LOAD": LOAD}
+LONGEST_MESSAGE = 10_000
+"""Characters that an error may have: two paths of the longest kind, and what is said of them."""
+
+
+def loop(*first: float, twice: bool = False) -> list[Any]:
+    """Return a list that holds itself after some numbers, as often as asked."""
+    found: list[Any] = [*first]
+    found += [found] * (1 + twice)
+    return found
+
+
+def tree(levels: int) -> Any:
+    """Return nested pairs, each of one list twice: few lists, and two numbers to the power of the levels."""
+    found: Any = 0.3
+    for _ in range(levels):
+        found = [found, found]
+    return found
+
+
+def objects(*values: Any) -> np.ndarray:
+    """Return an array of objects, none of which is asked for anything."""
+    found = np.empty(len(values), dtype=object)
+    for place, value in enumerate(values):
+        found[place] = value
+    return found
+
+
+class Endless:
+    """A sequence that says it has a million million numbers."""
+
+    def __len__(self) -> int:
+        return 10**12
+
+    def __getitem__(self, place: int) -> float:
+        if not 0 <= place < 10**12:
+            raise IndexError
+        return 0.3
+
+
+class Raising:
+    """Something that can be asked for nothing, not even for its text."""
+
+    def _refuse(self, *arguments: object, **options: object) -> Any:
+        raise ZeroDivisionError("nothing can be asked of this")
+
+    __float__ = __index__ = __array__ = __len__ = __iter__ = __repr__ = __str__ = _refuse
+
+
+_NAMES = {"fr": fr, "np": np, "math": math, "Fraction": Fraction, "ROD": ROD, "LOAD": LOAD} | {
+    "loop": loop,
+    "tree": tree,
+    "objects": objects,
+    "Endless": Endless,
+    "Raising": Raising,
+}
 
 
 def check(rng: np.random.Generator) -> Found:
@@ -155,6 +228,8 @@ def _judge(answer: Any, call: Call, values: dict[str, Any]) -> list[str]:
     if isinstance(answer, BaseException):
         if not isinstance(answer, ValueError | TypeError):
             return [told(answer)]
+        if len(str(answer)) > LONGEST_MESSAGE:
+            return [f"a message of {len(str(answer))} characters: {told(answer)}"]
         return [] if _names_an_argument(str(answer), call) else [f"names no argument: {told(answer)}"]
     wrong = []
     # NaN where nothing could be computed

@@ -16,7 +16,7 @@ from fuzz.core import LONGEST, Found, limit
 from fuzz.system_draws import System
 
 CASES = 60
-QUICK = 4
+QUICK = 3
 
 _INTEGRATED = 1e-9  # of the map by scipy, relative to its norm: the integrator is asked for 1e-12
 _NONE = 1e-7  # growth over a period that is none, on the coarser map of a batch

@@ -14,7 +14,7 @@ from fuzz import oracle, precise, rods
 from fuzz.core import Found, limit
 
 CASES = 40
-QUICK = 3
+QUICK = 2
 
 AT_ONCE = 500
 """Equations of a case that go through the functions over arrays."""
