@@ -53,6 +53,13 @@ def fails_at_150(run: fr.Simulation) -> Mapping[str, float]:
     return {"one": 1.0}
 
 
+def exits_at_150(run: fr.Simulation) -> Mapping[str, float]:
+    """Return a summary, but exit at one frequency."""
+    if run.problem.load.frequency == 150.0:
+        sys.exit(3)
+    return {"one": 1.0}
+
+
 def kills_at_150(run: fr.Simulation) -> Mapping[str, float]:
     """Return a summary, but end the process at one frequency."""
     if run.problem.load.frequency == 150.0:

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
+import shutil
+import signal
+import socket
+import sys
 import threading
+import time
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -12,8 +19,8 @@ import pytest
 import xarray
 
 import floquetrod as fr
-from ensemble_cases import OVER, PROBLEM, assert_same, depth
-from floquetrod.ensembles import Runs, stores, stores_zarr, workers
+from ensemble_cases import OVER, PROBLEM, assert_same, depth, in_memory, kills_at_150, script
+from floquetrod.ensembles import Runs, stores, stores_disk, stores_zarr, workers
 from floquetrod.simulation import checkpoints
 
 KINDS = ("runs.npz", "runs.zarr")
@@ -189,7 +196,7 @@ def test_a_full_disk_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 
     def full(path: Path, content: bytes) -> None:
         calls.append(path)
-        if 3 <= len(calls) < 6:
+        if 6 <= len(calls) < 9:  # the first four made the store
             raise OSError(28, "No space left on device")
         replace(path, content)
 
@@ -198,13 +205,15 @@ def test_a_full_disk_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         found = fr.ensemble(PROBLEM, OVER, store=place)
     assert_same(found, whole)
     assert_same(xarray.open_zarr(place), whole)
-    calls[:] = [place, place]
+    calls[:] = [place] * 5
     with pytest.raises(ValueError, match=r"other\.zarr cannot be written: No space left on device"):
         fr.ensemble(PROBLEM, OVER, store=tmp_path / "other.zarr")
     assert not list(tmp_path.glob("*other*"))
 
 
-def test_frames_that_cannot_be_written_stay_pending(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_frames_that_cannot_be_written_are_pending_in_the_store(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     place, replace = tmp_path / "runs.zarr", stores_zarr.replace
 
     def full(path: Path, content: bytes) -> None:
@@ -216,16 +225,235 @@ def test_frames_that_cannot_be_written_stay_pending(tmp_path: Path, monkeypatch:
         patched.setattr(stores_zarr, "replace", full)
         with pytest.warns(checkpoints.CheckpointWarning, match="No space left"):
             found = fr.ensemble(PROBLEM, {"seed": range(5)}, store=place, frames=True)
-    assert found.status.values.tolist() == [1, 1, 1, 0, 1]
-    assert_same(
-        fr.ensemble(PROBLEM, {"seed": range(5)}, store=place, frames=True),
-        fr.ensemble(PROBLEM, {"seed": range(5)}, frames=True),
+    whole = fr.ensemble(PROBLEM, {"seed": range(5)}, frames=True)
+    assert_same(found, whole)
+    assert xarray.open_zarr(place).status.values.tolist() == [1, 1, 1, 0, 1]
+    count = Stopped()
+    assert_same(fr.ensemble(PROBLEM, {"seed": range(5)}, store=place, frames=True, progress=count), whole)
+    assert count.calls == 1
+
+
+@pytest.mark.parametrize("frames", [False, True])
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_disk_that_stays_full_costs_one_warning_and_no_results(
+    kind: str, frames: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place, whole = tmp_path / kind, fr.ensemble(PROBLEM, OVER, frames=frames)
+
+    def full(*arguments: Any, **options: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    def fill(done: int, total: int) -> None:
+        monkeypatch.setattr(stores_zarr, "replace", full)
+        monkeypatch.setattr(Runs, "save", full)
+
+    with pytest.warns(checkpoints.CheckpointWarning, match="the same arguments") as heard:
+        found = fr.ensemble(PROBLEM, OVER, frames=frames, store=place, progress=fill)
+    assert len(heard) == 1
+    assert_same(found, whole)
+    monkeypatch.undo()
+    count = Stopped()
+    assert_same(fr.ensemble(PROBLEM, OVER, frames=frames, store=place, progress=count), whole)
+    assert count.calls >= 29
+
+
+def test_frames_that_neither_disk_nor_memory_holds_cost_no_other_results(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    place, whole = tmp_path / "runs.zarr", fr.ensemble(PROBLEM, OVER)
+    replace = stores_zarr.replace
+
+    def full(path: Path, content: bytes) -> None:
+        if "positions" in path.parts:
+            raise OSError(28, "No space left on device")
+        replace(path, content)
+
+    monkeypatch.setattr(stores_zarr, "replace", full)
+    monkeypatch.setattr(stores, "MOST_MEMORY", 40_000)  # the frames of four runs
+    with pytest.warns(checkpoints.CheckpointWarning) as heard:
+        found = fr.ensemble(PROBLEM, OVER, frames=True, store=place)
+    assert len(heard) == 1
+    assert np.isnan(found.positions).all()
+    assert_same(found.drop_vars(["time", "angle", "positions"]), whole)
+    assert (xarray.open_zarr(place).status == 0).all()
+
+
+@pytest.mark.parametrize("frames", [False, True])
+@pytest.mark.parametrize("damage", ["gone", "empty", "flip", "another"])
+@pytest.mark.parametrize("name", list(OVER))
+def test_damaged_coordinates_are_written_again(name: str, damage: str, frames: bool, tmp_path: Path) -> None:
+    place, over = tmp_path / "runs.zarr", {"frequency": [120.0], "kick": [0.01], "seed": [4]}
+    whole = fr.ensemble(PROBLEM, over, store=place, frames=frames)
+    file = place / name / "0"
+    content = file.read_bytes()
+    if damage == "gone":
+        file.unlink()
+    elif damage == "another":
+        file.write_bytes((place / ("kick" if name != "kick" else "frequency") / "0").read_bytes())
+    else:
+        file.write_bytes(b"" if damage == "empty" else content[:-1] + bytes([content[-1] ^ 1]))
+    assert_same(fr.ensemble(PROBLEM, over, store=place, frames=frames), whole)
+    assert file.read_bytes() == content
+    assert_same(xarray.open_zarr(place), whole)
+
+
+def failing_once(*errors: Exception) -> Callable[[fr.Simulation], dict[str, float]]:
+    """Return a summary that raises each of these errors once, for the seeds from 1 on."""
+    left = dict(enumerate(errors, 1))
+
+    def summary(run: fr.Simulation) -> dict[str, float]:
+        error = left.pop(run.problem.perturbation.noises[0][1], None)
+        if error is not None:
+            raise error
+        return {"one": 1.0}
+
+    return summary
+
+
+PASSING = (
+    MemoryError(),
+    np._core._exceptions._ArrayMemoryError((9,), np.dtype(float)),
+    FileNotFoundError(2, "gone"),
+    shutil.Error("x"),
+    socket.gaierror("no name"),
+)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_runs_that_failed_for_what_passes_are_made_again(kind: str, tmp_path: Path) -> None:
+    place, over = tmp_path / kind, {"seed": range(8)}
+    whole = fr.ensemble(PROBLEM, over, summary=failing_once())
+    summary = failing_once(*PASSING, ValueError("its own"))
+    first = fr.ensemble(PROBLEM, over, store=place, summary=summary)
+    assert first.status.values.tolist() == [1, 2, 2, 2, 2, 2, 2, 1]
+    count = Stopped()
+    same = fr.ensemble(PROBLEM, over, store=place, summary=summary, retry_failed=False, progress=count)
+    assert_same(same, first)
+    assert count.calls == 0
+    again = fr.ensemble(PROBLEM, over, store=place, summary=summary, progress=count)
+    assert count.calls == 5
+    assert again.status.values.tolist() == [1, 1, 1, 1, 1, 1, 2, 1]
+    assert again.reason.values.tolist() == [*[""] * 6, "ValueError: its own", ""]
+    read = Runs.load(place) if kind.endswith("npz") else xarray.open_zarr(place)
+    assert_same(read, again)
+    assert_same(again.isel(seed=slice(6)), whole.isel(seed=slice(6)))
+
+
+def test_runs_whose_workers_died_are_made_again(tmp_path: Path) -> None:
+    place, reason = tmp_path / "runs.npz", "its worker process died 3 times: killed, or out of memory"
+    found = in_memory(fr.ensemble(PROBLEM, {"seed": range(3)}, store=place))
+    found["status"][1] = 2
+    found.variables["reason"] = found.variables["reason"]._replace(values=np.array(["", reason, ""]))
+    found.save(place)
+    again = fr.ensemble(PROBLEM, {"seed": range(3)}, store=place)
+    assert again.status.values.tolist() == [1, 1, 1]
+    assert again.reason.values.tolist() == ["", "", ""]
+
+
+def test_a_run_whose_reason_is_lost_is_made_again(tmp_path: Path) -> None:
+    place, over = tmp_path / "runs.zarr", {"friction": [0.1, -1.0]}
+    whole = fr.ensemble(PROBLEM, over, store=place)
+    (place / "reason" / "0").unlink()
+    assert_same(fr.ensemble(PROBLEM, over, store=place), whole)
+    assert_same(xarray.open_zarr(place), whole)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_store_that_a_living_process_fills_is_refused(kind: str, tmp_path: Path) -> None:
+    """Even if it does nothing for long, as a process that has been stopped; one that was killed hinders nobody."""
+    place = tmp_path / kind
+    body = (
+        "def wait(done, total):\n"
+        "    if done == 9:\n"
+        "        print('waits', flush=True)\n"
+        "        sys.stdin.read()\n"
+        "fr.ensemble(PROBLEM, OVER, store=sys.argv[1], progress=wait)\n"
     )
+    with script(body, place, stdin=-1, stdout=-1) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "waits\n"
+        with pytest.raises(ValueError, match=rf"store .*{kind} is being filled by another process"):
+            fr.ensemble(PROBLEM, OVER, store=place)
+        other.kill()
+    count = Stopped()
+    assert_same(fr.ensemble(PROBLEM, OVER, store=place, progress=count), fr.ensemble(PROBLEM, OVER))
+    assert count.calls < 30
+    assert not list(tmp_path.glob(".*"))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere locks belong to the process")
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_store_that_this_process_fills_is_refused(kind: str, tmp_path: Path) -> None:
+    refused = []
+
+    def fill(done: int, total: int) -> None:
+        with pytest.raises(ValueError, match="is being filled by another process, or another thread"):
+            fr.ensemble(PROBLEM, OVER, store=tmp_path / kind)
+        refused.append(done)
+
+    found = fr.ensemble(PROBLEM, OVER, store=tmp_path / kind, progress=fill)
+    assert len(refused) == 30
+    assert_same(found, fr.ensemble(PROBLEM, OVER))
+
+
+def unlocked(*arguments: Any, **options: Any) -> None:
+    """Stand for a lock on a file system that has none."""
+    raise OSError(37, "No locks available")
+
+
+def test_without_locks_a_finished_file_is_taken_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place, whole = tmp_path / "runs.npz", fr.ensemble(PROBLEM, OVER)
+    monkeypatch.setattr(stores_disk, "Lock", unlocked)
+
+    def finish(done: int, total: int) -> None:
+        if done == 5:
+            assert_same(fr.ensemble(PROBLEM, OVER, store=place), whole)
+        if done == 8:
+            raise KeyboardInterrupt
+
+    with pytest.warns(checkpoints.CheckpointWarning, match=r"cannot be locked \(No locks available\): make sure"):
+        found = fr.ensemble(PROBLEM, OVER, store=place, progress=finish)
+    assert_same(found, whole)
+    assert_same(Runs.load(place), whole)
+
+
+def test_a_file_of_another_study_that_appears_meanwhile_is_left_alone(tmp_path: Path) -> None:
+    place, other = tmp_path / "runs.npz", tmp_path / "other.npz"
+    fr.ensemble(PROBLEM, {"seed": [7]}, store=other)
+    content = other.read_bytes()
+
+    def move(done: int, total: int) -> None:
+        if done == 5:
+            other.replace(place)
+
+    with pytest.warns(checkpoints.CheckpointWarning, match="cannot be written .*holds another study") as heard:
+        found = fr.ensemble(PROBLEM, OVER, store=place, progress=move)
+    assert len(heard) == 1
+    assert_same(found, fr.ensemble(PROBLEM, OVER))
+    assert place.read_bytes() == content
+
+
+def test_ctrl_c_while_a_store_is_made_leaves_nothing_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from zarr.storage import LocalStore
+
+    place, put, written = tmp_path / "runs.zarr", LocalStore.set, []
+
+    async def interrupted(self: Any, key: str, value: Any) -> None:
+        written.append(key)
+        if len(written) == 3:
+            signal.raise_signal(signal.SIGINT)
+            await asyncio.sleep(0.5)  # until the main thread has heard of it
+        await put(self, key, value)
+
+    monkeypatch.setattr(LocalStore, "set", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        fr.ensemble(PROBLEM, OVER, store=place)
+    time.sleep(1.0)
+    assert [path.name for path in tmp_path.iterdir()] == ["runs.zarr"]
+    assert_same(fr.ensemble(PROBLEM, OVER, store=place), fr.ensemble(PROBLEM, OVER))
 
 
 def test_a_store_that_another_process_fills_is_refused(tmp_path: Path) -> None:
-    from ensemble_cases import script
-
     place = tmp_path / "runs.zarr"
     fr.ensemble(PROBLEM, OVER, store=place, part=(1, 2))
     fcntl = pytest.importorskip("fcntl")
@@ -263,7 +491,28 @@ def test_an_npz_store_is_runs(tmp_path: Path) -> None:
 
 
 def test_too_many_frames_for_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stores, "_MOST_MEMORY", 10_000)
+    monkeypatch.setattr(stores, "MOST_MEMORY", 10_000)
     monkeypatch.setattr(workers, "carry_out", None)
     with pytest.raises(ValueError, match=r"bytes of memory, at most 10,000; give a store that ends in \.zarr"):
         fr.ensemble(PROBLEM, OVER, frames=True)
+
+
+def test_a_store_continues_where_only_runs_are_left_that_fail(tmp_path: Path) -> None:
+    place, over = tmp_path / "runs.zarr", {"friction": [0.1, -1.0]}
+    fr.ensemble(PROBLEM, over, store=place, summary=depth, part=(1, 2))
+    assert fr.ensemble(PROBLEM, over, store=place, summary=depth).status.values.tolist() == [1, 2]
+
+
+def test_a_run_that_kills_its_workers_does_not_kill_who_resumes(tmp_path: Path) -> None:
+    place, over = tmp_path / "runs.npz", {"frequency": [120.0, 150.0]}
+    found = in_memory(fr.ensemble(PROBLEM, over, store=place, summary=lambda run: {"one": 1.0}))
+    found["status"][1] = 2
+    reason = np.array(["", "its worker process died 3 times: killed, or out of memory"])
+    found.variables["reason"] = found.variables["reason"]._replace(values=reason)
+    found.save(place)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(workers, "_DEATHS", 1)
+        again = fr.ensemble(PROBLEM, over, store=place, summary=kills_at_150, workers=1)
+    assert again.status.values.tolist() == [1, 2]
+    with pytest.raises(ValueError, match="holds a summary of one, got two"):
+        fr.ensemble(PROBLEM, over, store=place, summary=lambda run: {"two": 1.0})
