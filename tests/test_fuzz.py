@@ -214,7 +214,7 @@ def test_damaged_stores_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
     place = tmp_path / "runs.zarr"
     shutil.copytree(files.whole_store(), place)
     (place / "kick" / "0").unlink()
-    monkeypatch.setattr(stores_zarr.ZarrStore, "_write_coords", lambda store: None)
+    monkeypatch.setattr(stores_zarr.ZarrStore, "_write_known", lambda store: None)
     assert files.go_on(place) == ["the store holds another kick"]
 
 

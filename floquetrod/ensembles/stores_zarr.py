@@ -7,6 +7,7 @@ one at once, has a checksum, and counts as missing where that does not fit.
 
 from __future__ import annotations
 
+import json
 import math
 import secrets
 import shutil
@@ -42,9 +43,9 @@ class ZarrStore(DiskStore):
         self._own = range(len(self.layout.starts))
         self._waiting: dict[int, Mapping[str, NDArray[np.float64]]] = {}  # frames that could not be written
         if not path.exists():
-            with interrupt.held():  # zarr goes on writing in a thread of its own
+            with interrupt.held():
                 self._create()
-        self._succeeds(self._write_coords)
+        self._succeeds(self._write_known)
         self._refresh(self._own)
 
     def open_part(self, chunks: range) -> None:
@@ -189,8 +190,11 @@ class ZarrStore(DiskStore):
             for name, dims in self.layout.frame_shapes.items()
         }
 
-    def _write_coords(self) -> None:
-        """Write the coordinates whose files are missing or do not hold them."""
+    def _write_known(self) -> None:
+        """Write what does not depend on runs, metadata and coordinates, where a file is missing or differs."""
+        for path, content in self._metadata().items():
+            if not _is_json(self.path / path, content):
+                replace(self.path / path, content)
         for name, v in self.layout.coords.items():
             file = self.path / name / "0"
             try:
@@ -211,7 +215,10 @@ class ZarrStore(DiskStore):
                     shutil.rmtree(old)
         target, self.path = self.path, folder / f".{self.path.name}.{secrets.token_hex(8)}.part"
         try:
-            self._make_arrays()
+            self._write_known()
+            for number in range(len(self.layout.starts)):
+                runs = self.layout.runs_of(range(number, number + 1))
+                self._write_chunk("status", runs, self.values["status"][runs.start : runs.stop])
             self.path.rename(target)
         except OSError as error:
             if not target.exists():
@@ -223,17 +230,19 @@ class ZarrStore(DiskStore):
         if chunk != self.layout.chunk:
             raise ValueError(f"store {target} has been made with parts of other sizes meanwhile; begin again")
 
-    def _make_arrays(self) -> None:
-        """Write all metadata, coordinates, and the status of every run."""
+    def _metadata(self) -> dict[str, bytes]:
+        """Return the files that describe the arrays, by their paths in the store."""
         import zarr
 
-        group = zarr.create_group(self.path, zarr_format=2, attributes=self.layout.about)
+        files: dict[str, Any] = {}
+        store = zarr.storage.MemoryStore(files)
+        group = zarr.create_group(store, zarr_format=2, attributes=self.layout.about)
         study, chunk = self.layout.study, self.layout.chunk
         ones = (1,) * len(chunk)
 
-        def add(name: str, dtype: Any, shape: Any, chunks: Any, dims: Any, attrs: Any) -> Any:
+        def add(name: str, dtype: Any, shape: Any, chunks: Any, dims: Any, attrs: Any) -> None:
             """Add an array; one of numbers has no value that would stand for a missing one."""
-            return group.create_array(
+            group.create_array(
                 name,
                 shape=shape,
                 chunks=chunks,
@@ -246,7 +255,6 @@ class ZarrStore(DiskStore):
 
         for name, v in self.layout.coords.items():
             add(name, v.values.dtype, v.values.shape, v.values.shape, v.dims, v.attrs)
-        self._write_coords()
         add("reason", f"U{REASON}", study.shape, chunk, study.dims, self.layout.attrs("reason"))
         for name, kind in self.layout.kinds.items():
             add(name, kind.dtype, study.shape, chunk, study.dims, self.layout.attrs(name))
@@ -254,10 +262,16 @@ class ZarrStore(DiskStore):
             names, lengths = zip(*dims, strict=True)
             shape = (*study.shape, *lengths)
             add(name, np.float64, shape, (*ones, *lengths), (*study.dims, *names), FRAME_ATTRS[name])
-        for number in range(len(self.layout.starts)):
-            runs = self.layout.runs_of(range(number, number + 1))
-            self._write_chunk("status", runs, self.values["status"][runs.start : runs.stop])
-        zarr.consolidate_metadata(self.path)
+        zarr.consolidate_metadata(store)
+        return {name: content.to_bytes() for name, content in files.items()}
+
+
+def _is_json(file: Path, content: bytes) -> bool:
+    """Return whether a file holds what this JSON says."""
+    try:
+        return bool(json.loads(file.read_bytes()) == json.loads(content))
+    except (OSError, ValueError, RecursionError):
+        return False
 
 
 def _codec() -> Any:
