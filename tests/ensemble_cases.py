@@ -67,6 +67,19 @@ def kills_at_150(run: fr.Simulation) -> Mapping[str, float]:
     return {"one": 1.0}
 
 
+class Stopped:
+    """Progress that interrupts after a number of runs, and counts all."""
+
+    def __init__(self, after: float = np.inf) -> None:
+        self.after, self.calls = after, 0
+
+    def __call__(self, done: int, total: int) -> None:
+        """Count a call."""
+        self.calls += 1
+        if self.calls == self.after:
+            raise KeyboardInterrupt
+
+
 def script(body: str, *arguments: object, **options: Any) -> subprocess.Popen[str]:
     """Start another Python that has imported what is in this file and runs a script."""
     start = (

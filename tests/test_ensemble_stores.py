@@ -1,15 +1,12 @@
-"""Stores of ensembles: continued where they were, shared by parts, read while they grow, damaged, foreign, full."""
+"""Stores of ensembles: continued where they were, shared by parts, read while they grow, foreign, being filled."""
 
 from __future__ import annotations
 
 import asyncio
-import shutil
 import signal
-import socket
 import sys
 import threading
 import time
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -19,7 +16,7 @@ import pytest
 import xarray
 
 import floquetrod as fr
-from ensemble_cases import OVER, PROBLEM, assert_same, depth, in_memory, kills_at_150, script
+from ensemble_cases import OVER, PROBLEM, Stopped, assert_same, depth, script
 from floquetrod.ensembles import Runs, stores, stores_disk, stores_zarr, workers
 from floquetrod.simulation import checkpoints
 
@@ -30,19 +27,6 @@ KINDS = ("runs.npz", "runs.zarr")
 def _saved_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stores, "_SECONDS_BETWEEN", 0.0)
     monkeypatch.setattr(stores, "_LONGER", 0.0)
-
-
-class Stopped:
-    """Progress that interrupts after a number of runs, and counts all."""
-
-    def __init__(self, after: float = np.inf) -> None:
-        self.after, self.calls = after, 0
-
-    def __call__(self, done: int, total: int) -> None:
-        """Count a call."""
-        self.calls += 1
-        if self.calls == self.after:
-            raise KeyboardInterrupt
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -166,213 +150,6 @@ def test_a_second_reader_sees_whole_runs_while_a_store_grows(tmp_path: Path) -> 
     assert not wrong
     assert seen == sorted(seen)
     assert seen[-1] == 30
-
-
-@pytest.mark.parametrize("damage", ["cut", "empty", "flip", "gone"])
-@pytest.mark.parametrize("name", ["status", "largest_angle", "buckled", "positions"])
-def test_damaged_chunks_are_computed_again(damage: str, name: str, tmp_path: Path) -> None:
-    place, over = tmp_path / "runs.zarr", {"kick": [0.01, 0.02], "seed": range(4)}
-    whole = fr.ensemble(PROBLEM, over, store=place, frames=True)
-    file = sorted(path for path in (place / name).rglob("*") if path.is_file() and not path.name.startswith("."))[0]
-    content = file.read_bytes()
-    changed = {
-        "cut": content[: len(content) // 2],
-        "empty": b"",
-        "flip": content[:-1] + bytes([content[-1] ^ 1]),
-    }
-    if damage == "gone":
-        file.unlink()
-    else:
-        file.write_bytes(changed[damage])
-    count = Stopped()
-    found = fr.ensemble(PROBLEM, over, store=place, frames=True, progress=count)
-    assert count.calls == (1 if name == "positions" else 8)
-    assert_same(found, whole)
-
-
-def test_a_full_disk_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    place, whole = tmp_path / "runs.zarr", fr.ensemble(PROBLEM, OVER)
-    replace, calls = stores_zarr.replace, []
-
-    def full(path: Path, content: bytes) -> None:
-        if place in path.parents:  # not while it is made, beside its place
-            calls.append(path)
-        if 3 <= len(calls) < 6:
-            raise OSError(28, "No space left on device")
-        replace(path, content)
-
-    monkeypatch.setattr(stores_zarr, "replace", full)
-    with pytest.warns(checkpoints.CheckpointWarning, match=r"runs\.zarr cannot be written \(No space left on device\)"):
-        found = fr.ensemble(PROBLEM, OVER, store=place)
-    assert_same(found, whole)
-    assert_same(xarray.open_zarr(place), whole)
-    calls[:] = [place] * 3
-    with pytest.raises(ValueError, match=r"other\.zarr cannot be written: No space left on device"):
-        fr.ensemble(PROBLEM, OVER, store=tmp_path / "other.zarr")
-    assert not list(tmp_path.glob("*other*"))
-
-
-def test_frames_that_cannot_be_written_are_pending_in_the_store(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    place, replace = tmp_path / "runs.zarr", stores_zarr.replace
-
-    def full(path: Path, content: bytes) -> None:
-        if f"positions{'/'}3" in path.as_posix():
-            raise OSError(28, "No space left on device")
-        replace(path, content)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(stores_zarr, "replace", full)
-        with pytest.warns(checkpoints.CheckpointWarning, match="No space left"):
-            found = fr.ensemble(PROBLEM, {"seed": range(5)}, store=place, frames=True)
-    whole = fr.ensemble(PROBLEM, {"seed": range(5)}, frames=True)
-    assert_same(found, whole)
-    assert xarray.open_zarr(place).status.values.tolist() == [1, 1, 1, 0, 1]
-    count = Stopped()
-    assert_same(fr.ensemble(PROBLEM, {"seed": range(5)}, store=place, frames=True, progress=count), whole)
-    assert count.calls == 1
-
-
-@pytest.mark.parametrize("frames", [False, True])
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_disk_that_stays_full_costs_one_warning_and_no_results(
-    kind: str, frames: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    place, whole = tmp_path / kind, fr.ensemble(PROBLEM, OVER, frames=frames)
-
-    def full(*arguments: Any, **options: Any) -> None:
-        raise OSError(28, "No space left on device")
-
-    def fill(done: int, total: int) -> None:
-        monkeypatch.setattr(stores_zarr, "replace", full)
-        monkeypatch.setattr(Runs, "save", full)
-
-    with pytest.warns(checkpoints.CheckpointWarning, match="the same arguments") as heard:
-        found = fr.ensemble(PROBLEM, OVER, frames=frames, store=place, progress=fill)
-    assert len(heard) == 1
-    assert_same(found, whole)
-    monkeypatch.undo()
-    count = Stopped()
-    assert_same(fr.ensemble(PROBLEM, OVER, frames=frames, store=place, progress=count), whole)
-    assert count.calls >= 29
-
-
-def test_frames_that_neither_disk_nor_memory_holds_cost_no_other_results(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    place, whole = tmp_path / "runs.zarr", fr.ensemble(PROBLEM, OVER)
-    replace = stores_zarr.replace
-
-    def full(path: Path, content: bytes) -> None:
-        if "positions" in path.parts:
-            raise OSError(28, "No space left on device")
-        replace(path, content)
-
-    monkeypatch.setattr(stores_zarr, "replace", full)
-    monkeypatch.setattr(stores, "MOST_MEMORY", 40_000)  # the frames of four runs
-    with pytest.warns(checkpoints.CheckpointWarning) as heard:
-        found = fr.ensemble(PROBLEM, OVER, frames=True, store=place)
-    assert len(heard) == 1
-    assert np.isnan(found.positions).all()
-    assert_same(found.drop_vars(["time", "angle", "positions"]), whole)
-    assert (xarray.open_zarr(place).status == 0).all()
-
-
-@pytest.mark.parametrize("frames", [False, True])
-@pytest.mark.parametrize("damage", ["gone", "empty", "flip", "another"])
-@pytest.mark.parametrize("name", list(OVER))
-def test_damaged_coordinates_are_written_again(name: str, damage: str, frames: bool, tmp_path: Path) -> None:
-    place, over = tmp_path / "runs.zarr", {"frequency": [120.0], "kick": [0.01], "seed": [4]}
-    whole = fr.ensemble(PROBLEM, over, store=place, frames=frames)
-    file = place / name / "0"
-    content = file.read_bytes()
-    if damage == "gone":
-        file.unlink()
-    elif damage == "another":
-        file.write_bytes((place / ("kick" if name != "kick" else "frequency") / "0").read_bytes())
-    else:
-        file.write_bytes(b"" if damage == "empty" else content[:-1] + bytes([content[-1] ^ 1]))
-    assert_same(fr.ensemble(PROBLEM, over, store=place, frames=frames), whole)
-    assert file.read_bytes() == content
-    assert_same(xarray.open_zarr(place), whole)
-
-
-@pytest.mark.parametrize("damage", ["gone", "cut", "foreign"])
-@pytest.mark.parametrize("name", ["kick/.zarray", "kick/.zattrs", "buckled/.zarray", "angle/.zattrs", "angle/.zarray"])
-def test_damaged_metadata_is_written_again(name: str, damage: str, tmp_path: Path) -> None:
-    place, over = tmp_path / "runs.zarr", {"kick": [0.01, 0.02]}
-    whole = fr.ensemble(PROBLEM, over, store=place, frames=True)
-    file = place / name
-    content = file.read_bytes()
-    if damage == "gone":
-        file.unlink()
-    else:
-        file.write_bytes(content[1:] if damage == "cut" else b"{}")
-    assert_same(fr.ensemble(PROBLEM, over, store=place, frames=True), whole)
-    assert file.read_bytes() == content
-    assert_same(xarray.open_zarr(place, consolidated=False), whole)
-
-
-def failing_once(*errors: Exception) -> Callable[[fr.Simulation], dict[str, float]]:
-    """Return a summary that raises each of these errors once, for the seeds from 1 on."""
-    left = dict(enumerate(errors, 1))
-
-    def summary(run: fr.Simulation) -> dict[str, float]:
-        error = left.pop(run.problem.perturbation.noises[0][1], None)
-        if error is not None:
-            raise error
-        return {"one": 1.0}
-
-    return summary
-
-
-PASSING = (
-    MemoryError(),
-    np._core._exceptions._ArrayMemoryError((9,), np.dtype(float)),
-    FileNotFoundError(2, "gone"),
-    shutil.Error("x"),
-    socket.gaierror("no name"),
-)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_runs_that_failed_for_what_passes_are_made_again(kind: str, tmp_path: Path) -> None:
-    place, over = tmp_path / kind, {"seed": range(8)}
-    whole = fr.ensemble(PROBLEM, over, summary=failing_once())
-    summary = failing_once(*PASSING, ValueError("its own"))
-    first = fr.ensemble(PROBLEM, over, store=place, summary=summary)
-    assert first.status.values.tolist() == [1, 2, 2, 2, 2, 2, 2, 1]
-    count = Stopped()
-    same = fr.ensemble(PROBLEM, over, store=place, summary=summary, retry_failed=False, progress=count)
-    assert_same(same, first)
-    assert count.calls == 0
-    again = fr.ensemble(PROBLEM, over, store=place, summary=summary, progress=count)
-    assert count.calls == 5
-    assert again.status.values.tolist() == [1, 1, 1, 1, 1, 1, 2, 1]
-    assert again.reason.values.tolist() == [*[""] * 6, "ValueError: its own", ""]
-    read = Runs.load(place) if kind.endswith("npz") else xarray.open_zarr(place)
-    assert_same(read, again)
-    assert_same(again.isel(seed=slice(6)), whole.isel(seed=slice(6)))
-
-
-def test_runs_whose_workers_died_are_made_again(tmp_path: Path) -> None:
-    place, reason = tmp_path / "runs.npz", "its worker process died 3 times: killed, or out of memory"
-    found = in_memory(fr.ensemble(PROBLEM, {"seed": range(3)}, store=place))
-    found["status"][1] = 2
-    found.variables["reason"] = found.variables["reason"]._replace(values=np.array(["", reason, ""]))
-    found.save(place)
-    again = fr.ensemble(PROBLEM, {"seed": range(3)}, store=place)
-    assert again.status.values.tolist() == [1, 1, 1]
-    assert again.reason.values.tolist() == ["", "", ""]
-
-
-def test_a_run_whose_reason_is_lost_is_made_again(tmp_path: Path) -> None:
-    place, over = tmp_path / "runs.zarr", {"friction": [0.1, -1.0]}
-    whole = fr.ensemble(PROBLEM, over, store=place)
-    (place / "reason" / "0").unlink()
-    assert_same(fr.ensemble(PROBLEM, over, store=place), whole)
-    assert_same(xarray.open_zarr(place), whole)
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -529,16 +306,23 @@ def test_a_store_continues_where_only_runs_are_left_that_fail(tmp_path: Path) ->
     assert fr.ensemble(PROBLEM, over, store=place, summary=depth).status.values.tolist() == [1, 2]
 
 
-def test_a_run_that_kills_its_workers_does_not_kill_who_resumes(tmp_path: Path) -> None:
-    place, over = tmp_path / "runs.npz", {"frequency": [120.0, 150.0]}
-    found = in_memory(fr.ensemble(PROBLEM, over, store=place, summary=lambda run: {"one": 1.0}))
-    found["status"][1] = 2
-    reason = np.array(["", "its worker process died 3 times: killed, or out of memory"])
-    found.variables["reason"] = found.variables["reason"]._replace(values=reason)
-    found.save(place)
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(workers, "_DEATHS", 1)
-        again = fr.ensemble(PROBLEM, over, store=place, summary=kills_at_150, workers=1)
-    assert again.status.values.tolist() == [1, 2]
-    with pytest.raises(ValueError, match="holds a summary of one, got two"):
-        fr.ensemble(PROBLEM, over, store=place, summary=lambda run: {"two": 1.0})
+@pytest.mark.parametrize("damage", ["cut", "empty", "flip", "gone"])
+@pytest.mark.parametrize("name", ["status", "largest_angle", "buckled", "positions"])
+def test_damaged_chunks_are_computed_again(damage: str, name: str, tmp_path: Path) -> None:
+    place, over = tmp_path / "runs.zarr", {"kick": [0.01, 0.02], "seed": range(4)}
+    whole = fr.ensemble(PROBLEM, over, store=place, frames=True)
+    file = sorted(path for path in (place / name).rglob("*") if path.is_file() and not path.name.startswith("."))[0]
+    content = file.read_bytes()
+    changed = {
+        "cut": content[: len(content) // 2],
+        "empty": b"",
+        "flip": content[:-1] + bytes([content[-1] ^ 1]),
+    }
+    if damage == "gone":
+        file.unlink()
+    else:
+        file.write_bytes(changed[damage])
+    count = Stopped()
+    found = fr.ensemble(PROBLEM, over, store=place, frames=True, progress=count)
+    assert count.calls == (1 if name == "positions" else 8)
+    assert_same(found, whole)

@@ -235,7 +235,7 @@ class MemoryStore:
 
     def one_done(self) -> list[int]:
         """Return one run that is done, or none."""
-        return np.flatnonzero(self.values["status"] == DONE)[:1].tolist()
+        return [int(run) for run in np.flatnonzero(self.values["status"] == DONE)[:1]]
 
     def keep(self, outcome: Outcome) -> None:
         """Keep what came of a run."""

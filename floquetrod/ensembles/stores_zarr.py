@@ -320,7 +320,18 @@ def open_store(
         return None, chunk, make
     try:
         group: Any = zarr.open_group(place, mode="r")
-        attrs, chunks = dict(group.attrs), group["status"].chunks
+        attrs, chunks = dict(group.attrs), tuple(map(int, group["status"].chunks))
     except Exception:  # whatever zarr raises for what it cannot read
         raise ValueError(f"store {place} is not one of fr.ensemble; give another path") from None
-    return require_same(place, attrs, study, frames), tuple(map(int, chunks)), make
+    names = require_same(place, attrs, study, frames)
+    if not _are_ranges(chunks, study.shape):
+        raise ValueError(f"store {place} has damaged metadata; give another path")
+    return names, chunks, make
+
+
+def _are_ranges(chunk: tuple[int, ...], shape: tuple[int, ...]) -> bool:
+    """Return whether chunks of this shape are contiguous ranges of runs, as `chunk_shape` makes them."""
+    if len(chunk) != len(shape) or not all(1 <= step <= length for step, length in zip(chunk, shape, strict=True)):
+        return False
+    partial = next((place for place, step in enumerate(chunk) if step > 1), len(chunk) - 1)
+    return chunk[partial + 1 :] == shape[partial + 1 :]
