@@ -53,11 +53,31 @@ def fails_at_150(run: fr.Simulation) -> Mapping[str, float]:
     return {"one": 1.0}
 
 
+def exits_at_150(run: fr.Simulation) -> Mapping[str, float]:
+    """Return a summary, but exit at one frequency."""
+    if run.problem.load.frequency == 150.0:
+        sys.exit(3)
+    return {"one": 1.0}
+
+
 def kills_at_150(run: fr.Simulation) -> Mapping[str, float]:
     """Return a summary, but end the process at one frequency."""
     if run.problem.load.frequency == 150.0:
         os.kill(os.getpid(), signal.SIGKILL)
     return {"one": 1.0}
+
+
+class Stopped:
+    """Progress that interrupts after a number of runs, and counts all."""
+
+    def __init__(self, after: float = np.inf) -> None:
+        self.after, self.calls = after, 0
+
+    def __call__(self, done: int, total: int) -> None:
+        """Count a call."""
+        self.calls += 1
+        if self.calls == self.after:
+            raise KeyboardInterrupt
 
 
 def script(body: str, *arguments: object, **options: Any) -> subprocess.Popen[str]:

@@ -1,8 +1,12 @@
-"""Stores of ensembles: continued where they were, shared by parts, read while they grow, damaged, foreign, full."""
+"""Stores of ensembles: continued where they were, shared by parts, read while they grow, foreign, being filled."""
 
 from __future__ import annotations
 
+import asyncio
+import signal
+import sys
 import threading
+import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -12,8 +16,8 @@ import pytest
 import xarray
 
 import floquetrod as fr
-from ensemble_cases import OVER, PROBLEM, assert_same, depth
-from floquetrod.ensembles import Runs, stores, stores_zarr, workers
+from ensemble_cases import OVER, PROBLEM, Stopped, assert_same, depth, script
+from floquetrod.ensembles import Runs, stores, stores_disk, stores_zarr, workers
 from floquetrod.simulation import checkpoints
 
 KINDS = ("runs.npz", "runs.zarr")
@@ -23,19 +27,6 @@ KINDS = ("runs.npz", "runs.zarr")
 def _saved_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stores, "_SECONDS_BETWEEN", 0.0)
     monkeypatch.setattr(stores, "_LONGER", 0.0)
-
-
-class Stopped:
-    """Progress that interrupts after a number of runs, and counts all."""
-
-    def __init__(self, after: float = np.inf) -> None:
-        self.after, self.calls = after, 0
-
-    def __call__(self, done: int, total: int) -> None:
-        """Count a call."""
-        self.calls += 1
-        if self.calls == self.after:
-            raise KeyboardInterrupt
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -174,71 +165,111 @@ def test_a_second_reader_sees_whole_runs_while_a_store_grows(tmp_path: Path) -> 
     assert seen[-1] == 30
 
 
-@pytest.mark.parametrize("damage", ["cut", "empty", "flip", "gone"])
-@pytest.mark.parametrize("name", ["status", "largest_angle", "buckled", "positions"])
-def test_damaged_chunks_are_computed_again(damage: str, name: str, tmp_path: Path) -> None:
-    place, over = tmp_path / "runs.zarr", {"kick": [0.01, 0.02], "seed": range(4)}
-    whole = fr.ensemble(PROBLEM, over, store=place, frames=True)
-    file = sorted(path for path in (place / name).rglob("*") if path.is_file() and not path.name.startswith("."))[0]
-    content = file.read_bytes()
-    changed = {
-        "cut": content[: len(content) // 2],
-        "empty": b"",
-        "flip": content[:-1] + bytes([content[-1] ^ 1]),
-    }
-    if damage == "gone":
-        file.unlink()
-    else:
-        file.write_bytes(changed[damage])
-    count = Stopped()
-    found = fr.ensemble(PROBLEM, over, store=place, frames=True, progress=count)
-    assert count.calls == (1 if name == "positions" else 8)
-    assert_same(found, whole)
-
-
-def test_a_full_disk_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    place, whole = tmp_path / "runs.zarr", fr.ensemble(PROBLEM, OVER)
-    replace, calls = stores_zarr.replace, []
-
-    def full(path: Path, content: bytes) -> None:
-        calls.append(path)
-        if 3 <= len(calls) < 6:
-            raise OSError(28, "No space left on device")
-        replace(path, content)
-
-    monkeypatch.setattr(stores_zarr, "replace", full)
-    with pytest.warns(checkpoints.CheckpointWarning, match=r"runs\.zarr cannot be written \(No space left on device\)"):
-        found = fr.ensemble(PROBLEM, OVER, store=place)
-    assert_same(found, whole)
-    assert_same(xarray.open_zarr(place), whole)
-    calls[:] = [place, place]
-    with pytest.raises(ValueError, match=r"other\.zarr cannot be written: No space left on device"):
-        fr.ensemble(PROBLEM, OVER, store=tmp_path / "other.zarr")
-    assert not list(tmp_path.glob("*other*"))
-
-
-def test_frames_that_cannot_be_written_stay_pending(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    place, replace = tmp_path / "runs.zarr", stores_zarr.replace
-
-    def full(path: Path, content: bytes) -> None:
-        if f"positions{'/'}3" in path.as_posix():
-            raise OSError(28, "No space left on device")
-        replace(path, content)
-
-    with monkeypatch.context() as patched:
-        patched.setattr(stores_zarr, "replace", full)
-        with pytest.warns(checkpoints.CheckpointWarning, match="No space left"):
-            found = fr.ensemble(PROBLEM, {"seed": range(5)}, store=place, frames=True)
-    assert found.status.values.tolist() == [1, 1, 1, 0, 1]
-    assert_same(
-        fr.ensemble(PROBLEM, {"seed": range(5)}, store=place, frames=True),
-        fr.ensemble(PROBLEM, {"seed": range(5)}, frames=True),
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_store_that_a_living_process_fills_is_refused(kind: str, tmp_path: Path) -> None:
+    """Even if it does nothing for long, as a process that has been stopped; one that was killed hinders nobody."""
+    place = tmp_path / kind
+    body = (
+        "def wait(done, total):\n"
+        "    if done == 9:\n"
+        "        print('waits', flush=True)\n"
+        "        sys.stdin.read()\n"
+        "fr.ensemble(PROBLEM, OVER, store=sys.argv[1], progress=wait)\n"
     )
+    with script(body, place, stdin=-1, stdout=-1) as other:
+        assert other.stdout is not None
+        assert other.stdout.readline() == "waits\n"
+        with pytest.raises(ValueError, match=rf"store .*{kind} is being filled by another process"):
+            fr.ensemble(PROBLEM, OVER, store=place)
+        other.kill()
+    count = Stopped()
+    assert_same(fr.ensemble(PROBLEM, OVER, store=place, progress=count), fr.ensemble(PROBLEM, OVER))
+    assert count.calls < 30
+    assert not list(tmp_path.glob(".*"))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere locks belong to the process")
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_store_that_this_process_fills_is_refused(kind: str, tmp_path: Path) -> None:
+    refused = []
+
+    def fill(done: int, total: int) -> None:
+        with pytest.raises(ValueError, match="is being filled by another process, or another thread"):
+            fr.ensemble(PROBLEM, OVER, store=tmp_path / kind)
+        refused.append(done)
+
+    found = fr.ensemble(PROBLEM, OVER, store=tmp_path / kind, progress=fill)
+    assert len(refused) == 30
+    assert_same(found, fr.ensemble(PROBLEM, OVER))
+
+
+def unlocked(*arguments: Any, **options: Any) -> None:
+    """Stand for a lock on a file system that has none."""
+    raise OSError(37, "No locks available")
+
+
+def test_without_locks_a_finished_file_is_taken_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place, whole = tmp_path / "runs.npz", fr.ensemble(PROBLEM, OVER)
+    monkeypatch.setattr(stores_disk, "Lock", unlocked)
+
+    def finish(done: int, total: int) -> None:
+        if done == 5:
+            assert_same(fr.ensemble(PROBLEM, OVER, store=place), whole)
+        if done == 8:
+            raise KeyboardInterrupt
+
+    with pytest.warns(checkpoints.CheckpointWarning, match=r"cannot be locked \(No locks available\): make sure"):
+        found = fr.ensemble(PROBLEM, OVER, store=place, progress=finish)
+    assert_same(found, whole)
+    assert_same(Runs.load(place), whole)
+
+
+def test_a_file_of_another_study_that_appears_meanwhile_is_left_alone(tmp_path: Path) -> None:
+    place, other = tmp_path / "runs.npz", tmp_path / "other.npz"
+    fr.ensemble(PROBLEM, {"seed": [7]}, store=other)
+    content = other.read_bytes()
+
+    def move(done: int, total: int) -> None:
+        if done == 5:
+            other.replace(place)
+
+    with pytest.warns(checkpoints.CheckpointWarning, match="cannot be written .*holds another study") as heard:
+        found = fr.ensemble(PROBLEM, OVER, store=place, progress=move)
+    assert len(heard) == 1
+    assert_same(found, fr.ensemble(PROBLEM, OVER))
+    assert place.read_bytes() == content
+
+
+def test_ctrl_c_while_a_store_is_made_leaves_nothing_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from zarr.storage import LocalStore
+
+    place, put, replace, written = tmp_path / "runs.zarr", LocalStore.set, stores_zarr.replace, []
+
+    def interrupts() -> bool:
+        written.append(len(written))
+        if len(written) == 3:
+            signal.raise_signal(signal.SIGINT)
+        return len(written) == 3
+
+    async def by_zarr(self: Any, key: str, value: Any) -> None:
+        if interrupts():
+            await asyncio.sleep(0.5)  # in a thread of zarr's: until the main thread has heard of it
+        await put(self, key, value)
+
+    def by_us(path: Path, content: bytes) -> None:
+        interrupts()
+        replace(path, content)
+
+    monkeypatch.setattr(LocalStore, "set", by_zarr)
+    monkeypatch.setattr(stores_zarr, "replace", by_us)
+    with pytest.raises(KeyboardInterrupt):
+        fr.ensemble(PROBLEM, OVER, store=place)
+    time.sleep(1.0)
+    assert [path.name for path in tmp_path.iterdir()] == ["runs.zarr"]
+    assert_same(fr.ensemble(PROBLEM, OVER, store=place), fr.ensemble(PROBLEM, OVER))
 
 
 def test_a_store_that_another_process_fills_is_refused(tmp_path: Path) -> None:
-    from ensemble_cases import script
-
     place = tmp_path / "runs.zarr"
     fr.ensemble(PROBLEM, OVER, store=place, part=(1, 2))
     fcntl = pytest.importorskip("fcntl")
@@ -276,7 +307,35 @@ def test_an_npz_store_is_runs(tmp_path: Path) -> None:
 
 
 def test_too_many_frames_for_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stores, "_MOST_MEMORY", 10_000)
+    monkeypatch.setattr(stores, "MOST_MEMORY", 10_000)
     monkeypatch.setattr(workers, "carry_out", None)
     with pytest.raises(ValueError, match=r"bytes of memory, at most 10,000; give a store that ends in \.zarr"):
         fr.ensemble(PROBLEM, OVER, frames=True)
+
+
+def test_a_store_continues_where_only_runs_are_left_that_fail(tmp_path: Path) -> None:
+    place, over = tmp_path / "runs.zarr", {"friction": [0.1, -1.0]}
+    fr.ensemble(PROBLEM, over, store=place, summary=depth, part=(1, 2))
+    assert fr.ensemble(PROBLEM, over, store=place, summary=depth).status.values.tolist() == [1, 2]
+
+
+@pytest.mark.parametrize("damage", ["cut", "empty", "flip", "gone"])
+@pytest.mark.parametrize("name", ["status", "largest_angle", "buckled", "positions"])
+def test_damaged_chunks_are_computed_again(damage: str, name: str, tmp_path: Path) -> None:
+    place, over = tmp_path / "runs.zarr", {"kick": [0.01, 0.02], "seed": range(4)}
+    whole = fr.ensemble(PROBLEM, over, store=place, frames=True)
+    file = sorted(path for path in (place / name).rglob("*") if path.is_file() and not path.name.startswith("."))[0]
+    content = file.read_bytes()
+    changed = {
+        "cut": content[: len(content) // 2],
+        "empty": b"",
+        "flip": content[:-1] + bytes([content[-1] ^ 1]),
+    }
+    if damage == "gone":
+        file.unlink()
+    else:
+        file.write_bytes(changed[damage])
+    count = Stopped()
+    found = fr.ensemble(PROBLEM, over, store=place, frames=True, progress=count)
+    assert count.calls == (1 if name == "positions" else 8)
+    assert_same(found, whole)

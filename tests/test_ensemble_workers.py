@@ -18,7 +18,7 @@ import pytest
 import xarray
 
 import floquetrod as fr
-from ensemble_cases import OVER, PROBLEM, assert_same, depth, killed_again_and_again, kills_at_150, script
+from ensemble_cases import OVER, PROBLEM, assert_same, depth, exits_at_150, killed_again_and_again, kills_at_150, script
 from floquetrod.ensembles import axes, workers
 from floquetrod.ensembles.stores import Outcome
 
@@ -73,6 +73,55 @@ def test_workers_that_are_killed_are_replaced() -> None:
         found = fr.ensemble(PROBLEM, OVER, workers=2, progress=kill)
     assert_same(found, fr.ensemble(PROBLEM, OVER))
     assert len(pids) > 2
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_workers_that_are_killed_while_they_start_are_replaced(which: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    started, pools = workers._Pool.started, []
+
+    def killed() -> Any:
+        pools.append(started())
+        if len(pools) - 1 == which:
+            for process in pools[-1].executor._processes.values():
+                process.kill()
+        return pools[-1]
+
+    monkeypatch.setattr(workers._Pool, "started", killed)
+    monkeypatch.setattr(workers, "_DEATHS", 1)
+    assert_same(fr.ensemble(PROBLEM, OVER, workers=2), fr.ensemble(PROBLEM, OVER))
+    assert len(pools) == 3
+
+
+def test_workers_that_never_start_end_the_ensemble(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    started, pools = workers._Pool.started, []
+
+    def killed() -> Any:
+        pools.append(started())
+        if len(pools) > 1:
+            for process in pools[-1].executor._processes.values():
+                process.kill()
+        return pools[-1]
+
+    def kill(done: int, total: int) -> None:
+        os.kill(pools[0].pid.result(), signal.SIGKILL)
+
+    monkeypatch.setattr(workers._Pool, "started", killed)
+    over = {"frequency": [120.0, 140.0, 150.0]}
+    with pytest.raises(RuntimeError, match="3 worker processes one after another ended as soon as they started"):
+        fr.ensemble(PROBLEM, over, workers=1, store=tmp_path / "runs.npz", progress=kill)
+    found = fr.ensembles.Runs.load(tmp_path / "runs.npz")
+    assert (found["status"] == 1).any()
+    assert not (found["status"] == 2).any()
+
+
+@pytest.mark.parametrize("options", [{}, {"workers": 1}])
+def test_a_summary_that_exits_fails_its_run_alone(options: dict[str, Any]) -> None:
+    over = {"frequency": [120.0, 150.0, 160.0]}
+    found = fr.ensemble(PROBLEM, over, summary=exits_at_150, **options)
+    assert found.status.values.tolist() == [1, 2, 1]
+    assert found.reason.values[1] == "SystemExit: 3"
+    with pytest.raises(ValueError, match="of that with frequency = 150 it raised SystemExit: 3"):
+        fr.ensemble(PROBLEM, {"frequency": [150.0]}, summary=exits_at_150, **options)
 
 
 class Breaking(Executor):

@@ -6,6 +6,7 @@ import dataclasses
 import math
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -19,6 +20,7 @@ import pytest
 import floquetrod as fr
 from conftest import SEED
 from floquetrod import cli
+from floquetrod.ensembles import stores_disk, stores_zarr
 from floquetrod.rod.ranges import StabilityInterval
 from fuzz import (
     apart,
@@ -180,9 +182,40 @@ def test_kills_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generato
         return dataclasses.replace(run, time=run.time + 1e-12)
 
     monkeypatch.setattr(runs, "simulate", careless)
-    found = kills.check(rng).failures
+    found = kills.checkpoint(rng).failures
     assert any("another time" in line for line in found)
     assert any("leaves .run.ckpt.abc.part" in line for line in found)
+
+
+def test_kills_of_stores_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    counts = [60, 40]
+    monkeypatch.setattr(kills, "_count", lambda place: counts.pop(0))
+    monkeypatch.setattr(runs, "fill", lambda place: {}["runs"])
+    wrong = kills.stopped_and_killed(tmp_path / "runs.npz", [0.0, 0.0, 0.0])
+    assert "a second process: KeyError" in wrong[0]
+    assert wrong[1] == "of 60 runs 40 are left"
+
+
+def test_disks_under_ensembles_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    warned = stores_disk._warn
+
+    def careless() -> None:
+        monkeypatch.setattr(stores_disk, "_warn", lambda text: [warned(text), warned(text)])
+        disks.break_os("replace", 1.0, np.random.default_rng(1))
+
+    wrong = disks.ensemble(tmp_path / "runs.npz", False, 0, careless)
+    assert wrong == ["warns 2 times that the store cannot be written"]
+    monkeypatch.setattr(stores_disk.DiskStore, "_succeeds", lambda store, write: write())
+    wrong = disks.ensemble(tmp_path / "more.npz", False, 0, careless)
+    assert "the results of an ensemble are lost: OSError" in wrong[0]
+
+
+def test_damaged_stores_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    place = tmp_path / "runs.zarr"
+    shutil.copytree(files.whole_store(), place)
+    (place / "kick" / "0").unlink()
+    monkeypatch.setattr(stores_zarr.ZarrStore, "_write_known", lambda store: None)
+    assert files.go_on(place) == ["the store holds another kick"]
 
 
 def test_disks_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -9,12 +9,12 @@ from contextlib import closing, suppress
 from pathlib import Path
 from typing import Any, Literal
 
-from floquetrod._util import files, interrupt, validate
-from floquetrod.ensembles import stores_zarr
-from floquetrod.ensembles import workers as tasks
+from floquetrod._util import interrupt, validate
+from floquetrod.ensembles import stores_disk, stores_zarr, tasks
 from floquetrod.ensembles.axes import Study, study_of, varied
-from floquetrod.ensembles.runs import Runs
-from floquetrod.ensembles.stores import RESULTS, Layout, MemoryStore, NpzStore, Outcome, chunk_shape, require_same
+from floquetrod.ensembles.runs import DONE
+from floquetrod.ensembles.stores import RESULTS, Layout, MemoryStore, Outcome, chunk_shape, reason_of
+from floquetrod.ensembles.workers import TaskRunner, require_executor, runner_for, work
 from floquetrod.simulation.problem import SimulationProblem
 
 _MOST_PARTS = 10**6  # (a choice)
@@ -33,6 +33,7 @@ def ensemble(
     summary: tasks.Summary | None = None,
     frames: bool = False,
     part: tuple[int, int] | None = None,
+    retry_failed: bool = True,
     progress: Callable[[int, int], None] | None = None,
 ) -> Any:
     """Simulate a problem with many values of what it depends on; results come as arrays over named axes.
@@ -61,13 +62,16 @@ def ensemble(
         Makes the runs in so many processes instead.  One that dies is replaced; a run in which three died has failed.
     store : path, optional
         Written while results come: a folder that ends in ".zarr", or a file in ".npz".  Where it exists, only the runs
-        that it lacks are made.
+        that it lacks are made.  A store that another process fills is refused.
     summary : callable, optional
         Makes further results of every run: takes a `Simulation`, returns numbers by name.
     frames : bool
         Whether time, angle and positions of every frame are kept, too.
     part : tuple of int, optional
         (k, n): makes the k-th of n parts only, for the jobs of an array that share a store ending in ".zarr".
+    retry_failed : bool
+        Whether runs of a store that failed for what may pass, a MemoryError, an OSError or workers that died, are made
+        again.  A run that failed by any other error would fail again and is not.
     progress : callable, optional
         Called with the numbers of runs done and to do.
 
@@ -84,12 +88,21 @@ def ensemble(
     ------
     TypeError, ValueError
         Before anything runs: for names that the problem does not have, values that are no numbers or of which no
-        problem can be made, columns of a list whose lengths differ, a store of another study, what cannot be pickled to
-        be sent to other processes.  One run that cannot be made is recorded as failed.
+        problem can be made, columns of a list whose lengths differ, a store of another study or one that another
+        process fills, what cannot be pickled to be sent to other processes.  One run that cannot be made is recorded as
+        failed.
     RuntimeError
-        When the executor breaks; results so far are in the store.
+        When the executor breaks, or three worker processes one after another end as soon as they start; results so far
+        are in the store.
     ImportError
         For a store ending in ".zarr" without the extra: pip install floquetrod[ensemble].
+
+    Warns
+    -----
+    CheckpointWarning
+        Once, when the store cannot be written: what came is returned all the same, and the same call makes later what
+        the store lacks.  Frames are returned as far as 4 GiB of memory hold those of all runs, else those in the store.
+        Also where the file system has no locks.
 
     Notes
     -----
@@ -109,8 +122,9 @@ def ensemble(
     if summary is not None:
         validate.function("summary", summary)
     frames, share = validate.flag("frames", frames), _part(part)
+    retry_failed = validate.flag("retry_failed", retry_failed)
     validate.progress(progress)
-    count = tasks.require_executor(executor, workers)
+    count = require_executor(executor, workers)
     names, chunk, make = _store(place, study, frames, share[1])
     job = tasks.Job(problem, summary, None, frames)
     held: MemoryStore | None = None
@@ -120,21 +134,23 @@ def ensemble(
         held = make(Layout(study, names, frames, chunk))
     plan = Layout(study, names or (), frames, chunk)
     runs = plan.runs_of(plan.part(share))
-    pending = list(runs) if held is None else held.pending(runs)
-    runner = tasks.runner_for(executor, count) if pending else None
+    pending = list(runs) if held is None else held.pending(runs, retry_failed=retry_failed)
+    runner = runner_for(executor, count) if pending else None
     try:
         if runner is not None:
             runner.require_picklable(job)
         first: list[Outcome] = []
         if summary is not None and pending:
-            found, first = _first_runs(job, study, pending)
-            if held is not None and first and set(found) != set(names or ()):
+            # A run that is made again may end the process or have no memory: the names are learned from others.
+            fresh = pending if held is None else held.pending(runs, retry_failed=False) or held.one_done()
+            found, first = _first_runs(job, study, fresh)
+            if held is not None and any(one.status == DONE for one in first) and set(found) != set(names or ()):
                 raise ValueError(f"store {place} holds a summary of {', '.join(names or ())}, got {', '.join(found)}")
-            job = job._replace(names=found)
+            job = job._replace(names=found if held is None else names)
         if held is None:
             held = make(Layout(study, job.names or (), frames, chunk))
         if runner is not None:
-            _fill(held, plan.part(share), job, runner, first, progress)
+            _fill(held, plan.part(share), job, runner, first, retry_failed, progress)
     finally:
         if runner is not None:
             runner.close()
@@ -154,21 +170,24 @@ def _fill(
     store: MemoryStore,
     chunks: range,
     job: tasks.Job,
-    runner: tasks.TaskRunner,
+    runner: TaskRunner,
     first: Sequence[Outcome],
+    retry_failed: bool,
     progress: Callable[[int, int], None] | None,
 ) -> None:
     """Make the runs that are pending, and keep what comes of them, until all are done or Ctrl-C."""
     study, runs = store.layout.study, store.layout.runs_of(chunks)
-    store.open_part(chunks)
     try:
+        store.open_part(chunks)
+        pending = store.pending(runs, retry_failed=retry_failed)
         for outcome in first:
-            store.keep(outcome)
-        pending = store.pending(runs)
+            if outcome.run in pending:  # else another process has made it meanwhile
+                pending.remove(outcome.run)
+                store.keep(outcome)
         done = len(runs) - len(pending)
         with (
             suppress(KeyboardInterrupt),
-            closing(tasks.work(runner, job, pending, study.values, store.save_when_due)) as outcomes,
+            closing(work(runner, job, pending, study.values, store.save_when_due)) as outcomes,
         ):
             for outcome in outcomes:
                 store.keep(outcome)
@@ -187,16 +206,18 @@ def _first_runs(job: tasks.Job, study: Study, pending: Sequence[int]) -> tuple[t
     for run in pending:
         try:
             simulation = varied(job.problem, study.values(run)).run()
-        except Exception as error:  # recorded as any other run's
+        except tasks.OWN_ERRORS as error:  # recorded as any other run's
             made.append(tasks.failure(run, error))
             continue
         if not simulation.complete:
             raise KeyboardInterrupt
         try:
             outcome = tasks.outcome(job, run, simulation)
-        except Exception as error:
-            listed = ", ".join(f"{name} = {value:g}" for name, value in study.values(run).items())
-            raise ValueError(f"summary must make numbers of a run; of that with {listed} it raised: {error}") from error
+        except tasks.OWN_ERRORS as error:
+            at = ", ".join(f"{name} = {value:g}" for name, value in study.values(run).items())
+            raise ValueError(
+                f"summary must make numbers of a run; of that with {at} it raised {reason_of(error)}"
+            ) from error
         names = tuple(outcome.summary)
         taken = {*RESULTS, *study.dims, *(axis.name for axis in study.axes), "reason", "time", "angle", "positions"}
         for name in names:
@@ -222,10 +243,8 @@ def _store(
         raise ValueError(f"store must end in .zarr or .npz, got {validate.short(str(place))}")
     if parts > 1:
         raise ValueError(f"part needs a store that many can write: one that ends in .zarr, got {str(place)!r}")
-    files.writable(place)
-    found = Runs.load(place) if place.exists() else None
-    names = None if found is None else require_same(place, found.attrs, study, frames)
-    return names, chunk, lambda layout: NpzStore(layout, place, found)
+    names, make = stores_disk.open_store(place, study, frames)
+    return names, chunk, make
 
 
 def _part(part: Any) -> tuple[int, int]:

@@ -1,18 +1,17 @@
-"""Where the results of an ensemble are kept: in memory, and saved to an npz file as they come.
+"""What is kept of an ensemble, and where: in memory.
 
-`floquetrod.ensembles.stores_zarr` has the store for many writers and large ensembles.
+`floquetrod.ensembles.stores_disk` and `floquetrod.ensembles.stores_zarr` have the stores that save it as it comes.
 """
 
 from __future__ import annotations
 
 import bisect
+import builtins
 import hashlib
 import json
 import math
 import time
-import warnings
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -21,18 +20,18 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util import files
-from floquetrod._util.calling import level_of_caller
 from floquetrod._util.version import __version__
 from floquetrod.ensembles.axes import Study
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable
-from floquetrod.simulation.checkpoints import CheckpointWarning, arithmetic
+from floquetrod.simulation.checkpoints import arithmetic
 
 _RUNS_IN_A_CHUNK = 256  # at most (a choice)
 _SECONDS_BETWEEN = 1.0  # of wall time, between saves (a choice)
 _LONGER = 50.0  # times the duration of a save until the next one: saves take at most a fiftieth (a choice)
-_MOST_MEMORY = 1 << 32  # bytes of frames in memory (a choice)
+MOST_MEMORY = 1 << 32  # bytes of frames in memory (a choice)
 REASON = 240  # characters kept of a reason (a choice)
+DIED = "its worker process died"  # begins the reason of a run that had no error of its own
+_PASSING = (MemoryError, OSError)
 
 
 class Kind(NamedTuple):
@@ -73,6 +72,20 @@ class Outcome(NamedTuple):
     results: Mapping[str, float] = {}
     summary: Mapping[str, float] = {}
     frames: Mapping[str, NDArray[np.float64]] | None = None
+
+
+def reason_of(error: BaseException) -> str:
+    """Return why a run failed, from what it raised; of errors that may pass, with the name that Python has for them."""
+    kind = type(error)
+    if isinstance(error, _PASSING):  # NumPy has a MemoryError of its own
+        kind = next(base for base in kind.__mro__ if base.__module__ == "builtins")
+    return f"{kind.__name__}: {error}"
+
+
+def may_pass(reason: str) -> bool:
+    """Return whether a run that failed for this reason may come out otherwise when it is made again."""
+    kind = getattr(builtins, reason.partition(":")[0], None)
+    return reason.startswith(DIED) or (isinstance(kind, type) and issubclass(kind, _PASSING))
 
 
 @dataclass(frozen=True)
@@ -195,8 +208,6 @@ class MemoryStore:
         Why runs failed, by their number.
     """
 
-    path: Path  # of stores on a disk
-
     def __init__(self, layout: Layout) -> None:
         """Begin with every run pending."""
         self.layout = layout
@@ -215,21 +226,32 @@ class MemoryStore:
     def close(self) -> None:
         """Let others write again."""
 
-    def pending(self, runs: range) -> list[int]:
-        """Return the runs, of those, that are pending."""
+    def pending(self, runs: range, *, retry_failed: bool) -> list[int]:
+        """Return the runs, of those, that are to be made: pending, and where asked for failed for what may pass."""
         status = self.values["status"][runs.start : runs.stop]
-        return (np.flatnonzero(status == PENDING) + runs.start).tolist()
+        found: list[int] = (np.flatnonzero(status != DONE) + runs.start).tolist()
+        again = {run for run, reason in self.reasons.items() if retry_failed and may_pass(reason)}
+        return [run for run in found if run in again or self.values["status"][run] == PENDING]
+
+    def one_done(self) -> list[int]:
+        """Return one run that is done, or none."""
+        return [int(run) for run in np.flatnonzero(self.values["status"] == DONE)[:1]]
 
     def keep(self, outcome: Outcome) -> None:
-        """Keep what came of a run, or warn: one whose frames cannot be written stays pending."""
+        """Keep what came of a run."""
         run = outcome.run
-        if outcome.frames is not None and not self._succeeds(lambda: self._keep_frames(run, outcome.frames or {})):
-            return
         for name, value in (*outcome.results.items(), *outcome.summary.items()):
             self.values[name][run] = value
+        self.reasons.pop(run, None)
         if outcome.reason:
             self.reasons[run] = outcome.reason[:REASON]
         self.values["status"][run] = outcome.status
+        if outcome.frames is not None:
+            self._keep_frames(run, outcome.frames)
+        self._mark(run)
+
+    def _mark(self, run: int) -> None:
+        """Note that what is kept of a run is to be saved."""
         self._dirty.add(bisect.bisect_right(self.layout.starts, run) - 1)
 
     def save_when_due(self) -> None:
@@ -241,9 +263,7 @@ class MemoryStore:
             self._due = started + took + max(_SECONDS_BETWEEN, _LONGER * took)
 
     def save(self) -> None:
-        """Write what is new, or warn: the runs continue, and the next save tries again."""
-        if self._dirty and self._succeeds(lambda: self._write(self._dirty)):
-            self._dirty = set()
+        """Write what is new, where there is a disk to write to."""
 
     def runs(self) -> Runs:
         """Return what there is."""
@@ -261,28 +281,13 @@ class MemoryStore:
         """Return what there is as an xarray.Dataset."""
         return self.runs().to_xarray()
 
-    def _succeeds(self, write: Callable[[], None]) -> bool:
-        """Return whether something could be written, or warn."""
-        try:
-            write()
-        except (OSError, ValueError, MemoryError) as error:
-            cause = getattr(error, "strerror", None) or str(error) or type(error).__name__
-            text = f"store {self.path} cannot be written ({cause}); the runs continue, and it is tried again"
-            with suppress(CheckpointWarning):  # raised where warnings are errors: the runs are worth more
-                warnings.warn(CheckpointWarning(text), stacklevel=level_of_caller())
-            return False
-        return True
-
-    def _write(self, chunks: Iterable[int]) -> None:
-        """Write chunks of results."""
-
     def _room_for_frames(self) -> dict[str, NDArray[np.float64]]:
         """Return arrays for the frames of all runs."""
         shapes = {name: tuple(length for _, length in dims) for name, dims in self.layout.frame_shapes.items()}
         size = 8 * self.layout.study.size * sum(map(math.prod, shapes.values()))
-        if size > _MOST_MEMORY:
+        if size > MOST_MEMORY:
             raise ValueError(
-                f"frames of {self.layout.study.size:,} runs take {size:,} bytes of memory, at most {_MOST_MEMORY:,}; "
+                f"frames of {self.layout.study.size:,} runs take {size:,} bytes of memory, at most {MOST_MEMORY:,}; "
                 "give a store that ends in .zarr, or leave frames out"
             )
         return {name: np.full((self.layout.study.size, *shape), np.nan) for name, shape in shapes.items()}
@@ -311,26 +316,3 @@ FRAME_ATTRS = {
     "positions": {"long_name": "place of a node: x along the channel, z up, its axis at y = z = 0", "units": "m"},
 }
 """Attributes of the arrays of frames."""
-
-
-class NpzStore(MemoryStore):
-    """Results in memory that are saved to an npz file, whole."""
-
-    def __init__(self, layout: Layout, path: Path, found: Runs | None) -> None:
-        """Begin, or continue with what was found in the file."""
-        super().__init__(layout)
-        self.path = files.writable(path)
-        if found is None:
-            return
-        shape = layout.study.shape
-        for name, values in (self.values | self._frames).items():
-            theirs = found.variables[name].values
-            if theirs.shape[: len(shape)] != shape or theirs.dtype != values.dtype:
-                raise ValueError(f"store {path} holds {name} of shape {theirs.shape}; give another path")
-            values[...] = theirs.reshape(values.shape)
-        flat = found["reason"].ravel()
-        self.reasons = {int(run): str(flat[run]) for run in np.flatnonzero(flat != "")}
-
-    def _write(self, chunks: Iterable[int]) -> None:
-        """Write the file anew."""
-        self.runs().save(self.path)

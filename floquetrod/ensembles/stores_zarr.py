@@ -7,89 +7,106 @@ one at once, has a checksum, and counts as missing where that does not fit.
 
 from __future__ import annotations
 
+import json
+import math
 import secrets
 import shutil
-import sys
 import time
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util import interrupt
+from floquetrod._util.locks import Lock
+from floquetrod.ensembles import stores
 from floquetrod.ensembles.axes import Study
-from floquetrod.ensembles.runs import DONE, PENDING
+from floquetrod.ensembles.runs import DONE, FAILED, PENDING
 from floquetrod.ensembles.stores import FRAME_ATTRS, REASON, Layout, MemoryStore, require_same
+from floquetrod.ensembles.stores_disk import DiskStore
 
 _ABANDONED = 3600.0  # s after which an unfinished creation was abandoned (a choice)
 _LOCK = "status/.lock"  # where zarr does not look for arrays
 
 
-class ZarrStore(MemoryStore):
+class ZarrStore(DiskStore):
     """Results in memory that are written to a zarr store chunk by chunk; frames are written as they come."""
 
     def __init__(self, layout: Layout, path: Path) -> None:
         """Create the store unless it exists, and take over what it holds."""
-        super().__init__(layout)
-        self.path = path
+        super().__init__(layout, path)
         self._codec = _codec()
-        self._lock: IO[bytes] | None = None
         self._own = range(len(self.layout.starts))
+        self._waiting: dict[int, Mapping[str, NDArray[np.float64]]] = {}  # frames that could not be written
         if not path.exists():
-            self._create()
-        for chunk in self._own:
-            self._read(chunk)
+            with interrupt.held():
+                self._create()
+        self._succeeds(self._write_known)
+        self._refresh(self._own)
 
     def open_part(self, chunks: range) -> None:
-        """Lock these chunks; ValueError when another process writes some of them."""
+        """Do as every store on a disk, and note which chunks are written here."""
         self._own = chunks
-        if sys.platform == "win32" or not chunks:
-            return
-        import fcntl
+        super().open_part(chunks)
 
-        self._lock = (self.path / _LOCK).open("r+b")
-        try:
-            fcntl.lockf(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB, len(chunks), chunks.start)
-        except (BlockingIOError, PermissionError):
-            self.close()
-            raise ValueError(
-                f"store {self.path} is being filled by another process; wait for it, or give each its part=(k, n)"
-            ) from None
-        except OSError:  # not every file system has locks
-            return
-        for chunk in chunks:  # which another process may have written since it was read
-            self._read(chunk)
-
-    def close(self) -> None:
-        """Release the lock."""
-        if self._lock is not None:
-            self._lock.close()
-            self._lock = None
+    def save(self) -> None:
+        """Write what is new and the frames that wait, or warn once."""
+        for run, frames in list(self._waiting.items()):
+            if frames and self._succeeds(partial(self._write_frames, run, frames)):
+                del self._waiting[run]
+                self._mark(run)
+        super().save()
 
     def to_xarray(self) -> Any:
         """Return results from memory, those of other processes as the store has them, and frames as they are read."""
-        import xarray
-
         for chunk in range(len(self.layout.starts)):
             if chunk not in self._own:
                 self._read(chunk)
         found = self.runs().to_xarray()
-        if self.layout.frames:
-            found = found.assign(xarray.open_zarr(self.path, chunks=None)[list(self.layout.frame_shapes)].data_vars)
+        return found.assign(self._stored_frames().data_vars) if self.layout.frames else found
+
+    def _stored_frames(self) -> Any:
+        """Return the frames as the store has them; where some could not be written and there is room, all in memory."""
+        import xarray
+
+        names = list(self.layout.frame_shapes)
+        others = [name for name in (*self.layout.coords, *self.values, "reason") if name not in names]
+        found = xarray.open_zarr(self.path, chunks=None, drop_variables=others)[names]
+        if not self._waiting or found.nbytes > stores.MOST_MEMORY:
+            return found
+        found = found.load()
+        for run, frames in self._waiting.items():
+            place = tuple(map(int, np.unravel_index(run, self.layout.study.shape)))
+            for name, values in frames.items():
+                found[name].values[place][: len(values)] = values
         return found
+
+    def _locked(self, chunks: range) -> Lock:
+        """Return a lock of these chunks."""
+        return Lock(self.path / _LOCK, chunks, remove=False)
+
+    def _refresh(self, chunks: range) -> None:
+        """Take over what the store has of these chunks."""
+        for chunk in chunks:
+            self._read(chunk)
 
     def _write(self, chunks: Iterable[int]) -> None:
         """Write chunks of results, of each the status last."""
         for chunk in sorted(chunks):
             runs = self.layout.runs_of(range(chunk, chunk + 1))
-            if reasons := {run: self.reasons[run] for run in runs if run in self.reasons}:
+            reasons = {run: self.reasons[run] for run in runs if run in self.reasons}
+            if reasons or self._file("reason", runs.start).exists():  # of runs that had failed
                 text = np.full(len(runs), "", dtype=f"U{REASON}")
                 text[[run - runs.start for run in reasons]] = list(reasons.values())
                 self._write_chunk("reason", runs, text)
-            for name in [*(name for name in self.values if name != "status"), "status"]:
+            for name in (name for name in self.values if name != "status"):
                 self._write_chunk(name, runs, self.values[name][runs.start : runs.stop])
+            status = [PENDING if run in self._waiting else self.values["status"][run] for run in runs]
+            self._write_chunk("status", runs, np.array(status, dtype=self.values["status"].dtype))
 
     def _write_chunk(self, name: str, runs: range, values: NDArray[Any]) -> None:
         """Write the values of consecutive runs."""
@@ -107,12 +124,14 @@ class ZarrStore(MemoryStore):
                 self.values[name][part] = values
         if any(values is None for values in found.values()):
             self.values["status"][part] = PENDING
-        for run in runs:
-            if self.values["status"][run] == DONE and not self._has_frames(run):
-                self.values["status"][run] = PENDING
         text = self._read_chunk("reason", runs, np.dtype(f"U{REASON}"))
-        if text is not None:
-            self.reasons |= {runs.start + int(run): str(text[run]) for run in np.flatnonzero(text != "")}
+        for place, run in enumerate(runs):
+            status = self.values["status"][run]
+            self.reasons.pop(run, None)
+            if status == FAILED and text is not None and text[place]:
+                self.reasons[run] = str(text[place])
+            elif status == FAILED or (status == DONE and not self._has_frames(run)):
+                self.values["status"][run] = PENDING
 
     def _read_chunk(self, name: str, runs: range, dtype: Any) -> NDArray[Any] | None:
         """Return the values of consecutive runs, None where there is no such file or it is damaged."""
@@ -144,6 +163,12 @@ class ZarrStore(MemoryStore):
         return {}
 
     def _keep_frames(self, run: int, frames: Mapping[str, NDArray[np.float64]]) -> None:
+        """Write the frames of a run; where they cannot be written they wait, as far as memory is for them."""
+        if not self._succeeds(partial(self._write_frames, run, frames)):
+            size = 8 * sum(math.prod(length for _, length in dims) for dims in self.layout.frame_shapes.values())
+            self._waiting[run] = frames if size * (len(self._waiting) + 1) <= stores.MOST_MEMORY else {}
+
+    def _write_frames(self, run: int, frames: Mapping[str, NDArray[np.float64]]) -> None:
         """Write the frames of a run."""
         for name, file in self._frame_files(run).items():
             full = np.full([length for _, length in self.layout.frame_shapes[name]], np.nan)
@@ -165,6 +190,20 @@ class ZarrStore(MemoryStore):
             for name, dims in self.layout.frame_shapes.items()
         }
 
+    def _write_known(self) -> None:
+        """Write what does not depend on runs, metadata and coordinates, where a file is missing or differs."""
+        for path, content in self._metadata().items():
+            if not _is_json(self.path / path, content):
+                replace(self.path / path, content)
+        for name, v in self.layout.coords.items():
+            file = self.path / name / "0"
+            try:
+                found = bytes(self._codec.decode(file.read_bytes()))
+            except (OSError, RuntimeError, ValueError):
+                found = b""
+            if found != v.values.tobytes():
+                replace(file, self._codec.encode(v.values.tobytes()))
+
     def _create(self) -> None:
         """Make the store beside its place and move it there; of several that do so at once, the first one's stays."""
         folder = self.path.parent
@@ -176,7 +215,10 @@ class ZarrStore(MemoryStore):
                     shutil.rmtree(old)
         target, self.path = self.path, folder / f".{self.path.name}.{secrets.token_hex(8)}.part"
         try:
-            self._make_arrays()
+            self._write_known()
+            for number in range(len(self.layout.starts)):
+                runs = self.layout.runs_of(range(number, number + 1))
+                self._write_chunk("status", runs, self.values["status"][runs.start : runs.stop])
             self.path.rename(target)
         except OSError as error:
             if not target.exists():
@@ -188,17 +230,19 @@ class ZarrStore(MemoryStore):
         if chunk != self.layout.chunk:
             raise ValueError(f"store {target} has been made with parts of other sizes meanwhile; begin again")
 
-    def _make_arrays(self) -> None:
-        """Write all metadata, coordinates, and the status of every run."""
+    def _metadata(self) -> dict[str, bytes]:
+        """Return the files that describe the arrays, by their paths in the store."""
         import zarr
 
-        group = zarr.create_group(self.path, zarr_format=2, attributes=self.layout.about)
+        files: dict[str, Any] = {}
+        store = zarr.storage.MemoryStore(files)
+        group = zarr.create_group(store, zarr_format=2, attributes=self.layout.about)
         study, chunk = self.layout.study, self.layout.chunk
         ones = (1,) * len(chunk)
 
-        def add(name: str, dtype: Any, shape: Any, chunks: Any, dims: Any, attrs: Any) -> Any:
+        def add(name: str, dtype: Any, shape: Any, chunks: Any, dims: Any, attrs: Any) -> None:
             """Add an array; one of numbers has no value that would stand for a missing one."""
-            return group.create_array(
+            group.create_array(
                 name,
                 shape=shape,
                 chunks=chunks,
@@ -210,7 +254,7 @@ class ZarrStore(MemoryStore):
             )
 
         for name, v in self.layout.coords.items():
-            add(name, v.values.dtype, v.values.shape, v.values.shape, v.dims, v.attrs)[...] = v.values
+            add(name, v.values.dtype, v.values.shape, v.values.shape, v.dims, v.attrs)
         add("reason", f"U{REASON}", study.shape, chunk, study.dims, self.layout.attrs("reason"))
         for name, kind in self.layout.kinds.items():
             add(name, kind.dtype, study.shape, chunk, study.dims, self.layout.attrs(name))
@@ -218,11 +262,16 @@ class ZarrStore(MemoryStore):
             names, lengths = zip(*dims, strict=True)
             shape = (*study.shape, *lengths)
             add(name, np.float64, shape, (*ones, *lengths), (*study.dims, *names), FRAME_ATTRS[name])
-        (self.path / _LOCK).touch()
-        for number in range(len(self.layout.starts)):
-            runs = self.layout.runs_of(range(number, number + 1))
-            self._write_chunk("status", runs, self.values["status"][runs.start : runs.stop])
-        zarr.consolidate_metadata(self.path)
+        zarr.consolidate_metadata(store)
+        return {name: content.to_bytes() for name, content in files.items()}
+
+
+def _is_json(file: Path, content: bytes) -> bool:
+    """Return whether a file holds what this JSON says."""
+    try:
+        return bool(json.loads(file.read_bytes()) == json.loads(content))
+    except (OSError, ValueError, RecursionError):
+        return False
 
 
 def _codec() -> Any:
@@ -241,10 +290,11 @@ def replace(path: Path, content: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
         part.write_bytes(content)
-    except OSError:
-        part.unlink(missing_ok=True)
+        part.replace(path)
+    except BaseException:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
         raise
-    part.replace(path)
 
 
 def open_store(
@@ -270,7 +320,18 @@ def open_store(
         return None, chunk, make
     try:
         group: Any = zarr.open_group(place, mode="r")
-        attrs, chunks = dict(group.attrs), group["status"].chunks
+        attrs, chunks = dict(group.attrs), tuple(map(int, group["status"].chunks))
     except Exception:  # whatever zarr raises for what it cannot read
         raise ValueError(f"store {place} is not one of fr.ensemble; give another path") from None
-    return require_same(place, attrs, study, frames), tuple(map(int, chunks)), make
+    names = require_same(place, attrs, study, frames)
+    if not _are_ranges(chunks, study.shape):
+        raise ValueError(f"store {place} has damaged metadata; give another path")
+    return names, chunks, make
+
+
+def _are_ranges(chunk: tuple[int, ...], shape: tuple[int, ...]) -> bool:
+    """Return whether chunks of this shape are contiguous ranges of runs, as `chunk_shape` makes them."""
+    if len(chunk) != len(shape) or not all(1 <= step <= length for step, length in zip(chunk, shape, strict=True)):
+        return False
+    partial = next((place for place, step in enumerate(chunk) if step > 1), len(chunk) - 1)
+    return chunk[partial + 1 :] == shape[partial + 1 :]

@@ -24,115 +24,18 @@ from concurrent.futures import (
 from contextlib import suppress
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from floquetrod._util import interrupt, validate
 from floquetrod._util.compilation import cores
-from floquetrod.ensembles.axes import varied
-from floquetrod.ensembles.runs import DONE, FAILED
-from floquetrod.ensembles.stores import Outcome
-from floquetrod.simulation.problem import Simulation, SimulationProblem
-
-Summary = Callable[[Simulation], Mapping[str, float]]
+from floquetrod.ensembles.runs import FAILED
+from floquetrod.ensembles.stores import DIED, Outcome
+from floquetrod.ensembles.tasks import Job, Piece, carry_out
 
 _TASK = 0.25  # s of work in a task, so that handing it over costs little (a choice)
 _MOST_IN_A_TASK = 256  # runs (a choice)
 _WINDOW = 512  # tasks handed to an executor whose size is unknown (a choice: more than any has workers, few in memory)
 _HEARD_WITHIN = 0.1  # s between checks for Ctrl-C (a choice)
 _DEATHS = 3  # of workers, after which the run they died in is recorded as failed (a choice)
-
-
-class Job(NamedTuple):
-    """What all tasks share: the problem, the summary, its names (None while unknown), and whether frames are kept."""
-
-    problem: SimulationProblem
-    summary: Summary | None
-    names: tuple[str, ...] | None
-    frames: bool
-
-
-Piece = Sequence[tuple[int, Mapping[str, float]]]
-"""Runs of a task: their numbers, with the values that they vary."""
-
-
-def carry_out(job: Job, piece: Piece, heed: Callable[[int, int], None] | None = None) -> list[Outcome]:
-    """Make the runs of a task; what a run raises is recorded, and those that were interrupted are left out."""
-    found = []
-    for run, values in piece:
-        try:
-            made = varied(job.problem, values).run(heed)
-            if not made.complete:
-                break
-            found.append(outcome(job, run, made))
-        except Exception as error:  # whatever it is, the other runs continue
-            found.append(failure(run, error))
-    return found
-
-
-def outcome(job: Job, run: int, made: Simulation) -> Outcome:
-    """Return what came of a run that was made."""
-    return Outcome(run, DONE, "", results(made), summarised(job, made), frames_of(job, made))
-
-
-def failure(run: int, error: Exception) -> Outcome:
-    """Return what is recorded of a run that raised."""
-    return Outcome(run, FAILED, f"{type(error).__name__}: {error}")
-
-
-def results(made: Simulation) -> dict[str, float]:
-    """Return the results of a run by name, those of `floquetrod.ensembles.stores.RESULTS` but for the status."""
-    mode = made.dominant_mode
-    try:
-        growth = made.growth_rate(mode)
-        rate, error = growth.rate, growth.error
-    except ValueError:  # friction, or too short
-        rate = error = math.nan
-    return {
-        "buckled": made.buckled,
-        "time_to_buckle": math.nan if made.buckled_at is None else made.buckled_at,
-        "dominant_mode": mode,
-        "growth_rate": rate,
-        "growth_error": error,
-        "largest_angle": float(made.largest_angle.max()),
-        "energy_error": float(np.abs(made.energy_error).max()),
-        "wall_time": made.seconds,
-    }
-
-
-def summarised(job: Job, made: Simulation) -> dict[str, float]:
-    """Return what the summary makes of a run; an error unless it maps the names expected to numbers."""
-    if job.summary is None:
-        return {}
-    found = job.summary(made)
-    if not isinstance(found, Mapping) or not all(isinstance(name, str) for name in found):
-        raise TypeError(f"summary must return a mapping of names to numbers, got {validate.short(found)}")
-    if job.names is not None and set(found) != set(job.names):
-        raise ValueError(f"summary must return {', '.join(job.names)} of every run, got {', '.join(found)}")
-    return {name: number(name, value) for name, value in found.items()}
-
-
-def number(name: str, value: Any) -> float:
-    """Return a number of a summary, which may be NaN, infinite or a truth value."""
-    if isinstance(value, bool | np.bool_):
-        return float(value)
-    if isinstance(value, float | np.floating) and not math.isfinite(value):
-        return float(value)
-    return validate.finite(f"summary[{name!r}]", value)
-
-
-def frames_of(job: Job, made: Simulation) -> dict[str, Any] | None:
-    """Return the frames of a run, if they are asked for."""
-    if not job.frames:
-        return None
-    expected = job.problem.mesh.segments + 1, job.problem.frames
-    if (made.positions.shape[1], made.problem.frames) != expected:
-        raise ValueError(
-            "frames of all runs must have the same numbers of nodes and frames; vary neither with frames=True"
-        )
-    return {"time": made.time, "angle": made.angle, "positions": made.positions}
-
-
-# --- what runs tasks ---
+_STARTS = 3  # of workers that end before they have begun, one after another, until no more are started (a choice)
 
 
 class TaskRunner:
@@ -156,8 +59,12 @@ class TaskRunner:
     def submit(self, job: Job, piece: Piece) -> Future[list[Outcome]]:
         """Hand over a task."""
         if self._same_process:
-            return self.executor.submit(carry_out, job, piece, self._heed)
+            return self.executor.submit(carry_out, job, piece, self._end_when_stopped)
         return self.executor.submit(carry_out, job, piece)
+
+    def has_begun(self, task: Future[Any]) -> bool:
+        """Return whether the worker of a task that has ended had started."""
+        return True
 
     def has_died(self, task: Future[Any], error: BaseException | None) -> bool:
         """Note the end of a task; return whether its error means that its worker has died, and others live on."""
@@ -188,7 +95,7 @@ class TaskRunner:
                 "define it at the top level of a module, or run in threads"
             ) from None
 
-    def _heed(self, done: int, total: int) -> None:
+    def _end_when_stopped(self, done: int, total: int) -> None:
         """End a run in a thread once it is to be abandoned."""
         if self._stop.is_set():
             raise KeyboardInterrupt  # which ends a run as Ctrl-C would in the main thread
@@ -228,15 +135,14 @@ class OwnProcesses(TaskRunner):
         """Start them."""
         self._pools = [_Pool.started() for _ in range(workers)]
         self._busy: dict[Future[Any], int] = {}
+        self._failed_starts = 0
         super().__init__(self._pools[0].executor)
         try:
-            self._pools[0].pid.result()
-        except BrokenExecutor:
+            while self._pools[0].pid.exception() is not None:
+                self._replace(0)
+        except BaseException:
             self.close()
-            raise RuntimeError(
-                "worker processes end as soon as they start: in a script call fr.ensemble(workers=...) under "
-                "'if __name__ == \"__main__\":', which new processes import without running it"
-            ) from None
+            raise
 
     @property
     def room(self) -> int:
@@ -254,6 +160,10 @@ class OwnProcesses(TaskRunner):
         self._busy[task] = place
         return task
 
+    def has_begun(self, task: Future[Any]) -> bool:
+        """Return whether the process of a task had started when the task ended."""
+        return self._pools[self._busy[task]].has_begun
+
     def has_died(self, task: Future[Any], error: BaseException | None) -> bool:
         """Note that the process of a task is free; return whether it has died, and is replaced."""
         place = self._busy.pop(task)
@@ -265,7 +175,7 @@ class OwnProcesses(TaskRunner):
     def stop(self) -> None:
         """End the processes at once."""
         for pool in self._pools:
-            if pool.pid.done() and pool.pid.exception() is None:
+            if pool.has_begun:
                 with suppress(OSError):  # it has ended
                     os.kill(pool.pid.result(), signal.SIGTERM)
 
@@ -275,7 +185,14 @@ class OwnProcesses(TaskRunner):
             pool.executor.shutdown(cancel_futures=True)
 
     def _replace(self, place: int) -> None:
-        """Start another process in the place of one that has died."""
+        """Start another process in the place of one that has died; RuntimeError where none ever begins."""
+        self._failed_starts = 0 if self._pools[place].has_begun else self._failed_starts + 1
+        if self._failed_starts >= _STARTS:
+            raise RuntimeError(
+                f"{_STARTS} worker processes one after another ended as soon as they started: in a script call "
+                "fr.ensemble(workers=...) under 'if __name__ == \"__main__\":', which new processes import without "
+                "running it; elsewhere see whether they are killed, or memory is short"
+            )
         self._pools[place].executor.shutdown(wait=False)
         self._pools[place] = _Pool.started()
 
@@ -285,6 +202,11 @@ class _Pool(NamedTuple):
 
     executor: ProcessPoolExecutor
     pid: Future[int]
+
+    @property
+    def has_begun(self) -> bool:
+        """Return whether its process has started."""
+        return self.pid.done() and self.pid.exception() is None
 
     @classmethod
     def started(cls) -> _Pool:
@@ -359,15 +281,14 @@ def work(
                 deliver()
                 for task in done:
                     runs, error = tasks.pop(task), _error(task)
+                    begun = runner.has_begun(task)
                     if runner.has_died(task, error):
-                        if len(runs) == 1:
+                        if len(runs) == 1 and begun:
                             deaths[runs[0]] += 1
                         fatal = [run for run in runs if deaths[run] >= _DEATHS]
                         alone.extend(run for run in runs if run not in fatal)
                         for run in fatal:
-                            yield Outcome(
-                                run, FAILED, f"its worker process died {_DEATHS} times: killed, or out of memory"
-                            )
+                            yield Outcome(run, FAILED, f"{DIED} {_DEATHS} times: killed, or out of memory")
                     elif error is not None:
                         broken = _broken(error)
                     else:

@@ -27,13 +27,21 @@ PLACES = ("fsync", "replace", "rename", "fdopen", "write", "open")
 
 
 def check(rng: np.random.Generator) -> Found:
-    """Let the disk fail under a run with checkpoints, a chart that is saved, or the output of a command."""
+    """Let the disk fail under a run with checkpoints, an ensemble, a chart or the output of a command."""
     what = rng.random()
     if what < 0.05:
         return Found(1, _terminal())
     with tempfile.TemporaryDirectory(prefix="fuzz") as name:
         fails, how = _failing(rng)
-        wrong = run(Path(name), fails) if what < 0.6 else _chart(Path(name), fails)
+        if what < 0.4:
+            wrong = run(Path(name), fails)
+        elif what < 0.7:
+            place = Path(name) / str(rng.choice(["runs.npz", "runs.zarr"]))
+            frames, begin = bool(rng.random() < 0.5), int(rng.integers(0, 20))
+            how = f"{place.suffix} store{' with frames' * frames}, after {begin} runs {how}"
+            wrong = ensemble(place, frames, begin, fails)
+        else:
+            wrong = _chart(Path(name), fails)
     return Found(1, [f"{how}: {line}" for line in wrong])
 
 
@@ -91,6 +99,47 @@ def run(place: Path, fails: Callable[[], None]) -> list[str]:
         different = runs.differences(expected, runs.simulate(checkpoint))
         wrong += [f"the checkpoint goes on to another {', '.join(different)}"] if different else []
     left = runs.strays(place)
+    return wrong + ([f"leaves {', '.join(left)}"] if left else [])
+
+
+def ensemble(place: Path, frames: bool, begin: int, fails: Callable[[], None]) -> list[str]:
+    """Make an ensemble on a disk that fails after some runs; afterwards, go on where there is room."""
+    expected = runs.filled(frames)
+
+    def work() -> tuple[list[str], list[str]]:
+        begun: list[int] = []
+
+        def progress(done: int, total: int) -> None:
+            begun.append(done)
+            if done == begin:
+                fails()
+
+        if not begin:
+            fails()
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always")
+            try:
+                found = runs.fill(place, frames, progress)
+            except ValueError as error:
+                if "cannot be written" in str(error) and not begun:
+                    return [], []
+                raise
+        return runs.differing(expected, found), [str(warning.message) for warning in heard]
+
+    done, answer = apart.answer(work)
+    if not done:
+        return [f"the results of an ensemble are lost: {answer}"]
+    different, heard = answer
+    wrong = [f"the results have another {', '.join(different)}"] if different else []
+    for text in ("cannot be written", "cannot be locked"):
+        if (count := sum(text in line for line in heard)) > 1:
+            wrong.append(f"warns {count} times that the store {text}")
+    done, answer = apart.answer(lambda: runs.fill(place, frames))
+    if not done:
+        return [*wrong, f"the store does not go on: {answer}"]
+    if different := runs.differing(expected, answer):
+        wrong.append(f"the store goes on to another {', '.join(different)}")
+    left = runs.strays(place.parent)
     return wrong + ([f"leaves {', '.join(left)}"] if left else [])
 
 

@@ -1,4 +1,4 @@
-"""Damaged charts, simulations and checkpoints: a ValueError, or what the file held before, to the bit.
+"""Damaged charts, simulations, ensembles and checkpoints: a ValueError, or what the file held before, to the bit.
 
 Files of systems have no checksum, so that people can write them: of those, a ValueError or any system.
 """
@@ -13,8 +13,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+import xarray
 
 import floquetrod as fr
+from floquetrod.ensembles import Runs
+from floquetrod.ensembles.runs import require_runs
 from floquetrod.equations.system_files import read_system
 from fuzz import runs
 from fuzz.calls import SYSTEM, folder, oscillators, system_files
@@ -22,6 +25,10 @@ from fuzz.core import Found, TookTooLong, limit, told
 
 CASES = 300
 QUICK = 50
+
+_IDENTITY = (".zmetadata", ".zattrs", ".zgroup", ".zarray")
+"""Files without which a store may not be known for the one that it is."""
+_STORED = {"kick": [0.01, 0.2], "friction": [0.1, 0.2, -1.0]}
 
 
 class Kind(NamedTuple):
@@ -40,12 +47,16 @@ def kinds() -> tuple[Kind, ...]:
     chart = fr.mathieu.chart((0.0, 1.0, 9), (-1.0, 0.2, 8), growth=True)
     systems = fr.chart(oscillators, {"omega": (2.5, 3.5, 9), "epsilon": (0.1, 0.3, 8)}, growth=True)
     run = runs.reference()
+    ensemble = require_runs(
+        "found", fr.ensemble(runs.PROBLEM, {"kick": [0.01, 0.2], "friction": [0.1, -1.0]}, frames=True)
+    )
     checkpoint = place / "begun.ckpt"
     _interrupted(checkpoint)
     return (
         Kind(chart.save(place / "damaged_chart.npz"), fr.Chart.load, chart),
         Kind(run.save(place / "damaged_run.npz"), fr.Simulation.load, run),
         Kind(checkpoint, runs.simulate, run),
+        Kind(ensemble.save(place / "damaged_ensemble.npz"), Runs.load, ensemble),
         Kind(systems.save(place / "damaged_chart_of_systems.npz"), fr.Chart.load, systems),
         *(Kind(path, read_system, SYSTEM, checked=False) for path in system_files()),
     )
@@ -65,7 +76,9 @@ def _interrupted(checkpoint: Path) -> None:
 
 
 def check(rng: np.random.Generator) -> Found:
-    """Damage one file and read it."""
+    """Damage one file and read it, or one of a Zarr store and go on with that."""
+    if rng.random() < 0.1:
+        return _store(rng)
     kind = kinds()[int(rng.integers(len(kinds())))]
     good = kind.path.read_bytes()
     others = [other.path.read_bytes() for other in kinds()]
@@ -79,6 +92,47 @@ def check(rng: np.random.Generator) -> Found:
             keep.mkdir(exist_ok=True)
             shutil.copy(path, keep)
     return Found(1, [f"{kind.path.name} {how}: {line}" for line in wrong])
+
+
+@functools.cache
+def whole_store() -> Path:
+    """Return a Zarr store with frames."""
+    place = folder() / "damaged_runs.zarr"
+    fr.ensemble(runs.PROBLEM, _STORED, frames=True, store=place)
+    return place
+
+
+def _store(rng: np.random.Generator) -> Found:
+    """Damage or remove one file of a Zarr store and go on: everything is there again, or a ValueError."""
+    with tempfile.TemporaryDirectory(prefix="fuzz") as name:
+        place = Path(name) / "runs.zarr"
+        shutil.copytree(whole_store(), place)
+        every = sorted(path for path in place.rglob("*") if path.is_file())
+        path = every[int(rng.integers(len(every)))]
+        good = path.read_bytes()
+        bad, how = (None, "is gone") if rng.random() < 0.3 else damage(good, [every[0].read_bytes()], rng)
+        path.unlink()
+        if bad is not None:
+            path.write_bytes(bad)
+        try:
+            wrong = go_on(place)
+        except ValueError as error:
+            told_of = path.name in _IDENTITY and str(error).startswith(f"store {place} ")
+            wrong = [] if told_of else [told(error)]
+    return Found(1, [f"{path.relative_to(name)} {how}: {line}" for line in wrong])
+
+
+def go_on(place: Path) -> list[str]:
+    """Return what is wrong about a store after it was continued, and about what that returned."""
+    expected = runs.arrays(xarray.open_zarr(whole_store()))
+    found = runs.arrays(fr.ensemble(runs.PROBLEM, _STORED, frames=True, store=place))
+    stored = runs.arrays(xarray.open_zarr(place))
+    answers = {"an ensemble returns": found, "the store holds": stored}
+    return [
+        f"{who} another {', '.join(different)}"
+        for who, answer in answers.items()
+        if (different := runs.differing(expected, answer))
+    ]
 
 
 def read_damaged(kind: Kind, path: Path) -> list[str]:

@@ -1,12 +1,17 @@
-"""Runs killed at any moment, saves included: the checkpoint goes on to the bit, and nothing is left lying about."""
+"""Runs killed at any moment, saves included: what is saved goes on to the bit, and nothing is left lying about."""
 
 from __future__ import annotations
 
+import os
+import signal
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
+import xarray
 
+from floquetrod.ensembles import Runs
 from fuzz import apart, runs
 from fuzz.core import Found, told
 
@@ -17,16 +22,66 @@ _LATEST = 0.25  # seconds: longer than a run takes
 
 
 def check(rng: np.random.Generator) -> Found:
+    """Kill runs with checkpoints, or processes that fill the store of an ensemble."""
+    return checkpoint(rng) if rng.random() < 0.6 else _store(rng)
+
+
+def _store(rng: np.random.Generator) -> Found:
+    """Fill a store from two processes of which one is stopped, goes on and is killed: no run is lost."""
+    kind, moments = str(rng.choice(["runs.npz", "runs.zarr"])), rng.uniform(0.0, _LATEST, 3).tolist()
+    runs.filled(False)
+    with tempfile.TemporaryDirectory(prefix="fuzz") as name:
+        place = Path(name) / kind
+        wrong = stopped_and_killed(place, moments)
+        done, found = apart.answer(lambda: runs.fill(place))
+        if not done:
+            wrong.append(f"does not go on: {found}")
+        elif different := runs.differing(runs.filled(False), found):
+            wrong.append(f"goes on to another {', '.join(different)}")
+    return Found(3, [f"{kind}, at {moments} s: {line}" for line in wrong])
+
+
+def stopped_and_killed(place: Path, moments: list[float]) -> list[str]:
+    """Return what is wrong about a store that one process fills while another that began to is stopped."""
+    process, pipe = apart.start(lambda: runs.fill(place))
+    time.sleep(moments[0])
+    os.kill(process, signal.SIGSTOP)
+    done, found = apart.answer(lambda: runs.fill(place))
+    wrong = [] if done or "is being filled by another process" in found else [f"a second process: {found}"]
+    before = _count(place)
+    os.kill(process, signal.SIGCONT)
+    time.sleep(moments[1])
+    os.kill(process, signal.SIGKILL)
+    apart.finish(process, pipe)
+    apart.kill_after(lambda: runs.fill(place), moments[2])
+    after = _count(place)
+    return wrong if after >= before else [*wrong, f"of {before} runs {after} are left"]
+
+
+def _count(place: Path) -> int:
+    """Return how many runs a store holds."""
+
+    def count() -> int:
+        found = Runs.load(place) if place.suffix == ".npz" else xarray.open_zarr(place)
+        return int(np.sum(np.asarray(found["status"]) == 1))
+
+    if not place.exists():
+        return 0
+    done, found = apart.answer(count)
+    return int(found) if done else -1
+
+
+def checkpoint(rng: np.random.Generator) -> Found:
     """Kill a run up to three times, go on from what is there, and compare with the run that nothing disturbed."""
     expected = runs.reference()
     failures = []
     with tempfile.TemporaryDirectory(prefix="fuzz") as name:
-        checkpoint = Path(name) / "run.ckpt"
+        path = Path(name) / "run.ckpt"
         moments = [float(rng.uniform(0.0, _LATEST)) for _ in range(int(rng.integers(1, 4)))]
         for moment in moments:
-            apart.kill_after(lambda: runs.simulate(checkpoint), moment)
+            apart.kill_after(lambda: runs.simulate(path), moment)
         try:
-            different = runs.differences(expected, runs.simulate(checkpoint))
+            different = runs.differences(expected, runs.simulate(path))
             if different:
                 failures.append(f"goes on to another {', '.join(different)}")
         except Exception as error:

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.ensembles import stores
+from floquetrod.ensembles.runs import require_runs
 from floquetrod.simulation import checkpoints, integration
 
 ROD = fr.Rod.nitinol()
@@ -41,6 +43,39 @@ def simulate(checkpoint: Path | None = None, frames: int = 12, progress: Any = N
 def reference() -> fr.Simulation:
     """Return the run that nothing disturbs."""
     return simulate()
+
+
+PROBLEM = fr.SimulationProblem(ROD, LOAD, duration=0.004, friction=0.1, segments=40, frames=5, time_step=4e-6)
+OVER = {"kick": [0.01, 0.05, 0.2], "seed": range(20)}
+
+
+def fill(place: Path | None = None, frames: bool = False, progress: Any = None) -> dict[str, Any]:
+    """Make an ensemble, in a store that is saved at every occasion; return its arrays but for what runs took."""
+    before = stores._SECONDS_BETWEEN, stores._LONGER
+    stores._SECONDS_BETWEEN, stores._LONGER = 0.0, 0.0
+    try:
+        found = fr.ensemble(PROBLEM, OVER, store=place, frames=frames, progress=progress)
+    finally:
+        stores._SECONDS_BETWEEN, stores._LONGER = before
+    return arrays(found)
+
+
+@functools.cache
+def filled(frames: bool) -> dict[str, Any]:
+    """Return the ensemble that nothing disturbs."""
+    return fill(frames=frames)
+
+
+def arrays(found: Any) -> dict[str, Any]:
+    """Return the arrays of an ensemble but for the times that runs took; texts of any length compare."""
+    runs = require_runs("found", found)
+    every = {name: runs[name] for name in (*runs.coords, *runs.variables) if name != "wall_time"}
+    return every | {"reason": every["reason"].tolist()}
+
+
+def differing(one: dict[str, Any], other: dict[str, Any]) -> list[str]:
+    """Return the names of arrays in which two ensembles differ by a bit."""
+    return [name for name in one.keys() | other.keys() if not same(one.get(name), other.get(name))]
 
 
 def differences(one: Any, other: Any) -> list[str]:

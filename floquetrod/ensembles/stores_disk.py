@@ -1,0 +1,177 @@
+"""What the stores of an ensemble on a disk share, and the simpler one: a single npz file, saved whole."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+
+from floquetrod._util import files
+from floquetrod._util.calling import level_of_caller
+from floquetrod._util.locks import Lock
+from floquetrod.ensembles.axes import Study
+from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs
+from floquetrod.ensembles.stores import Layout, MemoryStore, require_same
+from floquetrod.simulation.checkpoints import CheckpointWarning
+
+
+class DiskStore(MemoryStore):
+    """Results in memory that are saved to a disk.
+
+    While it is open for a part, a lock keeps every other from filling the same runs; it ends with the process.
+
+    Attributes
+    ----------
+    path : Path
+        Of the store.
+    """
+
+    def __init__(self, layout: Layout, path: Path) -> None:
+        """Begin with every run pending."""
+        super().__init__(layout)
+        self.path = path
+        self._lock: Lock | None = None
+        self._has_warned = False
+
+    def open_part(self, chunks: range) -> None:
+        """Keep others from writing these chunks, and take over what they wrote before.
+
+        Raises ValueError when another process writes some of them.
+        """
+        if not chunks:
+            return
+        try:
+            self._lock = self._locked(chunks)
+        except BlockingIOError:
+            raise ValueError(
+                f"store {self.path} is being filled by another process, or another thread of this one; wait until it "
+                "ends, or give each a store of its own, or its part=(k, n) of one that ends in .zarr"
+            ) from None
+        except OSError as error:  # not every file system has locks
+            _warn(f"store {self.path} cannot be locked ({error.strerror}): make sure that nothing else fills it")
+        self._refresh(chunks)
+
+    def close(self) -> None:
+        """Release the lock."""
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
+
+    def save(self) -> None:
+        """Write what is new, or warn once: the runs continue, and the next save tries again."""
+        if self._dirty and self._succeeds(lambda: self._write(self._dirty)):
+            self._dirty = set()
+
+    def _succeeds(self, write: Callable[[], None]) -> bool:
+        """Return whether something could be written; where not, warn the first time."""
+        try:
+            write()
+        except (OSError, ValueError, MemoryError) as error:
+            cause = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            if not self._has_warned:
+                self._has_warned = True
+                _warn(
+                    f"store {self.path} cannot be written ({cause}); the runs continue, their results are returned, "
+                    "and it is tried again until the end: what the store lacks then, fr.ensemble makes when it is "
+                    "called again with the same arguments and the cause is gone"
+                )
+            return False
+        return True
+
+    def _locked(self, chunks: range) -> Lock:
+        """Return a lock of these chunks; BlockingIOError when another holds one of some of them."""
+        raise NotImplementedError
+
+    def _refresh(self, chunks: range) -> None:
+        """Take over what others have written of these chunks."""
+        raise NotImplementedError
+
+    def _write(self, chunks: Iterable[int]) -> None:
+        """Write chunks of results."""
+        raise NotImplementedError
+
+
+def _warn(text: str) -> None:
+    """Warn the caller of the package."""
+    with suppress(CheckpointWarning):  # raised where warnings are errors: the runs are worth more
+        warnings.warn(CheckpointWarning(text), stacklevel=level_of_caller())
+
+
+class NpzStore(DiskStore):
+    """Results in memory that are saved to an npz file, whole.
+
+    A file that another process has written meanwhile, where files cannot be locked, is taken over before the next save,
+    not overwritten.
+    """
+
+    def __init__(self, layout: Layout, path: Path, found: Runs | None, known: tuple[int, ...] | None) -> None:
+        """Begin, or continue with what was found in a file, which was known to be in this state before it was read."""
+        super().__init__(layout, path)
+        self._known = known
+        if found is not None:
+            self._take_over(found)
+
+    def _locked(self, chunks: range) -> Lock:
+        """Return a lock of the whole store, which is that of a file beside it."""
+        target = Path(os.path.realpath(self.path))
+        return Lock(target.with_name(f".{target.name}.lock"), range(1), remove=True)
+
+    def _refresh(self, chunks: range) -> None:
+        """Take over a file that is not the one last read or written here; ValueError for one of another study."""
+        state = _state(self.path)
+        if state is not None and state != self._known:
+            found = Runs.load(self.path)
+            names = require_same(self.path, found.attrs, self.layout.study, self.layout.frames)
+            if names != self.layout.summary:
+                raise ValueError(f"store {self.path} holds another study, with another summary; give another path")
+            self._take_over(found)
+        self._known = state
+
+    def _take_over(self, found: Runs) -> None:
+        """Take over what a file has of runs that are not done here."""
+        shape, status = self.layout.study.shape, found["status"].ravel()
+        for name, values in (self.values | self._frames).items():
+            theirs = found.variables[name].values
+            if theirs.shape != (*shape, *values.shape[1:]) or theirs.dtype != values.dtype:
+                raise ValueError(f"store {self.path} holds {name} of shape {theirs.shape}; give another path")
+        reasons = found["reason"].ravel()
+        new = np.where(self.values["status"] == FAILED, status == DONE, self.values["status"] == PENDING)
+        for name, values in (self.values | self._frames).items():
+            values[new] = found[name].reshape(values.shape)[new]
+        for run in np.flatnonzero(new).tolist():
+            self.reasons.pop(run, None)
+            if status[run] == FAILED:
+                self.reasons[run] = str(reasons[run])
+
+    def _write(self, chunks: Iterable[int]) -> None:
+        """Write the file anew."""
+        self._refresh(range(0))
+        self.runs().save(self.path)
+        self._known = _state(self.path)
+
+
+def _state(path: Path) -> tuple[int, ...] | None:
+    """Return what changes when a file is written, None where there is none."""
+    try:
+        about = path.stat()
+    except FileNotFoundError:
+        return None
+    return about.st_dev, about.st_ino, about.st_size, about.st_mtime_ns
+
+
+def open_store(
+    place: Path, study: Study, frames: bool
+) -> tuple[tuple[str, ...] | None, Callable[[Layout], MemoryStore]]:
+    """Return the names of the summary of a store, None where there is no store yet, and what opens it.
+
+    Raises ValueError for a store of another study, and where none can be written.
+    """
+    files.writable(place)
+    known = _state(place)
+    found = None if known is None else Runs.load(place)
+    names = None if found is None else require_same(place, found.attrs, study, frames)
+    return names, lambda layout: NpzStore(layout, place, found, known)

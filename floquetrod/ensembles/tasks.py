@@ -1,0 +1,110 @@
+"""What a worker does: the runs of a task, and what is recorded of each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod.ensembles.axes import varied
+from floquetrod.ensembles.runs import DONE, FAILED
+from floquetrod.ensembles.stores import Outcome, reason_of
+from floquetrod.simulation.problem import Simulation, SimulationProblem
+
+Summary = Callable[[Simulation], Mapping[str, float]]
+
+OWN_ERRORS = (Exception, SystemExit)
+"""What a run or its summary may raise without ending others."""
+
+
+class Job(NamedTuple):
+    """What all tasks share: the problem, the summary, its names (None while unknown), and whether frames are kept."""
+
+    problem: SimulationProblem
+    summary: Summary | None
+    names: tuple[str, ...] | None
+    frames: bool
+
+
+Piece = Sequence[tuple[int, Mapping[str, float]]]
+"""Runs of a task: their numbers, with the values that they vary."""
+
+
+def carry_out(job: Job, piece: Piece, progress: Callable[[int, int], None] | None = None) -> list[Outcome]:
+    """Make the runs of a task; what a run raises is recorded, and those that were interrupted are left out."""
+    found = []
+    for run, values in piece:
+        try:
+            made = varied(job.problem, values).run(progress)
+            if not made.complete:
+                break
+            found.append(outcome(job, run, made))
+        except OWN_ERRORS as error:  # whatever it is, the other runs continue
+            found.append(failure(run, error))
+    return found
+
+
+def outcome(job: Job, run: int, made: Simulation) -> Outcome:
+    """Return what came of a run that was made."""
+    return Outcome(run, DONE, "", results(made), summarised(job, made), frames_of(job, made))
+
+
+def failure(run: int, error: BaseException) -> Outcome:
+    """Return what is recorded of a run that raised."""
+    return Outcome(run, FAILED, reason_of(error))
+
+
+def results(made: Simulation) -> dict[str, float]:
+    """Return the results of a run by name, those of `floquetrod.ensembles.stores.RESULTS` but for the status."""
+    mode = made.dominant_mode
+    try:
+        growth = made.growth_rate(mode)
+        rate, error = growth.rate, growth.error
+    except ValueError:  # friction, or too short
+        rate = error = math.nan
+    return {
+        "buckled": made.buckled,
+        "time_to_buckle": math.nan if made.buckled_at is None else made.buckled_at,
+        "dominant_mode": mode,
+        "growth_rate": rate,
+        "growth_error": error,
+        "largest_angle": float(made.largest_angle.max()),
+        "energy_error": float(np.abs(made.energy_error).max()),
+        "wall_time": made.seconds,
+    }
+
+
+def summarised(job: Job, made: Simulation) -> dict[str, float]:
+    """Return what the summary makes of a run; an error unless it maps the names expected to numbers."""
+    if job.summary is None:
+        return {}
+    found = job.summary(made)
+    if not isinstance(found, Mapping) or not all(isinstance(name, str) for name in found):
+        raise TypeError(f"summary must return a mapping of names to numbers, got {validate.short(found)}")
+    if job.names is not None and set(found) != set(job.names):
+        raise ValueError(f"summary must return {', '.join(job.names)} of every run, got {', '.join(found)}")
+    return {name: number(name, value) for name, value in found.items()}
+
+
+def number(name: str, value: Any) -> float:
+    """Return a number of a summary, which may be NaN, infinite or a truth value."""
+    if isinstance(value, bool | np.bool_):
+        return float(value)
+    if isinstance(value, float | np.floating) and not math.isfinite(value):
+        return float(value)
+    return validate.finite(f"summary[{name!r}]", value)
+
+
+def frames_of(job: Job, made: Simulation) -> dict[str, Any] | None:
+    """Return the frames of a run, if they are asked for."""
+    if not job.frames:
+        return None
+    expected = job.problem.mesh.segments + 1, job.problem.frames
+    if (made.positions.shape[1], made.problem.frames) != expected:
+        raise ValueError(
+            "frames of all runs must have the same numbers of nodes and frames; vary neither with frames=True"
+        )
+    return {"time": made.time, "angle": made.angle, "positions": made.positions}
