@@ -337,7 +337,8 @@ def _most_friction(rod: Any, i: int, p: Any) -> float:
     depth = p.radial_clearance * beyond
     before = rod["vy"][i] * ny + rod["vz"][i] * nz
     push = p.step * p.contact * math.sqrt(depth) * (depth + p.contact_damping * before)
-    return p.friction * max(push, 0.0) * (1.0 + beyond)
+    limit: float = p.friction * max(push, 0.0) * (1.0 + beyond)
+    return limit
 
 
 @kernel
