@@ -104,7 +104,7 @@ class Map:
         ax.set_ylim(*ends["mean"])
         ax.set_xlabel(label(*NAMES["frequency"], units["frequency"].name))
         ax.set_ylabel(label(*NAMES["mean"], units["mean"].name))
-        ax.set_title("unstable loads at this amplitude", fontsize="medium")
+        ax.set_title("orange: unstable at this amplitude", fontsize="medium")
         self._bands: Any = None
         self._drawn: list[Any] = []
         self.moving = [self._image, self._here]
