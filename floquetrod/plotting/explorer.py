@@ -138,8 +138,8 @@ class Window:
                 ha="right" if wide else "left",
                 va="center" if wide else "bottom",
             )
-        for name, place in (_WIDE_TEXTS if wide else _HIGH_TEXTS).items():
-            self._texts[name].set_position(place)
+        for name, at in (_WIDE_TEXTS if wide else _HIGH_TEXTS).items():
+            self._texts[name].set_position(at)
         for name, text in self.words.items():
             self._write(name, text)
 

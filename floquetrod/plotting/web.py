@@ -167,9 +167,10 @@ class Page:
 
         self.figure = shown.figure
         self.figure.set_label(title)
-        self._manager: Any = FigureCanvasWebAggCore.new_manager(self.figure, 1)
+        manager: Any = FigureCanvasWebAggCore.new_manager(self.figure, 1)
+        self._manager = manager
         self._size, self._ratio = (math.inf, math.inf), 1.0
-        canvas = self._manager.canvas
+        canvas: Any = self._manager.canvas
         canvas.mpl_connect("draw_event", lambda _: canvas.send_event("words", **shown.words()))
         self._manager.add_web_socket(socket)
         self._socket = socket
@@ -239,11 +240,12 @@ def _is_finite(content: Mapping[str, Any]) -> bool:
 def _application(opened: Callable[[], Shown], token: str, host: str, title: str) -> Any:
     """Return the tornado application; every request without the token, or from a foreign page, is refused with 403."""
     import matplotlib as mpl
-    from matplotlib.backends.backend_webagg_core import FigureManagerWebAgg
+    from matplotlib.backends import backend_webagg_core
     from tornado.web import Application, HTTPError, RequestHandler, StaticFileHandler
     from tornado.websocket import WebSocketClosedError, WebSocketHandler
 
     pages: dict[str, Page] = {}
+    files: Any = backend_webagg_core.FigureManagerWebAgg
 
     policy = f"default-src 'self'; connect-src 'self' ws://{host}; img-src 'self' data: blob:; style-src 'self' "
     policy += "'unsafe-inline'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
@@ -344,8 +346,8 @@ def _application(opened: Callable[[], Shown], token: str, host: str, title: str)
             (r"/[^/]+", Cut),
             (r"/[^/]+/", Text, {"text": page, "kind": "text/html"}),
             (r"/[^/]+/page\.js", Text, {"text": _SCRIPT, "kind": script}),
-            (r"/[^/]+/mpl\.js", Text, {"text": FigureManagerWebAgg.get_javascript(), "kind": script}),
-            (r"/[^/]+/_static/(.*)", Files, {"path": FigureManagerWebAgg.get_static_file_path()}),
+            (r"/[^/]+/mpl\.js", Text, {"text": files.get_javascript(), "kind": script}),
+            (r"/[^/]+/_static/(.*)", Files, {"path": files.get_static_file_path()}),
             (r"/[^/]+/_images/(.*)", Files, {"path": images}),
             (r"/[^/]+/download\.([a-z]+)", Download),
             (r"/[^/]+/ws", Socket),
