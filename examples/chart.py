@@ -16,8 +16,5 @@ print(chart)
 axes = chart.plot()
 fr.mathieu.transition_curves(np.linspace(0.0, 3.0, 200), 4).plot(axes)
 axes.set_ylim(-4.5, 1.0)
-axes.set_title(
-    "Mathieu's equation: unstable where orange, numbers: tongues; curves solid: period $4\\pi$, dashed: $2\\pi$",
-    fontsize="small",
-)
+axes.set_title("Mathieu's equation, solutions of period $4\\pi$ solid, $2\\pi$ dashed", fontsize="medium")
 plt.show()

@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from floquetrod.simulation.integration import SimulationDiverged as SimulationDiverged
     from floquetrod.simulation.problem import Simulation as Simulation
     from floquetrod.simulation.problem import SimulationProblem as SimulationProblem
+    from floquetrod.simulation.resolution import ResolutionWarning as ResolutionWarning
     from floquetrod.simulation.simulate import simulate as simulate
     from floquetrod.simulation.start import Perturbation as Perturbation
 
@@ -85,6 +86,7 @@ _WHERE = {
     "RegionProof": "floquet.proof.region",
     "Solution": "floquet.solve",
     "solve": "floquet.solve",
+    "ResolutionWarning": "simulation.resolution",
     "Rod": "rod.rod",
     "SafeBox": "rod.safe_box",
     "FrictionalRodStability": "rod.friction",

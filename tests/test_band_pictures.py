@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 import floquetrod as fr
 from conftest import depth
+from drawn import note
 from floquetrod.plane import Axis
 from floquetrod.plane.bands import Band, Bands
 from floquetrod.plotting import charts, labels, palette
@@ -166,7 +167,7 @@ def test_no_bands_are_no_colours() -> None:
     for growth in (None, 0.0):
         ax = chart_of(bands_of(), growth).plot()
         assert is_colour(pixels(ax), palette.STABLE).all()
-        assert "0 unstable bands" in ax.get_title()
+        assert "0 unstable bands" in note(ax)
         pyplot.close(ax.figure)
 
 
@@ -184,7 +185,7 @@ def test_a_chart_draws_bands_where_it_knows_them(tmp_path: Path) -> None:
     def said(**how: Any) -> str:
         ax = chart.plot(**how)
         pyplot.close(ax.figure)
-        return ax.get_title().replace("\n", " ")
+        return note(ax)
 
     assert said() == said(bands=True) == "squares, friction 0.25: 1 unstable band; 7·1: mode 7, tongue 1"
     assert "points stable" in said(bands=False)
@@ -206,7 +207,7 @@ def test_captions_say_what_is_left_out() -> None:
     def title(**changes: Any) -> str:
         ax = bands_of(box(0.1, 0.4, 0.1, 0.9), **changes).plot()
         pyplot.close(ax.figure)
-        return ax.get_title().replace("\n", " ")
+        return note(ax)
 
     assert title() == "1 unstable band"
     assert title(hairlines=1200) == "1 unstable band; 1,200 hairline tongues left out"
@@ -219,7 +220,7 @@ def test_captions_say_what_is_tested_and_what_is_not_known() -> None:
     chart = replace(chart_of(bands_of()), criterion="a test", undecided=3)
     ax = chart.plot()
     pyplot.close(ax.figure)
-    assert ax.get_title().replace("\n", " ").endswith("0 unstable bands; a test; 3 of 1600 points undecided")
+    assert note(ax).endswith("0 unstable bands; a test; 3 of 1600 points undecided")
 
 
 def test_labels_name_what_is_known() -> None:
@@ -297,3 +298,34 @@ def test_a_label_fits_into_its_polygon(seed: int, corners: int) -> None:
     if found is not None:
         left, bottom = int(found[0] - 3.0), int(found[1] - 1.0)
         assert inside[bottom : bottom + 4, left : left + 7].all()
+
+
+@pytest.mark.parametrize("growth", [True, False])
+@pytest.mark.parametrize("bands", [True, False])
+def test_titles_fit_in_a_line_and_notes_in_the_picture(growth: bool, bands: bool) -> None:
+    """What was asked is the title; provenance, names and colours are told below the axes."""
+    tubing = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=30.0)
+    force = tubing.critical_force
+    chart = fr.stability_map(
+        tubing, mean=(0.0, 1.2 * force, 30), amplitude=0.2 * force, frequency=(5.0, 30.0, 40), growth=growth
+    ).in_units(mean="kN", frequency="Hz")
+    ax = chart.plot(bands=bands)
+    figure = ax.figure
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    title, legend = ax.title, ax.get_legend()
+    assert title.get_text() == "rod, amplitude 2.61 kN"
+    assert len(title._get_wrapped_text().splitlines()) == 1
+    assert title.get_window_extent(renderer).width < ax.bbox.width
+    box = legend.get_window_extent(renderer)
+    assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width
+    assert box.y0 >= 0.0
+    assert box.y1 < ax.xaxis.label.get_window_extent(renderer).y0
+    assert [text.get_text() for text in legend.get_texts()] == ["unstable", "stable"]
+    assert [to_rgb(patch.get_facecolor()) for patch in legend.get_patches()] == [
+        to_rgb(palette.UNSTABLE),
+        to_rgb(palette.STABLE),
+    ]
+    assert "critical force 13026.2 N" in note(ax)
+    assert ("mode" in note(ax)) == bands
+    pyplot.close(figure)

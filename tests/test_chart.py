@@ -12,6 +12,7 @@ import pytest
 from matplotlib import pyplot
 
 import floquetrod as fr
+from drawn import note
 from floquetrod.equations import Equation
 
 mpl.use("Agg")
@@ -157,7 +158,7 @@ def test_plots_are_labelled(growth: bool) -> None:
     ax = small_map(growth).plot(bands=False)
     assert ax.get_xlabel() == r"frequency $\omega$ / (rad/s)"
     assert ax.get_ylabel() == r"mean force $F_\mathrm{ave}$ / N"
-    assert "points stable" in ax.get_title()
+    assert "points stable" in note(ax)
     curves = fr.mathieu.transition_curves(np.linspace(0.0, 3.0, 50), 3).plot(ax)
     assert [text.get_text() for text in curves.texts[:3]] == ["$a_{0}$", "$a_{1}$", "$b_{1}$"]
     assert len(fr.mathieu.transition_curves(np.linspace(0.0, 3.0, 50), 3).plot().lines) == 7

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from drawn import note
 from floquetrod import cli
 from floquetrod.plane import Axis
 from floquetrod.plane.bands import Band, Bands
@@ -75,7 +76,7 @@ def test_a_map_is_drawn_as_bands_or_as_pixels(
         assert cli.main(["map", "--rod", "nitinol", *over, *out, *asked]) == 0
         said = capsys.readouterr().out
         assert "1 unstable band; 12 hairline tongues left out\n" in said
-        assert "1 unstable band; 12 hairline tongues left out" in drawn.pop().get_title().replace("\n", " ")
+        assert "1 unstable band; 12 hairline tongues left out" in note(drawn.pop())
     head, first, *_ = Path(names["csv"]).read_text(encoding="utf-8").splitlines()  # in the units of the question
     assert head == "band,mode,partner,tongue,largest growth [1/s],frequency [Hz],mean force [Fcr]"
     assert first.startswith("1,7,,1,2.5,15.9154")
@@ -87,7 +88,7 @@ def test_a_map_is_drawn_as_bands_or_as_pixels(
 
     assert cli.main(["map", "--rod", "nitinol", *over, "--pixels", "--out", names["png"], "--out", names["npz"]]) == 0
     assert "unstable band" not in capsys.readouterr().out
-    assert "points stable" in drawn.pop().get_title().replace("\n", " ")
+    assert "points stable" in note(drawn.pop())
     with pytest.raises(ValueError, match="bands must be computed before"):
         fr.Chart.load(names["npz"]).find_bands()
     for wrong, message in (

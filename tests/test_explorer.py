@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import shlex
 import time
@@ -13,6 +14,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib import pyplot
+from matplotlib.backend_bases import ResizeEvent
 
 import floquetrod as fr
 from floquetrod import cli, units
@@ -361,3 +363,28 @@ def test_the_picture_without_a_window(tmp_path: Path, capsys: pytest.CaptureFixt
 def test_bad_input(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["explore", "--rod", "nitinol", *arguments]) == 2
     assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("size", [(11.0, 7.0), (3.9, 10.14)])
+def test_nothing_is_cut_off_or_overlaps_on_a_screen_or_a_phone(size: tuple[float, float]) -> None:
+    explorer = fr.Explorer(ROD)
+    explorer.refine()
+    window = explorer.window
+    figure = window.figure
+    figure.set_size_inches(*size)
+    figure.canvas.callbacks.process("resize_event", ResizeEvent("resize_event", figure.canvas))
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    boxes = {name: text.get_window_extent(renderer) for name, text in window._texts.items() if text.get_text()}
+    for number, ax in enumerate(window._areas):
+        boxes |= {f"{part} {number}": getattr(ax, part).get_window_extent(renderer) for part in ("title", "patch")}
+        boxes |= {f"{a} {number}": getattr(ax, a).label.get_window_extent(renderer) for a in ("xaxis", "yaxis")}
+    for name, slider in window.sliders.items():
+        boxes |= {f"{part} {name}": getattr(slider, part).get_window_extent(renderer) for part in ("label", "valtext")}
+        boxes[f"slider {name}"] = slider.ax.get_window_extent(renderer)
+    for name, box in boxes.items():
+        assert min(box.x0, box.y0) >= 0.0, name
+        assert box.x1 <= figure.bbox.width, name
+        assert box.y1 <= figure.bbox.height, name
+    for (one, box), (other, beside) in itertools.combinations(boxes.items(), 2):
+        assert not box.padded(-1.0).overlaps(beside.padded(-1.0)), (one, other)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import importlib.util
+import json
 import os
 import re
 import shutil
@@ -12,11 +13,13 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Awaitable, Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
 from floquetrod.plotting import web
@@ -25,13 +28,18 @@ ROOT = Path(__file__).parents[1]
 CHROMIUM = shutil.which("chromium")
 
 
+def opened() -> web.Shown:
+    """Return what a new page shows."""
+    return web.Shown(Figure(), lambda: {"verdict": "stable", "command": "x"})
+
+
 def fetched(requests: list[tuple[str, dict[str, str]]]) -> list[tuple[int, bytes]]:
     """Return status and body of requests to a served figure; "TOKEN" in a path stands for the real one."""
     pytest.importorskip("tornado")
     from tornado.httpclient import AsyncHTTPClient
 
     async def ask() -> list[tuple[int, bytes]]:
-        server, address = web.listen(Figure(), lambda: {"verdict": "stable", "command": "x"}, title="a & b", port=0)
+        server, address = web.listen(opened, title="a & b", port=0)
         base, token = address.rstrip("/").rsplit("/", 1)
         answers = []
         try:
@@ -52,12 +60,189 @@ PATHS = ("/TOKEN/", "/TOKEN/mpl.js", "/TOKEN/page.js", "/TOKEN/_static/js/mpl_to
 
 def test_the_page_answers_who_knows_its_address() -> None:
     answers = fetched(
-        [*((path, {}) for path in PATHS), ("/TOKEN/download.png", {}), ("/TOKEN", {}), ("/TOKEN/nothing", {})]
+        [*((path, {}) for path in PATHS), ("/TOKEN", {}), ("/TOKEN/nothing", {}), ("/TOKEN/download.png", {})]
     )
-    assert [status for status, _ in answers] == [200] * 7 + [404]
+    assert [status for status, _ in answers] == [200] * 6 + [404] * 2
     assert b"<title>a &amp; b</title>" in answers[0][1]
-    assert answers[5][1].startswith(b"\x89PNG")
-    assert answers[6] == answers[0]  # without the slash at its end
+    assert b'<meta name="viewport" content="width=device-width' in answers[0][1]
+    assert answers[5] == answers[0]  # without the slash at its end
+
+
+def test_a_name_with_a_nul_is_not_found() -> None:
+    paths = ("/TOKEN/_static/%00", "/TOKEN/_images/a%00.png", "/TOKEN/%00")
+    assert {status for status, _ in fetched([(path, {}) for path in paths])} == {404}
+
+
+class Pages:
+    """Pages of one server, each with a figure of its own, as a browser opens them."""
+
+    def __init__(self) -> None:
+        self.figures: list[Figure] = []
+        self.closed: list[Figure] = []
+
+    def opened(self) -> web.Shown:
+        """Open another figure."""
+        figure = Figure()
+        figure.canvas.mpl_connect("close_event", lambda _: self.closed.append(figure))
+        self.figures.append(figure)
+        return web.Shown(figure, lambda: {"verdict": "stable", "command": "x"})
+
+
+def talked(talk: Callable[[Pages, Callable[[str], Awaitable[Any]], str], Awaitable[None]]) -> Pages:
+    """Let a coroutine open sockets by the names of their pages, at an address."""
+    pytest.importorskip("tornado")
+    from tornado.websocket import websocket_connect
+
+    pages = Pages()
+
+    async def run() -> None:
+        server, address = web.listen(pages.opened, title="pages", port=0)
+        sockets = []
+
+        async def connect(name: str) -> Any:
+            sockets.append(await websocket_connect(f"{address.replace('http', 'ws', 1)}ws?page={name}"))
+            return sockets[-1]
+
+        try:
+            await talk(pages, connect, address)
+        finally:
+            for socket in sockets:
+                socket.close()
+                while socket.close_code is None and await socket.read_message() is not None:
+                    pass
+            server.stop()
+            await server.close_all_connections()
+
+    asyncio.run(run())
+    return pages
+
+
+async def answered(socket: Any) -> None:
+    """Wait until everything said to a page has been done: it then tells its image mode."""
+    await socket.write_message(json.dumps({"type": "send_image_mode"}))
+    while True:
+        message = await socket.read_message()
+        assert message is not None, "the socket has been closed"
+        if isinstance(message, str) and json.loads(message)["type"] == "image_mode":
+            return
+
+
+SIZES = [
+    ("30000", "30000", "1"),
+    ("1e9", "5", "1"),
+    ("1100", "700", "1000"),
+    ("1100", "700", "0"),
+    ("1100", "700", "-3"),
+    ("1100", "700", "NaN"),
+    ("1100", "700", "1e999"),
+    ("NaN", "700", "2"),
+    ('"wide"', "700", "2"),
+    ("0", "0", "0.01"),
+    ("-5", "1e308", "4"),
+]
+
+
+def test_no_page_makes_a_picture_larger_than_a_screen() -> None:
+    async def talk(pages: Pages, connect: Callable[[str], Awaitable[Any]], address: str) -> None:
+        socket = await connect("one")
+        for width, height, ratio in SIZES:
+            await socket.write_message(f'{{"type": "set_device_pixel_ratio", "device_pixel_ratio": {ratio}}}')
+            await socket.write_message(f'{{"type": "resize", "width": {width}, "height": {height}}}')
+            await answered(socket)
+            across, up = pages.figures[0].canvas.get_width_height(physical=True)
+            assert min(across, up) >= 50
+            assert across * up <= 9_000_000
+            assert 0.5 <= pages.figures[0].canvas.device_pixel_ratio <= 4.0
+
+    talked(talk)
+
+
+@given(st.floats(1.0, 1e300) | st.sampled_from([0.0, -1.0]), st.floats(1.0, 1e300), st.floats(*web._RATIOS))
+def test_bounded_sizes(width: float, height: float, ratio: float) -> None:
+    across, up = web.bounded(width, height, ratio)
+    assert across * up * ratio**2 <= 9_000_000
+    if min(width, height) >= 200 and width * height * ratio**2 <= 8_000_000 and max(width, height) <= 4000:
+        assert (across, up) == (int(width), int(height))
+
+
+JUNK = [
+    "",
+    "[]",
+    "null",
+    "7",
+    "{",
+    "{}",
+    '{"type": []}',
+    '{"type": "resize"}',
+    '{"type": "button_press", "x": "left"}',
+    '{"type": "motion_notify", "x": 1e999, "y": 0}',
+    '{"type": "toolbar_button", "name": "print_figure"}',
+    '{"type": "toolbar_button", "name": "__init__"}',
+    '{"type": "set_device_pixel_ratio", "device_pixel_ratio": {}}',
+    '{"type": "savefig", "path": "x"}',
+    "[" * 5000,
+]
+
+
+def test_what_no_page_says_is_passed_over(caplog: pytest.LogCaptureFixture) -> None:
+    async def talk(pages: Pages, connect: Callable[[str], Awaitable[Any]], address: str) -> None:
+        socket = await connect("one")
+        for message in JUNK:
+            await socket.write_message(message)
+        await answered(socket)
+
+    talked(talk)
+    assert not caplog.records
+
+
+def test_two_pages_share_nothing_and_one_that_closes_says_nothing(caplog: pytest.LogCaptureFixture) -> None:
+    pytest.importorskip("tornado")
+    from tornado.httpclient import AsyncHTTPClient
+
+    async def status(address: str) -> int:
+        return int((await AsyncHTTPClient().fetch(address, raise_error=False)).code)
+
+    async def talk(pages: Pages, connect: Callable[[str], Awaitable[Any]], address: str) -> None:
+        one, other = await connect("one"), await connect("other")
+        await one.write_message(json.dumps({"type": "set_device_pixel_ratio", "device_pixel_ratio": 2}))
+        await one.write_message(json.dumps({"type": "resize", "width": 300, "height": 400}))
+        await answered(one)
+        await answered(other)
+        assert [figure.canvas.device_pixel_ratio for figure in pages.figures] == [2, 1]
+        assert pages.figures[0].canvas.get_width_height(physical=True) == (600, 800)
+        assert pages.figures[1].canvas.get_width_height(physical=True) == (640, 480)
+        assert await status(f"{address}download.png?page=one") == 200
+        assert await status(f"{address}download.png?page=none") == 404
+        one.close()
+        pages.figures[0].canvas.draw_idle()
+        while pages.figures[0] not in pages.closed:
+            await asyncio.sleep(0.01)
+        pages.figures[0].canvas.manager.refresh_all()  # as a timer that still runs
+        assert await status(f"{address}download.png?page=one") == 404
+        await answered(other)
+
+    pages = talked(talk)
+    assert len(pages.figures) == 2
+    assert not caplog.records
+
+
+def test_pages_are_so_many_and_no_more() -> None:
+    async def talk(pages: Pages, connect: Callable[[str], Awaitable[Any]], address: str) -> None:
+        sockets = [await connect(f"page{k}") for k in range(web._MOST_PAGES)]
+        for name, code, reason in (("more", 1013, "8 pages are open"), ("", 1013, "8 pages")):
+            refused = await connect(name)
+            assert await refused.read_message() is None
+            assert refused.close_code == code
+            assert refused.close_reason.startswith(reason)
+        sockets[0].close()
+        while not pages.closed:
+            await asyncio.sleep(0.01)
+        again = await connect("more")
+        await answered(again)
+        twice = await connect("more")
+        assert await twice.read_message() is None
+
+    talked(talk)
 
 
 def test_everybody_else_is_refused() -> None:
@@ -88,13 +273,13 @@ def test_a_port_that_is_taken() -> None:
         taken.listen()
         number = taken.getsockname()[1]
         with pytest.raises(ValueError, match=f"--port {number} cannot be listened on"):
-            web.serve(Figure(), dict, print, title="", port=number)
+            web.serve(opened, print, title="", port=number)
 
 
 def test_without_tornado(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "tornado", None)
     with pytest.raises(ValueError, match=r"--web needs tornado, which is not installed: pip install floquetrod\[web\]"):
-        web.serve(Figure(), dict, print, title="")
+        web.serve(opened, print, title="")
 
 
 @contextlib.contextmanager

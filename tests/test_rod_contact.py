@@ -124,6 +124,61 @@ def test_static_friction_is_kinetic_friction() -> None:
     assert np.abs(moved[[0, -1]]).min() > 1e-12
 
 
+PUSHED = SHORT.replace(length=1.0, damping_rate=5.0)
+GRIP = 0.1
+LIMIT = GRIP * PUSHED.weight_per_length * PUSHED.length
+
+
+@pytest.mark.parametrize("segments", [20, 40, 80])
+@pytest.mark.parametrize("ends", ["hinged", "clamped", "guided", "free"])
+def test_a_rod_pushed_along_slides_at_the_friction_of_its_weight(ends: str, segments: int) -> None:
+    """Ends carry their share of it, held across the channel or not, so no number of segments shows."""
+
+    def pushed(part: float) -> fr.Simulation:
+        return fr.simulate(
+            PUSHED.replace(ends=ends),
+            fr.AxialWave(part * LIMIT, 0.0, 100.0, far_end="free"),
+            duration=0.1,
+            friction=GRIP,
+            far_force=0.0,
+            segments=segments,
+            frames=6,
+            perturbation=fr.Perturbation(),
+        )
+
+    held, slid = pushed(0.998), pushed(1.002)
+    assert np.abs(held.positions[-1] - held.positions[1])[:, 0].max() < 1e-12
+    assert np.abs(held.velocities[-1]).max() < 1e-12
+    assert np.diff(slid.positions[..., 0].min(axis=1)).min() > 1e-7
+    assert slid.energy["dissipated_friction"][-1] == pytest.approx(
+        LIMIT * np.mean(slid.positions[-1, :, 0] - slid.positions[0, :, 0]), rel=1e-3
+    )
+
+
+@pytest.mark.parametrize("ends", ["hinged", "guided"])
+def test_the_friction_of_a_fed_rod_is_that_of_its_weight_along_its_way(ends: str) -> None:
+    """Once the waves of the start have died down and no section moves back; the force at the fed end pays for it."""
+    for segments in (20, 40, 80):
+        run = fr.simulate(
+            PUSHED.replace(ends=ends),
+            fr.AxialWave(LIMIT, 0.0, 100.0, far_end="free", axial_damping=100.0),
+            duration=0.2,
+            friction=GRIP,
+            far_force=0.0,
+            feed_speed=0.02,
+            segments=segments,
+            frames=6,
+            perturbation=fr.Perturbation(),
+        )
+        way = run.positions[-1, :, 0] - run.positions[2, :, 0]
+        mean = (way.sum() - 0.5 * (way[0] + way[-1])) / segments
+        lost = run.energy["dissipated_friction"]
+        # Damping changes speeds between the two of a step whose mean friction is counted with.
+        of_damping = 100.0 * run.time_steps.size
+        assert lost[-1] - lost[2] == pytest.approx(LIMIT * mean, rel=of_damping)
+        assert np.abs(run.energy_error).max() < of_damping * run.energy["work"][-1]
+
+
 def test_a_bent_rod_sticks_around_the_channel() -> None:
     """Damped, for what sticks still rolls to and fro against its torsional stiffness, and loses nothing by that."""
     rod = fr.Rod.nitinol().replace(damping_rate=400.0)

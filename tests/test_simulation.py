@@ -298,8 +298,8 @@ def test_growth_rate_refuses_what_it_cannot_fit() -> None:
         run(friction=0.0, frames=10).growth_rate(7)
     with pytest.raises(ValueError, match="needs three forcing periods"):
         run(friction=0.0, duration=0.1).growth_rate(7)
-    with pytest.raises(ValueError, match=r"modes\[0\] must be at most 10, got 11; with 60 segments"):
-        run().mode_amplitudes([11])
+    with pytest.raises(ValueError, match=r"modes\[0\] must be at most 30, got 31; 60 segments show"):
+        run().mode_amplitudes([31])
 
 
 def test_perturbations_add_up() -> None:

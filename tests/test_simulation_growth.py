@@ -78,6 +78,7 @@ def test_growth_within_half_a_percent_at_default_segments_and_within_its_error(n
 
 @pytest.mark.parametrize("name", ["nitinol, strong", "inclined tube", "clamped, strong", "damped tubing"])
 @pytest.mark.parametrize("segments", [54, 81])
+@pytest.mark.filterwarnings("ignore::floquetrod.ResolutionWarning")
 def test_the_error_covers_coarser_rods(name: str, segments: int) -> None:
     rod, load = CASES[name]
     fit = fitted(rod, load, segments)

@@ -177,7 +177,7 @@ def test_a_plot_is_labelled() -> None:
     axes = chart.plot()
     assert (axes.get_xlabel(), axes.get_ylabel()) == (r"$\omega$", r"$\epsilon$")
     assert "growth rate per unit of time" in [other.get_ylabel() for other in axes.figure.axes]
-    assert "system of 2 equations: " in axes.get_title()
+    assert axes.get_title().startswith("system of 2 equations")
     axes.figure.canvas.draw()
     pyplot.close(axes.figure)
 

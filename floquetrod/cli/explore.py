@@ -6,6 +6,7 @@ import argparse
 import json
 import sys
 import webbrowser
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from floquetrod.cli.common import (
 from floquetrod.cli.loads import add_kind, describe_load, read_kind, read_load, read_record
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
-from floquetrod.plotting.web import require_tornado, serve
+from floquetrod.plotting.web import Shown, require_tornado, serve
 from floquetrod.rod.load import KINDS, Load
 
 _HELP = """\
@@ -77,12 +78,16 @@ def _explore(options: argparse.Namespace) -> Answer:
 
         mpl.use("agg")  # the window is a page
     units: dict[str, str] = {name: shown[name].name for name in KINDS}
-    explorer = fr.Explorer(rod, load, units, options=_named(options))
+
+    def another() -> fr.Explorer:
+        return fr.Explorer(rod, load, units, options=_named(options))
+
+    explorer = another()
     if options.out is not None:
         explorer.refine()
         charts.save_figure(explorer.window.figure, options.out)
     elif options.web:
-        _serve(explorer, options)
+        explorer = _serve(explorer, another, options)
     else:
         charts.show()
     load = explorer.load
@@ -128,13 +133,24 @@ def _require_web(options: argparse.Namespace) -> None:
         require_tornado()
 
 
-def _serve(explorer: fr.Explorer, options: argparse.Namespace) -> None:
-    """Show the page until Ctrl-C."""
+def _serve(first: fr.Explorer, another: Callable[[], fr.Explorer], options: argparse.Namespace) -> fr.Explorer:
+    """Show pages until Ctrl-C, each with an explorer of its own, and return the one that was drawn last."""
+    unused, latest = [first], first
+
+    def opened() -> Shown:
+        explorer = unused.pop() if unused else another()
+
+        def words() -> dict[str, str]:
+            nonlocal latest
+            latest = explorer
+            return explorer.window.words
+
+        return Shown(explorer.window.figure, words)
 
     def told(address: str) -> None:
         print(f"open {address} in the browser of this machine; Ctrl-C ends", file=sys.stderr, flush=True)
         if options.open:
             webbrowser.open(address)
 
-    window = explorer.window
-    serve(window.figure, lambda: window.words, told, title="floquetrod: the explorer", port=options.port or 0)
+    serve(opened, told, title="floquetrod: the explorer", port=options.port or 0)
+    return latest

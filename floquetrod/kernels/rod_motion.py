@@ -39,7 +39,8 @@ LOST = ("lost_contact", "lost_friction", "lost_damping")
 """Of nodes: energy lost so far to each cause, per length of a node and per mass in motion across."""
 
 PARTS = ("share", "grip")
-"""Of nodes: their part of the rod, in segments; their coefficient of friction."""
+"""Of nodes: their part of the rod, in segments; their coefficient of friction, 0 at an end that is held or moved, whose
+share is taken apart."""
 
 ONCE = ("anchor", "cosines", "sines", "work", "impulse", "clock")
 """Where ends are held across: y, z of the first and of the last node.  Cosines and sines of harmonics 1, 2, ... of the
@@ -329,6 +330,49 @@ def _ghost_forces(rod: Any, across: int, a: int, inward: int, push: float) -> No
 
 
 @kernel
+def _most_friction(rod: Any, i: int, p: Any) -> float:
+    """Return the impulse per mass by which friction can hold an end node in the coming step: mu times the wall's."""
+    ny, nz = rod["y"][i] / p.radial_clearance, rod["z"][i] / p.radial_clearance
+    beyond = max(0.5 * (ny * ny + nz * nz - 1.0), 0.0)
+    depth = p.radial_clearance * beyond
+    before = rod["vy"][i] * ny + rod["vz"][i] * nz
+    push = p.step * p.contact * math.sqrt(depth) * (depth + p.contact_damping * before)
+    limit: float = p.friction * max(push, 0.0) * (1.0 + beyond)
+    return limit
+
+
+@kernel
+def _brake_end(rod: Any, end: Any, i: int, push: float, limit: float, before: Any, p: Any) -> None:
+    """Give an end that is held across the channel, or moved along it, the impulse of its share of the friction.
+
+    An end held across slips along alone; one that is moved slips along at its speed, whatever friction does, and what
+    moves it overcomes that.  Neither rolls.  ``limit`` is the largest impulse per mass in motion across, ``before`` the
+    velocity before the step.
+    """
+    held = end.across in (HINGED, CLAMPED)
+    if not (held or end.moved):
+        return
+    x, y, z, vx, vy, vz = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"]
+    lighter = p.mass / p.mass_along  # speed along that an impulse gives, over that across
+    distance = math.sqrt(y[i] * y[i] + z[i] * z[i]) + _TINY
+    e, f = -z[i] / distance, y[i] / distance
+    around = 0.0 if held else vy[i] * e + vz[i] * f
+    if end.moved:
+        along = push * end.speed
+        part = limit / (math.sqrt(along * along + around * around) + _TINY)
+        px, pt = -part * along, -min(part, 1.0) * around
+    else:
+        px, pt = -min(max(vx[i] / lighter, -limit), limit), 0.0
+        along = vx[i] + lighter * px
+    slipped = px * (before[0] + along) + pt * (before[1] * e + before[2] * f + around + pt)
+    rod["lost_friction"][i] -= 0.5 * slipped
+    vx[i], vy[i], vz[i] = vx[i] + lighter * px, vy[i] + pt * e, vz[i] + pt * f
+    x[i] += p.step * lighter * px
+    y[i] += p.step * pt * e
+    z[i] += p.step * pt * f
+
+
+@kernel
 def _hold_end(rod: Any, end: Any, i: int, place: int, push: float, before: float, p: Any) -> None:
     """Return an end that is held to where it is held; ``push`` is the sign of the direction in which it is pushed.
 
@@ -401,10 +445,10 @@ def gradient(rod: Any, p: Any, upper: float, lower: float) -> None:
 @kernel
 def advance(rod: Any, steps: int, p: Any) -> None:
     """Carry a rod whose positions are half a step ahead through ``steps`` steps, and count them on its clock."""
-    a, b, vx = FIRST, FIRST + p.segments, rod["vx"]
+    a, b, vx, vy, vz = FIRST, FIRST + p.segments, rod["vx"], rod["vy"], rod["vz"]
     damped = p.decay != 1.0 or p.decay_along != 1.0
-    first = int(rod["clock"][0])
-    for number in range(first, first + steps):
+    done = int(rod["clock"][0])
+    for number in range(done, done + steps):
         force = vibration(rod, (number + 0.5) * p.step, p)
         upper = 0.0 if p.upper.moved else p.upper.mean + p.upper.drive * force
         lower = 0.0 if p.lower.moved else p.lower.mean + p.lower.drive * force
@@ -413,7 +457,11 @@ def advance(rod: Any, steps: int, p: Any) -> None:
         first_before, last_before = vx[a], vx[b]
         gradient(rod, p, upper, lower)
         if p.friction > 0.0:
+            first, last = (vx[a], vy[a], vz[a]), (vx[b], vy[b], vz[b])
+            first_limit, last_limit = _most_friction(rod, a, p), _most_friction(rod, b, p)
             _frictional_step(rod, p)
+            _brake_end(rod, p.upper, a, 1.0, first_limit, first, p)
+            _brake_end(rod, p.lower, b, -1.0, last_limit, last, p)
         else:
             frictionless_step(rod, p)
         rod["work"][0] += 0.5 * p.step * (upper * (first_before + vx[a]) - lower * (last_before + vx[b]))
@@ -423,4 +471,4 @@ def advance(rod: Any, steps: int, p: Any) -> None:
         _hold_end(rod, p.lower, b, 1, -1.0, last_before, p)
         if damped:
             _decay(rod, p)
-    rod["clock"][0] = first + steps
+    rod["clock"][0] = done + steps

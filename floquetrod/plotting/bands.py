@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
 
 from floquetrod.plotting import labels, palette
-from floquetrod.plotting.charts import finish, growth_label, new_axes
+from floquetrod.plotting.charts import areas, colours, finish, growth_label, new_axes, title
 
 _LINE = 0.6
 """Width in points of a band's edge, and of a band thinner than that."""
@@ -22,7 +22,7 @@ def draw_bands(bands: Any, ax: Any = None) -> Any:
     ax = new_axes() if ax is None else ax
     fill(ax, bands, palette.UNSTABLE)
     labels.add_labels(ax, bands.bands, halo=False)
-    _frame(ax, bands, said(bands))
+    _frame(ax, bands, "unstable bands", said(bands), colours("unstable", "stable"))
     return ax
 
 
@@ -43,7 +43,8 @@ def draw_banded_chart(chart: Any, ax: Any = None) -> Any:
         ax.figure.colorbar(image, ax=ax, label=growth_label(chart.growth_unit))
     labels.add_labels(ax, bands.bands, halo=chart.growth_rate is not None)
     undecided = f"{chart.undecided} of {chart.stable.size} points undecided" if chart.undecided else ""
-    _frame(ax, bands, "; ".join(filter(None, [f"{chart.heading}: {said(bands)}", chart.criterion, undecided])))
+    note = "; ".join(filter(None, [f"{chart.heading}: {said(bands)}", chart.criterion, undecided]))
+    _frame(ax, bands, title(chart), note, areas(chart))
     return ax
 
 
@@ -102,8 +103,8 @@ def _outline(bands: Any) -> Any:
     return Path(np.vstack(points), np.concatenate(codes))
 
 
-def _frame(ax: Any, bands: Any, caption: str) -> None:
-    """Label the axes, set the title, and let the axes end where the plane does."""
-    finish(ax, bands, caption)
+def _frame(ax: Any, bands: Any, heading: str, note: str, handles: Sequence[Any]) -> None:
+    """Label the axes, say what is drawn, and let the axes end where the plane does."""
+    finish(ax, bands, heading, note, handles)
     ax.set_xlim(*bands.x.values)
     ax.set_ylim(*bands.y.values)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,10 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.files import whole_file
 from floquetrod.plotting import palette
+
+_BELOW = 36.0  # points from the axes to the legend below: ticks, their labels and that of the axis
+_SCALE = "critical force"  # of a rod, which a note tells and a title leaves out
+_NOTE = 105  # characters of a line of a note, which then is as wide as the axes of `new_axes`
 
 FIGURES = (".png", ".pdf", ".svg")
 """Kinds of file a figure is written to."""
@@ -30,15 +35,74 @@ def draw_chart(chart: Any, ax: Any = None) -> Any:
         ax.figure.colorbar(mesh, ax=ax, label=growth_label(chart.growth_unit))
     if chart.cells is None and chart.stable.any() and not chart.stable.all():
         ax.contour(x, y, chart.stable, levels=[0.5], colors="black", linewidths=0.6)
-    finish(ax, chart, chart.caption)
+    finish(ax, chart, title(chart), chart.caption, areas(chart))
     return ax
 
 
-def finish(ax: Any, plane: Any, caption: str) -> None:
-    """Label the axes of a chart or of bands, and set its title."""
+def finish(ax: Any, plane: Any, heading: str, note: str, handles: Sequence[Any]) -> None:
+    """Label the axes of a chart or of bands, with a short title above, and below what its areas and names mean."""
     ax.set_xlabel(plane.x.label)
     ax.set_ylabel(plane.y.label)
-    ax.set_title("\n".join(textwrap.wrap(caption, 70)), fontsize="small")
+    ax.set_title(heading, fontsize="medium", wrap=True)
+    explain(ax, handles, note)
+
+
+def explain(ax: Any, handles: Sequence[Any], note: str = "") -> None:
+    """Write a legend, and a note over it, below the label of the x axis."""
+    from matplotlib.transforms import ScaledTranslation
+
+    below = ScaledTranslation(0.0, -_BELOW / 72.0, ax.figure.dpi_scale_trans)
+    legend = ax.legend(
+        handles=handles,
+        title=textwrap.fill(note, _NOTE),
+        loc="upper left",
+        bbox_to_anchor=(0.0, 0.0),
+        bbox_transform=ax.transAxes + below,
+        borderaxespad=0.0,
+        borderpad=0.0,
+        ncols=4,
+        frameon=False,
+        fontsize="x-small",
+        title_fontsize="x-small",
+        alignment="left",
+    )
+    legend.set_zorder(1.0)
+
+
+def areas(chart: Any) -> list[Any]:
+    """Return what the colours of a chart mean, as a legend shows it."""
+    if chart.cells is not None:
+        neutral, undecided = {"facecolor": palette.NEUTRAL}, palette.OPEN
+        return [
+            *colours("proved unstable", "proved stable"),
+            patch("holds a boundary", neutral),
+            patch("undecided", undecided),
+        ]
+    return colours("unstable or undecided" if chart.undecided else "unstable", "stable")
+
+
+def colours(unstable: str, stable: str) -> list[Any]:
+    """Return what orange and white mean, as a legend shows it."""
+    white = {"facecolor": palette.STABLE, "edgecolor": "black", "linewidth": 0.6}
+    return [patch(unstable, {"facecolor": palette.UNSTABLE}), patch(stable, white)]
+
+
+def patch(name: str, style: Mapping[str, Any]) -> Any:
+    """Return an area as a legend shows it."""
+    from matplotlib.patches import Patch
+
+    return Patch(label=name, **style)
+
+
+def title(chart: Any) -> str:
+    """Return what is charted and the values of what does not vary, in three digits; forces from 1000 N on in kN."""
+    fixed = [f"{name} {_written(value, unit)}" for name, value, unit in chart.subject["fixed"] if name != _SCALE]
+    return ", ".join([chart.subject["kind"], *fixed])
+
+
+def _written(value: float, unit: str) -> str:
+    thousands = unit == "N" and abs(value) >= 1000.0
+    return f"{value / 1000.0:.3g} kN" if thousands else f"{value:.3g} {unit}".strip()
 
 
 def growth_label(unit: str) -> str:

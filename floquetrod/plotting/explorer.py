@@ -14,7 +14,14 @@ QUANTITIES = ("mean", "amplitude", "frequency")
 
 _TICK = 80  # milliseconds between two looks for what has been found meanwhile
 _DIGITS = 12  # of a slider's value: what it is meant to be, freed of rounding
-_WIDTH = 125  # characters of the line with the command
+_NARROW = 7.0  # inches, below which panels stand one above the other (a choice)
+_PER_INCH = {"verdict": 7.5, "details": 11.0, "command": 11.0}
+"""Characters in an inch of the lines of each text."""
+
+_WIDE_PANELS = [(0.075 + 0.3295 * place, 0.385, 0.246, 0.45) for place in range(3)]
+_WIDE_TEXTS = {"verdict": (0.03, 0.955), "details": (0.03, 0.905), "busy": (0.98, 0.955), "command": (0.03, 0.045)}
+_HIGH_PANELS = [(0.2, 0.735 - 0.23 * place, 0.76, 0.145) for place in range(3)]
+_HIGH_TEXTS = {"verdict": (0.03, 0.97), "details": (0.03, 0.923), "busy": (0.98, 0.992), "command": (0.03, 0.022)}
 _INLINE = (
     "sliders do not move here: use %matplotlib widget (pip install ipympl),\n"
     "a window, or a browser: floquetrod explore --web"
@@ -53,7 +60,7 @@ class Window:
         self.figure: Any = pyplot.figure(figsize=(11.0, 7.0))
         self._moved, self._begin, self._found, self._units = moved, begin, found, units
         areas = self.figure.subplots(1, 3)
-        self.figure.subplots_adjust(left=0.075, right=0.98, bottom=0.385, top=0.835, wspace=0.34)
+        self._areas = list(areas)
         self._map = Map(areas[0], limits, units)
         kinds: dict[str, Callable[[Any], Any]] = {
             "modes": Modes,
@@ -65,16 +72,16 @@ class Window:
         self._panels |= {name: kinds[name](ax) for name, ax in zip(panels, areas[1:], strict=True)}
         place: dict[str, Any] = {"transform": self.figure.transFigure, "clip_on": False, "va": "center"}
         self._texts = {
-            "verdict": areas[0].text(0.03, 0.955, "", fontsize="large", weight="bold", **place),
-            "details": areas[0].text(0.03, 0.905, "", fontsize="small", **place),
-            "busy": areas[0].text(0.98, 0.955, "", fontsize="small", ha="right", color="0.35", **place),
-            "command": areas[0].text(0.03, 0.045, "", fontsize=8.0, family="monospace", **place),
+            "verdict": areas[0].text(0.0, 0.0, "", fontsize="large", weight="bold", **place),
+            "details": areas[0].text(0.0, 0.0, "", fontsize="small", **place),
+            "busy": areas[0].text(0.0, 0.0, "", fontsize="small", ha="right", color="0.35", **place),
+            "command": areas[0].text(0.0, 0.0, "", fontsize=8.0, family="monospace", **place),
         }
         if mpl.get_backend().lower().endswith("inline"):
             self.figure.text(0.98, 0.955, _INLINE, fontsize="x-small", ha="right", va="center", color="0.35")
         self.sliders: dict[str, Any] = {}
-        for row, name in enumerate(QUANTITIES):
-            self._add_slider(row, name, limits[name], numbers[name], steps[name])
+        for name in QUANTITIES:
+            self._add_slider(name, limits[name], numbers[name], steps[name])
         self._moving = [artist for panel in self._panels.values() for artist in panel.moving]
         for slider in self.sliders.values():
             self._moving += [slider.poly, slider.valtext, *slider.ax.lines]
@@ -84,6 +91,8 @@ class Window:
         self._rest: Any = None
         self._timer: Any = None
         self.words: dict[str, str] = {}
+        self._arrange()
+        self.figure.canvas.mpl_connect("resize_event", lambda _: self._arrange())
         self.figure.canvas.mpl_connect("draw_event", self._drawn)
 
     @property
@@ -93,13 +102,13 @@ class Window:
 
         return type(self.figure.canvas.new_timer(_TICK)) is not TimerBase
 
-    def _add_slider(self, row: int, name: str, limits: tuple[float, float], start: float, step: float) -> None:
+    def _add_slider(self, name: str, limits: tuple[float, float], start: float, step: float) -> None:
         from matplotlib.widgets import Slider
 
         unit = self._units[name]
         low, high = (unit.of(end) for end in limits)
         slider = Slider(
-            self.figure.add_axes((0.26, 0.235 - 0.055 * row, 0.58, 0.03)),
+            self.figure.add_axes((0.26, 0.0, 0.58, 0.03), label=name),
             label(*NAMES[name], unit.name),
             low,
             high,
@@ -113,6 +122,31 @@ class Window:
         slider.drawon = False
         slider.on_changed(lambda value: self.show(self._moved(name, self._meant(name, value))))
         self.sliders[name] = slider
+
+    def _arrange(self) -> None:
+        """Lay everything out side by side, or one above the other where the figure is narrow, as on a phone."""
+        wide = self.figure.get_figwidth() >= _NARROW
+        for ax, place in zip(self._areas, _WIDE_PANELS if wide else _HIGH_PANELS, strict=True):
+            ax.set_position(place)
+        for row, slider in enumerate(self.sliders.values()):
+            slider.ax.set_position(
+                (0.26, 0.235 - 0.055 * row, 0.58, 0.03) if wide else (0.06, 0.175 - 0.045 * row, 0.7, 0.012)
+            )
+            slider.label.set(
+                x=-0.02 if wide else 0.0,
+                y=0.5 if wide else 1.2,
+                ha="right" if wide else "left",
+                va="center" if wide else "bottom",
+            )
+        for name, at in (_WIDE_TEXTS if wide else _HIGH_TEXTS).items():
+            self._texts[name].set_position(at)
+        for name, text in self.words.items():
+            self._write(name, text)
+
+    def _write(self, name: str, text: str) -> None:
+        """Write words in lines that fit the figure."""
+        width = max(20, round(_PER_INCH[name] * self.figure.get_figwidth()))
+        self._texts[name].set_text(textwrap.fill(text, width, break_on_hyphens=False))
 
     def _meant(self, name: str, value: float) -> float:
         """Return the SI value that a slider is meant to stand at."""
@@ -132,8 +166,7 @@ class Window:
                 changed = self._panels[name].show(part) or changed
             else:
                 self.words[name] = part
-                text = part if name == "verdict" else textwrap.fill(part, _WIDTH, break_on_hyphens=False)
-                self._texts[name].set_text(text)
+                self._write(name, part)
         canvas = self.figure.canvas
         if changed or not canvas.supports_blit:
             canvas.draw_idle()

@@ -104,7 +104,7 @@ class Map:
         ax.set_ylim(*ends["mean"])
         ax.set_xlabel(label(*NAMES["frequency"], units["frequency"].name))
         ax.set_ylabel(label(*NAMES["mean"], units["mean"].name))
-        ax.set_title("unstable loads at this amplitude", fontsize="medium")
+        ax.set_title("orange: unstable at this amplitude", fontsize="medium")
         self._bands: Any = None
         self._drawn: list[Any] = []
         self.moving = [self._image, self._here]
@@ -149,7 +149,7 @@ class Modes:
         style = {"fontsize": "x-small", "ha": "left", "va": "top", "visible": False, "clip_on": True}
         self._names = [ax.text(0.0, 0.0, "", **style) for _ in range(_MOST_LABELS)]
         ax.set_xlabel(r"natural over load frequency $\omega_m/\omega$")
-        ax.set_ylabel(r"$\alpha_m$: amplitude of the mode's stiffness / $\omega^2$", fontsize="small")
+        ax.set_ylabel(r"stiffness amplitude $\alpha_m$", fontsize="small")
         ax.set_title("modes among resonance tongues", fontsize="medium")
         ax.yaxis.set_major_locator(MultipleLocator(1.0))
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"$10^{{{value:.0f}}}$"))

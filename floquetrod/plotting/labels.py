@@ -35,7 +35,7 @@ def explanation(bands: Sequence[Any]) -> str:
         return ""
     both = [band for band in known if band.mode is not None and band.tongue is not None]
     if both:
-        shown = max(both, key=_area)
+        shown = max(both, key=lambda band: (band.tongue > 0, _area(band)))  # tongue 0 has no room for its name at times
         return f"{label(shown)}: {shown.name}"
     return "numbers: modes" if known[0].mode is not None else "numbers: tongues"
 

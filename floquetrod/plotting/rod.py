@@ -12,7 +12,7 @@ import numpy as np
 
 from floquetrod._util.files import whole_file
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import new_axes
+from floquetrod.plotting.charts import explain, new_axes
 
 ANIMATIONS = (".gif", ".mp4")
 """Kinds of file an animation is written to."""
@@ -120,7 +120,7 @@ def draw_run(run: Any, modes: Sequence[int], rates: Sequence[float]) -> Any:
     figure, (above, below) = pyplot.subplots(2, 1, figsize=(7.0, 7.0), layout="constrained")
     draw_top_view(run, above)
     draw_growth(run, modes, rates, below)
-    figure.suptitle(run.caption, fontsize="small")
+    figure.suptitle(run.caption, fontsize="small", wrap=True)
     return figure
 
 
@@ -183,10 +183,12 @@ def draw_shape(verdict: Any, ax: Any = None) -> Any:
     ax = new_axes() if ax is None else ax
     shape = verdict.shape
     ax.fill_between(shape.s, -shape.envelope, shape.envelope, color=palette.NEUTRAL, alpha=0.35, linewidth=0.0)
-    ax.plot(shape.s, shape.deflection, color="black", linewidth=1.0)
+    ax.collections[-1].set_label("over a period")
+    (line,) = ax.plot(shape.s, shape.deflection, color="black", linewidth=1.0, label="one instant")
     ax.set(xlabel="position from the upper end $s$ / m", ylabel="deflection / largest", ylim=(-1.1, 1.1))
     ax.set_xlim(shape.s[0], shape.s[-1])
     growth = f"{verdict.status}, growth {verdict.growth_rate:.4g} 1/s"
     name = f": {verdict.resonances[0]}" if verdict.resonances else ""
-    ax.set_title(f"{growth}{name}\nline: one instant, shaded: over a period", fontsize="small")
+    ax.set_title(f"{growth}{name}", fontsize="medium", wrap=True)
+    explain(ax, [line, ax.collections[-1]])
     return ax

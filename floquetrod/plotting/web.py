@@ -7,12 +7,25 @@ import hmac
 import html
 import importlib.util
 import json
+import math
 import secrets
 import socket
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
+
+_MOST_PAGES = 8  # open at once: each takes a figure of its own (a choice)
+_SIDES = 200.0, 4000.0  # least and largest side of a picture in pixels of the page (a choice)
+_RATIOS = 0.5, 4.0  # least and largest number of pixels of the screen for one of the page (a choice)
+_MOST_PIXELS = 9_000_000  # of a picture, some more than a screen of 3840 x 2160 has (a choice)
+_EVENTS = (
+    *("ack", "draw", "refresh", "resize", "send_image_mode", "set_device_pixel_ratio", "toolbar_button"),
+    *("button_press", "button_release", "dblclick", "motion_notify", "scroll", "key_press", "key_release"),
+    *("figure_enter", "figure_leave"),
+)
+"""What a page may tell its figure."""
 
 _HOST = "127.0.0.1"
 _DOWNLOADS = {"png": "image/png", "pdf": "application/pdf", "svg": "image/svg+xml"}
@@ -21,6 +34,7 @@ _PAGE = """<!DOCTYPE html>
 <html lang="en">
   <head>
     <meta charset="utf-8">
+    <meta name="viewport" content="width=device-width, initial-scale=1">
     <title>{title}</title>
     <link rel="stylesheet" href="_static/css/page.css">
     <link rel="stylesheet" href="_static/css/boilerplate.css">
@@ -36,7 +50,8 @@ _PAGE = """<!DOCTYPE html>
       <div id="mpl-warnings" class="mpl-warnings"></div>
       <div id="figure" role="group" aria-label="picture and sliders" style="margin: 10px"></div>
       <p style="margin: 10px" id="verdict" role="status"></p>
-      <p style="margin: 10px"><code id="command"></code> <button id="copy" type="button">copy the command</button></p>
+      <p style="margin: 10px; overflow-wrap: anywhere"><code id="command"></code>
+      <button id="copy" type="button">copy the command</button></p>
       <p style="margin: 10px" id="ended" role="alert"></p>
     </main>
   </body>
@@ -45,17 +60,29 @@ _PAGE = """<!DOCTYPE html>
 
 _SCRIPT = """"use strict";
 document.addEventListener("DOMContentLoaded", function () {
-  const socket = new WebSocket(window.location.href.replace(/^http/, "ws") + "ws");
+  const page = Array.from(crypto.getRandomValues(new Uint32Array(4)), (part) => part.toString(16)).join("");
+  const socket = new WebSocket(window.location.href.replace(/^http/, "ws") + "ws?page=" + page);
   const show = function (name, text) { document.getElementById(name).textContent = text; };
   const figure = new mpl.figure(1, socket, function (figure, format) {
-    window.open("download." + format, "_blank", "noopener");
+    window.open("download." + format + "?page=" + page, "_blank", "noopener");
   }, document.getElementById("figure"));
+  const fit = function () {
+    const place = document.getElementById("figure").getBoundingClientRect();
+    const width = Math.min(1100, Math.floor(place.width));
+    figure.request_resize(width, width < 700 ? Math.round(2.6 * width) : Math.round(width * 7 / 11));
+  };
+  socket.addEventListener("open", fit);
+  let waiting = null;
+  window.addEventListener("resize", function () {
+    clearTimeout(waiting);
+    waiting = setTimeout(fit, 200);
+  });
   figure.handle_words = function (figure, message) {
     show("verdict", message.verdict);
     show("command", message.command);
   };
-  socket.addEventListener("close", function () {
-    show("ended", "The program has ended; what is shown no longer moves.");
+  socket.addEventListener("close", function (event) {
+    show("ended", event.reason || "The program has ended; what is shown no longer moves.");
   });
   document.getElementById("copy").addEventListener("click", function () {
     navigator.clipboard.writeText(document.getElementById("command").textContent);
@@ -70,22 +97,20 @@ def require_tornado() -> None:
         raise ValueError("--web needs tornado, which is not installed: pip install floquetrod[web]")
 
 
-def serve(
-    figure: Any,
-    words: Callable[[], Mapping[str, str]],
-    told: Callable[[str], None],
-    *,
-    title: str,
-    port: int = 0,
-) -> None:
-    """Show a figure in the browser until Ctrl-C: to whoever knows its address, on this machine only.
+class Shown(NamedTuple):
+    """What one page shows: a figure, whose canvas is replaced, and the texts "verdict" and "command" below it."""
+
+    figure: Any
+    words: Callable[[], Mapping[str, str]]
+
+
+def serve(opened: Callable[[], Shown], told: Callable[[str], None], *, title: str, port: int = 0) -> None:
+    """Show figures in the browser until Ctrl-C: to whoever knows the address, on this machine only.
 
     Parameters
     ----------
-    figure : matplotlib figure
-        Its canvas is replaced.
-    words : callable
-        Returns the texts "verdict" and "command" below the picture.
+    opened : callable
+        Returns the figure of a page that has been opened; each has its own, and it is closed with the page.
     told : callable
         Called with the address when it can be opened.
     title : str
@@ -101,7 +126,7 @@ def serve(
     require_tornado()
 
     async def until_cancelled() -> None:
-        server, address = listen(figure, words, title=title, port=port)
+        server, address = listen(opened, title=title, port=port)
         try:
             told(address)
             await asyncio.Event().wait()
@@ -115,9 +140,8 @@ def serve(
         return
 
 
-def listen(figure: Any, words: Callable[[], Mapping[str, str]], *, title: str, port: int) -> tuple[Any, str]:
-    """Return a server of a figure, which answers within the running loop, and its address."""
-    from matplotlib.backends.backend_webagg_core import FigureCanvasWebAggCore
+def listen(opened: Callable[[], Shown], *, title: str, port: int) -> tuple[Any, str]:
+    """Return a server of figures, which answers within the running loop, and its address."""
     from tornado.httpserver import HTTPServer
 
     try:
@@ -129,23 +153,99 @@ def listen(figure: Any, words: Callable[[], Mapping[str, str]], *, title: str, p
         ) from None
     listening.setblocking(False)
     number, token = listening.getsockname()[1], secrets.token_urlsafe(24)
-    figure.set_label(title)
-    manager: Any = FigureCanvasWebAggCore.new_manager(figure, 1)
-
-    def tell(_: Any) -> None:
-        manager.canvas.send_event("words", **words())
-
-    figure.canvas.mpl_connect("draw_event", tell)
-    server = HTTPServer(_application(manager, token, f"{_HOST}:{number}", title))
+    server = HTTPServer(_application(opened, token, f"{_HOST}:{number}", title))
     server.add_socket(listening)
     return server, f"http://{_HOST}:{number}/{token}/"
 
 
-def _application(manager: Any, token: str, host: str, title: str) -> Any:
+class Page:
+    """A figure in one page of the browser, of bounded size."""
+
+    def __init__(self, shown: Shown, socket: Any, title: str) -> None:
+        """Give the figure a canvas that draws to a socket."""
+        from matplotlib.backends.backend_webagg_core import FigureCanvasWebAggCore
+
+        self.figure = shown.figure
+        self.figure.set_label(title)
+        manager: Any = FigureCanvasWebAggCore.new_manager(self.figure, 1)
+        self._manager = manager
+        self._size, self._ratio = (math.inf, math.inf), 1.0
+        canvas: Any = self._manager.canvas
+        canvas.mpl_connect("draw_event", lambda _: canvas.send_event("words", **shown.words()))
+        self._manager.add_web_socket(socket)
+        self._socket = socket
+
+    def handle(self, message: str | bytes) -> None:
+        """Do what the page says; what is no event of a page is passed over."""
+        try:
+            content = json.loads(message, parse_constant=_refused)
+            kind = content.get("type") if isinstance(content, dict) else None
+            if kind not in _EVENTS or not _is_finite(content):
+                return
+            if kind == "resize":
+                self._size = float(content["width"]), float(content["height"])
+                self._resize()
+            elif kind == "set_device_pixel_ratio":
+                low, high = _RATIOS
+                self._ratio = min(max(float(content["device_pixel_ratio"]), low), high)
+                self._manager.handle_json({"type": kind, "device_pixel_ratio": self._ratio})
+                self._resize()
+            else:
+                self._manager.handle_json(content)
+        except (ArithmeticError, AttributeError, KeyError, RecursionError, TypeError, ValueError):
+            return
+
+    def _resize(self) -> None:
+        """Give the figure the size last asked for, within bounds."""
+        if math.isfinite(self._size[0]):
+            width, height = bounded(*self._size, self._ratio)
+            self._manager.handle_json({"type": "resize", "width": width, "height": height})
+
+    def is_on(self, socket: Any) -> bool:
+        """Return whether a socket is that of this page."""
+        return socket is self._socket
+
+    def close(self) -> None:
+        """Let go of the figure, its timer and its work."""
+        from matplotlib import pyplot
+        from matplotlib.backend_bases import CloseEvent
+
+        canvas = self._manager.canvas
+        self._manager.remove_web_socket(self._socket)
+        canvas.callbacks.process("close_event", CloseEvent("close_event", canvas))
+        pyplot.close(self.figure)
+
+
+def bounded(width: float, height: float, ratio: float) -> tuple[int, int]:
+    """Return the size of a picture in pixels of a page, as asked for where that is no larger than a large screen.
+
+    >>> bounded(30_000, 30_000, 1.0), bounded(1100, 700, 2.0)
+    ((3000, 3000), (1100, 700))
+    """
+    low, high = _SIDES
+    width, height = (min(max(side, low), high) for side in (width, height))
+    less = min(1.0, math.sqrt(_MOST_PIXELS / (width * height)) / ratio)
+    return int(less * width), int(less * height)
+
+
+def _refused(constant: str) -> float:
+    raise ValueError(constant)  # NaN and Infinity are not JSON
+
+
+def _is_finite(content: Mapping[str, Any]) -> bool:
+    """Return whether no number of an event is infinite, as 1e999 is."""
+    return all(math.isfinite(value) for value in content.values() if isinstance(value, int | float))
+
+
+def _application(opened: Callable[[], Shown], token: str, host: str, title: str) -> Any:
     """Return the tornado application; every request without the token, or from a foreign page, is refused with 403."""
     import matplotlib as mpl
+    from matplotlib.backends import backend_webagg_core
     from tornado.web import Application, HTTPError, RequestHandler, StaticFileHandler
-    from tornado.websocket import WebSocketHandler
+    from tornado.websocket import WebSocketClosedError, WebSocketHandler
+
+    pages: dict[str, Page] = {}
+    files: Any = backend_webagg_core.FigureManagerWebAgg
 
     policy = f"default-src 'self'; connect-src 'self' ws://{host}; img-src 'self' data: blob:; style-src 'self' "
     policy += "'unsafe-inline'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
@@ -178,14 +278,19 @@ def _application(manager: Any, token: str, host: str, title: str) -> Any:
             self.finish(self.text)
 
     class Files(Guarded, StaticFileHandler):
-        pass
+        def validate_absolute_path(self, root: str, absolute_path: str) -> str | None:
+            try:
+                return super().validate_absolute_path(root, absolute_path)
+            except ValueError:  # a NUL in it
+                raise HTTPError(404) from None
 
     class Download(Guarded):
         def get(self, kind: str) -> None:
-            if kind not in _DOWNLOADS:
+            page = pages.get(self.get_query_argument("page", ""))
+            if kind not in _DOWNLOADS or page is None:
                 raise HTTPError(404)
             picture = BytesIO()
-            manager.canvas.figure.savefig(picture, format=kind)
+            page.figure.savefig(picture, format=kind)
             self.set_header("Content-Type", _DOWNLOADS[kind])
             self.finish(picture.getvalue())
 
@@ -204,22 +309,34 @@ def _application(manager: Any, token: str, host: str, title: str) -> Any:
             return origin == f"http://{host}"
 
         def open(self, *_: str) -> None:
-            self.set_nodelay(True)
-            manager.add_web_socket(self)
+            self.name = self.get_query_argument("page", "")
+            if len(pages) >= _MOST_PAGES:
+                self.close(1013, f"{_MOST_PAGES} pages are open; close one and open this one again.")
+            elif not self.name or self.name in pages:
+                self.close(1008, "this page has no name of its own")
+            else:
+                self.set_nodelay(True)
+                pages[self.name] = Page(opened(), self, title)
 
         def on_close(self) -> None:
-            manager.remove_web_socket(self)
+            if (page := pages.get(self.name)) is not None and page.is_on(self):
+                del pages[self.name]
+                page.close()
 
         def on_message(self, message: str | bytes) -> None:
-            content = json.loads(message)
-            if content["type"] != "supports_binary":  # all browsers of these years do
-                manager.handle_json(content)
+            if (page := pages.get(self.name)) is not None:
+                page.handle(message)
 
         def send_json(self, content: Mapping[str, Any]) -> None:
-            self.write_message(json.dumps(content))
+            self._send(json.dumps(content))
 
         def send_binary(self, blob: bytes) -> None:
-            self.write_message(blob, binary=True)
+            self._send(blob, binary=True)
+
+        def _send(self, message: str | bytes, *, binary: bool = False) -> None:
+            """Send what a page that is closing no longer wants."""
+            with suppress(WebSocketClosedError):
+                self.write_message(message, binary=binary).add_done_callback(asyncio.Future.exception)
 
     page = _PAGE.format(title=html.escape(title))
     script = "application/javascript"
@@ -229,8 +346,8 @@ def _application(manager: Any, token: str, host: str, title: str) -> Any:
             (r"/[^/]+", Cut),
             (r"/[^/]+/", Text, {"text": page, "kind": "text/html"}),
             (r"/[^/]+/page\.js", Text, {"text": _SCRIPT, "kind": script}),
-            (r"/[^/]+/mpl\.js", Text, {"text": type(manager).get_javascript(), "kind": script}),
-            (r"/[^/]+/_static/(.*)", Files, {"path": type(manager).get_static_file_path()}),
+            (r"/[^/]+/mpl\.js", Text, {"text": files.get_javascript(), "kind": script}),
+            (r"/[^/]+/_static/(.*)", Files, {"path": files.get_static_file_path()}),
             (r"/[^/]+/_images/(.*)", Files, {"path": images}),
             (r"/[^/]+/download\.([a-z]+)", Download),
             (r"/[^/]+/ws", Socket),

@@ -15,6 +15,8 @@ from floquetrod.rod.load import AxialWave, Load, with_waves
 
 MOST_HARMONICS = 100  # of a simulated force (a choice: they are summed in every step)
 _ACROSS = {"hinged": HINGED, "clamped": CLAMPED, "guided": GUIDED, "free": FREE}
+LARGEST_STRAIN = 0.02  # that a load may cause: beyond it linear elasticity has no meaning (a choice)
+_FINE = 513  # places at which a wave is looked at for its largest force (a choice)
 _NEAR = 1e-4  # of an axial wave or of the length, over which its profile is differentiated (heuristic)
 
 
@@ -111,6 +113,34 @@ class Driving:
             displacement += moved.real
             velocity += (1j * frequency * moved).real
         return displacement, velocity
+
+    def forces(self, places: int, harmonics: int) -> list[tuple[float, NDArray[np.float64], NDArray[np.float64]]]:
+        """Return frequency in rad/s, and mean and amplitude in N along the rod, of each of the strongest harmonics.
+
+        At so many places and where the vibration is largest; of as much as strains the rod by 0.02 at a resonance.
+        """
+        first, last = self.mean_forces
+        vibrates = self.load.amplitude > 0.0 and any(end.drive for end in self.ends)
+        found = []
+        for k in np.argsort(-np.abs(self.harmonics), kind="stable")[:harmonics] if vibrates else [0]:
+            frequency = float((k + 1) * self.load.frequency)
+            s = np.linspace(0.0, self.rod.length, places)
+            amplitude = np.zeros(places)
+            if vibrates:
+                fine = np.linspace(0.0, self.rod.length, _FINE)
+                profile = self._profile(fine, frequency)
+                s = np.append(s, fine[int(np.argmax(profile))])
+                amplitude = abs(self.harmonics[k]) * np.interp(s, fine, profile)
+            most = LARGEST_STRAIN * self.rod.axial_rigidity
+            found.append((frequency, first + (last - first) * s / self.rod.length, np.minimum(amplitude, most)))
+        return found
+
+    def _profile(self, s: NDArray[np.float64], frequency: float) -> NDArray[np.float64]:
+        """Return the size along the rod of a vibration whose amplitude is 1 at the end that is driven."""
+        try:
+            return np.asarray(np.abs(self._wave.profile(self.rod.wave_speed, self.rod.length, s, frequency)))
+        except ValueError:  # at a resonance
+            return np.full(s.size, math.inf)
 
     @cached_property
     def _wave(self) -> AxialWave:

@@ -12,7 +12,7 @@ from floquetrod.rod.load import Load
 from floquetrod.rod.modal import ModalRod
 from floquetrod.simulation.model_error import model_errors
 from floquetrod.simulation.result import RecordedMotion
-from floquetrod.simulation.start import LEAST_SEGMENTS
+from floquetrod.simulation.start import SEGMENTS_TO_SEE
 
 LEAST_PER_PERIOD = 8  # frames in a forcing period: interpolation between them costs the rate less than 1e-4
 _LINEAR_UP_TO = (0.005, 0.01, 0.02, 0.05)  # rad; the one with the least error is taken (a choice)
@@ -89,7 +89,7 @@ def growth_of_motion(
     nodes = motion.positions.shape[1]
     if mode is None and rod.coupled_numbers.are_modes_apart(load):
         last_quarter = slice(longest - math.ceil(longest / 4), longest)
-        amplitudes = motion.mode_amplitudes(range(1, (nodes - 1) // LEAST_SEGMENTS + 1))[last_quarter]
+        amplitudes = motion.mode_amplitudes(range(1, (nodes - 1) // SEGMENTS_TO_SEE + 1))[last_quarter]
         power = np.sum(amplitudes**2, axis=0)
         seen = 1 + np.flatnonzero(power >= _SEEN**2 * power.max())
         every = [growth_of_motion(motion, rod, load, int(m), duration, frames, indentation) for m in seen]

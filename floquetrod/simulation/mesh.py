@@ -202,7 +202,7 @@ class DiscreteRod:
             for distance, share in enumerate(_FREE_END if end.across == FREE else (0.5,)):
                 rod["share"][node + distance * inwards] = share
             if held or end.moved:
-                rod["grip"][node] = 0.0  # what holds the end bears it
+                rod["grip"][node] = 0.0  # the kernels take its friction apart
             if held:
                 rod["vy"][node] = 0.0
             rod["anchor"][2 * place : 2 * place + 2] = rod["y"][node], rod["z"][node]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, asdict, dataclass, field, fields, replace
 from functools import cached_property
@@ -14,24 +15,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import files, validate
+from floquetrod._util.calling import level_of_caller
 from floquetrod._util.version import __version__
 from floquetrod.rod.load import LIMITS, Load, load_from_dict, load_number, require_load
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.stability import growth_of_modes
 from floquetrod.simulation.checkpoints import Checkpoint
-from floquetrod.simulation.driving import MOST_HARMONICS, Driving, half_waves
+from floquetrod.simulation.driving import LARGEST_STRAIN, MOST_HARMONICS, Driving, half_waves
 from floquetrod.simulation.growth import GrowthFit, growth_of_motion
 from floquetrod.simulation.integration import Integration, Progress
 from floquetrod.simulation.measures import axial_force, contact_force
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
+from floquetrod.simulation.resolution import GrowingWaves, ResolutionWarning, growing_waves
 from floquetrod.simulation.result import ENDINGS, EarlyEnd, RecordedMotion
-from floquetrod.simulation.start import MOST_SEGMENTS, Perturbation
+from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS, Perturbation
 from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
 
-_LARGEST_STRAIN = 0.02  # that a load may cause: beyond it linear elasticity has no meaning (a choice)
 _SEGMENTS_IN_HALF_WAVE = 10  # by default, with which bending is 2e-4 too soft (a choice)
+_SEGMENTS_OF_FASTEST = 8  # in half a wave of what grows fastest, where that is shorter: 6e-4 too soft (a choice)
 _LEAST_HALF_WAVES = 5.0  # that are resolved so in a short rod, where the ends matter more (a choice)
+_OFF_THE_WALL = 0.01  # of the clearance, a hundred times the depth at rest (a choice)
+_MOSTLY_ON = 0.5  # of the frames in which a rod may be off the wall for its mode to be named (a choice)
 _FORMAT = "floquetrod simulation 4"
 
 
@@ -58,7 +63,8 @@ class SimulationProblem:
     segments : int, optional
         At least 6 for every half wave of the critical mode and of those the perturbation names; none shorter than the
         rod's radius.  By default 10 for every half wave of the mode that the load is likely to excite, or that the
-        perturbation names; the problem then holds the number.
+        perturbation names, at least 8 of the one that by theory grows fastest and 6 of the highest that grows at half
+        its rate; the problem then holds the number.  With fewer than these 6 a run warns with `ResolutionWarning`.
     time_step : float, optional
         The largest step to take, in s; by default the critical one with a margin.  Frames come at equal numbers of
         steps, so the step taken, ``time_steps.size``, is a little smaller.
@@ -168,6 +174,21 @@ class SimulationProblem:
         speed = float(np.abs(self.perturbation.velocities(self.segments)).max())
         return time_steps(self.mesh, self.duration, self.frames, self.time_step, speed)
 
+    @property
+    def unresolved(self) -> str:
+        """What the load makes grow, by theory, and too few segments cannot carry, in words; "" where there is nothing.
+
+        An estimate: growth is that of hinged ends under the force where it is largest along the rod.
+        """
+        waves = self._growing
+        if self.segments >= waves.least_segments:
+            return ""
+        highest = f" and modes up to {waves.highest} at half its rate or more" if waves.highest > waves.fastest else ""
+        return (
+            f"{self.segments} segments resolve modes up to {self.segments // LEAST_SEGMENTS}, and by theory mode "
+            f"{waves.fastest} grows fastest{highest}"
+        )
+
     def replace(self, **changes: Any) -> SimulationProblem:
         """Return a copy with some parameters changed, checked anew; a default number of segments is chosen anew."""
         if self.segments == self._fair_segments():
@@ -201,6 +222,10 @@ class SimulationProblem:
         """
         place = None if checkpoint is None else validate.path("checkpoint", checkpoint)
         validate.progress(progress)
+        if self.unresolved:
+            wrong = f"{self.unresolved}: what grows, and how fast, will be wrong"
+            remedy = f"take {self._growing.least_segments} or more, or leave segments out for {self._fair_segments()}"
+            warnings.warn(f"{wrong}; {remedy}", ResolutionWarning, stacklevel=level_of_caller())
         file = None if place is None else Checkpoint(place, self.as_dict() | {"time_steps": asdict(self.time_steps)})
         steps = self.time_steps
         velocities = self.perturbation.velocities(self.segments)
@@ -248,8 +273,15 @@ class SimulationProblem:
 
     def _fair_segments(self) -> int:
         """Return the number of segments that resolves the modes the load or the perturbation excites."""
-        waves = max(half_waves(self.rod, self.load), self.perturbation.highest_mode, _LEAST_HALF_WAVES)
-        return math.ceil(min(_SEGMENTS_IN_HALF_WAVE * waves, self.rod.length / self.rod.radius, MOST_SEGMENTS))
+        growing = self._growing
+        likely = max(half_waves(self.rod, self.load), self.perturbation.highest_mode, _LEAST_HALF_WAVES)
+        wanted = max(_SEGMENTS_IN_HALF_WAVE * likely, _SEGMENTS_OF_FASTEST * growing.fastest, growing.least_segments)
+        return math.ceil(min(wanted, self.rod.length / self.rod.radius, MOST_SEGMENTS))
+
+    @cached_property
+    def _growing(self) -> GrowingWaves:
+        """The modes that theory expects to grow."""
+        return growing_waves(self.driving, self.duration)
 
     def _require_possible_ends(self) -> None:
         """Raise ValueError for a load that cannot be simulated, and for ends that are to do two things at once."""
@@ -275,9 +307,9 @@ class SimulationProblem:
         """Raise ValueError for a load beyond linear elasticity."""
         force = max(map(abs, self.driving.mean_forces)) + self.load.amplitude * np.abs(self.load.harmonics).sum()
         strain = force / self.rod.axial_rigidity
-        if strain > _LARGEST_STRAIN:
+        if strain > LARGEST_STRAIN:
             raise ValueError(
-                f"load strains the rod by {strain:.2g}, must be at most {_LARGEST_STRAIN:g}; its critical force is "
+                f"load strains the rod by {strain:.2g}, must be at most {LARGEST_STRAIN:g}; its critical force is "
                 f"{self.rod.critical_force:.4g} N: check the units"
             )
 
@@ -372,6 +404,34 @@ class Simulation(RecordedMotion):
         return axial_force(self.problem.mesh, self.problem.driving, self.positions)
 
     @property
+    def left_wall(self) -> float:
+        """Share of the frames of the last quarter in which a node is off the wall by more than 1 % of the clearance.
+
+        Modes of the angle describe a rod that lies against the wall all along.
+        """
+        radius = np.hypot(*np.moveaxis(self.positions[-self._last_quarter :, :, 1:], -1, 0))
+        off = radius.min(axis=1) < (1.0 - _OFF_THE_WALL) * self.rod.radial_clearance
+        return float(np.mean(off))
+
+    @property
+    def note(self) -> str:
+        """Why the mode named may not be that of the rod, "" where nothing speaks against it.
+
+        Segments too few for what grows by theory, or a rod that has left the wall.
+        """
+        notes = [self.problem.unresolved] if self.buckled else []
+        if self.left_wall > _MOSTLY_ON:
+            notes.append(f"off the wall in {100.0 * self.left_wall:.0f} % of the frames of the last quarter")
+        return "; ".join(filter(None, notes))
+
+    @property
+    def _outcome(self) -> str:
+        """What came of the rod, with the mode where one can be named."""
+        if not self.buckled:
+            return "not buckled"
+        return "buckled" if self.left_wall > _MOSTLY_ON else f"buckled in mode {self.dominant_mode}"
+
+    @property
     def caption(self) -> str:
         """What was simulated, in a line."""
         problem, scale = self.problem, self.rod.critical_force
@@ -386,11 +446,11 @@ class Simulation(RecordedMotion):
         problem, steps = self.problem, self.time_steps
         early = f", {'interrupted' if self.ended == 'interrupted' else 'stopped'} at {self.time[-1]:.4g} s"
         end = "" if self.ended == "duration" else early
-        what = f"buckled in mode {self.dominant_mode}" if self.buckled else "not buckled"
+        note = f"; {self.note}" if self.note else ""
         return (
-            f"<{what}, largest angle {math.degrees(self.largest_angle.max()):.3g} degrees; {problem.duration:g} s of a "
-            f"rod of {problem.segments} segments, friction {problem.friction:g}{end}; {steps.count} steps of "
-            f"{1e6 * steps.size:.3g} us, set by {steps.limit}>"
+            f"<{self._outcome}, largest angle {math.degrees(self.largest_angle.max()):.3g} degrees; "
+            f"{problem.duration:g} s of a rod of {problem.segments} segments, friction {problem.friction:g}{end}; "
+            f"{steps.count} steps of {1e6 * steps.size:.3g} us, set by {steps.limit}{note}>"
         )
 
     def plot(self, ax: Any = None) -> Any:

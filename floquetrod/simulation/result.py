@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod.floquet.references import references
-from floquetrod.simulation.start import LEAST_SEGMENTS
+from floquetrod.simulation.start import SEGMENTS_TO_SEE
 
 BUCKLED_ANGLE = math.radians(5.0)
 """Angle beyond which a rod counts as buckled, that of the paper (section 4.3 of DOI 10.1115/1.4031710)."""
@@ -103,7 +103,8 @@ class RecordedMotion(NoTruthValue, ByContent):
     def mode_amplitudes(self, modes: Iterable[int]) -> NDArray[np.float64]:
         """Return A_m of theta = sum_m A_m sin(m pi s / L) in rad, (frames, modes).
 
-        Raises ValueError for a mode that has fewer than 6 segments in half a wave.
+        Raises ValueError for a mode that has fewer than 2 segments in half a wave; with fewer than 6 its motion is
+        that of a rod 5 % or more too soft.
         """
         return self._amplitudes(validate.integers("modes", modes, 1, self._most_modes, self._why_no_more))
 
@@ -145,12 +146,12 @@ class RecordedMotion(NoTruthValue, ByContent):
 
     @property
     def _most_modes(self) -> int:
-        """The highest mode that has enough segments in half a wave."""
-        return self._segments // LEAST_SEGMENTS
+        """The highest mode that the nodes can tell from others, two segments in half a wave."""
+        return self._segments // SEGMENTS_TO_SEE
 
     @property
     def _why_no_more(self) -> str:
-        return f"with {self._segments} segments no higher mode is resolved"
+        return f"{self._segments} segments show no higher mode"
 
     @property
     def _last_quarter(self) -> int:

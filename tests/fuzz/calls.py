@@ -67,6 +67,7 @@ LEFT_OUT = {
     "Stability": "constructed by every method",
     "mathieu.FloquetSolution": "constructed by characteristic_function and floquet_solutions",
     "PlausibilityWarning": "a warning",
+    "ResolutionWarning": "a warning",
     "UniformForceWarning": "a warning",
     "friction.EscapeRanges": "constructed by escape_ranges",
     "friction.Fate": "constructed by fate",
