@@ -14,7 +14,6 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import files
+from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.version import __version__
 from floquetrod.ensembles.axes import Study
