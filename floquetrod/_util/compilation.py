@@ -6,15 +6,16 @@ scalars and leaves numba unloaded.  ``compiled(kernel)`` is the same function as
 
 from __future__ import annotations
 
+import contextvars
 import functools
 import hashlib
 import inspect
 import logging
 import os
 import threading
+import time
 import types
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from typing import Any, TypeVar, cast
 
@@ -30,7 +31,7 @@ _LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the 
 INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
 _OPTIONS = {"nogil": True, "error_model": "numpy"}
 _CHUNK = 8192  # elements a thread takes at a time (heuristic: well above the cost of a call, well below a map)
-_HEARD_WITHIN = 0.1  # seconds between checks for Ctrl-C while threads work (a choice)
+_WORTH_A_THREAD = 1e-3  # seconds of work for each thread below which it does not pay (measured: one costs 0.1 ms)
 
 _ASKED: dict[Callable[..., Any], float] = {}
 """Work each kernel was given while interpreted, in multiples of what is always interpreted."""
@@ -226,38 +227,65 @@ def over_chunks(
     Kernels release the GIL, so the threads run side by side, and Ctrl-C is handled between pieces.
     ``interpret_up_to`` and ``patience`` as in `runner`.
     """
-    workers = validate.workers(workers) or cores()
+    workers = validate.workers(workers)
     size = len(out)
     run: Any = runner(function, size, interpret_up_to=interpret_up_to, patience=patience)
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
         run(*(array.tolist() for array in inputs), out, *constants)
         return
     # One layout of arrays: a kernel is compiled for each there is, and read-only ones count as another.
-    inputs = [np.require(array, requirements=["C", "A", "W"]) for array in inputs]
+    inputs = [array if array.flags.carray else np.require(array, requirements=["C", "A", "W"]) for array in inputs]
+    if size <= chunk:
+        run(*inputs, out, *constants)
+        return
     pieces = [
         (*(array[start : start + chunk] for array in inputs), out[start : start + chunk], *constants)
         for start in range(0, size, chunk)
     ]
-    run = compiled_for(function, *pieces[0])
-    in_threads(run, pieces, workers)
+    in_threads(run, pieces, workers or cores())
 
 
 def in_threads(run: Callable[..., Any], pieces: Sequence[tuple[Any, ...]], workers: int) -> None:
-    """Call ``run`` on every piece; Ctrl-C, which an ending thread could swallow, is handled between pieces."""
-    threads = min(workers, len(pieces))
-    if threads <= 1:
-        for piece in pieces:
-            run(*piece)
-        return
-    with interrupt.held() as deliver, ThreadPoolExecutor(threads) as pool:
-        running = [pool.submit(run, *piece) for piece in pieces]
+    """Call ``run`` on every piece, in up to ``workers`` threads if what is left, by the time taken so far, is worth it.
+
+    The pieces do not depend on the threads, and so neither do results.  Ctrl-C, which an ending thread could swallow,
+    is handled between pieces.  No thread outlives the call: a fork finds none.
+    """
+    left = iter(pieces)
+    started = time.perf_counter()
+    for done, piece in enumerate(left, 1):
+        run(*piece)
+        seconds = (time.perf_counter() - started) * (len(pieces) / done - 1.0)
+        threads = min(workers, len(pieces) - done, int(seconds / _WORTH_A_THREAD))
+        if threads > 1:
+            _share(run, left, threads)
+
+
+def _share(run: Callable[..., Any], left: Iterator[tuple[Any, ...]], threads: int) -> None:
+    """Call ``run`` on what an iterator has left, which this thread and others take from; raise what one of them did."""
+    errors: list[BaseException] = []
+
+    def work(after: Callable[[], None]) -> None:
         try:
-            left = set(running)
-            while left:
-                done, left = wait(left, timeout=_HEARD_WITHIN)
-                deliver()
-                for task in done:
-                    task.result()
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
+            for piece in left:
+                run(*piece)
+                after()
+        except BaseException as error:
+            errors.append(error)
+            for _ in left:  # so that the others end
+                pass
+
+    others: list[threading.Thread] = []
+    with interrupt.held() as deliver:
+        try:
+            for _ in range(threads - 1):
+                # In a copy of this context: numpy keeps in it what becomes of overflow.
+                other = threading.Thread(target=contextvars.copy_context().run, args=(work, interrupt.nothing))
+                other.start()
+                others.append(other)
+            work(deliver)
+        finally:
+            for other in others:
+                other.join()
+    if errors:
+        raise errors[0]

@@ -21,6 +21,9 @@ from floquetrod.kernels import mathieu_counts as counts
 
 _FROM_AQ = dict.fromkeys("aq", "alpha, beta = fr.conventions.from_aq(a, q) gives what it takes")
 
+_CHUNK = 1024
+"""Points a thread takes at a time; each costs a microsecond, far out more, and a verdict without damping much less."""
+
 _PATIENCE = 100
 """Times as many points as are always interpreted before growth is compiled, which takes seconds (heuristic)."""
 
@@ -62,7 +65,10 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     out = np.empty(arguments[0].size, dtype=np.bool_)
     few = out.size < 64  # blocks pay from a few of them on
     fill = kernels.damped_stable_fill if not undamped else counts.stable_one_by_one if few else counts.stable_fill
-    over_chunks(fill, arguments, out, workers=workers, patience=0 if undamped else _PATIENCE)
+    if undamped:
+        over_chunks(fill, arguments, out, workers=workers)
+    else:
+        over_chunks(fill, arguments, out, workers=workers, chunk=_CHUNK, patience=_PATIENCE)
     return shaped(out, shape)
 
 
@@ -81,7 +87,9 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     out = np.empty(a.size)
     rows = 2.0 * math.sqrt(max(float(np.abs(part).max(initial=0.0)) for part in (a, b)))  # of Hill's matrix
     few = int(INTERPRETED_UP_TO / (1.0 + 0.02 * max(0.0, rows - 600.0)))  # from there on each takes longer (measured)
-    over_chunks(kernels.growth_fill, (a, b, c), out, workers=workers, interpret_up_to=few, patience=_PATIENCE)
+    over_chunks(
+        kernels.growth_fill, (a, b, c), out, workers=workers, chunk=_CHUNK, interpret_up_to=few, patience=_PATIENCE
+    )
     return shaped(out, shape)
 
 
@@ -98,7 +106,7 @@ def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | No
     """
     shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty(a.size)
-    over_chunks(kernels.discriminant_fill, (a, b, c), out, workers=workers)
+    over_chunks(kernels.discriminant_fill, (a, b, c), out, workers=workers, chunk=_CHUNK)
     return shaped(out, shape)
 
 
@@ -115,7 +123,7 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     """
     shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty((a.size, 2), dtype=np.complex128)
-    over_chunks(kernels.multipliers_fill, (a, b, c), out, workers=workers)
+    over_chunks(kernels.multipliers_fill, (a, b, c), out, workers=workers, chunk=_CHUNK)
     return shaped(out, (*shape, 2))
 
 
@@ -137,7 +145,7 @@ def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau", wo
     unit = 2.0 if validate.choice("per", per, ("tau", "z")) == "z" else 1.0
     shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty((a.size, 2), dtype=np.complex128)
-    over_chunks(kernels.exponents_fill, (a, b, c), out, workers=workers)
+    over_chunks(kernels.exponents_fill, (a, b, c), out, workers=workers, chunk=_CHUNK)
     return shaped(unit * out, (*shape, 2))
 
 
