@@ -604,11 +604,11 @@ def test_a_kernel_is_compiled_once_whatever_arrays_come(tmp_path: Path) -> None:
     runs = [fr.mathieu.is_stable(a, -0.3) for a in (plain, locked, strided, plain.astype(np.float32), plain.tolist())]
     runs += [fr.FiniteTimeCriterion(by="leapfrog").growth(a, -0.3) > 0.0 for a in (plain, locked, strided)]
     assert all(len(run) == 100 for run in runs)
-    for used in (mathieu_counts.stable_fill, powers.displacement_fill):
+    for used in (mathieu_counts.shown_fill, powers.displacement_fill):
         before = len(compilation.compiled(used).signatures)
-        out = np.empty(100, dtype=np.bool_ if used is mathieu_counts.stable_fill else np.float64)
-        inputs = (locked, locked) if used is mathieu_counts.stable_fill else (np.ones((100, 5))[:, ::-1],)
-        constants = () if used is mathieu_counts.stable_fill else (3,)
+        out = np.empty(100, dtype=np.int8 if used is mathieu_counts.shown_fill else np.float64)
+        inputs = (locked, locked) if used is mathieu_counts.shown_fill else (np.ones((100, 5))[:, ::-1],)
+        constants = () if used is mathieu_counts.shown_fill else (3,)
         compilation.over_chunks(used, inputs, out, *constants)
         assert len(compilation.compiled(used).signatures) == before
 

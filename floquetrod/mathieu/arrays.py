@@ -54,22 +54,24 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     """
     if type(alpha) is type(beta) is type(damping) is float and damping == 0.0:  # the quick way for a single verdict
         validate.workers(workers)
-        return counts.is_stable_scalar(validate.coefficient("alpha", alpha), validate.coefficient("beta", beta))
+        return kernels.is_stable(validate.coefficient("alpha", alpha), validate.coefficient("beta", beta), 0.0)
     arrays = _arrays(alpha, beta, damping)
     undamped = not arrays["damping"].any()
     if undamped and not arrays["damping"].shape:
         del arrays["damping"]
     shape, arguments = broadcast(**arrays)
+    out = np.empty(arguments[0].size, dtype=np.int8)
     if undamped:
-        arguments = arguments[:2]
-    out = np.empty(arguments[0].size, dtype=np.bool_)
-    few = out.size < 64  # blocks pay from a few of them on
-    fill = kernels.damped_stable_fill if not undamped else counts.stable_one_by_one if few else counts.stable_fill
-    if undamped:
-        over_chunks(fill, arguments, out, workers=workers)
+        few = out.size < 64  # blocks pay from a few of them on
+        fill = counts.shown_one_by_one if few else counts.shown_fill
+        over_chunks(fill, arguments[:2], out, workers=workers)
+        near = np.flatnonzero(out == counts.NEAR_A_BAND)
+        if near.size:
+            alone = [part[near] for part in arguments[:2]]
+            out[near] = _growth(*alone, np.zeros(near.size), workers) == 0.0
     else:
-        over_chunks(fill, arguments, out, workers=workers, chunk=_CHUNK, patience=_PATIENCE)
-    return shaped(out, shape)
+        over_chunks(kernels.damped_stable_fill, arguments, out, workers=workers, chunk=_CHUNK, patience=_PATIENCE)
+    return shaped(out.view(np.bool_), shape)
 
 
 @tells_arguments(**_FROM_AQ)
@@ -83,14 +85,21 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     >>> growth_rate(1e-8, -0.25)
     4.999999999999999e-09
     """
-    shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
+    shape, arguments = broadcast(**_arrays(alpha, beta, damping))
+    return shaped(_growth(*arguments, workers), shape)
+
+
+def _growth(
+    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], workers: int | None
+) -> NDArray[np.float64]:
+    """Return growth rates, flat."""
     out = np.empty(a.size)
     rows = 2.0 * math.sqrt(max(float(np.abs(part).max(initial=0.0)) for part in (a, b)))  # of Hill's matrix
     few = int(INTERPRETED_UP_TO / (1.0 + 0.02 * max(0.0, rows - 600.0)))  # from there on each takes longer (measured)
     over_chunks(
         kernels.growth_fill, (a, b, c), out, workers=workers, chunk=_CHUNK, interpret_up_to=few, patience=_PATIENCE
     )
-    return shaped(out, shape)
+    return out
 
 
 @tells_arguments(**_FROM_AQ)
