@@ -67,8 +67,8 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
         over_chunks(fill, arguments[:2], out, workers=workers)
         near = np.flatnonzero(out == counts.NEAR_A_BAND)
         if near.size:
-            alone = [part[near] for part in arguments[:2]]
-            out[near] = _growth(*alone, np.zeros(near.size), workers) == 0.0
+            a, b = arguments[:2]
+            out[near] = _growth(a[near], b[near], np.zeros(near.size), workers) == 0.0
     else:
         over_chunks(kernels.damped_stable_fill, arguments, out, workers=workers, chunk=_CHUNK, patience=_PATIENCE)
     return shaped(out.view(np.bool_), shape)
@@ -85,8 +85,8 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     >>> growth_rate(1e-8, -0.25)
     4.999999999999999e-09
     """
-    shape, arguments = broadcast(**_arrays(alpha, beta, damping))
-    return shaped(_growth(*arguments, workers), shape)
+    shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
+    return shaped(_growth(a, b, c, workers), shape)
 
 
 def _growth(
