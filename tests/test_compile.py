@@ -547,6 +547,20 @@ def test_the_terminal_says_once_that_it_compiles(capsys: pytest.CaptureFixture[s
 
 
 @needs_jit
+def test_compiling_that_takes_long_is_told_once_in_a_process(tmp_path: Path) -> None:
+    program = SMALL + (
+        "from floquetrod._util import compilation\n"
+        "compilation._LONG = 0.0\n"
+        "from floquetrod.kernels.mathieu_counts import shown_one_by_one\n"
+        "once(); compiled(shown_one_by_one)(maps[:, 0].copy(), maps[:, 1].copy(), np.empty(3, np.int8))"
+    )
+    first, second = python(program, tmp_path), python(program, tmp_path)
+    assert first.stderr.startswith("floquetrod is compiling, once")
+    assert first.stderr.count("\n") == 1
+    assert (first.stdout, second.stdout, second.stderr) == ("", "", "")
+
+
+@needs_jit
 def test_a_command_says_that_it_compiles(tmp_path: Path) -> None:
     call = ["map", "--rod", "nitinol", "--mean", "0:1Fcr", "--amplitude", "0.2Fcr", "--frequency", "20:200"]
     small = [*call, "--points", "30x30", "--paper-criterion", "leapfrog", "--out", str(tmp_path / "map.npz")]

@@ -26,7 +26,8 @@ from floquetrod._util import interrupt, validate
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the level INFO
+_LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the level INFO, and that it takes long
+_LONG = 3.0  # seconds of compiling one kernel after which somebody who waits is told (a choice)
 
 INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
 _OPTIONS = {"nogil": True, "error_model": "numpy"}
@@ -99,13 +100,26 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     def compile_undisturbed(signature: Any) -> Any:
         # numba runs Python code from within LLVM, where an exception is printed and discarded: Ctrl-C there would be
         # lost.  It is delivered between the passes of the compiler.
-        with _compiling() as deliver, numba.core.event.install_listener("numba:run_pass", _after_passes(deliver)):
+        started = time.thread_time()
+
+        def act() -> None:
+            deliver()
+            if time.thread_time() - started > _LONG:
+                _tell_once()
+
+        with _compiling() as deliver, numba.core.event.install_listener("numba:run_pass", _after_passes(act)):
             return compile_types(signature)
 
     result.compile = compile_undisturbed
     sources = fingerprint(function, _OPTIONS)
     result._cache = KernelCache(result.py_func, sources, lambda: _LOG.info("compiling %s", function.__qualname__))
     return cast(Callable[..., Any], result)
+
+
+@functools.cache
+def _tell_once() -> None:
+    """Say that compiling takes long: as a warning of the log, which Python prints where nobody has set one up."""
+    _LOG.warning("floquetrod is compiling, once, for up to a minute; later processes load what is kept on disk")
 
 
 def _name_records_by_content() -> None:
