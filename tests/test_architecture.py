@@ -133,6 +133,14 @@ def test_imports_only_what_is_declared(module: str) -> None:
     assert outside <= ALLOWED
 
 
+@pytest.mark.parametrize("module", [module for module in FILES if module != "_util.caching"])
+def test_no_property_is_kept_behind_a_lock(module: str) -> None:
+    """Up to Python 3.11 the `cached_property` of the library is, and a forked process may find it locked for ever."""
+    assert "functools.cached_property" not in imports(parse(module), module, FILES[module])
+    attributes = (node for node in ast.walk(parse(module)) if isinstance(node, ast.Attribute))
+    assert "functools.cached_property" not in map(ast.unparse, attributes)
+
+
 def test_the_analysis_sees_every_kind_of_import() -> None:
     code = """
 from floquetrod import rod as r

@@ -13,7 +13,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -421,15 +421,110 @@ def test_worker_processes_compile_and_agree(method: str, tmp_path: Path) -> None
     assert run.stdout == "True True\n", run.stderr
 
 
-def test_a_failing_thread_ends_the_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    def broken(values: np.ndarray, out: np.ndarray) -> None:
-        raise RuntimeError("broken")
+@pytest.fixture
+def willing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let any work be worth a thread."""
+    monkeypatch.setattr(compilation, "_WORTH_A_THREAD", 1e-12)
 
-    monkeypatch.setattr(compilation, "compiled", lambda kernel: broken)
-    monkeypatch.setattr(compilation, "compiled_for", lambda kernel, *arguments: broken)
-    out = np.empty(40_000)
+
+@pytest.mark.parametrize(("seconds", "workers", "shared"), [(1e-5, 8, 0), (4e-4, 8, 3), (1.0, 8, 8), (1.0, 1, 0)])
+def test_each_thread_gets_a_millisecond_of_work_or_is_not_started(
+    seconds: float, workers: int, shared: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = iter(np.arange(1000) * seconds)
+    started: list[int] = []
+    monkeypatch.setattr(compilation.time, "perf_counter", lambda: next(clock))
+
+    def share(run: Callable[..., None], left: Iterator[Any], threads: int) -> None:
+        started.append(threads)
+        share_truly(run, left, threads)
+
+    share_truly = compilation._share
+    monkeypatch.setattr(compilation, "_share", share)
+    done: list[int] = []
+    compilation.in_threads(done.append, [(k,) for k in range(10)], workers)
+    assert sorted(done) == list(range(10))
+    assert started == ([shared] if shared else [])
+
+
+def test_threads_work_side_by_side_in_the_context_of_the_call(willing: None) -> None:
+    both, kept = threading.Barrier(2), []
+
+    def run(piece: int) -> None:
+        if piece > 0:
+            both.wait(60.0)
+        kept.append((threading.current_thread(), np.geterr()["over"]))
+
+    with np.errstate(over="raise"):
+        compilation.in_threads(run, [(k,) for k in range(3)], 2)
+    assert {how for _, how in kept} == {"raise"}
+    assert [thread.is_alive() for thread in {thread for thread, _ in kept}].count(True) == 1  # this one
+
+
+def test_a_failure_in_any_thread_ends_the_work(willing: None) -> None:
+    tried = []
+
+    def run(piece: int) -> None:
+        tried.append(piece)
+        if piece > 0:
+            raise RuntimeError("broken")
+
+    before = threading.active_count()
     with pytest.raises(RuntimeError, match="broken"):
-        compilation.over_chunks(powers.displacement_fill, [out], out, workers=2, chunk=100, interpret_up_to=0)
+        compilation.in_threads(run, [(k,) for k in range(10_000)], 4)
+    assert len(tried) <= 5
+    assert threading.active_count() == before
+
+
+class Pieces(list[tuple[int]]):
+    """Pieces of work that say when all of them have been taken."""
+
+    def __iter__(self) -> Iterator[tuple[int]]:
+        self.taken, self.all_taken = super().__iter__(), threading.Event()
+        return iter(self._next, None)
+
+    def _next(self) -> tuple[int] | None:
+        try:
+            return next(self.taken)
+        except StopIteration:
+            self.all_taken.set()
+            return None
+
+
+def test_ctrl_c_while_threads_work_ends_it_between_pieces(willing: None) -> None:
+    pieces = Pieces((k,) for k in range(1000))
+    both, ended = threading.Barrier(2), []
+
+    def run(piece: int) -> None:
+        if piece in (1, 2):  # one each
+            both.wait(60.0)
+            if threading.current_thread() is threading.main_thread():
+                signal.raise_signal(signal.SIGINT)
+        elif piece > 2:  # the other thread, while this one hears of it
+            assert pieces.all_taken.wait(60.0)
+        ended.append(piece)
+
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            compilation.in_threads(run, pieces, 2)
+        assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert set(ended) <= {0, 1, 2, 3}
+
+
+def test_results_do_not_depend_on_threads_to_the_bit(willing: None, rng: np.random.Generator) -> None:
+    size = 9000
+    alpha, beta, damping = rng.uniform(0.0, 30.0, size), rng.uniform(-40.0, 5.0, size), rng.uniform(0.0, 0.3, size)
+    systems = fr.HillSystem([[1, 0], [0, 4]], [[[0.1, 0.2], [0.2, 0.16]]], period=np.linspace(1.0, 9.0, size))
+    for ask in (
+        lambda workers: fr.mathieu.is_stable(alpha, beta, workers=workers),
+        lambda workers: fr.mathieu.growth_rate(alpha, beta, damping, workers=workers),
+        lambda workers: fr.systems.growth_rate(systems, workers=workers),
+    ):
+        one = ask(1).tobytes()
+        assert [ask(workers).tobytes() == one for workers in (None, 2, 3)] == [True] * 3
 
 
 def test_systems_without_affinities_count_all_processors(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -450,6 +545,20 @@ def test_the_terminal_says_once_that_it_compiles(capsys: pytest.CaptureFixture[s
     log.info("compiling %s", "three")
     assert capsys.readouterr().err == ""
     assert (log.level, log.handlers) == (level, handlers)
+
+
+@needs_jit
+def test_compiling_that_takes_long_is_told_once_in_a_process(tmp_path: Path) -> None:
+    program = SMALL + (
+        "from floquetrod._util import compilation\n"
+        "compilation._LONG = 0.0\n"
+        "from floquetrod.kernels.mathieu_counts import shown_one_by_one\n"
+        "once(); compiled(shown_one_by_one)(maps[:, 0].copy(), maps[:, 1].copy(), np.empty(3, np.int8))"
+    )
+    first, second = python(program, tmp_path), python(program, tmp_path)
+    assert first.stderr.startswith("floquetrod is compiling, once")
+    assert first.stderr.count("\n") == 1
+    assert (first.stdout, second.stdout, second.stderr) == ("", "", "")
 
 
 @needs_jit
@@ -510,11 +619,11 @@ def test_a_kernel_is_compiled_once_whatever_arrays_come(tmp_path: Path) -> None:
     runs = [fr.mathieu.is_stable(a, -0.3) for a in (plain, locked, strided, plain.astype(np.float32), plain.tolist())]
     runs += [fr.FiniteTimeCriterion(by="leapfrog").growth(a, -0.3) > 0.0 for a in (plain, locked, strided)]
     assert all(len(run) == 100 for run in runs)
-    for used in (mathieu_counts.stable_fill, powers.displacement_fill):
+    for used in (mathieu_counts.shown_fill, powers.displacement_fill):
         before = len(compilation.compiled(used).signatures)
-        out = np.empty(100, dtype=np.bool_ if used is mathieu_counts.stable_fill else np.float64)
-        inputs = (locked, locked) if used is mathieu_counts.stable_fill else (np.ones((100, 5))[:, ::-1],)
-        constants = () if used is mathieu_counts.stable_fill else (3,)
+        out = np.empty(100, dtype=np.int8 if used is mathieu_counts.shown_fill else np.float64)
+        inputs = (locked, locked) if used is mathieu_counts.shown_fill else (np.ones((100, 5))[:, ::-1],)
+        constants = () if used is mathieu_counts.shown_fill else (3,)
         compilation.over_chunks(used, inputs, out, *constants)
         assert len(compilation.compiled(used).signatures) == before
 

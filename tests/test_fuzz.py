@@ -243,6 +243,8 @@ def test_verdicts_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Gener
     assert "NaN" in verdicts.judged(dataclasses.replace(right, error=math.nan), rate, x)[0]
     monkeypatch.setattr(fr.mathieu, "is_stable", lambda a, b, c: np.zeros(np.shape(a), dtype=bool))
     assert verdicts.over_arrays(rng)
+    monkeypatch.setattr(fr.mathieu, "is_stable", lambda a, b, c: np.ones(np.shape(a), dtype=bool))
+    assert "is stable and grows" in verdicts.beside_curves(rng)[0]
 
 
 def test_systems_can_fail() -> None:

@@ -14,6 +14,7 @@ from hypothesis import given, settings
 import floquetrod as fr
 from conftest import depth
 from floquetrod.floquet.methods.reference import reference
+from floquetrod.kernels import mathieu_counts
 from floquetrod.kernels.mathieu_counts import count_below
 from floquetrod.mathieu import arrays
 from strategies import mathieu_points, near_boundary_points
@@ -172,6 +173,27 @@ def test_compiled_and_interpreted_kernels_agree(rng: np.random.Generator) -> Non
         assert function(alpha, beta) == pytest.approx(np.concatenate(pieces), rel=1e-10, abs=1e-12)
     counts = [count_below(-4.0 * b, 2.0 * a) % 2 == 1 for a, b in zip(alpha.tolist(), beta.tolist(), strict=True)]
     assert fr.mathieu.is_stable(alpha, beta).tolist() == counts
+
+
+@pytest.mark.parametrize("damping", [0.0, 1e-3, 0.3])
+def test_near_bands_thinner_than_rounding_verdict_and_growth_agree(damping: float) -> None:
+    # An odd count of curves said stable there: two that coincide are computed with different rounding.
+    beta = 59.14823157446198 - damping * damping + np.arange(-12, 13) * np.spacing(59.14823157446198)
+    grows = fr.mathieu.growth_rate(6842.662812224557, beta, damping)
+    assert grows.min() > 26.0
+    assert not fr.mathieu.is_stable(6842.662812224557, beta, damping).any()
+    assert not fr.mathieu.is_stable(6842.662812224557, np.tile(beta, 10), damping).any()  # compiled
+    assert not any(fr.mathieu.is_stable(6842.662812224557, float(b), damping) for b in beta)
+
+
+@pytest.mark.parametrize("place", [0.01, 0.5, 0.99])
+def test_in_bands_that_only_determinants_are_asked_about_points_are_stable(place: float) -> None:
+    low, high = fr.mathieu.characteristic_values(1, 20.0, "a"), fr.mathieu.characteristic_values(2, 20.0, "b")
+    beta = -0.25 * (low + place * (high - low))  # of a band 2.4e-4 wide
+    assert mathieu_counts.shown_by_count(10.0, beta) == mathieu_counts.NEAR_A_BAND
+    assert fr.mathieu.is_stable(10.0, beta)
+    assert fr.mathieu.is_stable(10.0, np.full(100, beta)).all()
+    assert fr.mathieu.is_stable(10.0, beta, 1e-12)
 
 
 def test_workers_do_not_change_the_result(rng: np.random.Generator) -> None:

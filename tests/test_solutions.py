@@ -57,6 +57,50 @@ def test_real_orders_to_1e_12(order: float, q: float) -> None:
     assert characteristic_function(-order, q)(Z) == pytest.approx(found(-Z), abs=1e-12)
 
 
+def largest_coefficient(order: float, q: float) -> tuple[float, float]:
+    """Return the frequency and the value of the largest coefficient of me_nu, me_nu(0) > 0, from 60 digits."""
+    with mp.workdps(60):
+        level = mp.mpf(real_order_values(order, q))
+        count = int(0.5 * math.sqrt(max(float(level) + 2.0 * abs(q), 0.0)) + 60.0 + 6.0 * abs(q) ** 0.25)
+        frequencies = [mp.mpf(order) - 2 * mp.nint(mp.mpf(order) / 2) + 2 * k for k in range(-count, count + 1)]
+        vector = [mp.mpf(1) / (1 + k % 7) for k in range(len(frequencies))]
+        for _ in range(3):  # inverse iteration: no row of the elimination is small but the last
+            above, solved = [mp.mpf(q) / (frequencies[0] ** 2 - level)], [vector[0] / (frequencies[0] ** 2 - level)]
+            for frequency, entry in zip(frequencies[1:], vector[1:], strict=True):
+                pivot = frequency**2 - level - q * above[-1]
+                above.append(q / pivot)
+                solved.append((entry - q * solved[-1]) / pivot)
+            for i in range(len(solved) - 2, -1, -1):
+                solved[i] -= above[i] * solved[i + 1]
+            norm = mp.sqrt(sum(entry**2 for entry in solved))
+            vector = [entry / norm for entry in solved]
+            level = sum((f * v) ** 2 for f, v in zip(frequencies, vector, strict=True)) + 2 * q * sum(
+                one * other for one, other in zip(vector[1:], vector[:-1], strict=True)
+            )
+        assert abs(sum(vector)) > mp.mpf(10) ** -45
+        largest = max(range(len(vector)), key=lambda i: abs(vector[i]))
+        return float(frequencies[largest]), float(vector[largest] * mp.sign(sum(vector)))
+
+
+HIDDEN = [  # one of value and slope at pi / 2, or at 0 where q < 0, is lost in rounding
+    (-1.0017358982635463, 116.58419534013841),
+    (5.058448585046072, 267.76515354527794),
+    (-3.626050225179746, 283.23317177243786),
+    (-3.762128100176909, -226.85550261759775),
+    (1.0000024356735329, -214.62535932392274),
+]
+
+
+def test_the_sign_of_me_is_that_of_sixty_digits(rng: np.random.Generator) -> None:
+    drawn = zip(rng.uniform(-12.0, 12.0, 15).tolist(), rng.uniform(-400.0, 400.0, 15).tolist(), strict=True)
+    beside = rng.integers(-9, 10, 15) + rng.choice([-1.0, 1.0], 15) * 10.0 ** rng.uniform(-6.0, -1.0, 15)
+    for order, q in [*HIDDEN, *drawn, *zip(beside.tolist(), rng.uniform(-400.0, 400.0, 15).tolist(), strict=True)]:
+        frequency, coefficient = largest_coefficient(order, q)
+        found = characteristic_function(order, q)
+        place = int(np.argmin(np.abs(found.frequencies - frequency)))
+        assert found.coefficients[place].real == pytest.approx(coefficient, abs=1e-9), (order, q)
+
+
 @given(st.floats(-9.0, 9.0), st.floats(-10.0, 10.0))  # beyond, the bands of low orders are thinner than rounding
 @settings(max_examples=depth(60, 15), deadline=None)
 def test_orders_and_exponents_are_inverse(order: float, q: float) -> None:

@@ -17,15 +17,16 @@ from floquetrod._util import validate
 
 def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[Any], ...]]:
     """Return the common shape of arrays and each of them in it, flat and contiguous; ValueError names them."""
+    shapes = {array.shape for array in arrays.values()}
     try:
-        shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+        shape = shapes.pop() if len(shapes) == 1 else np.broadcast_shapes(*shapes)
     except ValueError:
         *some, last = arrays
-        shapes = ", ".join(str(array.shape) for array in arrays.values())
-        raise ValueError(f"{', '.join(some)} and {last} must broadcast to one shape, got shapes {shapes}") from None
+        listed = ", ".join(str(array.shape) for array in arrays.values())
+        raise ValueError(f"{', '.join(some)} and {last} must broadcast to one shape, got shapes {listed}") from None
     validate.elements(", ".join(arrays), math.prod(shape))
     whole = (array if array.shape == shape else np.broadcast_to(array, shape) for array in arrays.values())
-    return shape, tuple(np.ascontiguousarray(array).ravel() for array in whole)
+    return shape, tuple(array.ravel() for array in whole)
 
 
 def norms(matrices: NDArray[Any]) -> NDArray[np.float64]:

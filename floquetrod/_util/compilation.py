@@ -6,15 +6,16 @@ scalars and leaves numba unloaded.  ``compiled(kernel)`` is the same function as
 
 from __future__ import annotations
 
+import contextvars
 import functools
 import hashlib
 import inspect
 import logging
 import os
 import threading
+import time
 import types
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from typing import Any, TypeVar, cast
 
@@ -25,12 +26,13 @@ from floquetrod._util import interrupt, validate
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the level INFO
+_LOG = logging.getLogger("floquetrod.compile")  # says what is compiled, at the level INFO, and that it takes long
+_LONG = 3.0  # seconds of compiling one kernel after which somebody who waits is told (a choice)
 
 INTERPRETED_UP_TO = 64  # elements; below this, loading numba costs more than it saves (heuristic)
 _OPTIONS = {"nogil": True, "error_model": "numpy"}
 _CHUNK = 8192  # elements a thread takes at a time (heuristic: well above the cost of a call, well below a map)
-_HEARD_WITHIN = 0.1  # seconds between checks for Ctrl-C while threads work (a choice)
+_WORTH_A_THREAD = 1e-3  # seconds of work for each thread below which it does not pay (measured: one costs 0.1 ms)
 
 _ASKED: dict[Callable[..., Any], float] = {}
 """Work each kernel was given while interpreted, in multiples of what is always interpreted."""
@@ -98,13 +100,26 @@ def _compiled(function: Callable[..., Any]) -> Callable[..., Any]:
     def compile_undisturbed(signature: Any) -> Any:
         # numba runs Python code from within LLVM, where an exception is printed and discarded: Ctrl-C there would be
         # lost.  It is delivered between the passes of the compiler.
-        with _compiling() as deliver, numba.core.event.install_listener("numba:run_pass", _after_passes(deliver)):
+        started = time.thread_time()
+
+        def act() -> None:
+            deliver()
+            if time.thread_time() - started > _LONG:
+                _tell_once()
+
+        with _compiling() as deliver, numba.core.event.install_listener("numba:run_pass", _after_passes(act)):
             return compile_types(signature)
 
     result.compile = compile_undisturbed
     sources = fingerprint(function, _OPTIONS)
     result._cache = KernelCache(result.py_func, sources, lambda: _LOG.info("compiling %s", function.__qualname__))
     return cast(Callable[..., Any], result)
+
+
+@functools.cache
+def _tell_once() -> None:
+    """Say that compiling takes long: as a warning of the log, which Python prints where nobody has set one up."""
+    _LOG.warning("floquetrod is compiling, once, for up to a minute; later processes load what is kept on disk")
 
 
 def _name_records_by_content() -> None:
@@ -226,38 +241,65 @@ def over_chunks(
     Kernels release the GIL, so the threads run side by side, and Ctrl-C is handled between pieces.
     ``interpret_up_to`` and ``patience`` as in `runner`.
     """
-    workers = validate.workers(workers) or cores()
+    workers = validate.workers(workers)
     size = len(out)
     run: Any = runner(function, size, interpret_up_to=interpret_up_to, patience=patience)
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
         run(*(array.tolist() for array in inputs), out, *constants)
         return
     # One layout of arrays: a kernel is compiled for each there is, and read-only ones count as another.
-    inputs = [np.require(array, requirements=["C", "A", "W"]) for array in inputs]
+    inputs = [array if array.flags.carray else np.require(array, requirements=["C", "A", "W"]) for array in inputs]
+    if size <= chunk:
+        run(*inputs, out, *constants)
+        return
     pieces = [
         (*(array[start : start + chunk] for array in inputs), out[start : start + chunk], *constants)
         for start in range(0, size, chunk)
     ]
-    run = compiled_for(function, *pieces[0])
-    in_threads(run, pieces, workers)
+    in_threads(run, pieces, workers or cores())
 
 
 def in_threads(run: Callable[..., Any], pieces: Sequence[tuple[Any, ...]], workers: int) -> None:
-    """Call ``run`` on every piece; Ctrl-C, which an ending thread could swallow, is handled between pieces."""
-    threads = min(workers, len(pieces))
-    if threads <= 1:
-        for piece in pieces:
-            run(*piece)
-        return
-    with interrupt.held() as deliver, ThreadPoolExecutor(threads) as pool:
-        running = [pool.submit(run, *piece) for piece in pieces]
+    """Call ``run`` on every piece, in up to ``workers`` threads if what is left, by the time taken so far, is worth it.
+
+    The pieces do not depend on the threads, and so neither do results.  Ctrl-C, which an ending thread could swallow,
+    is handled between pieces.  No thread outlives the call: a fork finds none.
+    """
+    left = iter(pieces)
+    started = time.perf_counter()
+    for done, piece in enumerate(left, 1):
+        run(*piece)
+        seconds = (time.perf_counter() - started) * (len(pieces) / done - 1.0)
+        threads = min(workers, len(pieces) - done, int(seconds / _WORTH_A_THREAD))
+        if threads > 1:
+            _share(run, left, threads)
+
+
+def _share(run: Callable[..., Any], left: Iterator[tuple[Any, ...]], threads: int) -> None:
+    """Call ``run`` on what an iterator has left, which this thread and others take from; raise what one of them did."""
+    errors: list[BaseException] = []
+
+    def work(after: Callable[[], None]) -> None:
         try:
-            left = set(running)
-            while left:
-                done, left = wait(left, timeout=_HEARD_WITHIN)
-                deliver()
-                for task in done:
-                    task.result()
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
+            for piece in left:
+                run(*piece)
+                after()
+        except BaseException as error:
+            errors.append(error)
+            for _ in left:  # so that the others end
+                pass
+
+    others: list[threading.Thread] = []
+    with interrupt.held() as deliver:
+        try:
+            for _ in range(threads - 1):
+                # In a copy of this context: numpy keeps in it what becomes of overflow.
+                other = threading.Thread(target=contextvars.copy_context().run, args=(work, interrupt.nothing))
+                other.start()
+                others.append(other)
+            work(deliver)
+        finally:
+            for other in others:
+                other.join()
+    if errors:
+        raise errors[0]

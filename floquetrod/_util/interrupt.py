@@ -18,7 +18,7 @@ def held() -> Iterator[Callable[[], None]]:
     """
     handler = signal.getsignal(signal.SIGINT)
     if not callable(handler) or threading.current_thread() is not threading.main_thread():
-        yield _nothing
+        yield nothing
         return
     frames: list[FrameType | None] = []
 
@@ -39,5 +39,5 @@ def held() -> Iterator[Callable[[], None]]:
         deliver()
 
 
-def _nothing() -> None:
-    pass
+def nothing() -> None:
+    """Do nothing, as what `held` yields does where no Ctrl-C arrives."""

@@ -5,13 +5,13 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.caching import cached_property
 from floquetrod.rod import parts
 from floquetrod.rod.data import INSTEAD
 from floquetrod.rod.distributions import quantile_function, quantiles

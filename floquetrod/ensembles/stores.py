@@ -13,13 +13,13 @@ import math
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.caching import cached_property
 from floquetrod._util.version import __version__
 from floquetrod.ensembles.axes import Study
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from functools import cached_property
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import norms
+from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import matrices
 from floquetrod.equations.matrices import Matrix, Structure

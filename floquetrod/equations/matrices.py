@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import fields
-from functools import cached_property
 from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 
 Matrix = NDArray[np.float64]

@@ -16,7 +16,7 @@ import math
 from typing import Any
 
 from floquetrod._util.compilation import kernel
-from floquetrod.kernels.mathieu_counts import count_below, is_stable_scalar
+from floquetrod.kernels.mathieu_counts import STABLE, UNSTABLE, shown_by_count
 from floquetrod.kernels.mathieu_determinants import determinant, determinant_pair, two_product, two_sum
 from floquetrod.kernels.mathieu_tail import TAIL_ERROR, slack
 
@@ -115,20 +115,21 @@ def growth_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
 
 
 @kernel
-def is_stable_damped(alpha: float, beta: float, c: float) -> bool:
-    """Return whether every solution of A'' + 2 c A' = (beta + alpha sin tau) A is bounded, c >= 0."""
-    if c == 0.0:
-        return is_stable_scalar(alpha, beta)
-    if alpha == 0.0:
+def is_stable(alpha: float, beta: float, c: float, tolerance: float = 0.0) -> bool:
+    """Return whether no solution of A'' + 2 c A' = (beta + alpha sin tau) A grows faster than ``tolerance``; c >= 0."""
+    if alpha == 0.0 and c > 0.0 and tolerance == 0.0:
         return beta <= 0.0  # at beta = 0 what is left is A' + 2 c A = const
-    return bool(count_below(-4.0 * (beta + c * c), 2.0 * alpha) % 2 == 1 or undamped_growth(alpha, beta, c) <= c)
+    shown = shown_by_count(alpha, beta + c * c)
+    if shown == STABLE or (shown == UNSTABLE and c + tolerance == 0.0):
+        return shown == STABLE
+    return undamped_growth(alpha, beta, c) <= c + tolerance
 
 
 @kernel
 def damped_stable_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
     """Fill ``out`` with the verdicts on equations with damping, or without."""
     for i in range(len(alpha)):
-        out[i] = is_stable_damped(alpha[i], beta[i], damping[i])
+        out[i] = is_stable(alpha[i], beta[i], damping[i])
 
 
 @kernel

@@ -25,9 +25,12 @@ import numpy as np
 
 from floquetrod._util.compilation import kernel
 
+UNSTABLE, STABLE, NEAR_A_BAND = 0, 1, 2  # what a count shows
+
 UNDECIDED = -1  # count of a chain whose pivots would not settle: a is an eigenvalue as far as a double can tell
 
 _TINY_Q = 1e-120  # below this a coupling acts only through its sign, and q^2 would leave the range of a double
+_WIDE = 104.0  # (2 q - a)^2 / q up to which bands take e^-8 of the room or more, far above rounding (a choice)
 _LANES = 32  # points counted side by side: a few vector registers' worth (measured)
 _EPS = 2.220446049250313e-16
 
@@ -82,23 +85,28 @@ def count_fill(a: Any, q: Any, out: Any) -> None:
 
 
 @kernel
-def is_stable_scalar(alpha: float, beta: float) -> bool:
-    """Return whether every solution of A'' = (beta + alpha sin tau) A is bounded."""
+def shown_by_count(alpha: float, beta: float) -> int:
+    """Return `STABLE` or `UNSTABLE`, or `NEAR_A_BAND` where an odd count does not show that solutions are bounded."""
     if alpha == 0.0:
-        return beta < 0.0
-    return count_below(-4.0 * beta, 2.0 * alpha) % 2 == 1
+        return STABLE if beta < 0.0 else UNSTABLE
+    a = -4.0 * beta
+    q = 2.0 * abs(alpha)
+    if count_below(a, q) % 2 == 0:
+        return UNSTABLE
+    depth = 2.0 * q - a
+    return NEAR_A_BAND if depth > 0.0 and depth * depth > _WIDE * q else STABLE
 
 
 @kernel
-def stable_one_by_one(alpha: Any, beta: Any, out: Any) -> None:
-    """Fill ``out`` with the verdicts on undamped equations, point by point: for small arrays."""
+def shown_one_by_one(alpha: Any, beta: Any, out: Any) -> None:
+    """Fill ``out`` with what counts show of undamped equations, point by point: for small arrays."""
     for i in range(len(alpha)):
-        out[i] = is_stable_scalar(alpha[i], beta[i])
+        out[i] = shown_by_count(alpha[i], beta[i])
 
 
 @kernel
-def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
-    """Fill ``out`` with the verdicts on undamped equations, many points side by side.
+def shown_fill(alpha: Any, beta: Any, out: Any) -> None:
+    """Fill ``out`` with what `shown_by_count` says of undamped equations, many points side by side.
 
     The parity of the count is the sign of the product of all pivots, so the three-term recurrence of the leading
     minors decides it without divisions, and the points of a block advance together in vector registers.
@@ -196,11 +204,13 @@ def stable_fill(alpha: Any, beta: Any, out: Any) -> None:
                 break
             last = level + 1
         for j in range(_LANES):
-            out[start + j] = ((c[j] < 0.0) != (s[j] < 0.0)) != ((e[j] < 0.0) != (o[j] < 0.0))
+            odd = ((c[j] < 0.0) != (s[j] < 0.0)) != ((e[j] < 0.0) != (o[j] < 0.0))
+            depth = 2.0 * qs[j] - ab[j]
+            out[start + j] = odd + (odd & (depth > 0.0) & (depth * depth > _WIDE * qs[j]))
         if unsettled > 0 or tiny > 0:
             # Rare: points on a transition curve to rounding, or forcing so weak that its square is lost.
             for j in range(_LANES):
                 if unsettled > 0 or qs[j] < 1e-100:
-                    out[start + j] = is_stable_scalar(alpha[start + j], beta[start + j])
+                    out[start + j] = shown_by_count(alpha[start + j], beta[start + j])
     for i in range(whole, n):
-        out[i] = is_stable_scalar(alpha[i], beta[i])
+        out[i] = shown_by_count(alpha[i], beta[i])

@@ -10,8 +10,8 @@ import math
 from typing import Any
 
 from floquetrod._util.compilation import kernel
-from floquetrod.kernels.mathieu import growth, growth_bound, is_stable_damped, undamped_growth
-from floquetrod.kernels.mathieu_counts import count_below
+from floquetrod.kernels.mathieu import growth, growth_bound, is_stable
+from floquetrod.kernels.mathieu_counts import STABLE, shown_by_count
 
 
 @kernel
@@ -119,11 +119,7 @@ def _mode_stable(
 ) -> bool:
     """Return whether one mode of a family grows no faster than ``tolerance``."""
     alpha, beta = mode_coefficients(forcing, compression, bending, gravity, mode)
-    if tolerance == 0.0:
-        return is_stable_damped(alpha, beta, damping)
-    if alpha != 0.0 and count_below(-4.0 * (beta + damping * damping), 2.0 * alpha) % 2 == 1:
-        return True
-    return undamped_growth(alpha, beta, damping) <= damping + tolerance
+    return is_stable(alpha, beta, damping, tolerance)
 
 
 @kernel
@@ -220,7 +216,7 @@ def modes_growth_fill(
         first = 0
         for mode in range(1, last + 1):
             alpha, beta = mode_coefficients(forcing, compression, bending, gravity, mode)
-            if alpha == 0.0 or count_below(-4.0 * (beta + c * c), 2.0 * alpha) % 2 == 0:
+            if shown_by_count(alpha, beta + c * c) != STABLE:
                 rate = growth(alpha, beta, c)
                 if rate > best:
                     best = rate

@@ -21,6 +21,9 @@ from floquetrod.kernels import mathieu_counts as counts
 
 _FROM_AQ = dict.fromkeys("aq", "alpha, beta = fr.conventions.from_aq(a, q) gives what it takes")
 
+_CHUNK = 1024
+"""Points a thread takes at a time; each costs a microsecond, far out more, and a verdict without damping much less."""
+
 _PATIENCE = 100
 """Times as many points as are always interpreted before growth is compiled, which takes seconds (heuristic)."""
 
@@ -53,19 +56,24 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     """
     if type(alpha) is type(beta) is type(damping) is float and damping == 0.0:  # the quick way for a single verdict
         validate.workers(workers)
-        return counts.is_stable_scalar(validate.coefficient("alpha", alpha), validate.coefficient("beta", beta))
+        return kernels.is_stable(validate.coefficient("alpha", alpha), validate.coefficient("beta", beta), 0.0)
     arrays = _arrays(alpha, beta, damping)
     undamped = not arrays["damping"].any()
     if undamped and not arrays["damping"].shape:
         del arrays["damping"]
     shape, arguments = broadcast(**arrays)
+    out = np.empty(arguments[0].size, dtype=np.int8)
     if undamped:
-        arguments = arguments[:2]
-    out = np.empty(arguments[0].size, dtype=np.bool_)
-    few = out.size < 64  # blocks pay from a few of them on
-    fill = kernels.damped_stable_fill if not undamped else counts.stable_one_by_one if few else counts.stable_fill
-    over_chunks(fill, arguments, out, workers=workers, patience=0 if undamped else _PATIENCE)
-    return shaped(out, shape)
+        few = out.size < 64  # blocks pay from a few of them on
+        fill = counts.shown_one_by_one if few else counts.shown_fill
+        over_chunks(fill, arguments[:2], out, workers=workers)
+        near = np.flatnonzero(out == counts.NEAR_A_BAND)
+        if near.size:
+            a, b = arguments[:2]
+            out[near] = _growth(a[near], b[near], np.zeros(near.size), workers) == 0.0
+    else:
+        over_chunks(kernels.damped_stable_fill, arguments, out, workers=workers, chunk=_CHUNK, patience=_PATIENCE)
+    return shaped(out.view(np.bool_), shape)
 
 
 @tells_arguments(**_FROM_AQ)
@@ -80,11 +88,20 @@ def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     4.999999999999999e-09
     """
     shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
+    return shaped(_growth(a, b, c, workers), shape)
+
+
+def _growth(
+    a: NDArray[np.float64], b: NDArray[np.float64], c: NDArray[np.float64], workers: int | None
+) -> NDArray[np.float64]:
+    """Return growth rates, flat."""
     out = np.empty(a.size)
     rows = 2.0 * math.sqrt(max(float(np.abs(part).max(initial=0.0)) for part in (a, b)))  # of Hill's matrix
     few = int(INTERPRETED_UP_TO / (1.0 + 0.02 * max(0.0, rows - 600.0)))  # from there on each takes longer (measured)
-    over_chunks(kernels.growth_fill, (a, b, c), out, workers=workers, interpret_up_to=few, patience=_PATIENCE)
-    return shaped(out, shape)
+    over_chunks(
+        kernels.growth_fill, (a, b, c), out, workers=workers, chunk=_CHUNK, interpret_up_to=few, patience=_PATIENCE
+    )
+    return out
 
 
 @tells_arguments(**_FROM_AQ)
@@ -100,7 +117,7 @@ def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | No
     """
     shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty(a.size)
-    over_chunks(kernels.discriminant_fill, (a, b, c), out, workers=workers)
+    over_chunks(kernels.discriminant_fill, (a, b, c), out, workers=workers, chunk=_CHUNK)
     return shaped(out, shape)
 
 
@@ -117,7 +134,7 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     """
     shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty((a.size, 2), dtype=np.complex128)
-    over_chunks(kernels.multipliers_fill, (a, b, c), out, workers=workers)
+    over_chunks(kernels.multipliers_fill, (a, b, c), out, workers=workers, chunk=_CHUNK)
     return shaped(out, (*shape, 2))
 
 
@@ -139,7 +156,7 @@ def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau", wo
     unit = 2.0 if validate.choice("per", per, ("tau", "z")) == "z" else 1.0
     shape, (a, b, c) = broadcast(**_arrays(alpha, beta, damping))
     out = np.empty((a.size, 2), dtype=np.complex128)
-    over_chunks(kernels.exponents_fill, (a, b, c), out, workers=workers)
+    over_chunks(kernels.exponents_fill, (a, b, c), out, workers=workers, chunk=_CHUNK)
     return shaped(unit * out, (*shape, 2))
 
 

@@ -160,7 +160,7 @@ def characteristic_function(order: float, q: float, kind: str = "floquet") -> Fl
         value, shift, vector = real_order_values(nu, size), *_real_order(nu, size)[1:]
         frequencies = shift + 2.0 * (np.arange(vector.size) - vector.size // 2)
         frequencies, vector = _without_tails(frequencies, vector)
-        scaled = vector * _sign(kind, nu, size, frequencies, vector) / math.sqrt(float(vector @ vector))
+        scaled = vector * _sign_of_me(nu, frequencies, vector) / math.sqrt(float(vector @ vector))
         return FloquetSolution(f"me_{nu:g}(z, {size:g})", 0j, frequencies, scaled.astype(complex), math.pi, False)
     hint = 'kind "floquet" takes other orders'
     m = validate.integer("order", order, 1 if kind == "b" else 0, int(_HIGHEST), hint)
@@ -265,17 +265,36 @@ def _null_vector(a: float, q: float, exponent: complex) -> tuple[Floats, NDArray
 
 
 def _sign(kind: str, order: float, q: float, frequencies: Floats, vector: Floats) -> float:
-    """Return the sign that continues cos(m z), sin(m z) or exp(i nu z) from q = 0.
+    """Return the sign that continues cos(m z) or sin(m z) from q = 0.
 
     It is that of the value at 0, or of the slope of se.  Where q > 0 solutions of low order are exponentially small
     there, and large at pi / 2, where the value, or the slope of one that is odd about pi / 2, is never zero either.
     """
     odd = kind == "b"
     if q > 0.0:
-        turns = np.round(0.5 * (frequencies - order))  # exp(i s pi / 2) = (-1)^turns exp(i order pi / 2)
-        vector = np.where(turns % 2.0 == 0.0, vector, -vector)
-        odd = kind != "floquet" and (kind == "b") == (order % 2.0 == 0.0)
+        vector = _seen_from_half_period(order, frequencies, vector)
+        odd = (kind == "b") == (order % 2.0 == 0.0)
     return math.copysign(1.0, float(frequencies @ vector if odd else vector.sum()))
+
+
+def _sign_of_me(nu: float, frequencies: Floats, vector: Floats) -> float:
+    """Return the sign that continues exp(i nu z) from q = 0.
+
+    About 0 and about pi / 2 me_nu is an even solution and i times an odd one.  For orders that are no whole numbers
+    neither part is ever zero, so value and slope keep the signs they have at q = 0, there and here.  One of the four
+    may be exponentially small: the sign is that of the one whose sum loses least.
+    """
+    sums = []
+    for seen in (vector, _seen_from_half_period(nu, frequencies, vector)):
+        for terms in (seen, math.copysign(1.0, nu) * frequencies * seen):
+            sums.append(float(terms.sum()) / float(np.abs(terms).sum()))
+    return math.copysign(1.0, max(sums, key=abs))
+
+
+def _seen_from_half_period(order: float, frequencies: Floats, vector: Floats) -> Floats:
+    """Return coefficients about pi / 2 but for a common factor: exp(i s pi / 2) = (-1)^k exp(i order pi / 2)."""
+    turns = np.round(0.5 * (frequencies - order))
+    return np.where(turns % 2.0 == 0.0, vector, -vector)
 
 
 def _inverse_iteration(off: Any, diagonal: Any) -> NDArray[np.complex128]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.caching import cached_property
 from floquetrod._util.roots import bisected
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.dispatch import stability

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import TellsAttributes, tells_arguments
 from floquetrod.rod import formulas
 from floquetrod.rod.beam import wavenumbers

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod._util.caching import cached_property
 
 _LARGEST = 1e15  # of forces in N and distances in m (a choice)
 

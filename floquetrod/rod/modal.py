@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from floquetrod._util import validate
+from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.coupled import CoupledModes, RodNumbers, chosen_count

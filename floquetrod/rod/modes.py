@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod._util import validate
+from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import over_chunks
 from floquetrod.equations import Mathieu
 from floquetrod.kernels import rod_modes as kernels

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_CEILING, Context
-from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple, TypeAlias
 
@@ -14,6 +13,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.assumptions import warn_unless_uniform

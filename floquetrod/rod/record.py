@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 from typing import Any, Self
 
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import tells_arguments
 from floquetrod._util.content import ByContent
 from floquetrod.rod.load import LIMITS, AxialLoad, LoadSource, load_number

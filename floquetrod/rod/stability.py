@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.caching import cached_property
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.references import references, united

@@ -6,11 +6,11 @@ import math
 from abc import abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
 from floquetrod._util import validate
+from floquetrod._util.caching import cached_property
 from floquetrod.floquet.verdict import Verdict
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.load import Load, Quantity

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.caching import cached_property
 from floquetrod.kernels.rod_motion import CLAMPED, FREE, GUIDED, HINGED, End
 from floquetrod.rod.data import RodData
 from floquetrod.rod.load import AxialWave, Load, with_waves

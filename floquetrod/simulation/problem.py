@@ -7,7 +7,6 @@ import math
 import warnings
 from collections.abc import Mapping
 from dataclasses import KW_ONLY, asdict, dataclass, field, fields, replace
-from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import files, validate
+from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.version import __version__
 from floquetrod.rod.load import LIMITS, Load, load_from_dict, load_number, require_load

@@ -25,8 +25,7 @@ from floquetrod.kernels.system_even import pair_numbers
 System = HillSystem | PeriodicSystem
 
 _ACCURACY = 1e-12
-_AT_ONCE = 1 << 16  # numbers of maps that a thread holds at a time (heuristic): half a megabyte
-_WORTH_THREADS = 1 << 12  # numbers of maps for which threads pay (heuristic)
+_AT_ONCE = 1 << 14  # numbers of maps that a thread holds at a time (heuristic): some milliseconds of work
 
 
 def is_stable(systems: System, *, workers: int | None = None) -> Any:
@@ -249,8 +248,6 @@ def _batch(systems: Any) -> _Batch:
 def _over(batch: _Batch, fill: Callable[[slice], None], workers: int | None) -> None:
     """Call ``fill`` with parts of a batch, in threads if it pays."""
     size = len(batch.period)
-    most = max(1, _AT_ONCE // batch.order**2)
-    worth = size * batch.order**2 >= _WORTH_THREADS
-    threads = (workers or cores()) if worth else 1
-    step = max(1, min(most, -(-size // (4 * threads)) if threads > 1 else most))
-    in_threads(fill, [(slice(start, min(size, start + step)),) for start in range(0, size, step)], threads)
+    step = max(1, _AT_ONCE // batch.order**2)
+    parts = [(slice(start, min(size, start + step)),) for start in range(0, size, step)]
+    in_threads(fill, parts, workers or cores())

@@ -42,6 +42,16 @@ def start(work: Callable[[], Any]) -> tuple[int, int]:
         os._exit(0)
 
 
+def ended(process: int, seconds: float) -> bool:
+    """Wait for a process, so many seconds at most; return whether it has ended."""
+    latest = time.monotonic() + seconds
+    while os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
+        if time.monotonic() > latest:
+            return False
+        time.sleep(0.01)
+    return True
+
+
 def finish(process: int, reader: int) -> tuple[bool, Any]:
     """Wait for the answer: (True, answer), or (False, what it raised or how it ended)."""
     with os.fdopen(reader, "rb") as pipe:

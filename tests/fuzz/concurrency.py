@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import functools
+import math
 import multiprocessing
 import os
 import pickle
 import signal
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
@@ -27,14 +29,17 @@ PROMPT = 60.0
 """Seconds within which Ctrl-C has to be answered: the pieces of work between are far shorter on the busiest machine."""
 _AGAIN = 3.0  # seconds until it is sent once more
 
+ANSWERED = 60.0
+"""Seconds within which a forked process has to answer a question that takes far less."""
+
 QUIET = {"Explorer", "simulate", "compare", "Chart.save", "Simulation.save"}
 """Calls that write or draw, or say how long they took: not for many threads at once."""
 
 
 def check(rng: np.random.Generator) -> Found:
     """Make one of the attacks."""
-    kinds = (threads, forks, interrupts, _results)
-    weights = (0.4, 0.2, 0.1, 0.3)
+    kinds = (threads, forks, forks_beside, interrupts, _results)
+    weights = (0.4, 0.15, 0.15, 0.1, 0.2)
     return kinds[int(rng.choice(len(kinds), p=weights))](rng)
 
 
@@ -76,6 +81,43 @@ def forks(rng: np.random.Generator) -> Found:
         elif not _alike(ask(name), found):
             failures.append(f"{name} in another process answers something else")
     return Found(len(names), failures)
+
+
+def forks_beside(rng: np.random.Generator) -> Found:
+    """Fork while four threads ask a question again and again: the child, which has none of them, answers it, too.
+
+    Each asks once before, so that what is imported on first use is there: a child waits for ever for what another
+    thread was importing, which Python itself does not mend.
+    """
+    name = "Rod.stability" if rng.random() < 0.5 else str(rng.choice(_calls()))
+    ask(name)
+    stop = threading.Event()
+    others = [threading.Thread(target=_asking, args=(name, stop), daemon=True) for _ in range(4)]
+    for other in others:
+        other.start()
+    time.sleep(float(rng.uniform(0.0, 0.1)))
+    process, reader = apart.start(functools.partial(_asked, name))
+    late = not apart.ended(process, ANSWERED)
+    if late:
+        os.kill(process, signal.SIGKILL)
+    stop.set()
+    for other in others:
+        other.join()
+    done, found = apart.finish(process, reader)
+    if late:
+        return Found(1, [f"{name} in a fork beside threads that ask it does not answer within {ANSWERED:g} s"])
+    return Found(1, [] if done else [f"{name} in a fork beside threads that ask it: {found}"])
+
+
+def _asking(name: str, stop: threading.Event) -> None:
+    """Ask a question until told to stop."""
+    while not stop.is_set():
+        ask(name)
+
+
+def _asked(name: str) -> None:
+    """Ask a question and leave the answer where it is: there is no reader yet, and a pipe holds little."""
+    ask(name)
 
 
 def _spawned(name: str) -> tuple[bool, Any]:
@@ -133,19 +175,15 @@ def interrupts(rng: np.random.Generator) -> Found:
     os.read(begun, 1)  # before, Ctrl-C would end the fork of the process that asks
     os.close(begun)
     time.sleep(float(rng.uniform(0.3, 0.8)))
-    asked = pressed = time.monotonic()
     os.kill(process, signal.SIGINT)
-    kill = signal.SIGKILL
-    while (
-        time.monotonic() - asked < PROMPT and os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None
-    ):
-        time.sleep(0.01)
-        if time.monotonic() - pressed > _AGAIN:
-            pressed = time.monotonic()
-            os.kill(process, signal.SIGINT)
-    late = os.waitid(os.P_PID, process, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None
+    late = True
+    for _ in range(math.ceil(PROMPT / _AGAIN)):
+        if apart.ended(process, min(PROMPT, _AGAIN)):
+            late = False
+            break
+        os.kill(process, signal.SIGINT)
     if late:
-        os.kill(process, kill)
+        os.kill(process, signal.SIGKILL)
     done, found = apart.finish(process, reader)
     if late:
         return Found(1, [f"{name} does not hear Ctrl-C within {PROMPT:g} s"])

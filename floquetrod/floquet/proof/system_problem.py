@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.matrices import require_one
 from floquetrod.floquet.proof.balls import up

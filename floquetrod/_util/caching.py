@@ -1,0 +1,31 @@
+"""Properties computed once and kept, without a lock."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, Self, TypeVar, cast, overload
+
+T = TypeVar("T")
+
+
+class cached_property(functools.cached_property[T]):
+    """A `functools.cached_property` that holds no lock while it computes.
+
+    Up to Python 3.11 that of the library holds one lock for all instances of a class: instances wait for each other,
+    and in a process forked while another thread computes, the lock stays held for ever.  Without it, threads that ask
+    one instance at once may each compute the value; all of them get the one that was kept first.
+    """
+
+    @overload
+    def __get__(self, instance: None, owner: type[Any] | None = None) -> Self: ...
+    @overload
+    def __get__(self, instance: object, owner: type[Any] | None = None) -> T: ...
+    def __get__(self, instance: object | None, owner: type[Any] | None = None) -> Any:
+        """Return the value kept in the instance, computed if there is none."""
+        if instance is None:
+            return self
+        kept = vars(instance)
+        name = cast(str, self.attrname)
+        if name in kept:  # by another thread, since Python looked
+            return kept[name]
+        return kept.setdefault(name, self.func(instance))
