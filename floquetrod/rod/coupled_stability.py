@@ -18,6 +18,7 @@ from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.assumptions import assumptions
+from floquetrod.rod.axial import AxialResponse
 from floquetrod.rod.coupled import MOST_COUPLED, CoupledModes
 from floquetrod.rod.load import Load, Loads, Quantity
 from floquetrod.rod.modal import ModalRod
@@ -91,6 +92,11 @@ class CoupledRodStability(RodVerdict):
     def load(self) -> Load:
         """The load."""
         return self.coupled.like
+
+    @cached_property
+    def axial(self) -> AxialResponse:
+        """How large the vibration becomes along the rod, where, and the nearest axial resonances."""
+        return self.rod.axial_response(self.load)
 
     @property
     def modes(self) -> tuple[int, ...]:
@@ -194,14 +200,19 @@ class CoupledRodStability(RodVerdict):
         return draw_shape(self, ax)
 
     def _edge(self, varied: Quantity, piece: tuple[float, float]) -> float | None:
+        if varied == "frequency":
+            piece = self.coupled.numbers.up_to_resonance(self.load, piece)
+        if piece[0] == piece[1]:
+            return None
         return first_change(varied, self.coupled, self.load, piece, self.margin_tolerance)
 
     def _sentence(self) -> str:
+        wave = "" if self.load.is_uniform or not self.load.amplitude else f"; {self.axial.in_words}"
         if self.status != "unstable" or not self.resonances:
             slow = f": growth {self.growth_rate:.6g} 1/s" if self.growth_rate > 0.0 else ""
-            return f"{self.status}{slow}"
+            return f"{self.status}{slow}{wave}"
         growth = f"{self.growth_rate:.6g} 1/s, tenfold in {self.time_to_grow():.3g} s"
-        return f"unstable: {self.resonances[0]}; {growth}"
+        return f"unstable: {self.resonances[0]}; {growth}{wave}"
 
 
 def classify_coupled(rod: ModalRod, load: Load, count: int | None, growth_tolerance: float) -> CoupledRodStability:
@@ -247,6 +258,7 @@ def classify_coupled(rod: ModalRod, load: Load, count: int | None, growth_tolera
 def _modes_to_begin_with(rod: ModalRod, load: Load, growth_tolerance: float) -> int:
     """Return how many modes to take; of long strings only those that may grow a quarter as fast as the fastest."""
     numbers, loads = rod.coupled_numbers, Loads.single(load)
+    numbers.require_few(loads, load, growth_tolerance)
     uniform = numbers.largest_uniform(loads, load)
     every, _ = numbers.constants.modes_needed(uniform, growth_tolerance)
     if every <= _LONG:
