@@ -189,6 +189,22 @@ def test_too_many_modes_for_other_reasons_are_told_with_remedies_that_are_left(m
     assert not re.search("damping_rate|growth_tolerance|resonance of", str(told.value))
 
 
+def test_the_damping_that_stabilises_takes_few_evaluations(monkeypatch: pytest.MonkeyPatch) -> None:
+    evaluated = []
+    growth = CoupledModes.growth_without_decay
+    monkeypatch.setattr(
+        CoupledModes, "growth_without_decay", lambda self, loads: evaluated.append(1) or growth(self, loads)
+    )
+    load = fr.AxialWave(0.5 * TUBING.critical_force, 0.3 * TUBING.critical_force, 40.0)
+    for rod, tolerance in ((TUBING, 0.0), (TUBING.replace(damping_rate=0.2), 0.3)):
+        evaluated.clear()
+        rate = rod.stability(load, modes=range(1, 25), growth_tolerance=tolerance).damping_to_stabilise
+        assert 6 < len(evaluated) < 20
+        for share, status in ((1.0 - 1e-8, 0), (1.0 + 1e-8, 1)):
+            damped = CoupledModes(rod.replace(damping_rate=share * rate).coupled_numbers, load, 24)
+            assert damped.answers(Loads.single(load), tolerance).status.tolist() == [status]
+
+
 # --- searches ---
 
 

@@ -259,7 +259,16 @@ class CoupledModes:
         if not loads.amplitude.any():  # any period serves: a short one takes the least work
             stiffest = float(np.abs(self._static[0]).sum(axis=1).max())
             loads = loads._replace(frequency=np.full(loads.size, math.sqrt(stiffest)))
+        return self._judged(self.system(loads), workers, quick)
+
+    def growth_without_decay(self, loads: Loads) -> Floats:
+        """Return the growth in 1/s of exp(c t) q, c the damping rate: that of q and c more; NaN where unknown."""
         system = self.system(loads)
+        freed, _ = system.undamped or (system, 0.0)
+        return self._judged(freed, None, quick=True).growth
+
+    def _judged(self, system: HillSystem, workers: int | None, quick: bool) -> ManyVerdicts:
+        """Return statuses and growth rates of systems, where modes are apart each by its own equation."""
         if not self._are_apart:
             return verdicts(system, workers=workers, quick=quick)
         status, growth = verdicts(_one_by_one(system), workers=workers, quick=quick)
