@@ -64,6 +64,12 @@ def rng(request: pytest.FixtureRequest) -> np.random.Generator:
     return np.random.default_rng([int(os.environ[SEED]), zlib.crc32(request.node.nodeid.encode())])
 
 
+@pytest.fixture(autouse=True)
+def _no_lines_of_progress(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let no slow machine add lines to stderr that a test reads."""
+    monkeypatch.setattr("floquetrod.cli.waiting.PLAIN", 1e6)
+
+
 # --- how often each property bit -------------------------------------------------------------------------------------
 
 

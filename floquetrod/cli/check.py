@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import floquetrod as fr
-from floquetrod.cli import coupled, independent, kick, system
+from floquetrod.cli import coupled, independent, kick, system, verdicts
 from floquetrod.cli.common import (
     ROD_OPTIONS,
     Answer,
@@ -158,8 +158,7 @@ def _check(options: argparse.Namespace) -> Answer:
     if options.plot is not None:
         _require_shape(question, options.plot)
     _draw_record(record, options.plot_force)
-    with Waiting("deciding stability and searching the margins"):
-        status, numbers, lines = _judged(question)
+    status, numbers, lines = _judged(question)
     written = [str(path) for path in (options.plot, options.plot_force) if path is not None]
     if written:
         numbers["written"] = written
@@ -192,8 +191,9 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
     rod, load, shown = asked.rod, asked.load, asked.shown
     if asked.rubbing is not None:
         mu, speed = asked.rubbing
-        verdict = rod.stability(load, modes=asked.modes, growth_tolerance=asked.tolerance, friction=mu, kick=speed)
-        linear, searched = verdict.linear, asked.searched(verdict.linear)
+        with Waiting("deciding stability"):
+            verdict = rod.stability(load, modes=asked.modes, growth_tolerance=asked.tolerance, friction=mu, kick=speed)
+        linear, searched = verdict.linear, _searched(asked, verdict.linear)
         record: dict[str, Any] = {
             "with_friction": kick.record(verdict),
             "without_friction": independent.record(linear, searched),
@@ -202,14 +202,16 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
         return verdict.status, record, [*lines, *independent.report(linear, shown, searched)]
     # A record as it is, so that its noise counts; its fit where options say more about the load.
     judged = asked.force if asked.force is not None and asked.is_whole else load
-    result = rod.stability(judged, modes=asked.modes, growth_tolerance=asked.tolerance)
-    searched = asked.searched(result)
+    with Waiting("deciding stability"):
+        result = rod.stability(judged, modes=asked.modes, growth_tolerance=asked.tolerance)
+    searched = _searched(asked, result)
     if isinstance(result, fr.RodStability):
         return result.status, independent.record(result, searched), independent.report(result, shown, searched)
     record, lines = coupled.record(result, searched), coupled.report(result, shown, searched)
     if asked.force is not None:
         left_out = "" if asked.is_whole else "; its noise is not in the error, for options say more about the load"
-        sine = _sine(asked)
+        with Waiting("comparing with a sine"):
+            sine = _sine(asked)
         record["force_record"] = _force_record(asked.force) | {"noise_in_error": asked.is_whole}
         record["sine_of_the_same_amplitude"] = {
             "status": sine.status,
@@ -218,8 +220,18 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
         lines.append(f"sine      of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}")
         lines.append(f"record    {repr(asked.force)[1:-1]}{left_out}")
     if asked.plot is not None:
-        charts.save_figure(result.plot(), asked.plot)
+        with Waiting(f"writing {asked.plot}"):
+            charts.save_figure(result.plot(), asked.plot)
     return result.status, record, lines
+
+
+def _searched(asked: _Question, result: RodVerdict) -> bool:
+    """Return whether margins are wanted, which are then searched, and the verdict said while that takes its time."""
+    if not asked.searched(result):
+        return False
+    with Waiting(f"{result.status}; searching the margins", "searches") as progress:
+        verdicts.search(result, progress)
+    return True
 
 
 def _sine(asked: _Question) -> RodVerdict:

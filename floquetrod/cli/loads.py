@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
@@ -10,6 +11,7 @@ from typing import TypeVar
 import floquetrod as fr
 from floquetrod import units
 from floquetrod.cli.common import LARGEST, read_quantity, read_range, require_file
+from floquetrod.rod.axial import AxialResonance
 from floquetrod.rod.load import KINDS, Load, Quantity, kind
 from floquetrod.rod.modal import ModalRod
 from floquetrod.units import Unit
@@ -158,7 +160,20 @@ def describe_kind(load: Load, shown: dict[str, Unit], rod: ModalRod) -> list[str
     if rod.weight_along > 0.0 and load.mean_at is not None:
         upper, lower = (shown["mean"].show(load.mean + rod.coupled_numbers.added_mean(load, x)) for x in (0.0, 1.0))
         lines.append(f"mean force {upper} at the upper end, {lower} at the lower")
+    if not load.is_uniform:
+        found = rod.axial_response(load)
+        if math.isfinite(found.factor):
+            largest = _both(found.largest, shown["amplitude"], rod)
+            times = f"{found.factor:.3g} times the amplitude"
+            lines.append(f"vibration largest at {found.position:.4g} m: {largest}, {times}")
+        named = " and ".join(_resonance(r, shown["frequency"], rod) for r in found.resonances)
+        lines.append(f"axial resonance{'s' * (len(found.resonances) > 1)} nearby: {named}")
     return lines
+
+
+def _resonance(found: AxialResonance, shown: Unit, rod: ModalRod) -> str:
+    of = f" of harmonic {found.harmonic}" if found.harmonic > 1 else ""
+    return f"{_both(found.frequency, shown, rod)}{of}"
 
 
 def _both(value: float, shown: Unit, rod: ModalRod) -> str:

@@ -86,8 +86,11 @@ def _ranges(options: argparse.Namespace) -> Answer:
         "amplitude": rod.stable_amplitudes,
         "frequency": rod.stable_frequencies,
     }
-    with Waiting(f"searching along the {varied[0]}"):
-        found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance, like=like)
+    counted = "modes" if rod.coupled_numbers.has_mathieu_modes(like) else "loads"
+    with Waiting(f"searching along the {varied[0]}", counted) as progress:
+        found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance, like=like, progress=progress)
+    with Waiting("finding the fastest growth and the damping required", "unstable parts") as progress:
+        found.find_unstable(progress)
     if not options.json:
         return Answer(found.table(*shown[varied[0]]))
     unit = "N" if found.unit == "N" else "rad_per_s"
@@ -118,7 +121,17 @@ def _ranges(options: argparse.Namespace) -> Answer:
             }
             for band in found.unstable
         ],
-        "ends_are": "[mode, tongue], a resonance of coupled modes, 'unnamed', or null at an end of the search",
+        "not_computed": [
+            {
+                f"low_{unit}": gap.low,
+                f"high_{unit}": gap.high,
+                f"axial_resonance_{unit}": gap.resonance.frequency,
+                "harmonic": gap.resonance.harmonic,
+            }
+            for gap in found.not_computed
+        ],
+        "ends_are": "[mode, tongue], a resonance of coupled modes, 'axial resonance' next to what is not computed, "
+        "'unnamed', or null at an end of the search",
         "required_damping_is": "that of the load whose growth is worst"
         if found.searched.has_coupled_modes
         else "sampled over the band; null where no damping suffices",

@@ -7,6 +7,7 @@ from typing import Any
 
 from floquetrod.cli.common import number
 from floquetrod.cli.loads import describe_kind, describe_load
+from floquetrod.rod.load import Progress
 from floquetrod.rod.verdict import Margin, RodVerdict
 from floquetrod.units import Unit
 
@@ -45,6 +46,14 @@ def margins(result: RodVerdict, shown: dict[str, Unit], enough: str) -> list[str
         none = "no damping suffices: the mean force alone buckles a mode"
         lines.append(f"damping   {none if math.isinf(damping) else enough.format(f'{damping:.6g} 1/s')}")
     return lines
+
+
+def search(result: RodVerdict, progress: Progress) -> None:
+    """Search the margins and the damping that stabilises, which the verdict keeps, and report each."""
+    names = ("mean_force_margin", "amplitude_margin", "frequency_margin", "damping_to_stabilise")
+    for done, name in enumerate(names, start=1):
+        getattr(result, name)
+        progress(done, len(names))
 
 
 _WORDS = {"mean": "mean force", "amplitude": "amplitude", "frequency": "frequency"}
@@ -92,7 +101,7 @@ def _margins_record(result: RodVerdict) -> dict[str, Any]:
 
 def subject_record(result: RodVerdict) -> dict[str, Any]:
     """Return the rod, what is taken for granted, and the numbers of the load for JSON."""
-    rod = result.rod
+    rod, load = result.rod, result.load
     return {
         "growth_tolerance_per_s": result.growth_tolerance,
         "critical_force_N": rod.critical_force,
@@ -101,7 +110,8 @@ def subject_record(result: RodVerdict) -> dict[str, Any]:
         "weight_per_length_N_per_m": rod.weight_per_length,
         "flexural_rigidity_N_m2": rod.flexural_rigidity,
         "assumptions": list(result.assumptions),
-        "mean_N": result.load.mean,
-        "amplitude_N": result.load.amplitude,
-        "frequency_rad_per_s": result.load.frequency,
+        "mean_N": load.mean,
+        "amplitude_N": load.amplitude,
+        "frequency_rad_per_s": load.frequency,
+        **({} if load.is_uniform else {"axial_response": rod.axial_response(load).as_dict()}),
     }

@@ -14,12 +14,16 @@ FIRST = 0.5
 EVERY = 0.25
 """Seconds between changes of what is shown (a choice)."""
 
+PLAIN = 10.0
+"""Seconds until a line is written where stderr is no terminal, and the next after twice as long (a choice)."""
+
 
 class Waiting:
-    """A line on stderr that says what is being done and for how long, if stderr is a terminal.
+    """A line on stderr that says what is being done and for how long.
 
     A context: the line appears half a second after it was entered and moves until it is left.  It may be called with
     how much is done of how much.  The cursor stays at the beginning of the line, so that the next output replaces it.
+    Where stderr is no terminal, but a file or a pipe, lines are added to it after 10 s, 30 s, 70 s and so on.
 
     Parameters
     ----------
@@ -42,15 +46,13 @@ class Waiting:
     def __enter__(self) -> Self:
         """Start to show the line."""
         self._start = time.monotonic()
-        if sys.stderr.isatty():
-            self._thread.start()
+        self._thread.start()
         return self
 
     def __exit__(self, *_: object) -> None:
         """Remove the line."""
         self._left.set()
-        if self._thread.ident is not None:
-            self._thread.join()
+        self._thread.join()
 
     def __call__(self, done: int, total: int) -> None:
         """Note that ``done`` of ``total`` is done.
@@ -62,6 +64,9 @@ class Waiting:
         self._last = done, total
 
     def _speak(self) -> None:
+        if not sys.stderr.isatty():
+            self._add_lines()
+            return
         pause = FIRST
         while not self._left.wait(pause):
             pause = EVERY
@@ -70,6 +75,12 @@ class Waiting:
             self._width = len(line)
         if self._width:
             print(" " * self._width, end="\r", file=sys.stderr, flush=True)
+
+    def _add_lines(self) -> None:
+        pause = PLAIN
+        while not self._left.wait(pause):
+            pause *= 2.0
+            print(f"floquetrod: {self._line()}", file=sys.stderr, flush=True)
 
     def _line(self) -> str:
         now, first, last = time.monotonic(), self._first, self._last

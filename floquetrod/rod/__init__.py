@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from floquetrod.rod.axial import AxialGap, AxialResonance, AxialResponse
 from floquetrod.rod.buckling import BucklingForce
 from floquetrod.rod.friction import CriticalKick
 from floquetrod.rod.mode_friction import ModeFriction
@@ -12,6 +13,9 @@ from floquetrod.rod.unstable_bands import UnstableBand
 from floquetrod.rod.verdict import Margin
 
 __all__ = [
+    "AxialGap",
+    "AxialResonance",
+    "AxialResponse",
     "BucklingForce",
     "Channel",
     "CriticalKick",

@@ -25,6 +25,8 @@ from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.floquet.verdict import tolerated
+from floquetrod.rod import axial
+from floquetrod.rod.axial import AxialResonanceError
 from floquetrod.rod.beam import Basis, basis
 from floquetrod.rod.constants import HAIRLINE_GROWTH, ModeConstants
 from floquetrod.rod.load import AxialLoad, Load, Loads
@@ -87,31 +89,74 @@ class RodNumbers(NamedTuple):
         An estimate: that force is taken as uniform, and modes beyond are expected to grow at less than 1e-6 per second,
         or the tolerance, if larger.  At least ten more than one and a half times the critical mode, for accuracy.
         """
+        self.require_few(loads, like, growth_tolerance)
         uniform = self.largest_uniform(loads, like)
         needed, _ = self.constants.modes_needed(uniform, max(growth_tolerance, HAIRLINE_GROWTH))
         if needed > MOST_COUPLED:
-            raise ValueError(
-                f"load needs {needed} coupled modes, more than {MOST_COUPLED}: so long a rod has that many resonances "
-                "below the frequency; give the rod its damping_rate, a growth_tolerance, a shorter length, or choose "
-                "the number of modes"
-            )
+            raise self._too_many(needed, uniform, loads, like, growth_tolerance)
         return max(math.ceil(1.5 * self.critical_mode) + LEAST_COUPLED, needed + 2)
+
+    def _too_many(
+        self, needed: int, uniform: AxialLoad, loads: Loads, like: Load, growth_tolerance: float
+    ) -> ValueError:
+        """Return the error that says why so many modes are needed, and the remedies that are left."""
+        given = float(loads.amplitude.max())
+        without_waves, _ = self.constants.modes_needed(
+            uniform.varied("amplitude", given), max(growth_tolerance, HAIRLINE_GROWTH)
+        )
+        if without_waves <= MOST_COUPLED:
+            frequency = max(np.unique(loads.frequency).tolist(), key=lambda at: self._largest_along(like, at))
+            forces = (uniform.mean + uniform.amplitude) / self.constants.critical_force
+            return AxialResonanceError(
+                f"frequency {frequency:.6g} rad/s is next to an axial resonance of the rod, which makes "
+                f"{uniform.amplitude:.3g} N of {given:.3g} N along it, {forces:.3g} critical forces, for which "
+                f"{needed} coupled modes would be needed, more than {MOST_COUPLED}; give more axial_damping, another "
+                "frequency, a shorter length, or choose the number of modes"
+            )
+        remedies = [
+            *(["the rod its damping_rate"] if self.constants.damping_rate == 0.0 else []),
+            *(["a growth_tolerance"] if growth_tolerance <= HAIRLINE_GROWTH else []),
+            "a shorter length",
+        ]
+        return ValueError(
+            f"load needs {needed} coupled modes, more than {MOST_COUPLED}: so long a rod has that many resonances "
+            f"below the frequency; give {', '.join(remedies)}, or choose the number of modes"
+        )
+
+    def require_few(self, loads: Loads, like: Load, growth_tolerance: float) -> None:
+        """Raise ValueError, at once, where the modes alone that the largest force outweighs are too many."""
+        uniform = self.largest_uniform(loads, like)
+        push = max(0.0, uniform.mean + uniform.amplitude)
+        needed = math.ceil(math.sqrt(push / self.constants.rigidity / self.constants.w2))
+        if needed > MOST_COUPLED:
+            raise self._too_many(needed, uniform, loads, like, growth_tolerance)
 
     def largest_uniform(self, loads: Loads, like: Load) -> AxialLoad:
         """Return a sine, uniform along the rod, as strong and as fast as any part of any of the loads."""
-        s = np.linspace(0.0, self.length, 257)
         frequencies = np.unique(loads.frequency)
         largest = max(
-            sum(
-                abs(h) * float(np.abs(like.profile(self.wave_speed, self.length, s, k * frequency)).max())
-                for k, h in enumerate(like.harmonics.tolist(), start=1)
-                if h
-            )
+            self._largest_along(like, frequency)
             for frequency in (frequencies[:1] if like.is_uniform else frequencies).tolist()
         )
         mean = float(loads.mean.max()) + max(self.added_mean(like, 0.0), self.added_mean(like, 1.0))
         fastest = float(loads.frequency.max()) * len(like.harmonics)
         return AxialLoad(mean, float(loads.amplitude.max()) * largest, fastest)
+
+    def _largest_along(self, like: Load, frequency: float) -> float:
+        """Return the largest force along the rod for an amplitude of one newton, if harmonics met in phase."""
+        self.require_off_resonance(like, frequency)
+        return axial.bound(like, self.wave_speed, self.length, frequency)
+
+    def require_off_resonance(self, like: Load, frequency: float) -> None:
+        """Raise AxialResonanceError where waves of a frequency resonate in the rod, without axial damping."""
+        axial.require_off_resonance(like, self.wave_speed, self.length, frequency)
+
+    def up_to_resonance(self, like: Load, piece: tuple[float, float]) -> tuple[float, float]:
+        """Return a piece of frequencies, in either direction, cut where waves first resonate, without axial damping."""
+        found = axial.gaps(like, self.wave_speed, self.length, (min(piece), max(piece)))
+        if not found:
+            return piece
+        return piece[0], found[0].low if piece[0] < piece[1] else found[-1].high
 
     def added_mean(self, like: Load, x: Any) -> Any:
         """Return what the weight along the rod adds to the mean force at x = s / L, in N."""
@@ -160,13 +205,10 @@ class CoupledModes:
 
     def _vibration(self, frequency: float) -> NDArray[np.float64]:
         """Return cosine and sine matrices of every harmonic for an amplitude of one newton, (2, H, n, n)."""
-        s = self.basis.nodes * self.numbers.length
-        found = []
-        for k, h in enumerate(self.like.harmonics, start=1):
-            force = (
-                h * self.like.profile(self.numbers.wave_speed, self.numbers.length, s, k * frequency) if h else 0.0 * s
-            )
-            found.append((-self._coupling(force.real), self._coupling(force.imag)))
+        numbers, s = self.numbers, self.basis.nodes * self.numbers.length
+        numbers.require_off_resonance(self.like, frequency)
+        every = axial.along(self.like, numbers.wave_speed, numbers.length, s, frequency)
+        found = [(-self._coupling(force.real), self._coupling(force.imag)) for force in every]
         return np.array(found).swapaxes(0, 1)
 
     def system(self, loads: Loads) -> HillSystem:
@@ -217,7 +259,16 @@ class CoupledModes:
         if not loads.amplitude.any():  # any period serves: a short one takes the least work
             stiffest = float(np.abs(self._static[0]).sum(axis=1).max())
             loads = loads._replace(frequency=np.full(loads.size, math.sqrt(stiffest)))
+        return self._judged(self.system(loads), workers, quick)
+
+    def growth_without_decay(self, loads: Loads) -> Floats:
+        """Return the growth in 1/s of exp(c t) q, c the damping rate: that of q and c more; NaN where unknown."""
         system = self.system(loads)
+        freed, _ = system.undamped or (system, 0.0)
+        return self._judged(freed, None, quick=True).growth
+
+    def _judged(self, system: HillSystem, workers: int | None, quick: bool) -> ManyVerdicts:
+        """Return statuses and growth rates of systems, where modes are apart each by its own equation."""
         if not self._are_apart:
             return verdicts(system, workers=workers, quick=quick)
         status, growth = verdicts(_one_by_one(system), workers=workers, quick=quick)
@@ -269,11 +320,11 @@ class CoupledLoads:
     loads: Loads
     growth_tolerance: float = 0.0
 
-    def answers(self, workers: int | None = None) -> ManyVerdicts:
-        """Return statuses and growth rates in 1/s as `CoupledModes.answers` does."""
-        status, growth = np.empty(self.loads.size, dtype=np.int8), np.empty(self.loads.size)
+    def answers(self, workers: int | None = None, *, quick: bool = False) -> ManyVerdicts:
+        """Return statuses and growth rates in 1/s as `CoupledModes.answers` does; -1 and NaN at axial resonances."""
+        status, growth = np.full(self.loads.size, -1, dtype=np.int8), np.full(self.loads.size, np.nan)
         for chosen, modes, loads in self._groups():
-            status[chosen], growth[chosen] = modes.answers(loads, self.growth_tolerance, workers)
+            status[chosen], growth[chosen] = modes.answers(loads, self.growth_tolerance, workers, quick=quick)
         return ManyVerdicts(status, growth)
 
     def _groups(self) -> Iterator[tuple[NDArray[np.intp], CoupledModes, Loads]]:
@@ -283,9 +334,25 @@ class CoupledLoads:
         edges = edges[:: max(1, -(-len(edges) // _GROUPS))]
         for chosen in np.split(order, edges[1:]):
             if chosen.size:
-                loads = Loads((chosen.size,), *(values[chosen] for values in self.loads.flat))
-                count = self.numbers.modes_needed(loads, self.like, self.growth_tolerance)
-                yield chosen, CoupledModes(self.numbers, self.like, count), loads
+                yield from self._with_modes(chosen)
+
+    def _with_modes(self, chosen: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], CoupledModes, Loads]]:
+        """Yield loads, in the order of their frequencies, with their modes; without those at axial resonances.
+
+        A single load, of the shape (), is refused there.
+        """
+        loads = Loads((chosen.size,), *(values[chosen] for values in self.loads.flat))
+        try:
+            count = self.numbers.modes_needed(loads, self.like, self.growth_tolerance)
+        except AxialResonanceError:
+            if self.loads.shape == ():
+                raise
+            edges = np.searchsorted(loads.frequency, np.unique(loads.frequency))
+            if len(edges) > 1:
+                for part in np.split(chosen, [edges[len(edges) // 2]]):
+                    yield from self._with_modes(part)
+        else:
+            yield chosen, CoupledModes(self.numbers, self.like, count), loads
 
 
 def _direct(system: HillSystem) -> tuple[Resonance, ...]:

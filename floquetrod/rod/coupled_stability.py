@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
-from floquetrod._util.roots import bisected
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.references import references, united
@@ -18,6 +17,7 @@ from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.assumptions import assumptions
+from floquetrod.rod.axial import AxialResponse
 from floquetrod.rod.coupled import MOST_COUPLED, CoupledModes
 from floquetrod.rod.load import Load, Loads, Quantity
 from floquetrod.rod.modal import ModalRod
@@ -92,6 +92,11 @@ class CoupledRodStability(RodVerdict):
         """The load."""
         return self.coupled.like
 
+    @cached_property
+    def axial(self) -> AxialResponse:
+        """How large the vibration becomes along the rod, where, and the nearest axial resonances."""
+        return self.rod.axial_response(self.load)
+
     @property
     def modes(self) -> tuple[int, ...]:
         """Modes looked at."""
@@ -129,31 +134,32 @@ class CoupledRodStability(RodVerdict):
     def damping_to_stabilise(self) -> float:
         """Damping rate in 1/s at which this load no longer makes the rod grow faster than the tolerance.
 
-        The rate meant is the rod's whole ``damping_rate``, whatever it is now.  Found by bisection, and tried at two,
+        The rate meant is the rod's whole ``damping_rate``, whatever it is now.  Found to ten digits, and tried at two,
         four and eight times as much.  Infinite when the mean force alone buckles the rod: damping only slows that down.
         """
+        from scipy.optimize import brentq
+
         if float(np.linalg.eigvalsh(self.system.stiffness)[0]) <= 0.0:
             return math.inf
         loads = Loads.single(self.load)
 
-        def grows(rate: float) -> bool:
+        def excess(rate: float) -> float:
+            """Return the growth beyond the tolerance at a damping rate; below zero where everything decays."""
             constants = self.coupled.numbers.constants._replace(damping_rate=rate)
             modes = replace(self.coupled, numbers=self.coupled.numbers._replace(constants=constants))
-            status, growth = modes.answers(loads, quick=True)
-            # Next to a boundary, where the status is undecided, the estimate of the growth rate tells.
-            return bool(status[0] == 0 if math.isnan(growth[0]) else growth[0] > self.growth_tolerance)
+            growth = float(modes.growth_without_decay(loads)[0])
+            return -1.0 if math.isnan(growth) else growth - rate - self.growth_tolerance
 
         least = max(self.growth_rate, 1e-6 * self.load.frequency)
         tried = least * 2.0 ** np.arange(-1, 4)
-        growing = [rate for rate in (0.0, *tried.tolist()) if grows(rate)]
+        growing = [rate for rate in (0.0, *tried.tolist()) if excess(rate) > 0.0]
         if not growing:
             return 0.0
         low = growing[-1]
         high = 2.0 * low if low else float(tried[0])
-        while grows(high):
+        while excess(high) > 0.0:
             low, high = high, 2.0 * high
-        holds = np.vectorize(grows, otypes=[np.bool_])
-        return float(bisected(holds, np.array([low]), np.array([high]), 60, relative=1e-10)[1][0])
+        return float(brentq(excess, low, high, xtol=1e-10 * max(low, 1e-3 * high), rtol=1e-10))
 
     @cached_property
     def shape(self) -> Shape:
@@ -194,14 +200,19 @@ class CoupledRodStability(RodVerdict):
         return draw_shape(self, ax)
 
     def _edge(self, varied: Quantity, piece: tuple[float, float]) -> float | None:
+        if varied == "frequency":
+            piece = self.coupled.numbers.up_to_resonance(self.load, piece)
+        if piece[0] == piece[1]:
+            return None
         return first_change(varied, self.coupled, self.load, piece, self.margin_tolerance)
 
     def _sentence(self) -> str:
+        wave = "" if self.load.is_uniform or not self.load.amplitude else f"; {self.axial.in_words}"
         if self.status != "unstable" or not self.resonances:
             slow = f": growth {self.growth_rate:.6g} 1/s" if self.growth_rate > 0.0 else ""
-            return f"{self.status}{slow}"
+            return f"{self.status}{slow}{wave}"
         growth = f"{self.growth_rate:.6g} 1/s, tenfold in {self.time_to_grow():.3g} s"
-        return f"unstable: {self.resonances[0]}; {growth}"
+        return f"unstable: {self.resonances[0]}; {growth}{wave}"
 
 
 def classify_coupled(rod: ModalRod, load: Load, count: int | None, growth_tolerance: float) -> CoupledRodStability:
@@ -247,6 +258,7 @@ def classify_coupled(rod: ModalRod, load: Load, count: int | None, growth_tolera
 def _modes_to_begin_with(rod: ModalRod, load: Load, growth_tolerance: float) -> int:
     """Return how many modes to take; of long strings only those that may grow a quarter as fast as the fastest."""
     numbers, loads = rod.coupled_numbers, Loads.single(load)
+    numbers.require_few(loads, load, growth_tolerance)
     uniform = numbers.largest_uniform(loads, load)
     every, _ = numbers.constants.modes_needed(uniform, growth_tolerance)
     if every <= _LONG:

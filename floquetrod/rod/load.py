@@ -124,7 +124,7 @@ Waveform: TypeAlias = str | tuple[complex, ...]
 """"sine", or complex amplitudes h_1, h_2, ... of the harmonics."""
 
 _MOST_HARMONICS = 1000  # of a waveform (a choice)
-_RESONANT = 1e-6  # denominator of an axial wave below which it counts as resonant (a choice)
+_RESONANT = 1e-6  # denominator of an axial wave below which rounding leaves it too few digits (a choice)
 
 
 @dataclass(frozen=True, repr=False)
@@ -354,17 +354,27 @@ class AxialWave(Load):
         # The cosines and sines of the Notes, in exponentials that do not overflow.
         if self.far_end == "driven":
             top, below = decayed(s) + decayed(length - s), 1.0 + decayed(length)
-        else:
-            sign = 1.0 if self.far_end == "held" else -1.0
-            top = decayed(s) * (1.0 + sign * decayed(2.0 * (length - s)))
-            below = 1.0 + sign * decayed(2.0 * length)
-        if abs(below) < _RESONANT:
+        elif self.far_end == "held":
+            top, below = decayed(s) * (1.0 + decayed(2.0 * (length - s))), 1.0 + decayed(2.0 * length)
+        else:  # keeps its digits where the rod is short against the wave
+            top, below = (f * np.expm1(-2j * kappa * x) for f, x in ((decayed(s), length - s), (1.0, length)))
+        if abs(below) < _RESONANT and abs(kappa) * length > 1.0:
             raise ValueError(
                 f"frequency {frequency:g} rad/s is a resonance of axial waves in a rod of {length:g} m, far end "
                 f"{self.far_end}: without axial_damping the force is infinite; give axial_damping, or another frequency"
             )
         found = top / below
         return np.asarray(found.real if self.axial_damping == 0.0 else found)
+
+    @property
+    def resonant_phases(self) -> tuple[float, float]:
+        """Phases omega L / c_0 of the first axial resonance without damping, and from each to the next, in rad."""
+        # cos kappa L = 0, sin kappa L = 0, cos(kappa L / 2) = 0
+        return {
+            "held": (0.5 * math.pi, math.pi),
+            "free": (math.pi, math.pi),
+            "driven": (math.pi, 2.0 * math.pi),
+        }[self.far_end]
 
     @property
     def is_uniform(self) -> bool:

@@ -123,6 +123,8 @@ def stability_map(
     if validate.flag("certified", certified):
         _require_provable(rod, like, tolerance, criterion=criterion, friction=rubbing)
 
+    if fixed[0] == "frequency":
+        rod.coupled_numbers.require_off_resonance(kind(like), value)
     plane = LoadPlane(rod, across, up, fixed[0], value, tolerance, criterion, friction, kick, like, workers)
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:

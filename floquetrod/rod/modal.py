@@ -9,6 +9,7 @@ from typing import Any
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem
+from floquetrod.rod.axial import AxialResponse, axial_response
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.coupled import CoupledModes, RodNumbers, chosen_count
 from floquetrod.rod.data import RodData
@@ -117,6 +118,32 @@ class ModalRod(RodData):
             count = self.coupled_numbers.modes_needed(Loads.single(load), load, tolerance)
             return count, max(tolerance, HAIRLINE_GROWTH)
         return self.mode_constants.modes_needed(load, validate.tolerance("growth_tolerance", growth_tolerance))
+
+    def axial_response(self, load: AnyLoad) -> AxialResponse:
+        """Return how large the vibration of a load becomes along the rod, where, and the nearest axial resonances.
+
+        Parameters
+        ----------
+        load : AxialLoad, AxialWave or ForceRecord
+
+        Returns
+        -------
+        AxialResponse
+            Its ``largest`` in N at ``position`` (m from the upper end), ``factor`` times the vibration at the driven
+            end; its ``resonances`` in rad/s, by the formulas of `AxialWave`: cos(omega L / c_0) = 0 with the far end
+            held, sin(omega L / c_0) = 0 free, cos(omega L / (2 c_0)) = 0 driven.  The force of an `AxialLoad` is
+            uniform and has none.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> tubing = ModalRod.catalogue("2.00x0.156 CT90", bore="4.778in", length=600.0)
+        >>> response = tubing.axial_response(fr.AxialWave(0.0, "2kN", "15Hz"))
+        >>> round(response.factor, 1), [round(r.hertz, 2) for r in response.resonances]
+        (60.3, [14.98, 19.26])
+        """
+        load = require_load("load", load)
+        return axial_response(load, self.wave_speed, self.length, self.critical_force)
 
 
 def refusal(rod: ModalRod, name: str, load: Load) -> ValueError:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import ROUND_CEILING, Context
+from functools import partial
 from itertools import pairwise
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -17,11 +18,12 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.assumptions import warn_unless_uniform
+from floquetrod.rod.axial import AxialGap, AxialResonanceError, between, gaps, joined
 from floquetrod.rod.coupled import CoupledModes
 from floquetrod.rod.load import KINDS, Load, Loads, Progress, Quantity
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystem
-from floquetrod.rod.sampled import UnstablePart, first_change, unstable_parts
+from floquetrod.rod.sampled import SAMPLES, UnstablePart, first_change, unstable_parts
 from floquetrod.rod.tongues import UnstableLoads, unstable_loads
 from floquetrod.rod.unstable_bands import Named, Searched, UnstableBand
 
@@ -32,12 +34,16 @@ QUANTITIES: dict[Quantity, tuple[str, str]] = {
 }
 """Name and unit of what may vary."""
 
+_GROUPS = 16  # of neighbouring frequencies of a wave, each with its own number of modes (a choice)
+_LEAST_SAMPLES = 9  # of each (a choice)
+_HALVINGS = 4  # of one that needs too many modes (a choice)
 _PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
 
 
-Cause: TypeAlias = Named | None
+Cause: TypeAlias = Named | Literal["axial resonance"] | None
 """What closes a stability interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search.
 
+"axial resonance" where nothing was computed beyond it, see `StabilityIntervals.not_computed`.
 "unnamed" where coupled modes grow, or may grow, and none could be named: beyond 200 of them, or where undecided.
 """
 
@@ -67,7 +73,7 @@ class StabilityIntervals(NoTruthValue):
     bounds : tuple of float
         Where was searched, (low, high).
     intervals : tuple of StabilityInterval
-        In increasing order; nothing between them is stable.
+        In increasing order; nothing between them is stable but, perhaps, what is ``not_computed``.
     growth_tolerance : float
         Growth in 1/s up to which a mode counts as stable; resonance tongues that never exceed it are left out.
     modes : int
@@ -78,6 +84,10 @@ class StabilityIntervals(NoTruthValue):
         Unstable parts up to this width may have been missed, in ``unit``: 0 where the search is complete.
     searched : Searched
         Rod and load, from which `unstable` is computed.
+    not_computed : tuple of AxialGap
+        Frequencies, each with its low and high end and its ``resonance``, that are neither stable nor unstable here:
+        waves without axial damping are too near an axial resonance, see `Rod.axial_response`, or waves with little of
+        it make so large a force that it needs too many modes.
 
     Iterating gives the intervals; ``value in intervals`` asks whether a value is stable.
     """
@@ -93,6 +103,7 @@ class StabilityIntervals(NoTruthValue):
     hairlines: int
     resolution: float
     searched: Searched = field(repr=False, compare=False)
+    not_computed: tuple[AxialGap, ...] = ()
 
     def __iter__(self) -> Iterator[StabilityInterval]:
         """Iterate over the intervals."""
@@ -123,9 +134,18 @@ class StabilityIntervals(NoTruthValue):
         Where modes are coupled, growth is evaluated at 17 loads of each band and refined about the largest, to a
         thousandth of the band; the damping is that of this one load.
         """
-        ends = [self.bounds[0], *(end for part in self.intervals for end in part[:2]), self.bounds[1]]
-        pairs = zip(ends[::2], ends[1::2], strict=True)
-        return self.searched.unstable_bands([(low, high) for low, high in pairs if low < high])
+        return self.find_unstable()
+
+    def find_unstable(self, progress: Progress | None = None) -> tuple[UnstableBand, ...]:
+        """Return `unstable`; ``progress`` is called with the numbers of bands looked into and to look into."""
+        validate.progress(progress)
+        known: tuple[UnstableBand, ...] | None = self.__dict__.get("unstable")
+        if known is None:
+            ends = [self.bounds[0], *(end for part in self.intervals for end in part[:2]), self.bounds[1]]
+            pairs = zip(ends[::2], ends[1::2], strict=True)
+            bands = [band for pair in pairs if pair[0] < pair[1] for band in between(pair, self.not_computed)]
+            known = self.__dict__["unstable"] = self.searched.unstable_bands(bands, progress)
+        return known
 
     @property
     def required_damping(self) -> float:
@@ -171,6 +191,11 @@ class StabilityIntervals(NoTruthValue):
         lines += [f"  {low / size:12.9g} to {high / size:12.9g}   {text}" for low, high, text in sorted(rows)]
         if not self.intervals:
             lines.append("  none")
+        lines += [
+            f"  {gap.low / size:12.9g} to {gap.high / size:12.9g}   not computed: axial resonance at "
+            f"{gap.resonance.frequency / size:.6g}"
+            for gap in self.not_computed
+        ]
         if unstable:
             what = "this load" if self.searched.has_coupled_modes else "the band, as sampled,"
             lines += [
@@ -196,11 +221,9 @@ def stability_intervals(
     name, unit = QUANTITIES[varied]
     warn_unless_uniform(rod, largest)
     if not rod.coupled_numbers.has_mathieu_modes(largest):
-        coupled = _coupled(varied, rod, largest, bounds, tolerance)
-        parts, resolution = unstable_parts(varied, coupled, largest, bounds, tolerance, progress)
-        closed = tuple(_stable_between(parts, bounds))
-        searched = Searched(rod, varied, largest, tolerance, coupled.count)
-        return StabilityIntervals(name, unit, bounds, closed, tolerance, coupled.count, 0, resolution, searched)
+        closed, count, resolution, left_out = _coupled_intervals(varied, rod, largest, bounds, tolerance, progress)
+        searched = Searched(rod, varied, largest, tolerance, count)
+        return StabilityIntervals(name, unit, bounds, closed, tolerance, count, 0, resolution, searched, left_out)
     system = _system(rod, largest, tolerance)
     found = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
     intervals = tuple(_between(found, bounds))
@@ -245,6 +268,87 @@ def _coupled(
     """Return as many coupled modes as all loads within bounds need."""
     loads = Loads.along(largest, varied, np.linspace(*bounds, 33))
     return CoupledModes(rod.coupled_numbers, largest, rod.coupled_numbers.modes_needed(loads, largest, tolerance))
+
+
+def _coupled_intervals(
+    varied: Quantity,
+    rod: ModalRod,
+    largest: Load,
+    bounds: tuple[float, float],
+    tolerance: float,
+    progress: Progress | None,
+) -> tuple[tuple[StabilityInterval, ...], int, float, tuple[AxialGap, ...]]:
+    """Return what is stable, how many modes and what distance of samples were taken, and what was not computed."""
+    skipped: list[AxialGap] = []
+    if varied == "frequency" and not largest.is_uniform:
+        pieces, skipped = _pieces_of_waves(rod, largest, bounds, tolerance)
+    else:
+        pieces = [(bounds, _coupled(varied, rod, largest, bounds, tolerance))]
+    samples = [_share(piece, bounds, SAMPLES, _LEAST_SAMPLES) for piece, _ in pieces]
+    segments: list[tuple[tuple[float, float], list[UnstablePart]]] = []
+    resolution, done = 0.0, 0
+    for (piece, modes), number in zip(pieces, samples, strict=True):
+        told = None if progress is None else partial(_told, progress, done, sum(samples))
+        parts, distance = unstable_parts(varied, modes, largest, piece, tolerance, told, number)
+        resolution, done = max(resolution, distance), done + number
+        if segments and segments[-1][0][1] == piece[0]:
+            before, known = segments.pop()
+            if known and parts and known[-1].high == parts[0].low:
+                first = known.pop()
+                parts[0] = replace(parts[0], low=first.low, low_cause=first.low_cause)
+            piece, parts = (before[0], piece[1]), known + parts
+        segments.append((piece, parts))
+    stable = [_ended(part, bounds) for piece, parts in segments for part in _stable_between(parts, piece)]
+    return tuple(stable), max(modes.count for _, modes in pieces), resolution, tuple(skipped)
+
+
+def _pieces_of_waves(
+    rod: ModalRod, largest: Load, bounds: tuple[float, float], tolerance: float
+) -> tuple[list[tuple[tuple[float, float], CoupledModes]], list[AxialGap]]:
+    """Return pieces of neighbouring frequencies with as many modes as each needs, and what axial resonances leave out.
+
+    AxialResonanceError where they leave nothing.
+    """
+    numbers = rod.coupled_numbers
+    skipped = gaps(largest, numbers.wave_speed, numbers.length, bounds)
+    left_out = skipped.copy()
+    pieces: list[tuple[tuple[float, float], CoupledModes]] = []
+
+    def add(piece: tuple[float, float], halvings: int) -> None:
+        try:
+            pieces.append((piece, _coupled("frequency", rod, largest, piece, tolerance)))
+        except AxialResonanceError:  # for all the damping there is
+            middle = 0.5 * sum(piece)
+            if halvings == 0:
+                here = rod.axial_response(largest.varied("frequency", middle)).resonances
+                left_out.append(AxialGap(*piece, min(here, key=lambda r: abs(r.frequency - middle))))
+                return
+            add((piece[0], middle), halvings - 1)
+            add((middle, piece[1]), halvings - 1)
+
+    for part in between(bounds, skipped):
+        for piece in pairwise(np.linspace(*part, 1 + _share(part, bounds, _GROUPS, 1)).tolist()):
+            add(piece, _HALVINGS)
+    if not pieces:
+        numbers.modes_needed(Loads.single(largest), largest, tolerance)  # says why
+    return pieces, joined(left_out)
+
+
+def _share(part: tuple[float, float], bounds: tuple[float, float], number: int, least: int) -> int:
+    """Return the share of a number that falls to a part of bounds."""
+    return max(least, math.ceil(number * (part[1] - part[0]) / (bounds[1] - bounds[0])))
+
+
+def _told(progress: Progress, before: int, total: int, done: int, _: int) -> None:
+    """Report what is done of one piece of a search as a part of the whole."""
+    progress(before + done, total)
+
+
+def _ended(part: StabilityInterval, bounds: tuple[float, float]) -> StabilityInterval:
+    """Return an interval whose ends, where it ends at no resonance of modes and at no bound, are named."""
+    low = "axial resonance" if part.low_end is None and part.low > bounds[0] else part.low_end
+    high = "axial resonance" if part.high_end is None and part.high < bounds[1] else part.high_end
+    return part._replace(low_end=low, high_end=high)
 
 
 def _stable_between(parts: list[UnstablePart], bounds: tuple[float, float]) -> Iterator[StabilityInterval]:
@@ -302,4 +406,4 @@ def _end(end: Cause) -> str:
         return "end of the search"
     if end == "unnamed":
         return "not named"
-    return str(end) if isinstance(end, Resonance) else f"mode {end[0]}, tongue {end[1]}"
+    return str(end) if isinstance(end, Resonance | str) else f"mode {end[0]}, tongue {end[1]}"

@@ -20,7 +20,7 @@ from floquetrod.rod.load import Load, Loads, Progress, Quantity
 
 Floats = NDArray[np.float64]
 
-_SAMPLES = 257  # of a search between bounds (a choice)
+SAMPLES = 257  # of a search between bounds (a choice)
 _MARGIN_SAMPLES = 17  # of each piece of a search for a margin (a choice)
 _AT_ONCE = 32  # samples between two reports of progress
 _ACCURACY = 1e-10  # relative, of a change
@@ -43,9 +43,10 @@ def unstable_parts(
     bounds: tuple[float, float],
     tolerance: float,
     progress: Progress | None = None,
+    samples: int = SAMPLES,
 ) -> tuple[list[UnstablePart], float]:
     """Return the parts of ``bounds`` that are not stable, in order, and the distance of samples."""
-    places = np.linspace(*bounds, _SAMPLES)
+    places = np.linspace(*bounds, samples)
     stable = np.empty(places.size, dtype=np.bool_)
     for start in range(0, places.size, _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
@@ -58,8 +59,11 @@ def unstable_parts(
     runs = np.flatnonzero(np.diff(np.concatenate([[True], stable, [True]]).astype(np.int8)))
     for first, after in zip(runs[::2].tolist(), runs[1::2].tolist(), strict=True):
         low, high = ends.get(first - 1, bounds[0]), ends.get(after - 1, bounds[1])
-        # Named where something is sure to grow: at the samples next to the ends.
-        causes = (_cause(varied, modes, load, float(places[i])) for i in (first, after - 1))
+        # Named where something is sure to grow: at the samples next to the ends; an end of the search needs no name.
+        causes = (
+            "unnamed" if at_end else _cause(varied, modes, load, float(places[i]))
+            for i, at_end in ((first, first == 0), (after - 1, after == places.size))
+        )
         parts.append(UnstablePart(float(low), float(high), *causes))
     return parts, float(places[1] - places[0])
 

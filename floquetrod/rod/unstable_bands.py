@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from floquetrod import mathieu
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.mathieu.tongues import damping_to_stabilise
-from floquetrod.rod.coupled import CoupledModes
+from floquetrod.rod.coupled import CoupledLoads
 from floquetrod.rod.coupled_stability import classify_coupled
-from floquetrod.rod.load import Load, Loads, Quantity
+from floquetrod.rod.load import Load, Loads, Progress, Quantity
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.tongues import tongues_within
@@ -86,11 +86,13 @@ class Searched:
         """Whether modes do not obey an equation of Mathieu's each."""
         return not self.rod.coupled_numbers.has_mathieu_modes(self.load)
 
-    def unstable_bands(self, bands: Sequence[tuple[float, float]]) -> tuple[UnstableBand, ...]:
+    def unstable_bands(
+        self, bands: Sequence[tuple[float, float]], progress: Progress | None = None
+    ) -> tuple[UnstableBand, ...]:
         """Return what grows between the ends of bands, in increasing order, in which nothing is stable."""
         if not bands:
             return ()
-        return self._coupled(bands) if self.has_coupled_modes else self._independent(bands)
+        return self._coupled(bands, progress) if self.has_coupled_modes else self._independent(bands)
 
     def _independent(self, bands: Sequence[tuple[float, float]]) -> tuple[UnstableBand, ...]:
         system = ModalSystem(self.rod.mode_constants, self.load, tuple(range(1, self.modes + 1)))
@@ -148,20 +150,25 @@ class Searched:
         alpha, beta, frequency = self._coefficients(mode, values)
         return np.asarray(damping_to_stabilise(alpha, beta, least / frequency) * frequency)
 
-    def _coupled(self, bands: Sequence[tuple[float, float]]) -> tuple[UnstableBand, ...]:
-        modes = CoupledModes(self.rod.coupled_numbers, self.load, self.modes)
+    def _coupled(self, bands: Sequence[tuple[float, float]], progress: Progress | None) -> tuple[UnstableBand, ...]:
+        numbers = self.rod.coupled_numbers
 
         def growth(values: Floats, _: Ints) -> Floats:
-            rate = modes.answers(Loads.along(self.load, self.varied, values), quick=True).growth
+            loads = Loads.along(self.load, self.varied, values)
+            rate = CoupledLoads(numbers, self.load, loads, self.growth_tolerance).answers(quick=True).growth
             return np.asarray(np.where(np.isnan(rate), 0.0, rate))
 
         low, high = (np.array([ends[side] for ends in bands]) for side in (0, 1))
         found = _peaks(growth, low, high, _SAMPLES, _FEWER_STEPS)
         rows = []
         for ends, at, rate in zip(bands, found.at.tolist(), found.value.tolist(), strict=True):
-            worst = classify_coupled(self.rod, self.load.varied(self.varied, at), self.modes, self.growth_tolerance)
+            load = self.load.varied(self.varied, at)
+            count = numbers.modes_needed(Loads.single(load), load, self.growth_tolerance)
+            worst = classify_coupled(self.rod, load, count, self.growth_tolerance)
             cause: Named = worst.resonances[0] if worst.resonances else "unnamed"
             rows.append(UnstableBand(*ends, rate, at, cause, worst.damping_to_stabilise))
+            if progress is not None:
+                progress(len(rows), len(bands))
         return tuple(rows)
 
 

@@ -222,6 +222,7 @@ def table() -> dict[str, Call]:
         "SafeBox.in_units": Call(safe.in_units, {"mean": "Fcr"}),
         "RodStability.time_to_grow": Call(ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
         "StabilityIntervals.table": Call(ranges.table, {"unit": "N", "size": 1.0}),
+        "StabilityIntervals.find_unstable": Call(ranges.find_unstable, {"progress": None}),
         "Simulation.save": Call(run.save, {"path": str(place / "again.npz")}),
         "Simulation.load": Call(fr.Simulation.load, {"path": str(place / "run.npz")}),
         "Simulation.mode_amplitudes": Call(run.mode_amplitudes, {"modes": [1, 2]}),
@@ -304,6 +305,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.modal_system": Call(ROD.modal_system, {"load": LOAD, "modes": [1, 2]}),
         "Rod.wave_ratio": Call(ROD.wave_ratio, {"load": LOAD}),
         "Rod.modal_systems": Call(ROD.modal_systems, {**load, "like": LOAD}),
+        "Rod.axial_response": Call(ROD.axial_response, {"load": TRAVELLING}),
         "Rod.modes_needed": Call(ROD.modes_needed, {"load": LOAD, **tolerance}),
         "Rod.stability": Call(
             ROD.stability, {"load": LOAD, "modes": None, "friction": None, "kick": None, **tolerance}
