@@ -6,6 +6,7 @@ import math
 import sys
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -17,7 +18,8 @@ from conftest import depth
 from floquetrod.floquet import system_methods
 from floquetrod.floquet.dispatch import SYSTEMS
 from floquetrod.floquet.system_methods import reference, segmented, spectral
-from floquetrod.floquet.systems import counts, extrapolation
+from floquetrod.floquet.systems import counts, precise_maps
+from fuzz import neutral
 from strategies import numbers, systems
 from system_cases import CASES, coupled, wide
 
@@ -353,12 +355,45 @@ def test_counts_agree_with_multipliers(system: fr.HillSystem) -> None:
 # --- errors and refusals ---------------------------------------------------------------------------------------------
 
 
-def test_weights_extrapolate() -> None:
-    for first in (0, 1):
-        weights = extrapolation._weights(6, first)
-        assert sum(weights) == 1
-        for power in range(1, 5):
-            assert sum(w / (j + first + 1) ** (2 * power) for j, w in enumerate(weights)) == 0
+@pytest.mark.parametrize("digits", [10, 30, 100])
+def test_the_bound_of_the_map_covers_its_error(digits: int, rng: np.random.Generator) -> None:
+    """Where x' = f(t) x, f of mean zero, has the multiplier 1 exactly, what is not 1 is error."""
+    context = mpmath.MPContext()
+    for _ in range(20):
+        count = int(rng.integers(1, 4))
+        waves = rng.normal(size=2 * count) * 10.0 ** rng.uniform(-2.0, 0.7)
+        context.dps = 2 * digits + 40
+        exact = np.array([context.mpf(v) for v in waves.tolist()], dtype=object).reshape(-1, 1, 1)
+        series = precise_maps.Series(np.array([[context.mpf(0)]], dtype=object), exact, context.mpf(rng.uniform()))
+        planned = precise_maps.plan(series, digits)
+        assert planned is not None
+        found = precise_maps.period_map(series, context, planned)
+        assert 0 < abs(found.matrix[0, 0] - 1) <= found.error < 10.0 ** (6 - digits) * np.exp(np.abs(waves).sum())
+
+
+NEUTRAL = {
+    "a cosine": fr.PeriodicSystem([[0.0]], [[[1.0]]]),
+    "decay beyond many digits": fr.PeriodicSystem([[-1e-300]], [[[1.0]]]),
+    "triangular": fr.PeriodicSystem([[0.0, 0.3], [0.0, 0.0]], [[[1.0, 0.5], [0.0, 0.7]]], period=2.0),
+    "triangular stiffness": fr.HillSystem(1.3 * np.eye(2), [[[0.1, 0.15], [0.0, 0.1]]], period=2.5),
+    "a free body": fr.HillSystem([[1, -1], [-1, 1]], [[[0.1, -0.1], [-0.1, 0.1]]], damping=0.1 * np.eye(2)),
+}
+
+
+@pytest.mark.parametrize("name", NEUTRAL)
+def test_nothing_grows_exactly_and_nothing_is_said_to(name: str) -> None:
+    system = NEUTRAL[name]
+    for result in (fr.stability(system), *fr.compare(system).results):
+        assert not (result.status == "unstable" and result.growth_rate > 0.0), result
+        if system.structure == "general":
+            assert result.status == "undecided", result
+        if result.exponents and system.structure == "general":
+            assert all(abs(e.real) <= error for e, error in zip(result.exponents, result.exponent_errors, strict=True))
+
+
+def test_stated_errors_cover_exponents_that_are_known(rng: np.random.Generator) -> None:
+    wrong = [line for _ in range(8) for line in neutral.disagreements(rng)]
+    assert not wrong, "\n".join(wrong)
 
 
 @pytest.mark.parametrize("digits", [10, 40, 70])

@@ -132,3 +132,27 @@ def test_one_that_takes_too_long_spoils_no_other() -> None:
     result = fr.stability(pick(batch, 1))
     assert result.status == "undecided"
     assert "would take" in fr.stability(pick(batch, 1), method="half_period").note
+
+
+def test_progress_counts_to_the_end_and_may_end_the_work() -> None:
+    # The first and the last are decided by the quick rules; two equal oscillators coupled one way are judged alone.
+    stiffness = np.array([np.diag([1.0, 4.0]), 1.3 * np.eye(2), 1.3 * np.eye(2), np.diag([1.0, 4.0])])
+    waves = np.array([[[0.1, 0.15], [0.0, 0.1]]] * 4)
+    several = fr.HillSystem(stiffness, [waves], period=2.5)
+    for ask in (fr.systems.is_stable, fr.systems.growth_rate, fr.systems.multipliers):
+        seen: list[tuple[int, int]] = []
+        alone, told = ask(several), ask(several, progress=lambda done, total: seen.append((done, total)))
+        np.testing.assert_array_equal(alone, told)
+        assert seen[-1] == (4, 4)
+        assert sorted(seen) == seen
+
+    asked = []
+
+    def enough(done: int, total: int) -> None:
+        asked.append(done)
+        if done == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fr.systems.is_stable(several, progress=enough)
+    assert asked == [2, 3]

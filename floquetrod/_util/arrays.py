@@ -30,8 +30,8 @@ def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[An
 
 
 def norms(matrices: NDArray[Any]) -> NDArray[np.float64]:
-    """Return the Frobenius norms of matrices (..., m, n), infinite where squares overflow."""
-    with np.errstate(over="ignore"):
+    """Return the Frobenius norms of matrices (..., m, n), infinite where squares overflow, 0 where they underflow."""
+    with np.errstate(over="ignore", under="ignore"):
         return np.asarray(np.sqrt(np.square(matrices).sum(axis=(-2, -1))))
 
 
@@ -43,7 +43,7 @@ def inverses(matrices: NDArray[Any]) -> NDArray[Any]:
         result[finite] = inverses(matrices[finite])
         return result
     try:
-        with np.errstate(over="ignore", invalid="ignore"):
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
             return np.asarray(np.linalg.inv(matrices))
     except np.linalg.LinAlgError:  # one of them is singular: it spoils no other
         if len(matrices) == 1:

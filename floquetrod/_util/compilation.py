@@ -245,7 +245,8 @@ def over_chunks(
     size = len(out)
     run: Any = runner(function, size, interpret_up_to=interpret_up_to, patience=patience)
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
-        run(*(array.tolist() for array in inputs), out, *constants)
+        with np.errstate(all="ignore"):  # as machine code does, whatever the caller asks of numpy
+            run(*(array.tolist() for array in inputs), out, *constants)
         return
     # One layout of arrays: a kernel is compiled for each there is, and read-only ones count as another.
     inputs = [array if array.flags.carray else np.require(array, requirements=["C", "A", "W"]) for array in inputs]

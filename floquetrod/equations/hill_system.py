@@ -339,7 +339,7 @@ def _even_amplitudes(
 
 def _congruence(left: Matrix, matrix: Matrix, name: str = "mass") -> Matrix:
     """Return L K L^T; ValueError where it is beyond what a system may hold."""
-    with np.errstate(over="ignore", invalid="ignore"):
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         result = np.asarray(left @ matrix @ np.swapaxes(left, -1, -2))
     if not (np.abs(result) <= matrices.LARGEST_ENTRY).all():
         raise ValueError(

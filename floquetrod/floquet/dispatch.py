@@ -6,6 +6,8 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any, NamedTuple, overload
 
+import numpy as np
+
 from floquetrod._util import validate
 from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import Equation, HillSystem, Mathieu, Meissner, PeriodicSystem, matrices, require
@@ -146,6 +148,7 @@ def _better(result: Any, later: Any) -> Any:
     return later if later.exponents else result
 
 
+@np.errstate(under="ignore")  # what is too small for a double is 0 to all methods, whatever a caller lets numpy raise
 def run(family: Family, method: str, equation: Equation | HillSystem | PeriodicSystem, **options: Any) -> Any:
     """Call the method of this name of the equation's family."""
     call = getattr(family.code, method)

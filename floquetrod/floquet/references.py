@@ -27,7 +27,6 @@ _THEORY = (
 _DLMF = "NIST Digital Library of Mathematical Functions, chapter 28, https://dlmf.nist.gov/28"
 _BOTT = "R. Bott, Comm. Pure Appl. Math. 9 (1956) 171, doi:10.1002/cpa.3160090204"
 _VAN_LOAN = "C. F. Van Loan, Linear Algebra Appl. 61 (1984) 233, doi:10.1016/0024-3795(84)90034-X"
-_GRAGG = "W. B. Gragg, SIAM J. Numer. Anal. 2 (1965) 384, doi:10.1137/0702030"
 _JORBA = "A. Jorba and M. Zou, Experimental Mathematics 14 (2005) 99, doi:10.1080/10586458.2005.10128904"
 _RUMP = "S. M. Rump, Verification methods, Acta Numerica 19 (2010)"
 
@@ -42,7 +41,7 @@ SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
     ("system", "monodromy"): (_THEORY, _VAN_LOAN),
     ("system", "segmented"): (_THEORY,),
     ("system", "spectral"): (_THEORY, _BOTT),
-    ("system", "reference"): (_THEORY, _GRAGG, _VAN_LOAN),
+    ("system", "reference"): (_THEORY, _VAN_LOAN),
     ("equation", "certify"): (_DLMF, _THEORY),
     ("system", "certify"): (_THEORY, _BOTT, _RUMP),
     ("any", "solve"): (_JORBA,),

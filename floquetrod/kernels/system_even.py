@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import inverses, norms
-from floquetrod._util.compilation import compiled, over_chunks, runner
+from floquetrod._util.compilation import over_chunks
 from floquetrod.kernels.system_even_large import half_period_large
 from floquetrod.kernels.system_even_pairs import NOT_DONE, outcome_fill, pair_fill
 from floquetrod.kernels.system_even_steps import half_period_fill
-from floquetrod.kernels.system_series import OFTEN_ASKED, ROUNDING, reach, usable
+from floquetrod.kernels.system_series import ROUNDING, reach, run_of, usable
 
 Floats = NDArray[np.float64]
 
 _EXPLICIT_UP_TO = 20
 
-_PATIENCE = 500.0
-"""Phases, about as many milliseconds, for which a process uses numpy before it compiles kernels (heuristic)."""
+_PATIENCE = 1000.0
+"""Milliseconds, as estimated, for which a process interprets kernels before they are compiled (heuristic)."""
 
 
 class HalfPeriodMap(NamedTuple):
@@ -90,12 +90,14 @@ def half_period_map(
         first, slack = 0, 2.0 * ROUNDING
     out = np.empty((batch, 4 * n * n + n + 1))
     constants = (first, accuracy, reach(accuracy), symmetric, slack)
-    if n <= _EXPLICIT_UP_TO and not _too_few(half_period_fill, stiffness, amplitudes, period):
-        if batch == 1:  # the shortest way for a single system
-            compiled(half_period_fill)(*_arrays(s, f, omega), out, *constants)
+    if n <= _EXPLICIT_UP_TO:
+        run = run_of(half_period_fill, _PATIENCE, lambda: _milliseconds(stiffness, amplitudes, period))
+        inputs = s, f, omega
+        if batch == 1 or run is half_period_fill:  # the shortest way for a single system
+            with np.errstate(all="ignore"):  # interpreted, as machine code does
+                run(*_arrays(*inputs), out, *constants)
         else:
             chunk = max(1, 8192 // n**3)
-            inputs = s, f, omega
             over_chunks(half_period_fill, inputs, out, *constants, workers=workers, chunk=chunk, interpret_up_to=0)
     else:
         for i in range(batch):
@@ -129,11 +131,11 @@ def pair_numbers(
     stiffness, amplitudes, period = _arrays(stiffness, amplitudes, period)
     out = np.empty((len(period), 8))
     inputs = (stiffness, amplitudes, period)
-    if _too_few(pair_fill, *inputs):
-        out[:, 4] = NOT_DONE
-    elif len(out) == 1:
-        compiled(pair_fill)(*inputs, out, accuracy, reach(accuracy))  # the shortest way for a single system
-        if out[0, 4] != NOT_DONE:
+    run = run_of(pair_fill, _PATIENCE, lambda: _milliseconds(*inputs))
+    if len(out) == 1 or run is pair_fill:
+        with np.errstate(all="ignore"):  # interpreted, as machine code does
+            run(*inputs, out, accuracy, reach(accuracy))  # the shortest way for a single system
+        if len(out) == 1 and out[0, 4] != NOT_DONE:
             return out[:, :4].view(complex), out[:, 4:6], out[:, 6:]
     else:
         over_chunks(pair_fill, inputs, out, accuracy, reach(accuracy), workers=workers, chunk=512, interpret_up_to=0)
@@ -147,7 +149,7 @@ def pair_numbers(
     return out[:, :4].view(complex), out[:, 4:6], out[:, 6:]
 
 
-@np.errstate(over="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
+@np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def _outcomes(found: HalfPeriodMap, workers: int | None) -> Floats:
     """Return the rows of `pair_fill` from maps over half a period."""
     maps, errors = np.block([[found.a, found.b], [found.c, found.d]]), found.error
@@ -168,17 +170,13 @@ def _outcomes(found: HalfPeriodMap, workers: int | None) -> Floats:
     return out
 
 
-def _too_few(function: Any, stiffness: Floats, amplitudes: Floats, period: Floats) -> bool:
-    """Say whether numpy is faster than compiling a kernel, in view of what the process has asked for before."""
-    if function in OFTEN_ASKED or len(period) > _PATIENCE or _PATIENCE == 0.0:
-        return False
-    with np.errstate(over="ignore", invalid="ignore"):
+def _milliseconds(stiffness: Floats, amplitudes: Floats, period: Floats) -> float:
+    """Return about how many milliseconds the interpreted kernels take (measured)."""
+    batch, n = stiffness.shape[:2]
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         size = np.abs(stiffness).sum(axis=(1, 2)) + np.abs(amplitudes).sum(axis=(1, 2, 3))
-        phases = float(np.fmin(period * np.sqrt(size), _PATIENCE).clip(0.0).sum())
-    if runner(function, int(1 + len(period) + phases), interpret_up_to=1, patience=int(_PATIENCE)) is function:
-        return True
-    OFTEN_ASKED.add(function)
-    return False
+        phases = float(np.fmin(period * np.sqrt(size / n), 1e6).clip(0.0).sum())
+    return float(batch + phases * (0.3 + n**3 / 200.0))
 
 
 def _arrays(*values: Any) -> list[Floats]:

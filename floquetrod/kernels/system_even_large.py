@@ -27,7 +27,7 @@ from floquetrod.kernels.system_series import ROUNDING, coefficient_bound
 Floats = NDArray[np.float64]
 
 
-@np.errstate(over="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
+@np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def half_period_large(
     s: Floats, f: Floats, first: int, omega: float, accuracy: float, reach: float, symmetric: bool, slack: float
 ) -> tuple[Floats, Floats, float]:

@@ -8,16 +8,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.compilation import compiled, kernel, over_chunks, runner
+from floquetrod._util.compilation import kernel, over_chunks, runner
 from floquetrod.kernels.system_maps_steps import series_work, step_map
 from floquetrod.kernels.system_series import (
     MOST_NUMBERS,
     MOST_TERMS,
-    OFTEN_ASKED,
     chain_error,
     coefficient_bound,
     plan_segments,
     reach,
+    run_of,
     spectral_bound,
     usable,
 )
@@ -98,11 +98,12 @@ def segment_maps(
     inputs = (mean, harmonics.real.copy(), harmonics.imag.copy(), period)
     chunk = max(1, 100000 // (size * n * least_segments))
     constants = (least_segments, accuracy, min(0.5 * reach(accuracy), _LONGEST))
-    run: Any = _run(segment_fill, mean, harmonics, period, least_segments)
+    run = run_of(segment_fill, _PATIENCE, lambda: _milliseconds(mean, harmonics, period, least_segments))
     if run is segment_fill:
         # Plain floats are faster than numpy's.
         arguments: list[Any] = [*(array.tolist() for array in inputs), out, *constants]
-        run(*arguments)
+        with np.errstate(all="ignore"):  # as machine code does
+            run(*arguments)
     elif batch == 1:
         run(*inputs, out, *constants)  # the shortest way for a single system
     else:
@@ -120,23 +121,18 @@ def product(segments: SegmentMaps) -> Monodromy:
         return Monodromy(segments.maps[:, 0], segments.errors[:, 0], segments.scaling)
     out = np.empty((batch, n * n + 1))
     maps, errors, scaling = (np.array(value, dtype=float, order="C") for value in segments)
-    runner(product_fill, batch * maps.shape[1], interpret_up_to=4, patience=100)(maps, errors, scaling, out)
+    with np.errstate(all="ignore"):  # interpreted, as machine code does
+        runner(product_fill, batch * maps.shape[1], interpret_up_to=4, patience=100)(maps, errors, scaling, out)
     return Monodromy(out[:, :-1].reshape(batch, n, n), out[:, -1], segments.scaling)
 
 
-def _run(function: Any, mean: Floats, harmonics: Any, period: Floats, segments: int) -> Any:
-    """Return a kernel as it stands or compiled, in view of the milliseconds that it takes when interpreted."""
-    if function in OFTEN_ASKED or _PATIENCE == 0.0:
-        return compiled(function)
+def _milliseconds(mean: Floats, harmonics: Any, period: Floats, segments: int) -> float:
+    """Return about how many milliseconds the interpreted kernel takes (measured)."""
     batch, n = mean.shape[:2]
     with np.errstate(over="ignore"):
         size = np.abs(mean).sum(axis=(1, 2)) + np.abs(harmonics).sum(axis=(1, 2, 3))
         phases = float(np.minimum(period * size / math.sqrt(n), 1e6).sum())
-    needed = batch * (5.0 + 2.0 * segments) + phases * (0.1 + n**3 / 1600.0)
-    run = runner(function, math.ceil(needed), interpret_up_to=1, patience=int(_PATIENCE))
-    if run is not function:
-        OFTEN_ASKED.add(function)
-    return run
+    return float(batch * (5.0 + 2.0 * segments) + phases * (0.1 + n**3 / 1600.0))
 
 
 @kernel

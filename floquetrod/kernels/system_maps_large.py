@@ -22,7 +22,7 @@ def large_seconds(stiffness: Floats, harmonics: NDArray[np.complex128], period: 
     return n**3 * (1.6e-10 * segments * (30.0 * parts + 10.0) + 8e-9) + 1e-3
 
 
-@np.errstate(over="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
+@np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def period_map_large(
     stiffness: Floats, harmonics: NDArray[np.complex128], period: float, doubt: float, accuracy: float
 ) -> tuple[Floats, float]:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import functools
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from floquetrod._util.compilation import kernel
+from floquetrod._util.compilation import compiled, kernel, runner
 
 ROUNDING = 1.1102230246251565e-16
 MOST_TERMS = 40
@@ -27,6 +28,19 @@ _MOST_PLANS = 10000
 _HALF_LOG_TWO = 0.34657359027997264
 _LOG_LARGEST = 600.0
 _LARGEST_ANGLE = 700.0
+
+
+def run_of(function: Callable[..., Any], patience: float, milliseconds: Callable[[], float]) -> Callable[..., Any]:
+    """Return a kernel as it stands or compiled, in view of the milliseconds that it takes when interpreted.
+
+    What a process has asked for before changes only how long an answer takes: both give the same bits.
+    """
+    if function in OFTEN_ASKED or patience == 0.0:
+        return compiled(function)
+    run = runner(function, math.ceil(milliseconds()), interpret_up_to=1, patience=int(patience))
+    if run is not function:
+        OFTEN_ASKED.add(function)
+    return run
 
 
 def usable(mean: Any, harmonics: Any, period: Any) -> Any:

@@ -21,14 +21,16 @@ from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pai
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
 from floquetrod.kernels.system_even import pair_numbers
+from floquetrod.plane import Progress
 
 System = HillSystem | PeriodicSystem
 
 _ACCURACY = 1e-12
 _AT_ONCE = 1 << 14  # numbers of maps that a thread holds at a time (heuristic): some milliseconds of work
+_REPORTS = 50  # of progress while the quick rules are at work (a choice)
 
 
-def is_stable(systems: System, *, workers: int | None = None) -> Any:
+def is_stable(systems: System, *, workers: int | None = None, progress: Progress | None = None) -> Any:
     """Return whether every solution stays bounded, of each system of a batch.
 
     Parameters
@@ -37,6 +39,9 @@ def is_stable(systems: System, *, workers: int | None = None) -> Any:
         One system, or a batch: its matrices and period are arrays with a leading shape.
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
+    progress : callable, optional
+        Called now and then with the numbers of systems done and to do: those on a boundary to rounding, which
+        `floquetrod.stability` judges one by one, take up to some seconds each.  What it raises ends the work.
 
     Returns
     -------
@@ -52,10 +57,10 @@ def is_stable(systems: System, *, workers: int | None = None) -> Any:
     >>> is_stable(HillSystem(np.diag([1.0, 4.0]), cosines=[forcing], period=2 * np.pi / omega))
     array([ True, False, False])
     """
-    return shaped(verdicts(systems, workers=workers).status == many.STABLE, systems.shape)
+    return shaped(verdicts(systems, workers=workers, progress=progress).status == many.STABLE, systems.shape)
 
 
-def growth_rate(systems: System, *, workers: int | None = None) -> Any:
+def growth_rate(systems: System, *, workers: int | None = None, progress: Progress | None = None) -> Any:
     """Return the growth rate of the fastest solution, per unit of time; 0 where stable, an estimate where undecided.
 
     Arguments as in `is_stable`.  NaN for systems that would take too long.
@@ -66,10 +71,11 @@ def growth_rate(systems: System, *, workers: int | None = None) -> Any:
     >>> round(growth_rate(HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[forcing], period=2 * np.pi / 3.0)), 10)
     0.0353277775
     """
-    return shaped(verdicts(systems, workers=workers).growth, systems.shape)
+    return shaped(verdicts(systems, workers=workers, progress=progress).growth, systems.shape)
 
 
-def multipliers(systems: System, *, workers: int | None = None) -> Any:
+@np.errstate(under="ignore")  # as in `floquet.dispatch.run`
+def multipliers(systems: System, *, workers: int | None = None, progress: Progress | None = None) -> Any:
     """Return the multipliers, complex (..., N), N the number of equations of first order; the largest first.
 
     Arguments as in `is_stable`.  Those much smaller than the largest one are lost in its rounding:
@@ -77,6 +83,7 @@ def multipliers(systems: System, *, workers: int | None = None) -> Any:
     doubles, and for systems that would take too long.
     """
     workers = validate.workers(workers)
+    validate.progress(progress)
     batch = _batch(systems)
     found = np.empty((len(batch.period), batch.order), complex)
 
@@ -87,28 +94,45 @@ def multipliers(systems: System, *, workers: int | None = None) -> Any:
         order = np.argsort(-np.abs(values), axis=1, kind="stable")
         found[part] = values[np.arange(len(values))[:, None], order]
 
-    _over(batch, fill, workers)
+    def report(done: int) -> None:
+        if progress is not None:
+            progress(done, len(found))
+
+    _over(batch, fill, workers, report if progress is not None else None)
     return found.reshape(*systems.shape, batch.order)
 
 
-def verdicts(systems: System, *, workers: int | None = None, quick: bool = False) -> ManyVerdicts:
+@np.errstate(under="ignore")  # as in `floquet.dispatch.run`
+def verdicts(
+    systems: System, *, workers: int | None = None, progress: Progress | None = None, quick: bool = False
+) -> ManyVerdicts:
     """Return status (1 stable, 0 unstable, -1 undecided) and growth rate of each system, flat in the order of C.
 
     What the quick rules leave open, `floquetrod.stability` judges, unless only they are asked for.
     """
     workers = validate.workers(workers)
+    validate.progress(progress)
     batch = _batch(systems)
     size = len(batch.period)
     status, growth = np.empty(size, dtype=np.int8), np.empty(size)
 
     def fill(part: slice) -> None:
         status[part], growth[part] = batch.verdicts(part)
-        for i in () if quick else np.flatnonzero(status[part] == many.UNDECIDED) + part.start:
-            result = stability(pick(systems, int(i)))
-            status[i] = {"stable": many.STABLE, "unstable": many.UNSTABLE}.get(result.status, many.UNDECIDED)
-            growth[i] = result.growth_rate
 
-    _over(batch, fill, workers)
+    def report(done: int) -> None:
+        if progress is not None:
+            progress(done if quick else int((status[:done] != many.UNDECIDED).sum()), size)
+
+    _over(batch, fill, workers, report if progress is not None else None)
+    # One after another, and not in threads: their many digits are Python's, and Ctrl-C is heard at once.
+    open_ones = () if quick else np.flatnonzero(status == many.UNDECIDED).tolist()
+    decided = size - len(open_ones)
+    for judged, i in enumerate(open_ones, 1):
+        result = stability(pick(systems, i))
+        status[i] = {"stable": many.STABLE, "unstable": many.UNSTABLE}.get(result.status, many.UNDECIDED)
+        growth[i] = result.growth_rate
+        if progress is not None:
+            progress(decided + judged, size)
     return ManyVerdicts(status, growth)
 
 
@@ -245,9 +269,17 @@ def _batch(systems: Any) -> _Batch:
     return _FirstOrderBatch(subject, damping, paired=pairs is not None)
 
 
-def _over(batch: _Batch, fill: Callable[[slice], None], workers: int | None) -> None:
-    """Call ``fill`` with parts of a batch, in threads if it pays."""
+def _over(
+    batch: _Batch, fill: Callable[[slice], None], workers: int | None, report: Callable[[int], None] | None
+) -> None:
+    """Call ``fill`` with parts of a batch, in threads if it pays, and ``report`` now and then how many are done."""
     size = len(batch.period)
     step = max(1, _AT_ONCE // batch.order**2)
     parts = [(slice(start, min(size, start + step)),) for start in range(0, size, step)]
-    in_threads(fill, parts, workers or cores())
+    threads = workers or cores()
+    together = len(parts) if report is None else max(4 * threads, len(parts) // _REPORTS)
+    for first in range(0, len(parts), max(1, together)):
+        some = parts[first : first + together]
+        in_threads(fill, some, threads)
+        if report is not None:
+            report(some[-1][0].stop)

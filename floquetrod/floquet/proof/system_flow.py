@@ -1,8 +1,6 @@
 """The map over one period, enclosed: Taylor series over equal steps, all steps at a time, their product as a tree.
 
-In the unit of time in which the period is 1, let a(r) bound A(t) for complex t up to r from a real one.  From there a
-solution grows at most by exp(r a(r)), so by Cauchy its Taylor series over a step h, cut after the power p, errs by at
-most exp(r a(r)) (h / r)^(p + 1) / (1 - h / r), for any r > h.
+The unit of time is the period.  What the series leave out is bounded by `precise_maps.last_power`.
 """
 
 from __future__ import annotations
@@ -14,6 +12,7 @@ import numpy as np
 
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.system_problem import Arithmetic, Flow, Matrix, row_sum
+from floquetrod.floquet.systems.precise_maps import last_power
 
 Array = Any
 
@@ -32,7 +31,11 @@ def monodromy(arithmetic: Arithmetic, flow: Flow) -> Matrix:
     if not total < step * _MOST_STEPS:
         raise TooMuchWork("so many steps of a period")
     steps = 2 ** max(0, math.ceil(math.log2(max(total, 1e-300) / step)), math.ceil(math.log2(2.0 * len(sizes))))
-    order, remainder = _order(sizes, steps, 10.0 ** (-arithmetic.digits - 2.0))
+    waves = np.array([2.0 * math.pi * k for k in range(len(sizes))])
+    found = last_power(np.array(sizes), waves, 1.0 / steps, -math.log(10.0) * (arithmetic.digits + 2.0))
+    if found is None:
+        raise Unresolved("the Taylor series converge too slowly")
+    order, remainder = found[0], max(math.exp(found[1]), 1e-290)
     entries = steps * flow.mean.shape[0] ** 2
     if entries * order > _MOST_NUMBERS:
         raise TooMuchWork("so large Taylor series")
@@ -44,21 +47,6 @@ def monodromy(arithmetic: Arithmetic, flow: Flow) -> Matrix:
     while maps.shape[0] > 1:
         maps = maps[1::2] @ maps[0::2]
     return maps[0]
-
-
-def _order(sizes: list[float], steps: int, wanted: float) -> tuple[int, float]:
-    """Return the power a Taylor series is cut after, and a bound of its error."""
-    with np.errstate(over="ignore"):
-        radii = np.geomspace(1.25, 400.0, 60) / steps
-        waves = 2.0 * math.pi * np.arange(len(sizes))
-        bounds = np.array(sizes) @ np.cosh(np.outer(waves, radii))
-        exponent = radii * bounds * (1.0 + 1e-10)
-        for order in range(8, 2000):
-            ratio = np.log(radii * steps)
-            log_error = float((exponent - (order + 1) * ratio - np.log1p(-np.exp(-ratio))).min())
-            if log_error < math.log(wanted):
-                return order, max(math.exp(log_error + 1e-8 * (abs(log_error) + 1.0)), 1e-290)
-    raise Unresolved("the Taylor series converge too slowly")
 
 
 def _taylor_sums(arithmetic: Arithmetic, flow: Flow, steps: int, order: int) -> Matrix:

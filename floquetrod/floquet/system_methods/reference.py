@@ -1,4 +1,4 @@
-"""Many digits: the midpoint rule with extrapolation in fixed-point arithmetic, and eigenvalues to as many digits.
+"""Many digits: Taylor series in fixed-point arithmetic with a bound of their error, and eigenvalues to as many digits.
 
 The coefficients are the doubles given, taken exactly: mass and uniform damping are divided out and removed in many
 digits.  No symmetry is used in the integration, so that what other methods derive from symmetries is checked here.
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
-from floquetrod.floquet.systems import extrapolation, ladders, precise_spectra
+from floquetrod.floquet.systems import ladders, precise_maps, precise_spectra
 from floquetrod.floquet.systems.classification import (
     LogDiscs,
     ManyDigits,
@@ -23,7 +23,7 @@ from floquetrod.floquet.systems.classification import (
     declined,
     undamped_pairs,
 )
-from floquetrod.floquet.systems.extrapolation import PeriodMap, Plan, Series
+from floquetrod.floquet.systems.precise_maps import PeriodMap, Plan, Series
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.symplectic import pair_matrix
 from floquetrod.floquet.verdict import Cost
@@ -32,21 +32,20 @@ _MOST_DIGITS = 120  # to which digits are raised while the verdict is open
 _LARGEST_WORK = 5e7  # products of entries, times their cost: about ten seconds (measured)
 _FEWEST_PRODUCTS = 10  # of matrices of the order of the system in first order, that a map takes at least
 _SETTLED = 1e-13  # relative error of the multipliers: more digits than a double's are of no use
-_MOST_TRIES = 4  # of a number of steps
+_MOST_TRIES = 4  # to reach the digits wanted, which the product of the maps may lose
+_LEAST_ERROR = 1e-300  # of a map, so that it is a double
 
 
 class _Problem(NamedTuple):
     """A system in first order: its series, its size per unit of phase, and how its pairs are read off the map.
 
     ``kind`` is "hamiltonian" (canonical coordinates), "reversible" (an even instant at the start) or "general";
-    ``damping`` is the uniform damping removed; ``norm`` the 2-norm of its coefficients about; ``doubt`` the error of
-    the coefficients.
+    ``damping`` is the uniform damping removed; ``doubt`` the error of the coefficients.
     """
 
     series: Series
     kind: str
     damping: float
-    norm: float
     doubt: float
 
 
@@ -67,7 +66,7 @@ def reference(system: HillSystem | PeriodicSystem, *, digits: int = 30) -> Syste
     Returns
     -------
     SystemStability
-        The error of the map is an estimate, from the last two columns of each step's extrapolation; that of the
+        The error of the map is a bound, of what the series leave out and what the arithmetic rounds; that of the
         multipliers a bound for all maps within that error.  "undecided" where a multiplier cannot be told from the unit
         circle, or several from each other, with all these digits, and where the work would take more than about ten
         seconds.
@@ -81,15 +80,14 @@ def reference(system: HillSystem | PeriodicSystem, *, digits: int = 30) -> Syste
 
     digits = validate.integer("digits", digits, 10, 1000)
     result: SystemStability | None = None
-    evaluations = 0
+    terms = 0
     while True:
         context = MPContext()
-        found, used, numerical = _attempt(system, context, digits, evaluations)
-        evaluations += used
+        found, used, numerical = _attempt(system, context, digits, terms)
+        terms += used
         if found is None:
             note = f"{digits} digits are more work than is worth waiting for"
-            cost = Cost(evaluations, "evaluations")
-            return declined(system, "reference", cost, note) if result is None else result
+            return declined(system, "reference", Cost(terms, "terms"), note) if result is None else result
         result = found if result is None or found.exponents else result
         settled = result.status != "undecided" and result.error < _SETTLED
         if settled or not numerical or 2 * digits > _MOST_DIGITS:
@@ -100,29 +98,29 @@ def reference(system: HillSystem | PeriodicSystem, *, digits: int = 30) -> Syste
 def _attempt(
     system: HillSystem | PeriodicSystem, context: Any, digits: int, before: int
 ) -> tuple[SystemStability | None, int, bool]:
-    """Return the verdict (None: too much work), evaluations, and whether more digits would make the error smaller."""
+    """Return the verdict (None: too much work), the terms, and whether more digits would make the error smaller."""
     if _FEWEST_PRODUCTS * _first_order_of(system) ** 3 > _LARGEST_WORK:
         return None, 0, True
     context.dps = 2 * digits + 40
-    problem = _problem(system, context)
-    rate, total = 1.0, 0
-    target = 10.0**-digits
+    more, total = 0.0, 0
     for _ in range(_MOST_TRIES):
-        planned = extrapolation.plan(problem.norm, digits, rate)
-        if _work(problem, planned) > _LARGEST_WORK:
-            return None, total, True
-        found = extrapolation.period_map(problem.series, context, planned)
-        total += found.evaluations
-        size = max(float(abs(v)) for v in found.matrix.flat)
-        if float(found.error) <= target * max(size, 1.0):
-            break
-        rate *= 1.2 * min(2.0, (float(found.error) / (target * size)) ** (0.5 / planned.columns))
         problem = _problem(system, context)
+        planned = precise_maps.plan(problem.series, digits + more)
+        if planned is None or _work(problem, planned) > _LARGEST_WORK:
+            return None, total, True
+        found = precise_maps.period_map(problem.series, context, planned)
+        total += found.terms
+        size = max(float(abs(v)) for v in found.matrix.flat)
+        missing = float(context.log10(found.error / max(size, 1.0))) + digits
+        if not 0.0 < missing < math.inf:
+            break
+        more += missing + 1.0
     order = len(found.matrix)
     doubt = problem.doubt * order * size
-    cost = Cost(before + total, "evaluations")
-    result = _classified(system, problem, found, float(found.error) + doubt, context, cost)
-    return result, total, doubt < float(found.error)
+    error = max(float(found.error), _LEAST_ERROR)
+    cost = Cost(before + total, "terms")
+    result = _classified(system, problem, found, error + doubt, context, cost)
+    return result, total, doubt < error
 
 
 def _first_order_of(system: HillSystem | PeriodicSystem) -> int:
@@ -132,9 +130,10 @@ def _first_order_of(system: HillSystem | PeriodicSystem) -> int:
 def _work(problem: _Problem, planned: Plan) -> float:
     """Return about how many small products of integers a plan takes."""
     order, waves = len(problem.series.mean), problem.series.waves
-    entries = int(np.count_nonzero((waves != 0).any(axis=0))) if len(waves) else 0
-    each = order**3 + len(waves) * (entries + 2) + 40
-    work: float = planned.evaluations * each * (1.0 + (planned.bits / 1500.0) ** 1.6)
+    width = int(np.count_nonzero((waves != 0).any(axis=(0, 1)))) if len(waves) else 0
+    mixed = len(waves) * width * order  # products for a term, for each one before it and for each row
+    each = order**3 + mixed * (0.25 * planned.order + width) + 40
+    work: float = planned.terms * each * (1.0 + (planned.bits / 1500.0) ** 1.6)
     return work
 
 
@@ -161,9 +160,8 @@ def _problem(system: HillSystem | PeriodicSystem, context: Any) -> _Problem:
     ratio = scales[None, :] / scales[:, None]
     order = len(mean)
     waves_array = np.array([w * ratio * unit for w in waves], dtype=object).reshape(len(waves), order, order)
-    norm = float(np.linalg.norm(size * ratio, 2)) * float(unit) + 0.5 * len(waves) / 2
     worst = float(ratio.max())
-    return _Problem(Series(mean * ratio * unit, waves_array, start), kind, damping, norm, doubt * worst)
+    return _Problem(Series(mean * ratio * unit, waves_array, start), kind, damping, doubt * worst)
 
 
 def _first_order(

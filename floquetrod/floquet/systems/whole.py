@@ -43,7 +43,7 @@ def seconds_needed(mean: Any, harmonics: Any, period: Any) -> NDArray[np.float64
     return np.asarray(phase * (1e-5 + 1e-6 * n * n))
 
 
-@np.errstate(over="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
+@np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def period_maps(
     mean: Any, harmonics: Any, period: Any, doubt: Any, rtol: float, *, paired: bool, workers: int | None = 1
 ) -> PeriodMaps:

@@ -1,0 +1,253 @@
+"""Maps of x' = A(t) x to any number of digits, with a bound of their error: Taylor series in fixed-point arithmetic.
+
+Matrices hold integers, multiples of 2^-bits, and every operation rounds down by less than one of them.  Norms are the
+largest sums of magnitudes along a row, but for that of the map's error at last.  Nothing but the matrices is used: no
+symmetry, and no code of the maps in doubles.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+_GUARD_BITS = 40
+_STEP = 6.0  # growth exponent of a step: longer ones lose digits
+_FACTORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0)  # of the fewest steps, of which the cheapest plan is taken
+_PRODUCTS = 20.0  # cost of a term's matrix products, in those of a harmonic with one earlier term (heuristic)
+_MOST_STEPS = 1e9
+_SLACK = (
+    4.0  # digits by which a step's series ends below the error wanted: so many the product of the maps loses (a choice)
+)
+_UP = 1.0 + 1e-9  # covers the rounding of bounds, which are computed in doubles
+
+
+class Series(NamedTuple):
+    """A(phase) = mean + sum_k cosines[k-1] cos(k phase) + sines[k-1] sin(k phase), per unit of phase.
+
+    Attributes
+    ----------
+    mean : ndarray (N, N) of numbers of mpmath
+        Mean.
+    waves : ndarray (2 H, N, N) of numbers of mpmath
+        Cosine and sine coefficients of the first harmonic, then of the second, and so on.
+    start : number of mpmath
+        Phase at which the period begins.
+    """
+
+    mean: NDArray[Any]
+    waves: NDArray[Any]
+    start: Any
+
+    @property
+    def sizes(self) -> NDArray[np.float64]:
+        """Norms of the mean and, cosine and sine together, of each harmonic."""
+        mean, *waves = (_row_sum(matrix) for matrix in (self.mean, *self.waves))
+        return _UP * np.array([mean, *(c + s for c, s in zip(waves[::2], waves[1::2], strict=True))])
+
+
+class PeriodMap(NamedTuple):
+    """The map over a period.
+
+    Attributes
+    ----------
+    matrix : ndarray (N, N) of numbers of mpmath
+        Map over one period.
+    error : number of mpmath
+        Bound of its error in the 2-norm.
+    terms : int
+        Terms of all series.
+    """
+
+    matrix: NDArray[Any]
+    error: Any
+    terms: int
+
+
+class Plan(NamedTuple):
+    """How a period is integrated.
+
+    Attributes
+    ----------
+    steps, order : int
+        Equal steps, and the power of the last term of the series over each.
+    bits : int
+        After the point.
+    log_error : float
+        Logarithm of a bound of what is left out of each series.
+    rounding : float
+        Bound of what the arithmetic of a step rounds, in units of 2^-bits.
+    """
+
+    steps: int
+    order: int
+    bits: int
+    log_error: float
+    rounding: float
+
+    @property
+    def terms(self) -> int:
+        """Terms of all series."""
+        return self.steps * self.order
+
+
+def last_power(sizes: NDArray[np.float64], waves: NDArray[np.float64], h: float, log_wanted: float) -> Any:
+    """Return the power after which series over steps h are cut, and the logarithm of a bound of what that leaves out.
+
+    With a(r) = sum_k sizes_k cosh(waves_k r), which bounds A for complex times up to r from a real one, a solution
+    grows from there at most by exp(r a(r)), so that by Cauchy the series cut after the power p errs by at most
+    exp(r a(r)) (h / r)^(p + 1) / (1 - h / r), for any r > h.  None where 2,000 powers are too few.
+    """
+    with np.errstate(over="ignore"):
+        radii = h * np.geomspace(1.25, 400.0, 60)
+        exponent = radii * (sizes @ np.cosh(np.outer(waves, radii))) * (1.0 + 1e-10)
+        ratio = np.log(radii / h)
+        rest = exponent - np.log1p(-np.exp(-ratio))
+        for order in range(8, 2000):
+            log_error = float((rest - (order + 1) * ratio).min())
+            if log_error < log_wanted:
+                return order, log_error + 1e-8 * (abs(log_error) + 1.0)
+    return None
+
+
+def plan(series: Series, digits: float) -> Plan | None:
+    """Return a plan for series that end ``digits`` digits below 1; None where they converge too slowly."""
+    sizes = series.sizes
+    waves = np.arange(float(len(sizes)))
+    # Harmonics turn by less than a quarter of a turn in a step.
+    least = max(2.0 * math.pi * float(sizes.sum()) / _STEP, 4.0 * waves[-1], 1.0)
+    if not least < _MOST_STEPS:
+        return None
+    found = []
+    for steps in (math.ceil(least * factor) for factor in _FACTORS):
+        power = last_power(sizes, waves, 2.0 * math.pi / steps, -math.log(10.0) * (digits + _SLACK))
+        if power is not None:
+            found.append((steps * power[0] * (power[0] + _PRODUCTS), steps, *power))
+    if not found:
+        return None
+    _, steps, order, log_error = min(found)
+    rounding = _rounding(sizes, waves, 2.0 * math.pi / steps, order, len(series.mean))
+    bits = math.ceil(math.log2(10.0) * (digits + _SLACK) + math.log2(rounding)) + _GUARD_BITS
+    return Plan(steps, order, bits, log_error, rounding)
+
+
+def _rounding(sizes: NDArray[np.float64], waves: NDArray[np.float64], h: float, last: int, order: int) -> float:
+    """Bound what the arithmetic of a step rounds, in units of 2^-bits.
+
+    Rounded, the terms solve x' = A x + f, f a series whose coefficients are the roundings, and this with |A|, |f| in
+    place of A, f bounds by how much they differ.  A term rounds in its products (1), in the division (last + 2), in the
+    matrices and in the weights of the harmonics, which differ by less than 8 multiples of 2^-bits.
+    """
+    growth = h * float(sizes @ np.cosh(waves * h))
+    spread = math.exp(growth)
+    each = last + 3.0 + (2.0 * len(sizes) + 1.0) * 8.0 * (1.0 + growth) * (1.0 + spread) * math.cosh(waves[-1] * h)
+    return _UP * order * each * spread * (1.0 + math.log(last + 1.0)) + order
+
+
+def period_map(series: Series, context: Any, planned: Plan) -> PeriodMap:
+    """Return the map over a period in a context of mpmath, whose precision is set to what the plan needs."""
+    bits, order = planned.bits, len(series.mean)
+    context.prec = bits + _GUARD_BITS
+    steps = _Steps(series, context, planned)
+    local = context.exp(planned.log_error) + context.ldexp(planned.rounding, -bits)
+    total, maps = steps.identity, []
+    for step in range(planned.steps):
+        fine = steps.across(series.start + step * steps.length)
+        total = np.dot(fine, total) >> bits
+        maps.append(_floats(fine, bits))
+    before, after = _products(maps)
+    # A 2-norm is at most sqrt(N) times a norm of row sums.  Products of errors are far below _UP.
+    magnified = sum(b * a for b, a in zip(before, after, strict=True))
+    rounded = order * sum(after)
+    error = _UP * (math.sqrt(order) * local * float(magnified) + context.ldexp(float(rounded), -bits))
+    matrix = np.array([context.ldexp(context.mpf(v), -bits) for v in total.flat], dtype=object)
+    return PeriodMap(matrix.reshape(order, order), error, planned.terms)
+
+
+class _Steps:
+    """What all steps share: matrices times the step, and Taylor coefficients of cos(k h s) and sin(k h s)."""
+
+    def __init__(self, series: Series, context: Any, planned: Plan) -> None:
+        order, bits = len(series.mean), planned.bits
+        self.context, self.bits, self.last = context, bits, planned.order
+        self.length = 2 * context.pi / planned.steps
+        self.identity = np.array([[1 << bits if i == j else 0 for j in range(order)] for i in range(order)], object)
+        self.mean = _fixed(series.mean * self.length, bits, context)
+        waves = _fixed(series.waves * self.length, bits, context)
+        found = (waves != 0).any(axis=0) if len(waves) else np.zeros((order, order), dtype=bool)
+        self.rows, self.columns = np.flatnonzero(found.any(axis=1)), np.flatnonzero(found.any(axis=0))
+        self.waves = waves[:, self.rows[:, None], self.columns]
+        weights = [self._weights(k + 1) for k in range(len(waves) // 2)]
+        self.even, self.odd = (np.array([w[i::2] for w in weights], dtype=object) for i in (0, 1))
+
+    def _weights(self, k: int) -> list[int]:
+        """Return the Taylor coefficients of cos(k h s), even ones, and of sin(k h s), odd ones."""
+        found, term = [], self.context.mpf(1)
+        for power in range(self.last + 1):
+            found.append(int(self.context.ldexp(-term if power % 4 > 1 else term, self.bits)))
+            term = term * k * self.length / (power + 1)
+        return found
+
+    def across(self, begin: Any) -> NDArray[Any]:
+        """Return the map over the step that begins at a phase."""
+        order, width = len(self.mean), len(self.columns)
+        waves = self._turned(begin)
+        newest = total = self.identity
+        history = np.zeros((self.last, width * order), dtype=object)
+        for m in range(self.last):
+            change = np.dot(self.mean, newest)
+            if width:
+                history[m] = newest[self.columns].ravel()
+                even = np.dot(self.even[:, : m // 2 + 1], history[m::-2])
+                odd = np.dot(self.odd[:, : (m + 1) // 2], history[m - 1 :: -2]) if m else np.zeros_like(even)
+                parts = np.stack([even, odd], axis=1).reshape(-1, order) >> self.bits
+                change[self.rows] += np.dot(waves, parts)
+            newest = (change >> self.bits) // (m + 1)
+            total = total + newest
+        return total
+
+    def _turned(self, begin: Any) -> NDArray[Any]:
+        """Return the coefficients of cos(k h s) and sin(k h s), s from the beginning of a step, side by side."""
+        found = []
+        for k, (cosine, sine) in enumerate(zip(self.waves[::2], self.waves[1::2], strict=True), 1):
+            c, s = (int(self.context.ldexp(v, self.bits)) for v in self.context.cos_sin(k * begin))
+            found += [(cosine * c + sine * s) >> self.bits, (sine * c - cosine * s) >> self.bits]
+        return np.concatenate(found, axis=1) if found else np.zeros((0, 0), dtype=object)
+
+
+@np.errstate(over="ignore", under="ignore", invalid="ignore")  # a product that overflows has an infinite norm, or NaN
+def _products(maps: list[NDArray[np.float64]]) -> tuple[list[float], list[float]]:
+    """Return bounds of the 2-norms of what is applied before and after each map."""
+    order = len(maps[0])
+    before, after = [1.0], [1.0]
+    for found, sequence, left in ((before, maps, True), (after, maps[::-1], False)):
+        product = np.eye(order)
+        for matrix in sequence[:-1]:
+            product = matrix @ product if left else product @ matrix
+            found.append(_norm(product))
+    return before, after[::-1]
+
+
+def _norm(matrix: NDArray[np.float64]) -> float:
+    """Return the Frobenius norm, also where squares of entries overflow."""
+    exponent = np.frexp(np.abs(matrix).max())[1]
+    return float(np.ldexp(np.linalg.norm(np.ldexp(matrix, -exponent)), exponent))
+
+
+def _row_sum(matrix: NDArray[Any]) -> float:
+    """Return the largest sum of magnitudes along a row of numbers of mpmath."""
+    return max(float(sum(abs(v) for v in row)) for row in matrix)
+
+
+def _fixed(matrix: NDArray[Any], bits: int, context: Any) -> NDArray[Any]:
+    """Return numbers of mpmath as integers, multiples of 2^-bits."""
+    flat = np.array([int(context.ldexp(v, bits)) for v in matrix.flat], dtype=object)
+    return flat.reshape(matrix.shape)
+
+
+def _floats(matrix: Any, bits: int) -> NDArray[np.float64]:
+    """Return integers that are multiples of 2^-bits as doubles."""
+    scale = 1 << bits
+    return np.array([v / scale for v in matrix.flat], dtype=float).reshape(matrix.shape)
