@@ -141,7 +141,7 @@ def test_progress_counts_to_the_end_and_may_end_the_work() -> None:
     several = fr.HillSystem(stiffness, [waves], period=2.5)
     for ask in (fr.systems.is_stable, fr.systems.growth_rate, fr.systems.multipliers):
         seen: list[tuple[int, int]] = []
-        alone, told = ask(several), ask(several, progress=lambda done, total: seen.append((done, total)))
+        alone, told = ask(several), ask(several, progress=lambda *counts, seen=seen: seen.append(counts))
         np.testing.assert_array_equal(alone, told)
         assert seen[-1] == (4, 4)
         assert sorted(seen) == seen
