@@ -35,6 +35,6 @@ for (share, verdict), marker in zip(verdicts.items(), "os^Dv", strict=True):
     growing = [mode - 1 for mode in verdict.unstable_modes]
     axes.plot(alpha[growing], beta[growing], **style | {"markerfacecolor": "black"})
 axes.set(xlim=(0.0, 0.2), ylim=(-0.8, 0.1))
-axes.set_title("modes under five mean forces, filled where they grow", fontsize="medium")
+axes.set_title("modes under five mean forces; orange: unstable, filled: the mode grows", fontsize="medium")
 axes.legend(fontsize="small", loc="lower right")
 plt.show()
