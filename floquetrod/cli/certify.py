@@ -16,9 +16,9 @@ from floquetrod.cli.common import (
     LARGEST,
     ROD_OPTIONS,
     Answer,
-    add_command,
     add_rod,
     add_units,
+    describe_command,
     read_rod,
     read_tolerance,
     read_units,
@@ -67,9 +67,9 @@ _STATUS = {"stable": 0, "unstable": 1, "mixed": 1, "undecided": 3}
 """Exit statuses of --exit-code."""
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    certify = add_command(commands, "certify", "prove stability for every load of a box", _HELP, _certify)
+def add(certify: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(certify, _HELP, _certify)
     subject = certify.add_mutually_exclusive_group(required=True)
     subject.add_argument(
         "--system", metavar="FILE", help="a TOML or npz file with the matrices of a system, see floquetrod check --help"

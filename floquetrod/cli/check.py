@@ -14,11 +14,11 @@ from floquetrod.cli import coupled, independent, kick, system
 from floquetrod.cli.common import (
     ROD_OPTIONS,
     Answer,
-    add_command,
     add_friction,
     add_rod,
     add_units,
     check_out,
+    describe_command,
     read_friction,
     read_rod,
     read_tolerance,
@@ -97,10 +97,9 @@ _QUICK = 50  # coupled modes up to which margins take some seconds (a choice)
 _LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not fill the memory (a choice)
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    summary = "say whether a rod under an axial load, or a system of equations, is stable"
-    check = add_command(commands, "check", summary, _HELP, _check)
+def add(check: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(check, _HELP, _check)
     subject = check.add_mutually_exclusive_group(required=True)
     subject.add_argument(
         "--system", metavar="FILE", help="a TOML or npz file with the matrices of a system, see floquetrod check --help"

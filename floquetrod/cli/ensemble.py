@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.cli.common import Answer, add_command, number, require_file, warnings_at_once
+from floquetrod.cli.common import Answer, describe_command, number, require_file, warnings_at_once
 from floquetrod.cli.parser import ratio, whole_number
 from floquetrod.cli.study import Study, naming_study, read_study
-from floquetrod.cli.waiting import Waiting, roughly
+from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
 from floquetrod.ensembles.statistics import probability
 
@@ -72,9 +72,9 @@ _NUMBER = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?", re.IGNORECASE)
 _LOGGED = 60.0  # s between lines of progress where stderr is no terminal (a choice)
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    command = add_command(commands, "ensemble", "simulate a rod many times, with statistics", _HELP, _ensemble)
+def add(command: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(command, _HELP, _ensemble)
     command.add_argument("study", type=Path, help="TOML file: what is simulated, and what is varied")
     command.add_argument(
         "--store", metavar="FILE", type=Path, help="folder.zarr or file.npz to write while results come"
@@ -179,7 +179,7 @@ class _Left(Waiting):
         since, before = self.begun
         self.told = now
         left = f", {roughly((total - done) * (now - since) / (done - before))} left" if total > done > before else ""
-        print(f"{done:,} of {total:,} runs{left}", file=sys.stderr, flush=True)
+        say(f"{done:,} of {total:,} runs{left}")
 
 
 @contextmanager

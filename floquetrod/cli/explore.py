@@ -4,23 +4,22 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import webbrowser
 from pathlib import Path
-from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import (
     ROD_OPTIONS,
     Answer,
-    add_command,
     add_rod,
     add_units,
     check_out,
+    describe_command,
     read_rod,
     read_units,
 )
 from floquetrod.cli.loads import add_kind, describe_load, read_kind, read_load, read_record
+from floquetrod.cli.waiting import say
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
 from floquetrod.plotting.web import require_tornado, serve
@@ -48,9 +47,9 @@ a secret, is printed, and nobody can open the page without it; Ctrl-C ends it.
 _LAST_PORT = 65_535
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    explore = add_command(commands, "explore", "move a load by sliders and watch", _HELP, _explore)
+def add(explore: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(explore, _HELP, _explore)
     add_rod(explore, judged=False)
     add_units(explore)
     for name in KINDS:
@@ -132,7 +131,7 @@ def _serve(explorer: fr.Explorer, options: argparse.Namespace) -> None:
     """Show the page until Ctrl-C."""
 
     def told(address: str) -> None:
-        print(f"open {address} in the browser of this machine; Ctrl-C ends", file=sys.stderr, flush=True)
+        say(f"open {address} in the browser of this machine; Ctrl-C ends")
         if options.open:
             webbrowser.open(address)
 

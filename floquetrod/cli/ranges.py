@@ -10,9 +10,9 @@ from typing import Any
 import floquetrod as fr
 from floquetrod.cli.common import (
     Answer,
-    add_command,
     add_rod,
     add_units,
+    describe_command,
     number,
     read_rod,
     read_tolerance,
@@ -54,11 +54,9 @@ the load at which growth is fastest.
 """
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    ranges = add_command(
-        commands, "ranges", "list every stability interval of one quantity of the load", _HELP, _ranges
-    )
+def add(ranges: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(ranges, _HELP, _ranges)
     add_rod(ranges)
     add_units(ranges)
     add_kind(ranges)

@@ -10,7 +10,6 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
@@ -19,9 +18,9 @@ from floquetrod.cli import simulated
 from floquetrod.cli.common import (
     Answer,
     add_coefficient,
-    add_command,
     add_rod,
     add_units,
+    describe_command,
     read_rod,
     read_units,
     warnings_at_once,
@@ -67,9 +66,9 @@ _MOST_FRAMES = 100_000  # unless --frames names more (a choice)
 _LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a choice)
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    command = add_command(commands, "simulate", "simulate a rod and compare it with theory", _HELP, _simulate)
+def add(command: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(command, _HELP, _simulate)
     add_rod(command, judged=False)
     add_units(command)
     add_load(command)

@@ -11,11 +11,11 @@ from typing import Any
 import floquetrod as fr
 from floquetrod.cli.common import (
     Answer,
-    add_command,
     add_friction,
     add_rod,
     add_units,
     check_out,
+    describe_command,
     read_friction,
     read_quantity,
     read_rod,
@@ -61,9 +61,9 @@ begin with few of them.
 _MOST_POINTS = 25_000_000  # half a gigabyte with growth rates (a choice)
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    chart = add_command(commands, "map", "draw stability over two quantities of the load", _HELP, _map)
+def add(chart: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(chart, _HELP, _map)
     add_rod(chart)
     add_friction(chart)
     add_units(chart)
