@@ -24,7 +24,16 @@ from floquetrod.cli.common import (
     read_tolerance,
     read_units,
 )
-from floquetrod.cli.loads import LOAD_OPTIONS, add_kind, add_load, read_kind, read_load, read_record, require_quantities
+from floquetrod.cli.loads import (
+    LOAD_OPTIONS,
+    add_kind,
+    add_load,
+    read_kind,
+    read_load,
+    read_record,
+    require_quantities,
+    warn_of_hertz,
+)
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.verdict import Status
 from floquetrod.plotting import charts
@@ -37,10 +46,10 @@ Say whether a rod is stable under an axial load, which modes grow, how fast, and
 or whether a system of periodic equations from a file is stable, with its multipliers.
 
 examples:
-  floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
+  floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz
-  floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85 --growth-tolerance 0.7 --json
-  floquetrod check --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150 --friction 0.1 --kick 50mm/s
+  floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85rad/s --growth-tolerance 0.7 --json
+  floquetrod check --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150rad/s --friction 0.1 --kick 50mm/s
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz --unit Fcr,rpm --exit-code
   floquetrod check --rod examples/wire.toml --mean 0.3Fcr --amplitude 0.2Fcr --frequency 20Hz --plot shape.png
   floquetrod check --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
@@ -154,6 +163,7 @@ def _check(options: argparse.Namespace) -> Answer:
         options.margins,
         options.plot,
     )
+    warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance)
     if options.plot is not None:
         _require_shape(question, options.plot)
     _draw_record(record, options.plot_force)

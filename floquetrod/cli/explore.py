@@ -18,7 +18,7 @@ from floquetrod.cli.common import (
     read_rod,
     read_units,
 )
-from floquetrod.cli.loads import add_kind, describe_load, read_kind, read_load, read_record
+from floquetrod.cli.loads import add_kind, describe_load, read_kind, read_load, read_record, warn_of_hertz
 from floquetrod.cli.waiting import say
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
@@ -67,6 +67,7 @@ def _explore(options: argparse.Namespace) -> Answer:
     load, is_given = _given_load(options, rod)
     if options.out is not None:
         check_out(options.out, charts.FIGURES)
+    warn_of_hertz("--frequency", options.frequency, rod, [load])
     shown = read_units(options, rod)
     if not is_given:  # begin in the middle of things
         first = Scale.of(rod).first_load(shown)

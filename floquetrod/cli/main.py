@@ -47,6 +47,7 @@ def _run(argv: Sequence[str]) -> int:
             if options.command != "compare":  # which knows no rods
                 warnings.simplefilter("always", fr.UniformForceWarning)
                 warnings.simplefilter("always", fr.PlausibilityWarning)
+                warnings.simplefilter("ignore", import_module("floquetrod.rod.plausibility").HertzWarning)
             telling = warnings.showwarning = _Telling(options)
             answer = options.run(options)
         telling.rest()
@@ -184,7 +185,7 @@ def _attached(arguments: Sequence[str]) -> list[str]:
 
 _EPILOG = """\
 examples:
-  floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
+  floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
   floquetrod check --help
 
 completion, once floquetrod[completion] is installed:

@@ -22,10 +22,12 @@ from floquetrod.cli.common import (
 from floquetrod.cli.loads import (
     add_kind,
     add_load,
+    corners,
     read_kind,
     read_record,
     read_values,
     require_quantities,
+    warn_of_hertz,
 )
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.systems.result import Resonance
@@ -36,7 +38,7 @@ _HELP = """\
 List what is stable and what is not along one quantity of the load: give the other two, and what to search.
 
 examples:
-  floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150 --mean 0:1.2Fcr
+  floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150rad/s --mean 0:1.2Fcr
   floquetrod ranges --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 10Hz:60Hz --growth-tolerance 0.05
   floquetrod ranges --rod my_rod.toml --mean 12N --frequency 24Hz --amplitude 0:5N
   floquetrod ranges --rod examples/wire.toml --amplitude 0.2Fcr --frequency 20Hz --mean 0:1Fcr
@@ -77,6 +79,7 @@ def _ranges(options: argparse.Namespace) -> Answer:
             f"{len(varied)}"
         )
     shown = read_units(options, rod)
+    warn_of_hertz("--frequency", options.frequency, rod, corners(values, like), tolerance)
     bounds = tuple(values.pop(varied[0]))
     fixed: dict[str, Any] = {name: value for name, (value,) in values.items()}
     searches: dict[str, Callable[..., fr.StabilityIntervals]] = {

@@ -25,7 +25,15 @@ from floquetrod.cli.common import (
     read_units,
     warnings_at_once,
 )
-from floquetrod.cli.loads import add_kind, add_load, read_kind, read_load, read_record, require_quantities
+from floquetrod.cli.loads import (
+    add_kind,
+    add_load,
+    read_kind,
+    read_load,
+    read_record,
+    require_quantities,
+    warn_of_hertz,
+)
 from floquetrod.cli.parser import whole_number
 from floquetrod.cli.starts import read_perturbation
 from floquetrod.cli.waiting import Waiting, roughly, say
@@ -35,9 +43,9 @@ _HELP = """\
 Simulate the whole nonlinear rod in its channel, with or without friction, and compare it with the theory.
 
 examples:
-  floquetrod simulate --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150 --out run.png --out run.npz
-  floquetrod simulate --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150 --friction 0.1 --kick 9:50mm/s
-  floquetrod simulate --rod nitinol --mean 0.424Fcr --amplitude 0.7Fcr --frequency 150 --mu 0.1 --case C:10 --seed 2
+  floquetrod simulate --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s --out run.png --out run.npz
+  floquetrod simulate --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150rad/s --mu 0.1 --kick 9:50mm/s
+  floquetrod simulate --rod nitinol --mean 0.42Fcr --amplitude 0.7Fcr --frequency 150rad/s --mu 0.1 --case C:10 --seed 2
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 4s --out run.gif
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 60s --checkpoint run.ckpt
   floquetrod simulate --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
@@ -128,6 +136,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
     perturbation, shown = read_perturbation(options), read_units(options, rod)
     _check_kinds(options.out)
     _check_places([*options.out, *filter(None, [options.checkpoint])])
+    warn_of_hertz("--frequency", options.frequency, rod, [load])
     problem = fr.SimulationProblem(
         rod,
         load,

@@ -41,6 +41,10 @@ class PlausibilityWarning(UserWarning):
     """A number that is allowed, and is probably in another unit or of another kind than it is taken to be."""
 
 
+class HertzWarning(PlausibilityWarning):
+    """A frequency that is probably in Hz; the terminal, which knows what was typed, says so itself."""
+
+
 def warn_of_rod(rod: Any) -> None:
     """Warn of a rod's suspicious parameters, when a user's call has made it."""
     for suspicion in suspicions_of_rod(rod):
@@ -192,12 +196,20 @@ def warn_of_load(rod: Any, load: Any) -> None:
         warnings.warn(suspicion + SILENCE, PlausibilityWarning, stacklevel=level_of_caller())
 
 
-def warn_of_hertz(load: Any) -> None:
-    """Warn of a load that is harmless at its frequency in rad/s and would not be at as many Hz."""
-    warnings.warn(
-        f"frequency = {load.frequency:g} rad/s is below all but the narrowest tongues of this rod, and with it nothing "
-        f"grows; with {load.frequency:g} Hz something would. Was it in Hz? AxialLoad.hertz takes Hz, and so does "
-        f'frequency="{load.frequency:g}Hz"{SILENCE}',
-        PlausibilityWarning,
-        stacklevel=level_of_caller(),
-    )
+def verdicts_in_hertz(rod: Any, load: Any, growth_tolerance: float) -> tuple[int, int]:
+    """Return the verdicts on a load of independent modes as it is, and with as many Hz as its frequency has rad/s."""
+    frequencies = [load.frequency, 2.0 * math.pi * load.frequency]
+    found = rod.verdicts(load.mean, load.amplitude, frequencies, growth_tolerance=growth_tolerance, like=load)
+    return int(found[0]), int(found[1])
+
+
+def warn_of_hertz(rod: Any, load: Any, growth_tolerance: float) -> None:
+    """Warn where a load of independent modes may have been meant in Hz, and is harmless only in rad/s."""
+    if may_be_hertz(rod, load) and verdicts_in_hertz(rod, load, growth_tolerance) == (1, 0):
+        warnings.warn(
+            f"frequency = {load.frequency:g} rad/s is below all but the narrowest tongues of this rod, and with it "
+            f"nothing grows; with {load.frequency:g} Hz something would. Was it in Hz? AxialLoad.hertz takes Hz, and "
+            f'so does frequency="{load.frequency:g}Hz"{SILENCE}',
+            HertzWarning,
+            stacklevel=level_of_caller(),
+        )
