@@ -120,7 +120,7 @@ def _certify(options: argparse.Namespace) -> Answer:
         return answer._replace(status=_STATUS[status] if options.exit_code else 0)
     require_quantities(options)
     rod = read_rod(options)
-    like = read_kind(options, read_record(options))
+    like = read_kind(options, read_record(options, rod))
     values = read_values(options, rod, like)
     tolerance, shown = read_tolerance(options), read_units(options, rod)
     tolerances = dict(_tolerance(text, rod) for text in options.vary)

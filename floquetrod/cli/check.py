@@ -26,6 +26,7 @@ from floquetrod.cli.common import (
 )
 from floquetrod.cli.loads import (
     LOAD_OPTIONS,
+    RECORD_OPTIONS,
     add_kind,
     add_load,
     read_kind,
@@ -150,11 +151,12 @@ def _check(options: argparse.Namespace) -> Answer:
             "load"
         )
     require_quantities(options)
-    rod, record = read_rod(options), read_record(options)
+    rod = read_rod(options)
+    record = read_record(options, rod)
     question = _Question(
         rod,
         record,
-        all(getattr(options, name) is None for name in (*KINDS, *LOAD_OPTIONS) if name != "force"),
+        all(getattr(options, name) is None for name in {*KINDS, *LOAD_OPTIONS} - {"force", *RECORD_OPTIONS}),
         read_load(options, rod, read_kind(options, record)),
         _modes(options.modes),
         read_tolerance(options),

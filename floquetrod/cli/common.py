@@ -44,7 +44,7 @@ def describe_command(command: argparse.ArgumentParser, text: str, run: Any) -> N
     command.set_defaults(run=run)
 
 
-ROD_OPTIONS = ("rod", "length", "bore", "damping_rate")
+ROD_OPTIONS = ("rod", "length", "bore", "inclination", "damping_rate")
 """Options of `add_rod` that describe the rod."""
 
 
@@ -62,6 +62,11 @@ def add_rod(command: argparse.ArgumentParser, subject: Any = None, *, judged: bo
     command.add_argument("--length", help="length such as 200ft (replaces that of the rod)")
     command.add_argument(
         "--bore", metavar="LENGTH", help="diameter of the channel such as 4.778in (replaces that of the rod)"
+    )
+    command.add_argument(
+        "--inclination",
+        metavar="ANGLE",
+        help="angle of the channel from the vertical such as 70deg, 90deg being horizontal (replaces that of the rod)",
     )
     command.add_argument(
         "--damping-rate", metavar="RATE", help="decay rate of free motion in 1/s (replaces that of the rod)"
@@ -127,6 +132,8 @@ def read_quantity(text: str, name: Quantity, rod: fr.Rod, given: str | None = No
     from floquetrod.rod.load import KINDS, LIMITS
 
     least, largest = LIMITS[name][:2]
+    if ":" in text and given is None:
+        raise ValueError(f"--{name} must be one value here, got {text!r}; ranges, map and certify take ranges")
     force = rod.critical_force
     return units.quantity(
         text, f"--{name}", KINDS[name], critical_force=force, least=least, largest=largest, given=given
@@ -182,8 +189,8 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
 def read_rod(options: argparse.Namespace) -> fr.Rod:
     """Return the rod that the options describe."""
     changes = {
-        key: units.quantity(text, f"--{key}", "length", least=_TINY, largest=LARGEST)
-        for key in ("length", "bore")
+        key: units.quantity(text, f"--{key}", kind, least=_TINY, largest=LARGEST)
+        for key, kind in (("length", "length"), ("bore", "length"), ("inclination", "angle"))
         if (text := getattr(options, key)) is not None
     }
     if is_pipe(options.rod):

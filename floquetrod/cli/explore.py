@@ -18,7 +18,15 @@ from floquetrod.cli.common import (
     read_rod,
     read_units,
 )
-from floquetrod.cli.loads import add_kind, describe_load, read_kind, read_load, read_record, warn_of_hertz
+from floquetrod.cli.loads import (
+    RECORD_OPTIONS,
+    add_kind,
+    describe_load,
+    read_kind,
+    read_load,
+    read_record,
+    warn_of_hertz,
+)
 from floquetrod.cli.waiting import say
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
@@ -103,13 +111,13 @@ def _given_load(options: argparse.Namespace, rod: fr.Rod) -> tuple[Load, bool]:
     given = [name for name in KINDS if getattr(options, name) is not None]
     if given and len(given) < len(KINDS) and options.force is None:
         raise ValueError(f"--mean, --amplitude and --frequency go together; got only --{', --'.join(given)}")
-    record = read_record(options)
+    record = read_record(options, rod)
     return read_load(options, rod, read_kind(options, record)), bool(given) or record is not None
 
 
 def _named(options: argparse.Namespace) -> list[str]:
     """Return the options that name the rod and the measured force."""
-    given = {name: getattr(options, name) for name in (*ROD_OPTIONS, "force")}
+    given = {name: getattr(options, name) for name in (*ROD_OPTIONS, "force", *RECORD_OPTIONS)}
     return [word for name, text in given.items() if text is not None for word in (f"--{name.replace('_', '-')}", text)]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,15 +13,18 @@ from typing import TypeVar
 import floquetrod as fr
 from floquetrod import units
 from floquetrod.cli.common import LARGEST, read_quantity, read_range, require_file
-from floquetrod.cli.waiting import say
+from floquetrod.cli.waiting import Waiting, say
 from floquetrod.rod.load import KINDS, Load, Quantity, kind
 from floquetrod.rod.modal import ModalRod
-from floquetrod.rod.plausibility import may_be_hertz, verdicts_in_hertz
+from floquetrod.rod.plausibility import may_be_hertz, verdicts_in_hertz, warn_of_load
 from floquetrod.units import Unit
 
 _L = TypeVar("_L", bound=Load)
 
-LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "force")
+RECORD_OPTIONS = ("time_column", "force_column", "time_unit", "force_unit")
+"""What says how to read --force."""
+
+LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "force", *RECORD_OPTIONS)
 """What `add_kind` adds."""
 
 
@@ -77,17 +81,43 @@ def add_kind(command: argparse.ArgumentParser) -> None:
         help="a measured force, a text file with columns of time and force such as record.csv: gives the waveform and, "
         "of mean, amplitude and frequency, what is not given",
     )
+    for name, heading, examples in (("time", "time or t", "s or ms"), ("force", "force or f", "kN or lbf")):
+        command.add_argument(
+            f"--{name}-column",
+            metavar="HEADING",
+            help=f"heading or number, from 0, of the column of {name} (default: {heading})",
+        )
+        command.add_argument(
+            f"--{name}-unit",
+            metavar="UNIT",
+            help=f"unit of {name}, such as {examples} (default: that of its heading)",
+        )
 
 
-def read_record(options: argparse.Namespace) -> fr.ForceRecord | None:
-    """Return the measured force, None without any."""
+def read_record(options: argparse.Namespace, rod: fr.Rod) -> fr.ForceRecord | None:
+    """Return the measured force, None without any; warns where it may be in another unit than N."""
     if options.force is None:
+        for name in RECORD_OPTIONS:
+            if getattr(options, name) is not None:
+                option, given = name.replace("_", "-"), getattr(options, name)
+                raise ValueError(f"--{option} needs --force, got {given!r} alone: it says how to read that file")
         return None
+    columns = (
+        None if text is None else int(text) if text.isdecimal() else text
+        for text in (options.time_column, options.force_column)
+    )
     try:
         require_file("--force", Path(options.force), "a text file with columns of time and force")
-        return fr.ForceRecord.from_csv(options.force)
+        with Waiting(f"reading and fitting {options.force}"):
+            record = fr.ForceRecord.from_csv(
+                options.force, *columns, time_unit=options.time_unit, force_unit=options.force_unit
+            )
+        if not record.force_unit_named:
+            warn_of_load(rod, record)
+        return record
     except (ValueError, OSError) as error:
-        message = str(error)
+        message = re.sub(r"\b(time|force)_unit (?=must|is)", r"--\1-unit ", str(error))
+        message = re.sub(r"\b(time|force) must be (?=a heading|a column|the number)", r"--\1-column must be ", message)
         start = "" if message.startswith("--force") else "--force must be a text file with columns of time and force: "
         raise ValueError(f"{start}{message}") from None
 

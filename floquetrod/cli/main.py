@@ -136,6 +136,7 @@ _WORDS = {
     "mean_at=None": ("mean_at", "--mean-at none"),
     "axial_damping": ("axial_damping", "--axial-damping"),
     "AxialWave": ("wave", "--wave"),
+    "force_unit,": ("force_unit", "--force-unit"),
     "range(1, n + 1)": ("modes", "--modes 1-n"),
 }
 """What remedies of the library name, with the option that a command has for it."""
@@ -219,6 +220,7 @@ _COMMANDS = {
     "ensemble": _Command(
         "simulate a rod many times, with statistics", lambda: import_module("floquetrod.cli.ensemble")
     ),
+    "lock-up": _Command("say how far a string can be pushed", lambda: import_module("floquetrod.cli.lock_up")),
     "reproduce": _Command("make the published study again", lambda: import_module("floquetrod.cli.reproduce")),
 }
 """The commands in the order of the help; what one of them imports is imported for it alone."""

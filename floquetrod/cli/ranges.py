@@ -70,13 +70,13 @@ def _ranges(options: argparse.Namespace) -> Answer:
     require_quantities(options)
     rod = read_rod(options)
     tolerance = read_tolerance(options)
-    like = read_kind(options, read_record(options))
+    like = read_kind(options, read_record(options, rod))
     values = read_values(options, rod, like)
     varied = [name for name, ends in values.items() if len(ends) == 2]
     if len(varied) != 1:
         raise ValueError(
             "exactly one of --mean, --amplitude, --frequency must be a range such as 0:1.2Fcr or 10Hz:60Hz, got "
-            f"{len(varied)}"
+            + (f"ranges for --{' and --'.join(varied)}" if varied else "one value for each")
         )
     shown = read_units(options, rod)
     warn_of_hertz("--frequency", options.frequency, rod, corners(values, like), tolerance)

@@ -127,7 +127,8 @@ def add(command: argparse.ArgumentParser) -> None:
 
 def _simulate(options: argparse.Namespace) -> Answer:
     require_quantities(options)
-    rod, force = read_rod(options), read_record(options)
+    rod = read_rod(options)
+    force = read_record(options, rod)
     load = read_load(options, rod, read_kind(options, force))
     feed = None if options.feed_speed is None else units.quantity(options.feed_speed, "--feed-speed", "speed")
     far = None if options.far_force is None else _far_force(options.far_force, rod)

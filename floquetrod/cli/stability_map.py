@@ -104,13 +104,14 @@ def _map(options: argparse.Namespace) -> Answer:
         if path.suffix == ".csv" and options.pixels:
             raise ValueError(f"--out {path}: a .csv file holds the vertices of bands; leave out --pixels")
     columns, rows = _points(options.points)
-    like = read_kind(options, read_record(options))
+    like = read_kind(options, read_record(options, rod))
     values = read_values(options, rod, like)
     tolerance, rubbing = read_tolerance(options), read_friction(options)
     shown = read_units(options, rod)
     varied = [name for name, ends in values.items() if len(ends) == 2]
     if len(varied) != 2:
-        raise ValueError(f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {len(varied)}")
+        got = f"ranges for --{' and --'.join(varied)}" if varied else "one value for each"
+        raise ValueError(f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {got}")
     warn_of_hertz("--frequency", options.frequency, rod, corners(values, like), tolerance)
     across = "frequency" if "frequency" in varied else "mean"
     load: dict[str, Any] = {

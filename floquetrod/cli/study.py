@@ -153,10 +153,10 @@ def _load(path: Path, table: Mapping[str, Any], rod: fr.Rod) -> Any:
         raise ValueError(f"missing key{'s' if missing[1:] else ''} {', '.join(missing)}; or give a measured force")
     if given["wave"] is not None:
         validate.choice("wave", given["wave"], FAR_ENDS)
-    texts = {key: None if given[key] is None else str(given[key]) for key in ("mean_at", "wave", "axial_damping")}
+    texts = {key: None if given[key] is None else str(given[key]) for key in _LOAD if key not in (*KINDS, "force")}
     force = None if given["force"] is None else str(path.parent / str(given["force"]))
     options = argparse.Namespace(**given | texts | {"force": force})
-    load = read_load(options, rod, read_kind(options, read_record(options)))
+    load = read_load(options, rod, read_kind(options, read_record(options, rod)))
     if given["frequency"] is not None:
         warn_of_hertz(f"study file {path}: frequency", str(given["frequency"]), rod, [load])
     return load

@@ -15,6 +15,7 @@ from typing import Any
 
 from floquetrod._util.calling import level_of_caller
 from floquetrod.rod.catalogue import pipes
+from floquetrod.units import units_of
 
 SILENCE = ' (silence with warnings.simplefilter("ignore", fr.PlausibilityWarning))'
 """The end of every warning; a terminal leaves it out."""
@@ -171,6 +172,25 @@ def suspicions_of_load(rod: Any, load: Any) -> Iterator[str]:
         )
 
 
+def suspicions_of_record(rod: Any, record: Any) -> Iterator[str]:
+    """Yield the suspicion that a record without a unit of force is not in N: in another unit it would matter.
+
+    In kN or mN it would be about the critical force, and in N it is far from it.
+    """
+    share = (abs(record.mean) + record.amplitude) / rod.critical_force
+    usual = {"kN": rod.critical_force > _THICK_STRING, "mN": rod.critical_force < 1e-2 * _THICK_STRING}
+    for unit, is_usual in usual.items():
+        other = share * units_of("force")[unit]
+        if is_usual and not _MATTERS[0] < share < _MATTERS[1] and _MATTERS[0] < other < _MATTERS[1]:
+            yield (
+                f"the record names no unit of force: taken in N, its {record.mean:.4g} +- {record.amplitude:.4g} N are "
+                f"{share:.2g} of the critical force, in {unit} {other:.2g}; give force_unit, N or {unit}"
+            )
+
+
+_MATTERS = 0.02, 20.0  # critical forces between which a force is plausible (a choice)
+
+
 def may_be_hertz(rod: Any, load: Any) -> bool:
     """Return whether a frequency in rad/s may have been meant in Hz: short, too low for all but narrow tongues.
 
@@ -191,8 +211,9 @@ def _is_typed(value: float) -> bool:
 
 
 def warn_of_load(rod: Any, load: Any) -> None:
-    """Warn of a load that is suspicious on this rod."""
-    for suspicion in suspicions_of_load(rod, load):
+    """Warn of a load, or a record, that is suspicious on this rod."""
+    is_unnamed = not getattr(load, "force_unit_named", True)
+    for suspicion in suspicions_of_record(rod, load) if is_unnamed else suspicions_of_load(rod, load):
         warnings.warn(suspicion + SILENCE, PlausibilityWarning, stacklevel=level_of_caller())
 
 

@@ -168,7 +168,7 @@ class Rod(ProvedRod):
         rubbing = friction_and_kick(friction, kick)
         growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
         warn_unless_uniform(self, load)
-        warn_of_load(self, load)
+        warn_of_load(self, source if isinstance(source, ForceRecord) and not source.force_unit_named else load)
         if not self.coupled_numbers.has_mathieu_modes(load):
             if friction is not None:
                 raise refusal(self, "friction", load)
