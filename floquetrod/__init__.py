@@ -122,9 +122,13 @@ __all__ = sorted(_WHERE)
 def __getattr__(name: str) -> Any:
     """Load a public name when it is first used, so that importing the package costs next to nothing."""
     if name not in _WHERE:
+        from importlib.util import find_spec
+
         from floquetrod._util.suggest import did_you_mean
 
         hint = did_you_mean(name, __all__) or "; see dir(floquetrod)"
+        if not name.startswith("_") and find_spec(f"floquetrod.{name}") is not None:
+            hint = f"; it is a module: import floquetrod.{name}"
         raise AttributeError(f"module 'floquetrod' has no attribute {name!r}{hint}")
     module = importlib.import_module(f"floquetrod.{_WHERE[name]}")
     value = module if name in _MODULES else getattr(module, name)

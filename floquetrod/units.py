@@ -236,7 +236,7 @@ def quantity(
         return _bounded(number, name, units, least, largest, repr(value) if given is None else given)
     given = validate.short(value) if given is None else given
     match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
-    if match is None or "," in match[2]:
+    if match is None or "," in match[2] or ":" in match[2]:
         raise ValueError(f"{_wanted(name, kind, units)}, got {given}: {_why_no_number(value)}")
     whole = {"force": critical_force, "ratio": 1.0}.get(kind) if nominal is None else nominal
     if match[2] == "%" and whole == 0.0:
@@ -261,6 +261,8 @@ def _why_no_number(value: Any) -> str:
     """Return why a text is no number with a unit."""
     if isinstance(value, str) and "," in value:
         return "a comma is not understood; write a point before decimals and nothing between thousands"
+    if isinstance(value, str) and ":" in value:
+        return "a range where one value is needed"
     return "this is not understood"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import re
 import runpy
 import shlex
@@ -236,7 +237,7 @@ def test_errors_are_one_line_and_status_2(
         ('{sheet}\nradius = "0.8 kg"', "radius must be a number with a length unit"),
         ("{sheet}\nradius = -1", "radius must be greater than zero"),
         ("{sheet}\nradius = [1]", "radius must be a number with a length unit"),
-        ("{sheet}\nradius = 0.1", "both are radii, not diameters"),
+        ("{sheet}\nradius = 0.1", "half the diameters"),
     ],
 )
 def test_bad_rod_files(text: str, message: str, tmp_path: Path) -> None:
@@ -573,3 +574,29 @@ def test_python_m_floquetrod(monkeypatch: pytest.MonkeyPatch, capsys: pytest.Cap
         runpy.run_module("floquetrod", run_name="__main__")
     assert ended.value.code == 0
     assert capsys.readouterr().out.startswith("UNSTABLE: mode 7 grows")
+
+
+def test_lock_up_says_what_the_library_finds(capsys: pytest.CaptureFixture[str]) -> None:
+    line = ["lock-up", "--rod", "nitinol", "--friction", "0.2", "--far-force", "0.5Fcr", "--push", "10N"]
+    rod = fr.Rod.nitinol()
+    found = rod.lock_up(0.2, 0.5 * rod.critical_force)
+    assert cli.main(line) == 0
+    text = capsys.readouterr().out
+    assert text.startswith(repr(found)[1:-1])
+    assert "10 N at the upper end pushes 62.12 m" in text
+    assert cli.main([*line, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert (record["length_m"], record["pushed_length_m"]) == (found.length, found.pushed_length(10.0))
+    steep = ["lock-up", "--rod", "nitinol", "--friction", "0.1", "--inclination", "10deg", "--json"]
+    assert cli.main(steep) == 0
+    assert json.loads(capsys.readouterr().out)["length_m"] is None  # never
+
+
+def test_an_inclination_replaces_that_of_the_rod(capsys: pytest.CaptureFixture[str]) -> None:
+    line = [*CHECK, "--mean-at", "none", "--no-margins", "--json"]
+    assert cli.main([*line, "--inclination", "70deg"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["rod"]["inclination"] == pytest.approx(math.radians(70.0))
+    rod = fr.Rod.nitinol().replace(inclination="70deg")
+    load = fr.AxialLoad(0.2 * rod.critical_force, 0.2 * rod.critical_force, 150.0, mean_at=None)
+    assert record["growth_rate_per_s"] == rod.stability(load).growth_rate

@@ -191,11 +191,11 @@ def test_long_tables_are_cut(
 # --- stores ----------------------------------------------------------------------------------------------------------
 
 
-def test_a_store_is_continued_only_when_asked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_store_is_continued_as_in_python(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path, store = written(tmp_path), str(tmp_path / "runs.npz")
     first = answer(capsys, path, "--store", store)
-    assert "exists; add --resume to go on with it" in refused(capsys, path, "--store", store)
-    again = answer(capsys, path, "--store", store, "--resume")
+    assert answer(capsys, path, "--store", store)["done"] == answer(capsys, path, "--store", store, "--resume")["done"]
+    again = answer(capsys, path, "--store", store)
     assert again["rows"] == first["rows"]
     other = written(tmp_path, start='random = "2mm/s"')
     assert "another" in refused(capsys, other, "--store", store, "--resume")
@@ -271,7 +271,7 @@ def test_interrupted_before_the_first_run(
     assert cli.main(["ensemble", written(tmp_path), "--store", "runs.npz", "--workers", "2"]) == 130
     out = capsys.readouterr().out
     assert out.startswith("INTERRUPTED before a run was done\ncontinue  floquetrod ensemble ")
-    assert out.endswith("--store runs.npz --workers 2 --resume\n")
+    assert out.endswith("--store runs.npz --workers 2\n")
     assert cli.main(["ensemble", written(tmp_path)]) == 130
     assert "the same command begins anew" in capsys.readouterr().out
 

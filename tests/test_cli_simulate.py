@@ -35,7 +35,7 @@ def answer(capsys: pytest.CaptureFixture[str], *arguments: str, status: int = 0)
 def test_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*SHORT, "--kick", "7:0.1mm/s"]) == 0
     text = capsys.readouterr().out
-    assert text.startswith("NOT BUCKLED: largest angle 0.0")
+    assert re.match(r"GROWING, not yet buckled after 0\.2 s: mode 7 at 4\.\d+ 1/s, 5 degrees at about [12]", text)
     for line in (
         r"start     0\.1 mm/s in mode 7; friction 0",
         r"growth    4\.2\d+ \+- \S+ 1/s in mode 7 up to 0\.2 s; predicted 4\.2435 1/s \([+-]0\.\d\d %\) with "
@@ -46,6 +46,25 @@ def test_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> None:
         r"written   nothing: name files with --out",
     ):
         assert re.search(line, text), line
+
+
+def test_what_has_not_buckled_yet_says_when_it_will(capsys: pytest.CaptureFixture[str]) -> None:
+    early = answer(capsys, "--kick", "7:0.1mm/s", "--duration", "0.6s")
+    late = answer(capsys, "--kick", "7:0.1mm/s", "--duration", "1.8s")
+    assert (early["buckled"], early["growing"]) == (False, True)
+    assert (late["buckled"], late["growing"], late["buckles_at_about_s"]) == (True, True, None)
+    load = fr.AxialLoad(0.2 * fr.Rod.nitinol().critical_force, 0.2 * fr.Rod.nitinol().critical_force, 150.0)
+    kick = fr.Perturbation.modes({7: 1e-4})
+    run = fr.simulate(fr.Rod.nitinol(), load, duration=1.8, perturbation=kick, segments=60)
+    assert early["buckles_at_about_s"] == pytest.approx(run.buckled_at, rel=0.05)
+
+
+def test_what_does_not_grow_has_not_buckled(capsys: pytest.CaptureFixture[str]) -> None:
+    for arguments in (["--frequency", "190rad/s"], ["--mu", "0.1"]):
+        assert cli.main([*SHORT, *arguments, "--kick", "7:0.1mm/s"]) == 0
+        assert capsys.readouterr().out.startswith("NOT BUCKLED: largest angle 0.0")
+    record = answer(capsys, "--mu", "0.1")
+    assert (record["growing"], record["buckles_at_about_s"]) == (False, None)
 
 
 def test_json_says_what_the_library_finds(capsys: pytest.CaptureFixture[str]) -> None:
@@ -210,7 +229,9 @@ def test_control_c_keeps_what_there_is(
         interrupt_after(10, patch)
         assert cli.main(arguments) == 130
     out = capsys.readouterr().out
-    assert out.startswith("INTERRUPTED at 0.05 s of 0.2 s; so far NOT BUCKLED")
+    assert out.startswith(
+        "INTERRUPTED at 0.05 s of 0.2 s; so far GROWING, not yet buckled after 0.05 s: mode 7, by theory"
+    )
     assert "kept      11 of 41 frames; the same command continues from the checkpoint" in out
     assert fr.Simulation.load(path).time.size == 11
     assert cli.main(arguments) == 0
@@ -346,7 +367,7 @@ def test_a_full_disk_at_the_end_loses_nothing(
     out = [word for path in paths for word in ("--out", str(path))]
     assert cli.main([*SHORT, *out]) == 2
     text = capsys.readouterr().out
-    assert text.startswith("NOT BUCKLED")
+    assert text.startswith("GROWING, not yet buckled")
     assert re.search(
         r"written   \S+/run\.png\nnot       \S+full/run\.npz could not be written: No space left on dev", text
     )

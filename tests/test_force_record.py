@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import pickle
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -15,6 +16,8 @@ from scipy.optimize import least_squares
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod.rod import record_file
+from floquetrod.rod.plausibility import suspicions_of_record
 
 OMEGA = 100.0
 PERIOD = 2.0 * math.pi / OMEGA
@@ -368,7 +371,13 @@ def test_columns_are_chosen_by_heading_and_empty_cells_left_out(tmp_path: Path) 
         (b"t,F\n1,2\n", {"time_unit": "fortnight"}, "time_unit must be a unit of time"),
         (b"\x00\x01\x02", {}, "binary"),
         ("t,F\n1,2\n".encode("utf-16"), {}, "save it as CSV in UTF-8"),
-        (b"t,F\n1,2 \xb5\n", {}, "line 2 is not text in UTF-8"),
+        (b"t,F\n1,2 \xb5\n", {}, "line 2: force must be a number, got '2 \N{MICRO SIGN}'"),
+        (b"t,F\n1,2 \x81\n", {}, "line 2 is not text in UTF-8"),
+        (b"t,F\n12:00:01,2\n13.5,2\n", {}, "line 3: time must be a time of day as in the lines before, got '13.5'"),
+        (b"t,F\n2024-02-30 12:00:01,2\n", {}, "dates such as 2024-01-31, got '2024-02-30"),
+        (b"t,F\n2024-02-03 12:00:01,2\n12:00:02,2\n", {}, "a date in every line or in none, got '12:00:02'"),
+        (b"t,F\n12:00:01,2\n", {"time_unit": "ms"}, "time_unit is for numbers, got 'ms'"),
+        (b"t,F\n12:00,2\n", {}, "times of day are like 12:00:00.000"),
         (b"t,F\n1,2\n2,3\n", {}, "12 samples or more, got 2"),
         (b"1,2\n", {"delimiter": "ab"}, "delimiter must be one character"),
         (b"1,2\n", {"harmonics": 0}, "harmonics must be 1 or more"),
@@ -397,3 +406,107 @@ def test_swapped_columns_and_missing_files_are_named(tmp_path: Path) -> None:
 def test_units_written_in_headings_are_known() -> None:
     assert {"s", "ms"} <= units.units_of("time").keys()
     assert {"N", "kN", "lbf"} <= units.units_of("force").keys()
+
+
+def _clock(seconds: float, date: str = "", zone: str = "") -> str:
+    """Return a time of day that many seconds after 23:59:59.5, as loggers write it."""
+    late = 86399.5 + seconds
+    day, rest = divmod(late, 86400.0)
+    text = f"{int(rest // 3600):02d}:{int(rest % 3600 // 60):02d}:{rest % 60.0:012.9f}"
+    return f"{date.format(int(day) + 1)}{text}{zone}"
+
+
+@pytest.mark.parametrize(
+    ("date", "zone"),
+    [("", ""), ("2024-03-0{}T", "Z"), ("2024-03-0{} ", "+01:00")],  # the first passes midnight without a date
+)
+def test_times_of_day(date: str, zone: str, tmp_path: Path) -> None:
+    path = tmp_path / "force.csv"
+    start = pairs()[0][0]
+    path.write_text("\n".join(f"{_clock(t - start, date, zone)};{f!r}" for t, f in pairs()), encoding="utf-8")
+    record, plain = fr.ForceRecord.from_csv(path), fr.ForceRecord(TIME, FORCE)
+    assert (record.frequency, record.mean) == pytest.approx((plain.frequency, plain.mean), rel=1e-6)
+    assert record.time[0] == (82799.5 if zone.startswith("+") else 86399.5)
+    assert record.kept == plain.kept
+
+
+def test_text_of_windows(tmp_path: Path) -> None:
+    path = tmp_path / "force.csv"
+    rows = ["Messung \N{DEGREE SIGN}C;Zeit [s];Kraft [N]", *(f"20;{t};{f}".replace(".", ",") for t, f in pairs())]
+    path.write_text("\r\n".join(rows), encoding="cp1252", newline="")
+    assert right(fr.ForceRecord.from_csv(path, "Zeit [s]", "Kraft [N]"))
+
+
+# Lines that NumPy's reader would not read, or read otherwise, and lines that it may.
+LINES = "{}\n1.0,2.0,a\n 2.5 ,-3e-2,b\n+4.,.5,c\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "delimiter"),
+    [
+        (LINES.format("0,1,9"), None),
+        (LINES.format('"0","1",9'), None),
+        (LINES.format("0,1,9\n0.5,1,#"), None),
+        (LINES.format("0,,9"), None),
+        (LINES.format("nan,1,9").replace("\n", "\r\n"), None),
+        (LINES.format("0,1,9\n\n# a comment\n   "), None),
+        (LINES.format("0,1,9").replace(",", ";").replace(".", ","), None),
+        (LINES.format("0,1,9").replace(",", "   "), None),
+        (LINES.format("0,1,9").replace(",", "|"), "|"),
+    ],
+)
+def test_lines_together_are_read_as_each_alone(text: str, delimiter: str | None, tmp_path: Path) -> None:
+    path = tmp_path / "force.csv"
+    path.write_text(text, encoding="utf-8", newline="")
+    together = record_file.read_columns(path, 0, 1, None, None, delimiter)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(record_file._Rows, "_at_once", lambda *_: None)
+        alone = record_file.read_columns(path, 0, 1, None, None, delimiter)
+    assert np.array_equal(np.array(together[:2]), np.array(alone[:2]), equal_nan=True)
+    assert together.time.size >= 4
+
+
+@pytest.mark.parametrize("cell", ["0x10", "1_0", "inf", "1\x0b2", "1\r2", "1e", "'1'", "\N{ARABIC-INDIC DIGIT ONE}"])
+@pytest.mark.parametrize("delimiter", [",", " "])
+def test_what_is_no_number_is_none_among_many_lines(cell: str, delimiter: str, tmp_path: Path) -> None:
+    path = tmp_path / "force.csv"
+    rows = [f"{t}{delimiter}{f}" for t, f in pairs()]
+    path.write_text("\n".join([*rows[:30], f"1.0{delimiter}{cell}", *rows[30:]]), encoding="utf-8", newline="")
+    with pytest.raises(ValueError, match="line 31"):
+        fr.ForceRecord.from_csv(path)
+
+
+def test_regular_lines_are_never_read_one_by_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "force.csv"
+    path.write_text("time,force\n" + "\n".join(f"{t},{f}" for t, f in pairs()), encoding="utf-8")
+    monkeypatch.setattr(record_file._Rows, "_row", lambda *_: pytest.fail("read line by line"))
+    assert right(fr.ForceRecord.from_csv(path))
+
+
+WELL = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=60.0, inclination="60deg", damping_rate=0.1)
+
+
+@pytest.mark.parametrize(
+    ("rod", "size", "heading", "options", "words"),
+    [
+        (WELL, 2.0, "t,F", {}, "in kN .*; give force_unit, N or kN"),
+        (WELL, 2.0, "t,F [kN]", {}, ""),
+        (WELL, 2.0, "t,F", {"force_unit": "N"}, ""),
+        (WELL, 2000.0, "t,F", {}, ""),
+        (fr.Rod.nitinol(), 200.0, "t,F", {}, "in mN .*; give force_unit, N or mN"),
+        (fr.Rod.nitinol(), 0.05, "t,F", {}, ""),
+    ],
+)
+def test_a_record_without_a_unit_is_doubted_where_another_would_matter(
+    rod: fr.Rod, size: float, heading: str, options: Any, words: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "force.csv"
+    t = np.arange(0.0, 1.0, 1e-3)
+    f = size * (1.0 + np.sin(150.0 * t)) + 1e-4 * size * np.random.default_rng(1).standard_normal(t.size)
+    path.write_text("\n".join([heading, *(f"{a:.4f},{b:.9g}" for a, b in zip(t, f, strict=True))]), encoding="utf-8")
+    record = fr.ForceRecord.from_csv(path, **options)
+    assert record.force_unit_named is ("[" in heading or bool(options))
+    found = list(suspicions_of_record(rod, record)) if not record.force_unit_named else []
+    assert len(found) == bool(words)
+    assert not words or re.search(words, found[0])
+    assert fr.ForceRecord(record.time, record.samples).force_unit_named

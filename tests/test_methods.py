@@ -6,6 +6,7 @@ import cmath
 import math
 
 import mpmath
+import numpy as np
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
@@ -295,3 +296,24 @@ def test_every_verdict_has_the_core() -> None:
         assert 0.0 <= verdict.error < 1e-6
         assert verdict.cost.amount > 0
     assert [bool(verdict.assumptions) for verdict in verdicts] == [False, True, True]
+
+
+def test_the_slowest_decay() -> None:
+    rod = fr.Rod.nitinol()
+    load = fr.AxialLoad(0.1 * rod.critical_force, 0.05 * rod.critical_force, 20.0)
+    plain = {"stiffness": [[1.0, 0.0], [0.0, 4.0]], "cosines": [[[0.1, 0.2], [0.2, 0.16]]], "period": 2.0}
+    undamped = [fr.stability(fr.Mathieu(0.1, -0.3)), rod.stability(load), fr.stability(fr.HillSystem(**plain))]
+    assert [(v.status, v.decay_rate) for v in undamped] == [("stable", 0.0)] * 3
+    damped = [
+        fr.stability(fr.Mathieu(0.1, -0.5, 0.2)),
+        rod.replace(damping_rate=0.5).stability(load),
+        rod.replace(damping_rate=0.5, ends="clamped").stability(load),
+    ]
+    assert [v.decay_rate for v in damped] == pytest.approx([0.2, 0.5, 0.5], rel=1e-12)
+    uneven = fr.stability(fr.HillSystem(**plain, damping=[[0.1, 0.0], [0.0, 0.2]]))
+    solution = fr.solve(uneven.system, [[1.0, 0.3], [0.2, -0.1]], 1200.0)
+    late, later = (np.abs(solution(np.linspace(t, t + 40.0, 2001))).max() for t in (200.0, 1160.0))
+    assert np.log(late / later) / 960.0 == pytest.approx(uneven.decay_rate, rel=1e-2)
+    assert uneven.decay_rate == -max(exponent.real for exponent in uneven.exponents)
+    for unstable in (fr.stability(fr.Mathieu(0.5, -0.25)), fr.stability(fr.Mathieu(0.5, -0.25, 0.01))):
+        assert (unstable.status, unstable.decay_rate) == ("unstable", 0.0)

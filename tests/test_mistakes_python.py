@@ -6,6 +6,8 @@ import copy
 import dataclasses
 import inspect
 import pickle
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -36,7 +38,7 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: ROD.replace(outer_diameter=1e-3), "Rod()", "'outer_diameter'", "the outer diameter is diameter"),
     (lambda: ROD.replace(length=-3), "length", "-3", "give it in m"),
     (lambda: ROD.replace(length=True), "length", "True", "give it in m"),
-    (lambda: ROD.replace(radius=9.4e-3), "channel_radius", "0.0094", "radii, not diameters"),
+    (lambda: ROD.replace(radius=9.4e-3), "channel_radius", "0.0094", "half the diameters"),
     (lambda: ROD.replace(diameter=1e-3, radius=1e-3), "diameter", "0.001", "give one of them"),
     (lambda: ROD.replace(inclination=60), "inclination", "60", "radians"),
     (lambda: ROD.replace(ends="clampd"), "ends", "'clampd'", "did you mean clamped?"),
@@ -80,6 +82,9 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.chart(pendulum, {"a": (1.0, 0.0, 5), "b": (0.0, 1.0, 5)}), "a", "1", "0"),
     (lambda: fr.chart(pendulum, {"a": (0.0, 1.0, 0), "b": (0.0, 1.0, 5)}), "a", "0", "or more"),
     (lambda: fr.mathiue, "floquetrod", "'mathiue'", "did you mean mathieu?"),  # type: ignore[attr-defined]
+    (lambda: fr.AxialLoad("4:8N", 1, 1), "mean", "4:8N", "one value is needed"),  # type: ignore[arg-type]
+    (lambda: fr.ensembles.Runs.load(Path(__file__).parent), "Runs.load", "folder", "open_zarr"),
+    (lambda: ROD.replace(channel_diameter=1e-3), "channel_radius", "0.0005 m", "diameters 0.001 m and 0.0016 m"),
     (lambda: fr.stable, "floquetrod", "'stable'", "did you mean stability?"),  # type: ignore[attr-defined]
     (lambda: ROD.stable(LOAD), "Rod", "'stable'", "did you mean is_stable?"),  # type: ignore[attr-defined]
     (lambda: LOAD.freq, "AxialLoad", "'freq'", "frequency"),  # type: ignore[attr-defined]
@@ -108,6 +113,13 @@ def test_the_same_words_for_a_rod_file(tmp_path: Path) -> None:
     path.write_text('outer_diameter = "0.5in"\n', encoding="utf-8")
     with pytest.raises(ValueError, match="unknown key 'outer_diameter'; the outer diameter is diameter"):
         fr.Rod.from_toml(path)
+
+
+@pytest.mark.parametrize("name", ["equations", "units", "plane"])
+def test_modules_that_are_not_loaded_are_named(name: str) -> None:
+    code = f"import floquetrod as fr; fr.{name}"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert f"'{name}'; it is a module: import floquetrod.{name}" in done.stderr
 
 
 def test_there_are_forty_of_them() -> None:

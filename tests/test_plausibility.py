@@ -157,3 +157,51 @@ def test_the_terminal_tells_it_in_a_line(capsys: pytest.CaptureFixture[str], tmp
     assert len(warned) == 1
     assert warned[0].startswith("floquetrod: warning: length = 3100 m")
     assert warned[0].endswith('length="3100mm"')
+
+
+STRENGTH = ["--rod", "nitinol", "--mean", "0.3Fcr", "--amplitude", "0.2Fcr"]
+OVER = ["--rod", "nitinol", "--mean", "0:0.3Fcr", "--amplitude", "0.2Fcr"]
+PIXELS = ["--points", "3x3", "--pixels"]
+AT_16 = "16 is taken in rad/s: at 16 rad/s no mode grows, at 16 Hz one does"
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        (["check", *STRENGTH, "--no-margins", "--frequency", "16"], f"--frequency {AT_16}; write 16rad/s or 16Hz"),
+        (["check", *STRENGTH, "--no-margins", "--frequency", "15.0013"], "--frequency 15.0013 is taken"),
+        (["check", *STRENGTH, "--no-margins", "--frequency", "107"], "at 107 rad/s a mode grows, at 107 Hz none does"),
+        (["certify", *STRENGTH, "--frequency", "16"], f"--frequency {AT_16}; write 16rad/s or 16Hz"),
+        (["certify", *STRENGTH, "--frequency", "15:16"], "; write 15:16rad/s or 15:16Hz"),
+        (["ranges", *OVER, "--frequency", "16"], f"--frequency {AT_16}, under mean 0 N and amplitude 0.3392 N"),
+        (["ranges", *STRENGTH, "--frequency", "10:16"], "--frequency 10:16 is taken"),
+        (["map", *OVER, *PIXELS, "--frequency", "10:16"], "--frequency 10:16 is taken"),
+        (
+            ["map", *OVER, "--points", "3x3", "--pixels", "--frequency", "10:60Hz", "--mark", "0.5,16"],
+            f"--mark frequency {AT_16}",
+        ),
+        (["simulate", *STRENGTH, "--duration", "2ms", "--frequency", "16"], f"--frequency {AT_16}"),
+        (["explore", *STRENGTH, "--out", "explorer.png", "--frequency", "16"], f"--frequency {AT_16}"),
+    ],
+)
+def test_a_bare_frequency_whose_hertz_change_the_verdict_is_told(
+    line: list[str], words: str, tmp_path: Any, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    assert main(line) == 0
+    told = [each for each in capsys.readouterr().err.splitlines() if "taken in rad/s" in each]
+    assert len(told) == 1
+    assert told[0].startswith("floquetrod: warning: --")
+    assert words in told[0]
+
+
+@pytest.mark.parametrize(
+    "frequency",
+    ["16rad/s", "16Hz", "104", "152"],  # with a unit; unstable both ways; stable both ways
+)
+def test_no_word_about_hertz_where_it_is_said_or_does_not_matter(
+    frequency: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["check", *STRENGTH, "--no-margins", "--frequency", frequency]) == 0
+    assert capsys.readouterr().err == ""

@@ -16,9 +16,9 @@ from floquetrod.cli.common import (
     LARGEST,
     ROD_OPTIONS,
     Answer,
-    add_command,
     add_rod,
     add_units,
+    describe_command,
     read_rod,
     read_tolerance,
     read_units,
@@ -27,10 +27,12 @@ from floquetrod.cli.loads import (
     LOAD_OPTIONS,
     add_kind,
     add_load,
+    corners,
     read_kind,
     read_record,
     read_values,
     require_quantities,
+    warn_of_hertz,
 )
 from floquetrod.cli.parser import whole_number
 from floquetrod.cli.waiting import Waiting
@@ -47,11 +49,11 @@ Prove that a rod is stable, or unstable, under every load of a box, and whatever
 or that a system of equations is.
 
 examples:
-  floquetrod certify --rod nitinol --mean 0.33Fcr:0.35Fcr --amplitude 0.2Fcr --frequency 150 --growth-tolerance 0.05
+  floquetrod certify --rod nitinol --mean 0.33:0.35Fcr --amplitude 0.2Fcr --frequency 150rad/s --growth-tolerance 0.05
   floquetrod certify --rod my_rod.toml --mean 3.5N:4.5N --amplitude 2N --frequency 14Hz:15Hz --vary length=5.95:6.05
-  floquetrod certify --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 150 --growth-tolerance 0.05
+  floquetrod certify --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 150rad/s --growth-tolerance 0.05
   floquetrod certify --rod my_rod.toml --mean 4N --amplitude 2N --frequency 14.5Hz --largest --vary length=5.95:6.05
-  floquetrod certify --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 149:151 --json --exit-code
+  floquetrod certify --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 149:151rad/s --json --exit-code
   floquetrod certify --system my_system.toml
 
 stable: no mode, of any rod, grows faster than --growth-tolerance under any load of the box; by default 1e-6 1/s,
@@ -67,9 +69,9 @@ _STATUS = {"stable": 0, "unstable": 1, "mixed": 1, "undecided": 3}
 """Exit statuses of --exit-code."""
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    certify = add_command(commands, "certify", "prove stability for every load of a box", _HELP, _certify)
+def add(certify: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(certify, _HELP, _certify)
     subject = certify.add_mutually_exclusive_group(required=True)
     subject.add_argument(
         "--system", metavar="FILE", help="a TOML or npz file with the matrices of a system, see floquetrod check --help"
@@ -118,10 +120,11 @@ def _certify(options: argparse.Namespace) -> Answer:
         return answer._replace(status=_STATUS[status] if options.exit_code else 0)
     require_quantities(options)
     rod = read_rod(options)
-    like = read_kind(options, read_record(options))
+    like = read_kind(options, read_record(options, rod))
     values = read_values(options, rod, like)
     tolerance, shown = read_tolerance(options), read_units(options, rod)
     tolerances = dict(_tolerance(text, rod) for text in options.vary)
+    warn_of_hertz("--frequency", options.frequency, rod, corners(values, like), tolerance)
     if len(tolerances) < len(options.vary):
         raise ValueError(f"--vary must name a parameter once, got {', '.join(options.vary)}")
     if options.largest:

@@ -14,17 +14,27 @@ from floquetrod.cli import coupled, independent, kick, system, verdicts
 from floquetrod.cli.common import (
     ROD_OPTIONS,
     Answer,
-    add_command,
     add_friction,
     add_rod,
     add_units,
     check_out,
+    describe_command,
     read_friction,
     read_rod,
     read_tolerance,
     read_units,
 )
-from floquetrod.cli.loads import LOAD_OPTIONS, add_kind, add_load, read_kind, read_load, read_record, require_quantities
+from floquetrod.cli.loads import (
+    LOAD_OPTIONS,
+    RECORD_OPTIONS,
+    add_kind,
+    add_load,
+    read_kind,
+    read_load,
+    read_record,
+    require_quantities,
+    warn_of_hertz,
+)
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.verdict import Status
 from floquetrod.plotting import charts
@@ -37,10 +47,10 @@ Say whether a rod is stable under an axial load, which modes grow, how fast, and
 or whether a system of periodic equations from a file is stable, with its multipliers.
 
 examples:
-  floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
+  floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz
-  floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85 --growth-tolerance 0.7 --json
-  floquetrod check --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150 --friction 0.1 --kick 50mm/s
+  floquetrod check --rod nitinol --mean 0.3Fcr --amplitude 0.2Fcr --frequency 85rad/s --growth-tolerance 0.7 --json
+  floquetrod check --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150rad/s --friction 0.1 --kick 50mm/s
   floquetrod check --rod my_rod.toml --mean 12N --amplitude 3N --frequency 24Hz --unit Fcr,rpm --exit-code
   floquetrod check --rod examples/wire.toml --mean 0.3Fcr --amplitude 0.2Fcr --frequency 20Hz --plot shape.png
   floquetrod check --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
@@ -97,10 +107,9 @@ _QUICK = 50  # coupled modes up to which margins take some seconds (a choice)
 _LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not fill the memory (a choice)
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    summary = "say whether a rod under an axial load, or a system of equations, is stable"
-    check = add_command(commands, "check", summary, _HELP, _check)
+def add(check: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(check, _HELP, _check)
     subject = check.add_mutually_exclusive_group(required=True)
     subject.add_argument(
         "--system", metavar="FILE", help="a TOML or npz file with the matrices of a system, see floquetrod check --help"
@@ -142,11 +151,12 @@ def _check(options: argparse.Namespace) -> Answer:
             "load"
         )
     require_quantities(options)
-    rod, record = read_rod(options), read_record(options)
+    rod = read_rod(options)
+    record = read_record(options, rod)
     question = _Question(
         rod,
         record,
-        all(getattr(options, name) is None for name in (*KINDS, *LOAD_OPTIONS) if name != "force"),
+        all(getattr(options, name) is None for name in {*KINDS, *LOAD_OPTIONS} - {"force", *RECORD_OPTIONS}),
         read_load(options, rod, read_kind(options, record)),
         _modes(options.modes),
         read_tolerance(options),
@@ -155,6 +165,7 @@ def _check(options: argparse.Namespace) -> Answer:
         options.margins,
         options.plot,
     )
+    warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance)
     if options.plot is not None:
         _require_shape(question, options.plot)
     _draw_record(record, options.plot_force)

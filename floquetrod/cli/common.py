@@ -11,17 +11,18 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import islice
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod._util.files import writable
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.cli.parser import ratio
 from floquetrod.cli.waiting import say
-from floquetrod.floquet.systems.result import Resonance
-from floquetrod.rod.load import KINDS, LIMITS, Quantity
 from floquetrod.units import Unit
+
+if TYPE_CHECKING:
+    from floquetrod.floquet.systems.result import Resonance
+    from floquetrod.rod.load import Quantity
 
 _TINY, LARGEST = 1e-9, 1e12  # what the library takes, in SI units: a typing error lies beyond
 
@@ -35,18 +36,15 @@ class Answer(NamedTuple):
     status: int = 0
 
 
-def add_command(commands: Any, name: str, summary: str, text: str, run: Any) -> argparse.ArgumentParser:
-    """Add a subcommand whose help begins with the first paragraph of ``text`` and ends with the rest."""
-    first, _, rest = text.partition("\n\n")
-    command: argparse.ArgumentParser = commands.add_parser(
-        name, help=summary, description=first, epilog=rest, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+def describe_command(command: argparse.ArgumentParser, text: str, run: Any) -> None:
+    """Give a command its help, which begins with the first paragraph of ``text`` and ends with the rest."""
+    command.description, _, command.epilog = text.partition("\n\n")
+    command.formatter_class = argparse.RawDescriptionHelpFormatter
     command.add_argument("--json", action="store_true", help="print JSON, units in the names")
     command.set_defaults(run=run)
-    return command
 
 
-ROD_OPTIONS = ("rod", "length", "bore", "damping_rate")
+ROD_OPTIONS = ("rod", "length", "bore", "inclination", "damping_rate")
 """Options of `add_rod` that describe the rod."""
 
 
@@ -64,6 +62,11 @@ def add_rod(command: argparse.ArgumentParser, subject: Any = None, *, judged: bo
     command.add_argument("--length", help="length such as 200ft (replaces that of the rod)")
     command.add_argument(
         "--bore", metavar="LENGTH", help="diameter of the channel such as 4.778in (replaces that of the rod)"
+    )
+    command.add_argument(
+        "--inclination",
+        metavar="ANGLE",
+        help="angle of the channel from the vertical such as 70deg, 90deg being horizontal (replaces that of the rod)",
     )
     command.add_argument(
         "--damping-rate", metavar="RATE", help="decay rate of free motion in 1/s (replaces that of the rod)"
@@ -126,7 +129,11 @@ def read_tolerance(options: argparse.Namespace) -> float:
 
 def read_quantity(text: str, name: Quantity, rod: fr.Rod, given: str | None = None) -> float:
     """Return a quantity of the load in SI units; messages quote ``given`` in place of the text."""
+    from floquetrod.rod.load import KINDS, LIMITS
+
     least, largest = LIMITS[name][:2]
+    if ":" in text and given is None:
+        raise ValueError(f"--{name} must be one value here, got {text!r}; ranges, map and certify take ranges")
     force = rod.critical_force
     return units.quantity(
         text, f"--{name}", KINDS[name], critical_force=force, least=least, largest=largest, given=given
@@ -158,6 +165,8 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
 
     The end of a range without a unit has that of the other.  The options may have no --kick; its unit is then mm/s.
     """
+    from floquetrod.rod.load import KINDS
+
     chosen: dict[str, str] = {}
     for name in filter(None, (options.unit or "").split(",")):
         kind = units.kind_of(name.strip())
@@ -180,8 +189,8 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
 def read_rod(options: argparse.Namespace) -> fr.Rod:
     """Return the rod that the options describe."""
     changes = {
-        key: units.quantity(text, f"--{key}", "length", least=_TINY, largest=LARGEST)
-        for key in ("length", "bore")
+        key: units.quantity(text, f"--{key}", kind, least=_TINY, largest=LARGEST)
+        for key, kind in (("length", "length"), ("bore", "length"), ("inclination", "angle"))
         if (text := getattr(options, key)) is not None
     }
     if is_pipe(options.rod):
@@ -265,6 +274,8 @@ _LOOKED_AT = 10_000  # files of a folder among which one is looked for (a choice
 
 def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
     """Raise ValueError, before anything is computed, where a file could not be written."""
+    from floquetrod._util.files import writable
+
     if kinds and path.suffix not in kinds:
         raise ValueError(f"{name} must end in {', '.join(kinds[:-1])} or {kinds[-1]}, got {str(path)!r}")
     try:

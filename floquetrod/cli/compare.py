@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 import json
-from typing import Any
 
 import floquetrod as fr
-from floquetrod.cli.common import Answer, add_command, number
+from floquetrod.cli.common import Answer, describe_command, number
 from floquetrod.cli.parser import real_number
 from floquetrod.cli.waiting import Waiting
 
@@ -20,9 +19,9 @@ examples:
 """
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    compare = add_command(commands, "compare", "compare all methods on one equation", _HELP, _compare)
+def add(compare: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(compare, _HELP, _compare)
     compare.add_argument("--alpha", required=True, type=real_number, help="amplitude of the coefficient")
     compare.add_argument("--beta", required=True, type=real_number, help="mean of the coefficient")
     compare.add_argument("--damping", type=real_number, default=0.0, help="c, per unit tau (default 0)")

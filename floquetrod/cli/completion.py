@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 SHELLS = ("bash", "zsh", "tcsh")
@@ -36,11 +36,12 @@ _floquetrod_rods() {
 """What --rod takes: nitinol, TOML files, and folders in which they may be."""
 
 
-def add_completion(parser: argparse.ArgumentParser) -> None:
-    """Add the option that prints the script for a shell."""
+def add_completion(parser: argparse.ArgumentParser, whole: Callable[[], argparse.ArgumentParser]) -> None:
+    """Add the option that prints the script for a shell; ``whole`` returns the parser with all options of commands."""
     parser.add_argument(
         "--print-completion",
         action=_Print,
+        whole=whole,
         choices=SHELLS,
         help="print a script that lets the shell complete commands, options and files; needs floquetrod[completion]",
     )
@@ -49,6 +50,10 @@ def add_completion(parser: argparse.ArgumentParser) -> None:
 class _Print(argparse.Action):
     """Print the script for a shell and exit."""
 
+    def __init__(self, *, whole: Callable[[], argparse.ArgumentParser], **rest: Any) -> None:
+        super().__init__(**rest)
+        self.whole = whole
+
     def __call__(self, parser: argparse.ArgumentParser, _: Any, shell: Any, __: Any = None) -> None:
         try:
             import shtab  # type: ignore[import-not-found,import-untyped,unused-ignore]
@@ -56,6 +61,7 @@ class _Print(argparse.Action):
             raise ValueError(
                 f"--print-completion {shell} needs shtab: install it with pip install 'floquetrod[completion]'"
             ) from None
+        parser = self.whole()
         for action in _actions(parser):
             if action.dest == "rod":
                 action.complete = _RODS  # type: ignore[attr-defined]

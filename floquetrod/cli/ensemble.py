@@ -19,10 +19,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.cli.common import Answer, add_command, number, require_file, warnings_at_once
+from floquetrod.cli.common import Answer, describe_command, number, require_file, warnings_at_once
 from floquetrod.cli.parser import ratio, whole_number
 from floquetrod.cli.study import Study, naming_study, read_study
-from floquetrod.cli.waiting import Waiting, roughly
+from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
 from floquetrod.ensembles.statistics import probability
 
@@ -32,7 +32,6 @@ Simulate a rod many times, with other loads, kicks, seeds or data each time, and
 examples:
   floquetrod ensemble study.toml
   floquetrod ensemble study.toml --store runs.zarr --workers 8
-  floquetrod ensemble study.toml --store runs.zarr --workers 8 --resume
   floquetrod ensemble study.toml --store runs.zarr --part 3/100
 
 a study file, in which strings may carry units:
@@ -59,8 +58,8 @@ Fcr is the critical force of the rod as the file describes it, also where the ro
 and loguniform (low, high) and normal (mean, deviation; low and high if it is truncated).
 
 A store ends in .zarr (a folder that xarray opens, also while it grows; needs floquetrod[ensemble]) or in .npz.  Ctrl-C
-and SIGTERM end the runs in progress, and keep the others: --resume goes on.  So do the jobs of an array, which share a
-store by --part.  The exit status is 130 when interrupted, 2 for input that cannot be used.
+and SIGTERM end the runs in progress, and keep the others: the same command goes on with them.  So do the jobs of an
+array, which share a store by --part.  The exit status is 130 when interrupted, 2 for input that cannot be used.
 """
 
 _ROWS = 40  # of the table that are printed; all of them are in the JSON (a choice)
@@ -72,14 +71,14 @@ _NUMBER = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?", re.IGNORECASE)
 _LOGGED = 60.0  # s between lines of progress where stderr is no terminal (a choice)
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    command = add_command(commands, "ensemble", "simulate a rod many times, with statistics", _HELP, _ensemble)
+def add(command: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(command, _HELP, _ensemble)
     command.add_argument("study", type=Path, help="TOML file: what is simulated, and what is varied")
     command.add_argument(
         "--store", metavar="FILE", type=Path, help="folder.zarr or file.npz to write while results come"
     )
-    command.add_argument("--resume", action="store_true", help="go on with a store that exists")
+    command.add_argument("--resume", action="store_true", help="go on with a store that exists, as is done without it")
     command.add_argument(
         "--workers", metavar="N", type=whole_number, help="processes (default: threads, one for each processor)"
     )
@@ -99,8 +98,6 @@ def _ensemble(options: argparse.Namespace) -> Answer:
     study = read_study(options.study)
     if store is None and study.options.get("frames"):
         raise ValueError(f"study file {options.study}: [ensemble] frames needs a --store to keep them in")
-    if store is not None and store.exists() and not options.resume and part is None:
-        raise ValueError(f"--store {str(store)!r} exists; add --resume to go on with it, or name another")
     progress, started = _Left(), time.monotonic()
     with naming_study(options.study), warnings_at_once(), _stopped_by_signals() as stopped, progress:
         try:
@@ -179,7 +176,7 @@ class _Left(Waiting):
         since, before = self.begun
         self.told = now
         left = f", {roughly((total - done) * (now - since) / (done - before))} left" if total > done > before else ""
-        print(f"{done:,} of {total:,} runs{left}", file=sys.stderr, flush=True)
+        say(f"{done:,} of {total:,} runs{left}")
 
 
 @contextmanager
@@ -330,6 +327,6 @@ def _command(options: argparse.Namespace) -> str | None:
         return None
     words = ["floquetrod", "ensemble", str(options.study), "--store", str(options.store)]
     words += [] if options.workers is None else ["--workers", str(options.workers)]
-    words += ["--resume"] if options.part is None else ["--part", options.part]
+    words += [] if options.part is None else ["--part", options.part]
     words += [] if options.confidence == 0.95 else ["--confidence", f"{options.confidence:g}"]
     return shlex.join([*words, *(["--json"] if options.json else [])])

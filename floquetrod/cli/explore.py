@@ -4,24 +4,31 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import webbrowser
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import (
     ROD_OPTIONS,
     Answer,
-    add_command,
     add_rod,
     add_units,
     check_out,
+    describe_command,
     read_rod,
     read_units,
 )
-from floquetrod.cli.loads import add_kind, describe_load, read_kind, read_load, read_record
+from floquetrod.cli.loads import (
+    RECORD_OPTIONS,
+    add_kind,
+    describe_load,
+    read_kind,
+    read_load,
+    read_record,
+    warn_of_hertz,
+)
+from floquetrod.cli.waiting import say
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
 from floquetrod.plotting.web import Shown, require_tornado, serve
@@ -49,9 +56,9 @@ a secret, is printed, and nobody can open the page without it; Ctrl-C ends it.
 _LAST_PORT = 65_535
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    explore = add_command(commands, "explore", "move a load by sliders and watch", _HELP, _explore)
+def add(explore: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(explore, _HELP, _explore)
     add_rod(explore, judged=False)
     add_units(explore)
     for name in KINDS:
@@ -69,6 +76,7 @@ def _explore(options: argparse.Namespace) -> Answer:
     load, is_given = _given_load(options, rod)
     if options.out is not None:
         check_out(options.out, charts.FIGURES)
+    warn_of_hertz("--frequency", options.frequency, rod, [load])
     shown = read_units(options, rod)
     if not is_given:  # begin in the middle of things
         first = Scale.of(rod).first_load(shown)
@@ -108,13 +116,13 @@ def _given_load(options: argparse.Namespace, rod: fr.Rod) -> tuple[Load, bool]:
     given = [name for name in KINDS if getattr(options, name) is not None]
     if given and len(given) < len(KINDS) and options.force is None:
         raise ValueError(f"--mean, --amplitude and --frequency go together; got only --{', --'.join(given)}")
-    record = read_record(options)
+    record = read_record(options, rod)
     return read_load(options, rod, read_kind(options, record)), bool(given) or record is not None
 
 
 def _named(options: argparse.Namespace) -> list[str]:
     """Return the options that name the rod and the measured force."""
-    given = {name: getattr(options, name) for name in (*ROD_OPTIONS, "force")}
+    given = {name: getattr(options, name) for name in (*ROD_OPTIONS, "force", *RECORD_OPTIONS)}
     return [word for name, text in given.items() if text is not None for word in (f"--{name.replace('_', '-')}", text)]
 
 
@@ -148,7 +156,7 @@ def _serve(first: fr.Explorer, another: Callable[[], fr.Explorer], options: argp
         return Shown(explorer.window.figure, words)
 
     def told(address: str) -> None:
-        print(f"open {address} in the browser of this machine; Ctrl-C ends", file=sys.stderr, flush=True)
+        say(f"open {address} in the browser of this machine; Ctrl-C ends")
         if options.open:
             webbrowser.open(address)
 

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TypeVar
@@ -11,14 +14,19 @@ from typing import TypeVar
 import floquetrod as fr
 from floquetrod import units
 from floquetrod.cli.common import LARGEST, read_quantity, read_range, require_file
+from floquetrod.cli.waiting import Waiting, say
 from floquetrod.rod.axial import AxialResonance
 from floquetrod.rod.load import KINDS, Load, Quantity, kind
 from floquetrod.rod.modal import ModalRod
+from floquetrod.rod.plausibility import may_be_hertz, verdicts_in_hertz, warn_of_load
 from floquetrod.units import Unit
 
 _L = TypeVar("_L", bound=Load)
 
-LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "force")
+RECORD_OPTIONS = ("time_column", "force_column", "time_unit", "force_unit")
+"""What says how to read --force."""
+
+LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "force", *RECORD_OPTIONS)
 """What `add_kind` adds."""
 
 
@@ -75,17 +83,43 @@ def add_kind(command: argparse.ArgumentParser) -> None:
         help="a measured force, a text file with columns of time and force such as record.csv: gives the waveform and, "
         "of mean, amplitude and frequency, what is not given",
     )
+    for name, heading, examples in (("time", "time or t", "s or ms"), ("force", "force or f", "kN or lbf")):
+        command.add_argument(
+            f"--{name}-column",
+            metavar="HEADING",
+            help=f"heading or number, from 0, of the column of {name} (default: {heading})",
+        )
+        command.add_argument(
+            f"--{name}-unit",
+            metavar="UNIT",
+            help=f"unit of {name}, such as {examples} (default: that of its heading)",
+        )
 
 
-def read_record(options: argparse.Namespace) -> fr.ForceRecord | None:
-    """Return the measured force, None without any."""
+def read_record(options: argparse.Namespace, rod: fr.Rod) -> fr.ForceRecord | None:
+    """Return the measured force, None without any; warns where it may be in another unit than N."""
     if options.force is None:
+        for name in RECORD_OPTIONS:
+            if getattr(options, name) is not None:
+                option, given = name.replace("_", "-"), getattr(options, name)
+                raise ValueError(f"--{option} needs --force, got {given!r} alone: it says how to read that file")
         return None
+    columns = (
+        None if text is None else int(text) if text.isdecimal() else text
+        for text in (options.time_column, options.force_column)
+    )
     try:
         require_file("--force", Path(options.force), "a text file with columns of time and force")
-        return fr.ForceRecord.from_csv(options.force)
+        with Waiting(f"reading and fitting {options.force}"):
+            record = fr.ForceRecord.from_csv(
+                options.force, *columns, time_unit=options.time_unit, force_unit=options.force_unit
+            )
+        if not record.force_unit_named:
+            warn_of_load(rod, record)
+        return record
     except (ValueError, OSError) as error:
-        message = str(error)
+        message = re.sub(r"\b(time|force)_unit (?=must|is)", r"--\1-unit ", str(error))
+        message = re.sub(r"\b(time|force) must be (?=a heading|a column|the number)", r"--\1-column must be ", message)
         start = "" if message.startswith("--force") else "--force must be a text file with columns of time and force: "
         raise ValueError(f"{start}{message}") from None
 
@@ -141,6 +175,49 @@ def read_values(options: argparse.Namespace, rod: fr.Rod, like: Load) -> dict[Qu
     """Return every quantity of the load, one value or both ends of a range; those left out are those of ``like``."""
     texts = {name: getattr(options, name) for name in KINDS}
     return {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
+
+
+def warn_of_hertz(name: str, text: str | None, rod: fr.Rod, loads: Iterable[Load], tolerance: float = 0.0) -> None:
+    """Warn where a frequency typed without a unit would, in Hz, change the verdict on one of the loads.
+
+    ``name`` is what gave it.  Verdicts are those without friction.  Where modes are coupled, and a verdict takes its
+    time, a single load is suspected as in `floquetrod.rod.plausibility`.
+    """
+    if text is None or units.unit_of(text.rpartition(":")[2]) != "":
+        return
+    loads = list(loads)
+    for load in loads:
+        reading = ""
+        if rod.coupled_numbers.has_mathieu_modes(load):
+            reading = _in_hertz(rod, load, tolerance)
+        elif len(loads) == 1 and may_be_hertz(rod, load):
+            reading = "below all but the narrowest resonances of this rod, which as many Hz are not"
+        if reading:
+            at = "" if len(loads) == 1 else f", under mean {load.mean:.4g} N and amplitude {load.amplitude:.4g} N"
+            say(f"floquetrod: warning: {name} {text} is taken in rad/s: {reading}{at}; write {_with_unit(text)}")
+            return
+
+
+def _with_unit(text: str) -> str:
+    """Return a frequency, or a range, as it is written in rad/s and in Hz."""
+    typed = text.strip()
+    return f"{typed}rad/s or {typed}Hz"
+
+
+def corners(values: Mapping[Quantity, Sequence[float]], like: Load) -> Iterator[Load]:
+    """Yield the loads at the ends of ranges."""
+    for numbers in itertools.product(*values.values()):
+        yield like.with_numbers(**dict(zip(values, numbers, strict=True)))
+
+
+def _in_hertz(rod: fr.Rod, load: Load, tolerance: float) -> str:
+    """Return how the verdict differs where a frequency is read in Hz, "" where it does not or is not known."""
+    try:
+        verdicts = verdicts_in_hertz(rod, load, tolerance)
+    except ValueError:  # as many Hz are far beyond this rod
+        return ""
+    words = {(1, 0): ("no mode grows", "one does"), (0, 1): ("a mode grows", "none does")}.get(verdicts)
+    return f"at {load.frequency:.4g} rad/s {words[0]}, at {load.frequency:.4g} Hz {words[1]}" if words else ""
 
 
 def describe_load(load: Load, shown: dict[str, Unit], rod: ModalRod) -> str:

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import re
 import sys
 import warnings
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, redirect_stderr
+from functools import partial
+from importlib import import_module
+from types import ModuleType
+from typing import Any, NamedTuple
 
 import floquetrod as fr
-from floquetrod.cli import certify, check, compare, ensemble, explore, ranges, reproduce, simulate, stability_map
 from floquetrod.cli.common import compiling_told
 from floquetrod.cli.completion import add_completion
 from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import say
-from floquetrod.rod.plausibility import SILENCE
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -25,31 +28,80 @@ def main(argv: Sequence[str] | None = None) -> int:
     0: it answered; 1: a claim no longer holds (`reproduce`) or the rod is unstable (`check --exit-code`); 2: input it
     cannot use; 3: `check --exit-code` could not decide; 130: Ctrl-C.
     """
+    with _open_streams():
+        try:
+            return _run(sys.argv[1:] if argv is None else argv)
+        finally:
+            _drop_unwritten()
+
+
+def _run(argv: Sequence[str]) -> int:
+    """Run the command, its streams being open, and return the exit status."""
     options = argparse.Namespace()
     try:
-        options = _parser().parse_args(_attached(sys.argv[1:] if argv is None else argv))
+        if sys.stdout is None:
+            raise ValueError("standard output is closed, so the answer would be lost; direct it to a file or /dev/null")
+        words = _attached(argv)
+        options = _parser(next((word for word in words if word in _COMMANDS), "")).parse_args(words)
         with compiling_told(), warnings.catch_warnings():
-            warnings.simplefilter("always", fr.UniformForceWarning)
-            warnings.simplefilter("always", fr.PlausibilityWarning)
+            if options.command != "compare":  # which knows no rods
+                warnings.simplefilter("always", fr.UniformForceWarning)
+                warnings.simplefilter("always", fr.PlausibilityWarning)
+                warnings.simplefilter("ignore", import_module("floquetrod.rod.plausibility").HertzWarning)
             telling = warnings.showwarning = _Telling(options)
             answer = options.run(options)
         telling.rest()
-        print(answer.text, flush=True)
-    except BrokenPipeError:  # the reader, head say, has seen enough; keep the interpreter from writing more at exit
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _print(answer.text)
+    except BrokenPipeError:  # the reader, head say, has seen enough
         return 0
     except ArithmeticError as error:  # extreme input over- or underflows on the way
         given = ", ".join(f"--{name} {value}" for name, value in vars(options).items() if _is_quantity(value))
         what = f"numbers too large or too small to work with ({error}); check the units of {given}"
-        print(f"floquetrod: error: {what}", file=sys.stderr)
+        say(f"floquetrod: error: {what}")
         return 2
     except (ValueError, OSError) as error:
-        print(f"floquetrod: error: {_naming_options(' '.join(str(error).split()), options)}", file=sys.stderr)
+        message = _naming_options(" ".join(str(error).split()), options)
+        say(f"floquetrod: error: {message}")
         return 2
     except KeyboardInterrupt:
-        print("floquetrod: interrupted", file=sys.stderr)
+        say("floquetrod: interrupted")
         return 130
     return int(answer.status)
+
+
+@contextmanager
+def _open_streams() -> Iterator[None]:
+    """Let nothing else take the place of standard streams that are closed, and errors be written to nowhere there.
+
+    A file that is opened gets the lowest free number; as number 2 it would receive what libraries write to stderr.
+    """
+    if sys.stdin is not None and sys.stdout is not None and sys.stderr is not None:
+        yield
+        return
+    while (held := os.open(os.devnull, os.O_RDWR)) <= 2:
+        os.set_inheritable(held, True)
+    os.close(held)
+    with redirect_stderr(sys.stderr or io.StringIO()):
+        yield
+
+
+def _print(text: str) -> None:
+    """Print the answer."""
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise OSError(f"the answer could not be written: {error.strerror}") from None
+
+
+def _drop_unwritten() -> None:
+    """Drop what a stream cannot write; else the interpreter tries again when it ends, and fails."""
+    for stream in filter(None, (sys.stdout, sys.stderr)):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 class _Telling:
@@ -60,6 +112,8 @@ class _Telling:
         self.known: dict[str, bool] = {}  # texts, and whether they have been printed
 
     def __call__(self, message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
+        from floquetrod.rod.plausibility import SILENCE
+
         text = str(message).removesuffix(SILENCE)
         at_once = issubclass(category, fr.PlausibilityWarning)
         if at_once and text not in self.known:
@@ -82,6 +136,7 @@ _WORDS = {
     "mean_at=None": ("mean_at", "--mean-at none"),
     "axial_damping": ("axial_damping", "--axial-damping"),
     "AxialWave": ("wave", "--wave"),
+    "force_unit,": ("force_unit", "--force-unit"),
     "range(1, n + 1)": ("modes", "--modes 1-n"),
 }
 """What remedies of the library name, with the option that a command has for it."""
@@ -131,7 +186,7 @@ def _attached(arguments: Sequence[str]) -> list[str]:
 
 _EPILOG = """\
 examples:
-  floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
+  floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
   floquetrod check --help
 
 completion, once floquetrod[completion] is installed:
@@ -140,7 +195,39 @@ completion, once floquetrod[completion] is installed:
 """
 
 
-def _parser() -> argparse.ArgumentParser:
+class _Command(NamedTuple):
+    """What is known of a command before its module is imported: its line in the help, and where it is."""
+
+    summary: str
+    module: Callable[[], ModuleType]
+
+
+_COMMANDS = {
+    "check": _Command(
+        "say whether a rod under an axial load, or a system of equations, is stable",
+        lambda: import_module("floquetrod.cli.check"),
+    ),
+    "certify": _Command("prove stability for every load of a box", lambda: import_module("floquetrod.cli.certify")),
+    "ranges": _Command(
+        "list every stability interval of one quantity of the load", lambda: import_module("floquetrod.cli.ranges")
+    ),
+    "map": _Command(
+        "draw stability over two quantities of the load", lambda: import_module("floquetrod.cli.stability_map")
+    ),
+    "explore": _Command("move a load by sliders and watch", lambda: import_module("floquetrod.cli.explore")),
+    "compare": _Command("compare all methods on one equation", lambda: import_module("floquetrod.cli.compare")),
+    "simulate": _Command("simulate a rod and compare it with theory", lambda: import_module("floquetrod.cli.simulate")),
+    "ensemble": _Command(
+        "simulate a rod many times, with statistics", lambda: import_module("floquetrod.cli.ensemble")
+    ),
+    "lock-up": _Command("say how far a string can be pushed", lambda: import_module("floquetrod.cli.lock_up")),
+    "reproduce": _Command("make the published study again", lambda: import_module("floquetrod.cli.reproduce")),
+}
+"""The commands in the order of the help; what one of them imports is imported for it alone."""
+
+
+def _parser(only: str | None = None) -> Parser:
+    """Return the parser: all commands with their options, or the options of ``only`` one of them."""
     parser = Parser(
         prog="floquetrod",
         description="Floquet stability of a rod vibrated in a channel, and of periodically forced equations.",
@@ -148,14 +235,23 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"floquetrod {fr.__version__}")
-    add_completion(parser)
+    add_completion(parser, _parser)
     commands = parser.add_subparsers(dest="command", required=True, metavar="command", parser_class=Parser)
-    for module in (check, certify, ranges, stability_map, explore, compare, simulate, ensemble, reproduce):
-        module.add(commands)
-    for name, command in commands.choices.items():
-        others = [(other, each) for each, other in commands.choices.items() if each != name]
-        own = command.options
-        command.elsewhere = {
-            o: f"; floquetrod {each} has it" for other, each in others for o in other.options if o not in own
-        }
+    for name, (summary, module) in _COMMANDS.items():
+        command = commands.add_parser(name, help=summary)
+        command.elsewhere = partial(_elsewhere, name)
+        if only in (None, name):
+            module().add(command)
     return parser
+
+
+def _elsewhere(name: str, option: str) -> str:
+    """Return which command but one, if any, has an option that this one has not."""
+    found = (other for other in _COMMANDS if other != name and option in _options(other))
+    return next((f"; floquetrod {other} has it" for other in found), "")
+
+
+def _options(name: str) -> tuple[str, ...]:
+    command = Parser()
+    _COMMANDS[name].module().add(command)
+    return command.options

@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from itertools import takewhile
-from types import MappingProxyType
 from typing import Any, NoReturn
 
 from floquetrod import units
@@ -18,13 +17,17 @@ _OPTION = re.compile(rf"([{_DASHES}]{{1,2}})([A-Za-z][\w-]*)(=.*)?", re.DOTALL)
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line; ``elsewhere`` holds options of other commands, with what to say of them."""
+    """A parser whose errors are one line; ``elsewhere`` returns what to say of an option that others have, or ""."""
 
-    elsewhere: Mapping[str, str] = MappingProxyType({})
+    elsewhere: Callable[[str], str] = staticmethod(lambda _: "")
 
     def error(self, message: str) -> NoReturn:
         """Raise ValueError, which the terminal shows as one line."""
         raise ValueError(f"{_plain(message)} (see {self.prog} --help)")
+
+    def _print_message(self, message: str, file: Any = None) -> None:
+        """Print help or version; argparse passes over what cannot be written."""
+        print(message, end="", file=file, flush=True)
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         """Return what argparse does, where every word is known; what is unknown is an error here."""
@@ -53,7 +56,8 @@ class Parser(argparse.ArgumentParser):
             return
         typed = written[1] + written[2]
         option = "--" + written[2].replace("_", "-")
-        self.error(f"unknown option {typed}{self.elsewhere.get(option) or did_you_mean(option, known)}")
+        of_another = "" if option in known else self.elsewhere(option)
+        self.error(f"unknown option {typed}{of_another or did_you_mean(option, known)}")
 
 
 def _alone(word: str, words: Sequence[str], options: Any) -> str:

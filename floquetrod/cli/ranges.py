@@ -10,9 +10,9 @@ from typing import Any
 import floquetrod as fr
 from floquetrod.cli.common import (
     Answer,
-    add_command,
     add_rod,
     add_units,
+    describe_command,
     number,
     read_rod,
     read_tolerance,
@@ -22,10 +22,12 @@ from floquetrod.cli.common import (
 from floquetrod.cli.loads import (
     add_kind,
     add_load,
+    corners,
     read_kind,
     read_record,
     read_values,
     require_quantities,
+    warn_of_hertz,
 )
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.systems.result import Resonance
@@ -36,7 +38,7 @@ _HELP = """\
 List what is stable and what is not along one quantity of the load: give the other two, and what to search.
 
 examples:
-  floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150 --mean 0:1.2Fcr
+  floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150rad/s --mean 0:1.2Fcr
   floquetrod ranges --rod nitinol --mean 0.34Fcr --amplitude 0.2Fcr --frequency 10Hz:60Hz --growth-tolerance 0.05
   floquetrod ranges --rod my_rod.toml --mean 12N --frequency 24Hz --amplitude 0:5N
   floquetrod ranges --rod examples/wire.toml --amplitude 0.2Fcr --frequency 20Hz --mean 0:1Fcr
@@ -54,11 +56,9 @@ the load at which growth is fastest.
 """
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    ranges = add_command(
-        commands, "ranges", "list every stability interval of one quantity of the load", _HELP, _ranges
-    )
+def add(ranges: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(ranges, _HELP, _ranges)
     add_rod(ranges)
     add_units(ranges)
     add_kind(ranges)
@@ -70,15 +70,16 @@ def _ranges(options: argparse.Namespace) -> Answer:
     require_quantities(options)
     rod = read_rod(options)
     tolerance = read_tolerance(options)
-    like = read_kind(options, read_record(options))
+    like = read_kind(options, read_record(options, rod))
     values = read_values(options, rod, like)
     varied = [name for name, ends in values.items() if len(ends) == 2]
     if len(varied) != 1:
         raise ValueError(
             "exactly one of --mean, --amplitude, --frequency must be a range such as 0:1.2Fcr or 10Hz:60Hz, got "
-            f"{len(varied)}"
+            + (f"ranges for --{' and --'.join(varied)}" if varied else "one value for each")
         )
     shown = read_units(options, rod)
+    warn_of_hertz("--frequency", options.frequency, rod, corners(values, like), tolerance)
     bounds = tuple(values.pop(varied[0]))
     fixed: dict[str, Any] = {name: value for name, (value,) in values.items()}
     searches: dict[str, Callable[..., fr.StabilityIntervals]] = {

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 import time
 from pathlib import Path
 from typing import Any
 
-from floquetrod.cli.common import Answer, add_command
+from floquetrod.cli.common import Answer, describe_command
+from floquetrod.cli.waiting import say
 
 _HELP = """\
 Make the figures and check the claims of the published study (DOI 10.1115/1.4031710), all computed.
@@ -26,9 +26,9 @@ longer comes out as this version says it does.
 """
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    reproduce = add_command(commands, "reproduce", "make the published study again", _HELP, _reproduce)
+def add(reproduce: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(reproduce, _HELP, _reproduce)
     reproduce.add_argument("--quick", action="store_true", help="coarser maps, in seconds")
     reproduce.add_argument("--simulations", action="store_true", help="simulate the rods of Figures 4 and 7, too")
     reproduce.add_argument(
@@ -43,7 +43,7 @@ def _reproduce(options: argparse.Namespace) -> Answer:
     if options.out.exists() and not options.out.is_dir():
         raise ValueError(f"--out must be a folder, and {str(options.out)!r} is a file")
     detail = QUICK if options.quick else FULL
-    result = reproduce(options.out, detail=detail, simulations=options.simulations, progress=_say())
+    result = reproduce(options.out, detail=detail, simulations=options.simulations, progress=_progress())
     status = 1 if result.lost else 0
     written = [str(path) for path in result.written]
     if options.json:
@@ -53,11 +53,11 @@ def _reproduce(options: argparse.Namespace) -> Answer:
     return Answer("\n".join([*lines, "", f"written: {', '.join(written)}"]), status)
 
 
-def _say() -> Any:
+def _progress() -> Any:
     """Return a function that says on stderr what is being done or, of simulations, was done, and since when."""
     start = time.monotonic()
 
-    def say(what: str, done: int, total: int) -> None:
-        print(f"[{done:2d}/{total}] {time.monotonic() - start:5.1f} s  {what}", file=sys.stderr, flush=True)
+    def progress(what: str, done: int, total: int) -> None:
+        say(f"[{done:2d}/{total}] {time.monotonic() - start:5.1f} s  {what}")
 
-    return say
+    return progress

@@ -10,7 +10,6 @@ import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import floquetrod as fr
 from floquetrod import units
@@ -19,14 +18,22 @@ from floquetrod.cli import simulated
 from floquetrod.cli.common import (
     Answer,
     add_coefficient,
-    add_command,
     add_rod,
     add_units,
+    describe_command,
     read_rod,
     read_units,
     warnings_at_once,
 )
-from floquetrod.cli.loads import add_kind, add_load, read_kind, read_load, read_record, require_quantities
+from floquetrod.cli.loads import (
+    add_kind,
+    add_load,
+    read_kind,
+    read_load,
+    read_record,
+    require_quantities,
+    warn_of_hertz,
+)
 from floquetrod.cli.parser import whole_number
 from floquetrod.cli.starts import read_perturbation
 from floquetrod.cli.waiting import Waiting, roughly, say
@@ -36,9 +43,9 @@ _HELP = """\
 Simulate the whole nonlinear rod in its channel, with or without friction, and compare it with the theory.
 
 examples:
-  floquetrod simulate --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150 --out run.png --out run.npz
-  floquetrod simulate --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150 --friction 0.1 --kick 9:50mm/s
-  floquetrod simulate --rod nitinol --mean 0.424Fcr --amplitude 0.7Fcr --frequency 150 --mu 0.1 --case C:10 --seed 2
+  floquetrod simulate --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s --out run.png --out run.npz
+  floquetrod simulate --rod nitinol --mean 0.825Fcr --amplitude 0.7Fcr --frequency 150rad/s --mu 0.1 --kick 9:50mm/s
+  floquetrod simulate --rod nitinol --mean 0.42Fcr --amplitude 0.7Fcr --frequency 150rad/s --mu 0.1 --case C:10 --seed 2
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 4s --out run.gif
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 60s --checkpoint run.ckpt
   floquetrod simulate --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
@@ -67,9 +74,9 @@ _MOST_FRAMES = 100_000  # unless --frames names more (a choice)
 _LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a choice)
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    command = add_command(commands, "simulate", "simulate a rod and compare it with theory", _HELP, _simulate)
+def add(command: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(command, _HELP, _simulate)
     add_rod(command, judged=False)
     add_units(command)
     add_load(command)
@@ -120,7 +127,8 @@ def add(commands: Any) -> None:
 
 def _simulate(options: argparse.Namespace) -> Answer:
     require_quantities(options)
-    rod, force = read_rod(options), read_record(options)
+    rod = read_rod(options)
+    force = read_record(options, rod)
     load = read_load(options, rod, read_kind(options, force))
     feed = None if options.feed_speed is None else units.quantity(options.feed_speed, "--feed-speed", "speed")
     far = None if options.far_force is None else _far_force(options.far_force, rod)
@@ -129,6 +137,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
     perturbation, shown = read_perturbation(options), read_units(options, rod)
     _check_kinds(options.out)
     _check_places([*options.out, *filter(None, [options.checkpoint])])
+    warn_of_hertz("--frequency", options.frequency, rod, [load])
     problem = fr.SimulationProblem(
         rod,
         load,

@@ -13,6 +13,7 @@ from floquetrod.rod.load import with_waves
 from floquetrod.rod.stability import growth_of_modes
 from floquetrod.rod.verdict import RodVerdict
 from floquetrod.simulation.growth import GrowthFit
+from floquetrod.simulation.result import BUCKLED_ANGLE
 from floquetrod.units import Unit
 
 
@@ -96,12 +97,43 @@ def _with_wave(run: fr.Simulation) -> float | None:
         return None
 
 
+class _Growing(NamedTuple):
+    """What a rod that has not buckled yet is on its way to."""
+
+    rate: float
+    words: str
+    until: float  # s: when it will have buckled, growing on as it does
+
+
+def _growing(found: Found) -> _Growing | None:
+    """Return how a rod that has not buckled grows, as fitted or, where that shows nothing, by theory; None without."""
+    run, fit, linear = found.run, found.growth, found.linear
+    if run.buckled or run.problem.friction > 0.0:
+        return None
+    if fit is not None and fit.rate > fit.error:
+        rate, words = fit.rate, f"mode {run.dominant_mode} at {fit.rate:.4g} 1/s"
+    elif linear is not None and linear.status == "unstable" and linear.growth_rate > 0.0:
+        mode = linear.fastest_mode
+        rate, words = (
+            linear.growth_rate,
+            f"{f'mode {mode}, ' * (mode is not None)}by theory at {linear.growth_rate:.4g} 1/s",
+        )
+    else:
+        return None
+    last = run.time.size - 1 - int(run.largest_angle[::-1][: max(1, run.time.size // 4)].argmax())
+    angle = float(run.largest_angle[last])
+    until = float(run.time[last]) + math.log(BUCKLED_ANGLE / angle) / rate if angle > 0.0 else math.inf
+    return _Growing(rate, words, max(until, float(run.time[-1])))
+
+
 def record(found: Found) -> dict[str, Any]:
     """Return everything as numbers for JSON."""
     run, fit, linear, needed = found.run, found.growth, found.linear, found.needed
-    problem, steps = run.problem, run.time_steps
+    problem, steps, growing = run.problem, run.time_steps, _growing(found)
     return {
         "buckled": run.buckled,
+        "growing": run.buckled or growing is not None,
+        "buckles_at_about_s": None if growing is None else number(growing.until),
         "dominant_mode": run.dominant_mode,
         "largest_angle_degrees": math.degrees(float(run.largest_angle.max())),
         "growth_rate_per_s": None if fit is None else fit.rate,
@@ -146,7 +178,12 @@ def report(found: Found, record: dict[str, Any], shown: dict[str, Unit]) -> str:
     run = found.run
     problem, steps, rod = run.problem, run.time_steps, run.rod
     angle = f"largest angle {record['largest_angle_degrees']:.3g} degrees"
-    status = f"BUCKLED: mode {record['dominant_mode']} leads, {angle}" if run.buckled else f"NOT BUCKLED: {angle}"
+    growing = _growing(found)
+    if growing is not None:
+        soon = f", 5 degrees at about {growing.until:.3g} s" if math.isfinite(growing.until) else ""
+        status = f"GROWING, not yet buckled after {run.time[-1]:.4g} s: {growing.words}{soon}; {angle}"
+    else:
+        status = f"BUCKLED: mode {record['dominant_mode']} leads, {angle}" if run.buckled else f"NOT BUCKLED: {angle}"
     lines = [
         status if run.complete else f"INTERRUPTED at {run.time[-1]:.4g} s of {problem.duration:g} s; so far {status}",
         "",

@@ -11,11 +11,11 @@ from typing import Any
 import floquetrod as fr
 from floquetrod.cli.common import (
     Answer,
-    add_command,
     add_friction,
     add_rod,
     add_units,
     check_out,
+    describe_command,
     read_friction,
     read_quantity,
     read_rod,
@@ -25,10 +25,12 @@ from floquetrod.cli.common import (
 from floquetrod.cli.loads import (
     add_kind,
     add_load,
+    corners,
     read_kind,
     read_record,
     read_values,
     require_quantities,
+    warn_of_hertz,
 )
 from floquetrod.cli.waiting import Waiting
 from floquetrod.rod.load import KINDS, Quantity
@@ -37,13 +39,13 @@ _HELP = """\
 Draw a rod's stability over two of mean force, amplitude and frequency; the third is fixed.
 
 examples:
-  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --out map.png
-  floquetrod map --rod nitinol --frequency 150 --mean 0:1.1Fcr --amplitude 0:0.5Fcr --growth --out map.npz
-  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --growth-tolerance 0.1 --out m.svg
-  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --pixels --points 1200x900
+  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200rad/s --out map.png
+  floquetrod map --rod nitinol --frequency 150rad/s --mean 0:1.1Fcr --amplitude 0:0.5Fcr --growth --out map.npz
+  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200rad/s --growth-tolerance 1
+  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200rad/s --pixels --points 1200x900
   floquetrod map --rod my_rod.toml --amplitude 2N --mean 0:12N --frequency 5Hz:60Hz --mark 6N,24Hz
-  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200 --paper-criterion exact --out m.png
-  floquetrod map --rod nitinol --amplitude 0.7Fcr --mean 0:1.1Fcr --frequency 20:200 --friction 0.1 --kick 50mm/s
+  floquetrod map --rod nitinol --amplitude 0.2Fcr --mean 0:1.1Fcr --frequency 20:200rad/s --paper-criterion exact
+  floquetrod map --rod nitinol --amplitude 0.7Fcr --mean 0:1.1Fcr --frequency 20:200rad/s --friction 0.1 --kick 50mm/s
   floquetrod map --rod examples/wire.toml --frequency 20Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --points 60x40
   floquetrod map --rod examples/well.toml --frequency 4Hz --mean 0:1Fcr --amplitude 0:0.5Fcr --wave free --points 40x30
 
@@ -61,9 +63,9 @@ begin with few of them.
 _MOST_POINTS = 25_000_000  # half a gigabyte with growth rates (a choice)
 
 
-def add(commands: Any) -> None:
-    """Add the command to the parser."""
-    chart = add_command(commands, "map", "draw stability over two quantities of the load", _HELP, _map)
+def add(chart: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(chart, _HELP, _map)
     add_rod(chart)
     add_friction(chart)
     add_units(chart)
@@ -102,13 +104,15 @@ def _map(options: argparse.Namespace) -> Answer:
         if path.suffix == ".csv" and options.pixels:
             raise ValueError(f"--out {path}: a .csv file holds the vertices of bands; leave out --pixels")
     columns, rows = _points(options.points)
-    like = read_kind(options, read_record(options))
+    like = read_kind(options, read_record(options, rod))
     values = read_values(options, rod, like)
     tolerance, rubbing = read_tolerance(options), read_friction(options)
     shown = read_units(options, rod)
     varied = [name for name, ends in values.items() if len(ends) == 2]
     if len(varied) != 2:
-        raise ValueError(f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {len(varied)}")
+        got = f"ranges for --{' and --'.join(varied)}" if varied else "one value for each"
+        raise ValueError(f"two of --mean, --amplitude, --frequency must be ranges such as 0:1.1Fcr, got {got}")
+    warn_of_hertz("--frequency", options.frequency, rod, corners(values, like), tolerance)
     across = "frequency" if "frequency" in varied else "mean"
     load: dict[str, Any] = {
         name: (*ends, columns if name == across else rows) if name in varied else ends[0]
@@ -116,6 +120,9 @@ def _map(options: argparse.Namespace) -> Answer:
     }
     criterion = None if options.paper_criterion is None else fr.FiniteTimeCriterion(by=options.paper_criterion)
     point = None if options.mark is None else _point(options.mark, varied, across, rod)
+    if point is not None and "frequency" in point:
+        marked = like.with_numbers(**({name: ends[0] for name, ends in values.items()} | point))
+        warn_of_hertz("--mark frequency", options.mark.rpartition(",")[2], rod, [marked], tolerance)
     with Waiting("deciding stability", "points") as progress:
         chart = fr.stability_map(
             rod,

@@ -16,7 +16,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.cli.common import is_pipe, named_rod
-from floquetrod.cli.loads import LOAD_OPTIONS, read_kind, read_load, read_record
+from floquetrod.cli.loads import LOAD_OPTIONS, read_kind, read_load, read_record, warn_of_hertz
 from floquetrod.cli.starts import read_perturbation
 from floquetrod.ensembles.axes import LAYOUTS, names_of
 from floquetrod.rod.data import INSTEAD
@@ -153,10 +153,13 @@ def _load(path: Path, table: Mapping[str, Any], rod: fr.Rod) -> Any:
         raise ValueError(f"missing key{'s' if missing[1:] else ''} {', '.join(missing)}; or give a measured force")
     if given["wave"] is not None:
         validate.choice("wave", given["wave"], FAR_ENDS)
-    texts = {key: None if given[key] is None else str(given[key]) for key in ("mean_at", "wave", "axial_damping")}
+    texts = {key: None if given[key] is None else str(given[key]) for key in _LOAD if key not in (*KINDS, "force")}
     force = None if given["force"] is None else str(path.parent / str(given["force"]))
     options = argparse.Namespace(**given | texts | {"force": force})
-    return read_load(options, rod, read_kind(options, read_record(options)))
+    load = read_load(options, rod, read_kind(options, read_record(options, rod)))
+    if given["frequency"] is not None:
+        warn_of_hertz(f"study file {path}: frequency", str(given["frequency"]), rod, [load])
+    return load
 
 
 def _settings(table: Mapping[str, Any], rod: fr.Rod) -> dict[str, Any]:

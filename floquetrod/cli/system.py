@@ -72,6 +72,8 @@ def _report(result: SystemStability) -> list[str]:
         lines.append(
             f"growth    {result.growth_rate:.6g} per unit time, tenfold in {math.log(10.0) / result.growth_rate:.4g}"
         )
+    if result.decay_rate > 0.0:
+        lines.append(f"decay     {result.decay_rate:.6g} per unit time, the slowest motion")
     for i, resonance in enumerate(result.resonances):
         name = f"{resonance}, growth {resonance.growth_rate:.6g}"
         lines.append(f"{'' if i else 'named':<8}  {name}{' (the nearest combination of frequencies)' if not i else ''}")
@@ -146,6 +148,7 @@ def _record(result: SystemStability) -> dict[str, Any]:
         "status": result.status,
         "strongly_stable": result.strongly_stable,
         "growth_rate_per_unit_time": number(result.growth_rate),
+        "decay_rate_per_unit_time": result.decay_rate,
         "largest_multiplier_less_1": number(_largest(result)),
         "opposite_krein_signs_apart_rad": _opposite_signs_apart(result) if result.exponents else None,
         "resonances": [resonance_record(r, "growth_rate") for r in result.resonances],

@@ -79,6 +79,7 @@ def verdict_record(result: RodVerdict, searched: bool) -> dict[str, Any]:
         "status": result.status,
         "unstable_modes": list(result.unstable_modes),
         "growth_rate_per_s": number(result.growth_rate),
+        "decay_rate_per_s": result.decay_rate,
         "fastest_mode": result.fastest_mode,
         "time_to_grow_tenfold_s": number(result.time_to_grow(10.0)),
         **(_margins_record(result) if searched else {}),

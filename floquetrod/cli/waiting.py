@@ -6,6 +6,7 @@ import shutil
 import sys
 import threading
 import time
+from contextlib import suppress
 from typing import Self
 
 FIRST = 0.5
@@ -97,8 +98,9 @@ class Waiting:
 
 def say(message: str) -> None:
     """Print a message on stderr, in place of a line of `Waiting` that may be there."""
-    print(f"\r{message:<{shutil.get_terminal_size().columns - 1}}" if sys.stderr.isatty() else message, file=sys.stderr)
-    sys.stderr.flush()
+    line = f"\r{message:<{shutil.get_terminal_size().columns - 1}}" if sys.stderr.isatty() else message
+    with suppress(OSError):  # a full disk, or nobody who reads: the answer does not depend on it
+        print(line, file=sys.stderr, flush=True)
 
 
 def roughly(seconds: float) -> str:

@@ -109,6 +109,8 @@ class Runs(NoTruthValue, ByContent):
     @classmethod
     def load(cls, path: str | Path) -> Runs:
         """Read runs that `save` wrote; ValueError for a file that is damaged, if only in one bit, or foreign."""
+        if validate.path("path", path).is_dir():
+            raise ValueError(f"{path} is a folder; Runs.load reads .npz files, ensembles.open_zarr stores of zarr")
         return files.read_npz(path, _FORMAT, "an ensemble", cls._read)
 
     @classmethod

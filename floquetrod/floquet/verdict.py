@@ -102,6 +102,12 @@ class Verdict(Answer):
     assumptions: tuple[str, ...] = ()
 
     @property
+    def decay_rate(self) -> float:
+        """Rate, per unit of time, at which the slowest solution decays; 0 where one does not, or that is not known."""
+        slowest = max((exponent.real for exponent in self.exponents), default=0.0)
+        return max(0.0, -slowest) if self.status == "stable" else 0.0
+
+    @property
     def multipliers(self) -> tuple[complex, ...]:
         """Eigenvalues of the map over a period, in the order of the exponents; infinite beyond a double's range."""
         return tuple(_multiplier(exponent, self.period) for exponent in self.exponents)

@@ -149,7 +149,7 @@ class Section:
         if not formulas.has_wall(radius, inner):
             raise ValueError(
                 f"inner_radius, half of inner_diameter, must be less than the outer radius, got inner_radius = "
-                f"{inner:g} m and radius = {radius:g} m; both are radii, not diameters"
+                f"{inner:g} m and radius = {radius:g} m, half the diameters {2.0 * inner:g} m and {2.0 * radius:g} m"
             )
         object.__setattr__(self, "radius", radius)
         object.__setattr__(self, "inner_radius", inner)
@@ -252,7 +252,8 @@ class Channel:
         if not formulas.fits(section.radius, self.radius):
             raise ValueError(
                 f"channel_radius must exceed the rod's radius, got channel_radius = {self.radius:g} m and "
-                f"radius = {section.radius:g} m; both are radii, not diameters"
+                f"radius = {section.radius:g} m, half the diameters {2.0 * self.radius:g} m and "
+                f"{2.0 * section.radius:g} m"
             )
         return float(formulas.clearance(section.radius, self.radius))
 

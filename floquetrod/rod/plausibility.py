@@ -15,6 +15,7 @@ from typing import Any
 
 from floquetrod._util.calling import level_of_caller
 from floquetrod.rod.catalogue import pipes
+from floquetrod.units import units_of
 
 SILENCE = ' (silence with warnings.simplefilter("ignore", fr.PlausibilityWarning))'
 """The end of every warning; a terminal leaves it out."""
@@ -39,6 +40,10 @@ _ORDER = 3.0  # tongues of a higher order are narrow
 
 class PlausibilityWarning(UserWarning):
     """A number that is allowed, and is probably in another unit or of another kind than it is taken to be."""
+
+
+class HertzWarning(PlausibilityWarning):
+    """A frequency that is probably in Hz; the terminal, which knows what was typed, says so itself."""
 
 
 def warn_of_rod(rod: Any) -> None:
@@ -167,6 +172,25 @@ def suspicions_of_load(rod: Any, load: Any) -> Iterator[str]:
         )
 
 
+def suspicions_of_record(rod: Any, record: Any) -> Iterator[str]:
+    """Yield the suspicion that a record without a unit of force is not in N: in another unit it would matter.
+
+    In kN or mN it would be about the critical force, and in N it is far from it.
+    """
+    share = (abs(record.mean) + record.amplitude) / rod.critical_force
+    usual = {"kN": rod.critical_force > _THICK_STRING, "mN": rod.critical_force < 1e-2 * _THICK_STRING}
+    for unit, is_usual in usual.items():
+        other = share * units_of("force")[unit]
+        if is_usual and not _MATTERS[0] < share < _MATTERS[1] and _MATTERS[0] < other < _MATTERS[1]:
+            yield (
+                f"the record names no unit of force: taken in N, its {record.mean:.4g} +- {record.amplitude:.4g} N are "
+                f"{share:.2g} of the critical force, in {unit} {other:.2g}; give force_unit, N or {unit}"
+            )
+
+
+_MATTERS = 0.02, 20.0  # critical forces between which a force is plausible (a choice)
+
+
 def may_be_hertz(rod: Any, load: Any) -> bool:
     """Return whether a frequency in rad/s may have been meant in Hz: short, too low for all but narrow tongues.
 
@@ -187,17 +211,26 @@ def _is_typed(value: float) -> bool:
 
 
 def warn_of_load(rod: Any, load: Any) -> None:
-    """Warn of a load that is suspicious on this rod."""
-    for suspicion in suspicions_of_load(rod, load):
+    """Warn of a load, or a record, that is suspicious on this rod."""
+    is_unnamed = not getattr(load, "force_unit_named", True)
+    for suspicion in suspicions_of_record(rod, load) if is_unnamed else suspicions_of_load(rod, load):
         warnings.warn(suspicion + SILENCE, PlausibilityWarning, stacklevel=level_of_caller())
 
 
-def warn_of_hertz(load: Any) -> None:
-    """Warn of a load that is harmless at its frequency in rad/s and would not be at as many Hz."""
-    warnings.warn(
-        f"frequency = {load.frequency:g} rad/s is below all but the narrowest tongues of this rod, and with it nothing "
-        f"grows; with {load.frequency:g} Hz something would. Was it in Hz? AxialLoad.hertz takes Hz, and so does "
-        f'frequency="{load.frequency:g}Hz"{SILENCE}',
-        PlausibilityWarning,
-        stacklevel=level_of_caller(),
-    )
+def verdicts_in_hertz(rod: Any, load: Any, growth_tolerance: float) -> tuple[int, int]:
+    """Return the verdicts on a load of independent modes as it is, and with as many Hz as its frequency has rad/s."""
+    frequencies = [load.frequency, 2.0 * math.pi * load.frequency]
+    found = rod.verdicts(load.mean, load.amplitude, frequencies, growth_tolerance=growth_tolerance, like=load)
+    return int(found[0]), int(found[1])
+
+
+def warn_of_hertz(rod: Any, load: Any, growth_tolerance: float) -> None:
+    """Warn where a load of independent modes may have been meant in Hz, and is harmless only in rad/s."""
+    if may_be_hertz(rod, load) and verdicts_in_hertz(rod, load, growth_tolerance) == (1, 0):
+        warnings.warn(
+            f"frequency = {load.frequency:g} rad/s is below all but the narrowest tongues of this rod, and with it "
+            f"nothing grows; with {load.frequency:g} Hz something would. Was it in Hz? AxialLoad.hertz takes Hz, and "
+            f'so does frequency="{load.frequency:g}Hz"{SILENCE}',
+            HertzWarning,
+            stacklevel=level_of_caller(),
+        )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,8 @@ class ForceRecord(LoadSource, ByContent):
         Root mean square in N of what the fit leaves.
     note : str
         What was left out or limited, and where the noise is not white.
+    force_unit_named : bool
+        Whether the unit of force is known: False for a file that names none, nor is given ``force_unit``.
 
     Raises
     ------
@@ -108,6 +110,7 @@ class ForceRecord(LoadSource, ByContent):
     harmonic_errors: NDArray[np.float64]
     noise: float
     note: str
+    force_unit_named: ClassVar[bool] = True
 
     def __init__(self, time: Any, force: Any, harmonics: int | None = None, frequency: float | None = None) -> None:
         """Check the samples and fit them."""
@@ -146,7 +149,10 @@ class ForceRecord(LoadSource, ByContent):
         harmonics: int | None = None,
         frequency: float | None = None,
     ) -> Self:
-        """Read a record from a text file of columns, in UTF-8; lines that begin with # are comments.
+        """Read a record from a text file of columns; lines that begin with # are comments.
+
+        The text is in UTF-8 or, where it cannot be, in Windows-1252.  Times are numbers, times of day such as
+        12:00:00.000, or dates with them such as 2024-01-31T12:00:00.000+01:00.
 
         Parameters
         ----------
@@ -162,7 +168,7 @@ class ForceRecord(LoadSource, ByContent):
             Unit of the times, such as "ms".  By default that in the heading, as in "t [ms]" or "time_ms", and else s.
         force_unit : str, optional
             Unit of the forces, such as "lbf".  By default that in the heading, as in "force (kN)" or "F / N", and
-            else N.
+            else N: then `force_unit_named` is False, and verdicts warn where kN or mN are more likely.
         delimiter : str, optional
             What separates columns, by default the first of semicolon, tab, comma and space that the first line holds.
             With another one than the comma, numbers may have decimal commas.
@@ -187,9 +193,12 @@ class ForceRecord(LoadSource, ByContent):
         if frequency is not None:
             load_number("frequency", frequency)
         try:
-            return cls(*read_columns(path, *wanted, time_unit, force_unit, delimiter), harmonics, frequency)
+            found = read_columns(path, *wanted, time_unit, force_unit, delimiter)
+            record = cls(found.time, found.force, harmonics, frequency)
         except (OSError, ValueError) as error:
             raise ValueError(f"force record {path}: {error}") from None
+        object.__setattr__(record, "force_unit_named", found.has_unit)
+        return record
 
     @property
     def period(self) -> float:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import csv
+import datetime
 import io
+import itertools
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,18 +22,37 @@ _LARGEST = 1 << 29  # bytes of a file that are read, ten million samples or so (
 _DEFAULTS = {"time": ("time", "t"), "force": ("force", "f")}
 _MISSING = ("", "nan", "na", "n/a")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
+_CLOCK = re.compile(
+    r"(?:(\d{4}-\d\d-\d\d)[T ])?([01]?\d|2[0-3]):([0-5]\d):([0-5]\d(?:\.\d*)?)\s*([Zz]|[-+]\d\d(?::?\d\d)?)?", re.ASCII
+)
+_NOT_PLAIN = re.compile(r'["#]|\r(?!\n)')
+"""What lines hold that NumPy's reader reads otherwise than this one."""
+
+_NOT_A_SPACE = re.compile(r"[^\S \n\r]")
+_TOGETHER = 20_000  # lines read at once; where one is not plain numbers, each is read alone (a choice)
+
 _BRACKETS = re.compile(r"(.*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])]|/\s*(\S+))")
 _LAST_WORD = re.compile(r"(.+?)[\s_]+(\S+)")
 
-Line = tuple[int, list[str]]
+Line = tuple[int, str]
+"""A line that is neither empty nor a comment, without spaces at its ends, and its number."""
 
 
 class _Column(NamedTuple):
-    """A column: the argument that chose it, its place, and what its numbers are multiplied by."""
+    """A column: the argument that chose it, its place, its unit's size in SI, and whether a unit was named."""
 
     name: str
     place: int
     size: float
+    has_unit: bool
+
+
+class Columns(NamedTuple):
+    """Times in s and forces in N, NaN where a cell is empty, and whether a unit of force was named."""
+
+    time: NDArray[np.float64]
+    force: NDArray[np.float64]
+    has_unit: bool
 
 
 def read_columns(
@@ -41,30 +62,34 @@ def read_columns(
     time_unit: str | None,
     force_unit: str | None,
     delimiter: str | None,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return times (s) and forces (N) of a file, NaN where a cell is empty; ValueError names line and column.
+) -> Columns:
+    """Return the samples of a file; ValueError names line and column.
 
     `floquetrod.ForceRecord.from_csv` says what is accepted.
     """
-    lines = _lines(_text(path), delimiter)
-    first = next(lines, None)
+    numbered = enumerate(io.StringIO(_text(path)), 1)
+    first = next(_written(numbered), None)
     if first is None:
         raise ValueError("it holds no samples")
-    number, cells = first
+    delimiter = delimiter or next((mark for mark in ";\t," if mark in first[1]), " ")
+    cells = _cells(first, delimiter)
     if len(cells) < 2:
-        raise ValueError(f"line {number} has one column, {validate.short(cells[0])}; give delimiter, such as ';'")
+        raise ValueError(f"line {first[0]} has one column, {validate.short(cells[0])}; give delimiter, such as ';'")
     headings = None if all(_is_value(cell) for cell in cells) else cells
-    columns = [
+    columns = (
         _column("time", time, headings, len(cells), time_unit),
         _column("force", force, headings, len(cells), force_unit),
-    ]
+    )
     if columns[0].place == columns[1].place:
         raise ValueError(f"time and force must be two columns, got column {columns[0].place} for both")
-    rows = _rows(lines if headings else _with(first, lines), columns)
-    samples: NDArray[np.float64] = np.array(list(rows)).reshape(-1, 2)
+    rows = _Rows(columns, delimiter, _Clock(time_unit))
+    parts = [] if headings else [rows.careful([first])]
+    while lines := list(itertools.islice(numbered, _TOGETHER)):
+        parts.append(rows.read(lines))
+    samples = np.concatenate([np.empty((0, 2)), *parts])
     if not samples.size:
         raise ValueError("it holds no samples below its headings")
-    return samples[:, 0] * columns[0].size, samples[:, 1] * columns[1].size
+    return Columns(samples[:, 0] * columns[0].size, samples[:, 1] * columns[1].size, columns[1].has_unit)
 
 
 def _text(path: Path) -> str:
@@ -80,33 +105,145 @@ def _text(path: Path) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
+    try:
+        return content.decode("cp1252")
+    except UnicodeDecodeError:
         raise ValueError(f"line {line} is not text in UTF-8; save it as CSV in UTF-8") from None
 
 
-def _lines(text: str, delimiter: str | None) -> Iterator[Line]:
-    """Yield the number and the cells of each line that is neither empty nor a comment."""
-    stripped = ((number, line.strip(" \r\n")) for number, line in enumerate(io.StringIO(text), 1))
-    lines = ((number, line) for number, line in stripped if line.strip() and not line.startswith("#"))
-    for number, line in lines:
-        if delimiter is None:
-            delimiter = next((mark for mark in ";\t," if mark in line), " ")
+def _written(numbered: Iterable[Line]) -> Iterator[Line]:
+    """Yield the lines that are neither empty nor a comment."""
+    stripped = ((number, line.strip(" \r\n")) for number, line in numbered)
+    return ((number, line) for number, line in stripped if line.strip() and not line.startswith("#"))
+
+
+def _cells(line: Line, delimiter: str) -> list[str]:
+    number, text = line
+    try:
+        cells = next(csv.reader([text], delimiter=delimiter, skipinitialspace=True, strict=True))
+    except (csv.Error, StopIteration) as error:
+        raise ValueError(f"line {number} cannot be read: {error}") from None
+    if delimiter != ",":
+        cells = [cell.replace(",", ".") if cell.count(",") == 1 and "." not in cell else cell for cell in cells]
+    return [cell.strip() for cell in cells]
+
+
+class _Rows:
+    """Reads the numbers of two columns, many lines at a time where they are plain numbers, else line by line."""
+
+    def __init__(self, columns: tuple[_Column, _Column], delimiter: str, clock: _Clock) -> None:
+        self.columns = columns
+        self.delimiter = delimiter
+        self.clock = clock
+
+    def read(self, lines: list[Line]) -> NDArray[np.float64]:
+        """Return the numbers of lines, (n, 2)."""
+        found = self._at_once(lines)
+        return self.careful(lines) if found is None else found
+
+    def careful(self, lines: Iterable[Line]) -> NDArray[np.float64]:
+        """Return the numbers of lines, (n, 2); ValueError for the first that cannot be read."""
+        rows = [self._row(number, _cells((number, text), self.delimiter)) for number, text in _written(lines)]
+        return np.array(rows, dtype=np.float64).reshape(-1, 2)
+
+    def _at_once(self, lines: list[Line]) -> NDArray[np.float64] | None:
+        """Return what `careful` does, by NumPy's reader; None where it might read otherwise."""
+        text = "".join(line for _, line in lines)
+        if _NOT_PLAIN.search(text) or (self.delimiter == " " and _NOT_A_SPACE.search(text)) or not text.strip():
+            return None
+        if self.delimiter != "," and "," in text:
+            if "." in text:
+                return None
+            text = text.replace(",", ".")
+        places = [column.place for column in self.columns]
+        delimiter = None if self.delimiter == " " else self.delimiter
         try:
-            cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True, strict=True))
-        except (csv.Error, StopIteration) as error:
-            raise ValueError(f"line {number} cannot be read: {error}") from None
-        if delimiter != ",":
-            cells = [cell.replace(",", ".") if cell.count(",") == 1 and "." not in cell else cell for cell in cells]
-        yield number, [cell.strip() for cell in cells]
+            found = np.loadtxt(io.StringIO(text), delimiter=delimiter, usecols=places, comments=None, ndmin=2)
+        except ValueError:
+            return None
+        return found if np.isfinite(found).all() and not self.clock.is_used else None
+
+    def _row(self, number: int, cells: Sequence[str]) -> tuple[float, float]:
+        time, force = self.columns
+        return self._value(cells, time, number), self._value(cells, force, number)
+
+    def _value(self, cells: Sequence[str], column: _Column, number: int) -> float:
+        """Return the number in a cell, the seconds of a time of day, NaN where it is empty."""
+        if column.place >= len(cells):
+            raise ValueError(
+                f"line {number} has {len(cells)} column{'s' * (len(cells) != 1)}, {column.name} should be in column "
+                f"{column.place} counted from 0"
+            )
+        cell = cells[column.place]
+        if cell.lower() in _MISSING:
+            return math.nan
+        if column.name == "time" and (seconds := self.clock.seconds(cell)) is not None:
+            return seconds
+        if _NUMBER.fullmatch(cell) and not (column.name == "time" and self.clock.is_used):
+            return float(cell)
+        is_clock = column.name == "time" and self.clock.is_used
+        wanted = "a time of day as in the lines before" if is_clock else "a number"
+        hint = "; times of day are like 12:00:00.000" if ":" in cell else ""
+        raise ValueError(
+            f"line {number}: {column.name} must be {wanted}, got {validate.short(cell)}{hint}; put # before lines "
+            "without data"
+        )
 
 
-def _with(first: Line, others: Iterator[Line]) -> Iterator[Line]:
-    yield first
-    yield from others
+class _Clock:
+    """Turns times of day, with dates or without, into seconds from the first midnight."""
+
+    def __init__(self, unit: str | None) -> None:
+        self.unit = unit
+        self.first: int | None = None  # day of the first date
+        self.days = 0  # that have passed where there are no dates
+        self.last: float | None = None
+
+    @property
+    def is_used(self) -> bool:
+        """Whether a time of day has been read."""
+        return self.last is not None
+
+    def seconds(self, cell: str) -> float | None:
+        """Return the seconds of a time of day, None for another cell; without dates, midnight begins another day."""
+        match = _CLOCK.fullmatch(cell)
+        if match is None:
+            return None
+        if self.unit is not None:
+            raise ValueError(f"time_unit is for numbers, got {self.unit!r} for times of day such as {cell!r}")
+        date, hours, minutes, seconds, zone = match.groups()
+        time = 3600.0 * int(hours) + 60.0 * int(minutes) + float(seconds) - _offset(zone)
+        time += 86400.0 * self._day(date, time, cell)
+        self.last = time
+        return time
+
+    def _day(self, date: str | None, time: float, cell: str) -> int:
+        """Return the number of the day of a time, 0 for the first."""
+        if self.last is not None and (date is None) != (self.first is None):
+            raise ValueError(f"time must have a date in every line or in none, got {cell!r}")
+        if date is None:
+            if self.last is not None and time + 86400.0 * self.days < self.last - 43200.0:
+                self.days += 1
+            return self.days
+        try:
+            day = datetime.date.fromisoformat(date).toordinal()
+        except ValueError:
+            raise ValueError(f"time must have dates such as 2024-01-31, got {cell!r}") from None
+        self.first = day if self.first is None else self.first
+        return day - self.first
+
+
+def _offset(zone: str | None) -> float:
+    """Return the seconds by which a time zone is ahead of UTC."""
+    if zone in (None, "", "Z", "z"):
+        return 0.0
+    hours, minutes = zone[1:3], zone[3:].lstrip(":") or "0"
+    return (-1.0 if zone[0] == "-" else 1.0) * (3600.0 * int(hours) + 60.0 * int(minutes))
 
 
 def _is_value(cell: str) -> bool:
     """Return whether a cell holds a number, or says that one is missing."""
-    return cell.lower() in _MISSING or _NUMBER.fullmatch(cell) is not None
+    return cell.lower() in _MISSING or any(each.fullmatch(cell) for each in (_NUMBER, _CLOCK))
 
 
 def _column(
@@ -114,7 +251,7 @@ def _column(
 ) -> _Column:
     """Return the column of an argument."""
     if isinstance(wanted, str) and headings is None:
-        raise ValueError(f"{name} must be the number of a column, 0 for the first, as line 1 has no headings")
+        raise ValueError(f"{name} must be the number of a column, got {wanted!r}: there are no headings")
     if isinstance(wanted, int):
         if wanted >= many:
             raise ValueError(f"{name} must be a column from 0 to {many - 1}, got {wanted}")
@@ -122,7 +259,7 @@ def _column(
     else:
         place = _place(name, wanted, headings, many)
     heading = "" if headings is None else headings[place]
-    return _Column(name, place, _size(name, heading, unit))
+    return _Column(name, place, _size(name, heading, unit), unit is not None or _parts(heading, name)[1] is not None)
 
 
 def _place(name: str, wanted: str | None, headings: Sequence[str] | None, many: int) -> int:
@@ -173,29 +310,6 @@ def _size(name: str, heading: str, unit: str | None) -> float:
         raise ValueError(
             f"{name}_unit must be given, one of {', '.join(units.units_of(name))}: the heading {heading!r} names none"
         ) from None
-
-
-def _rows(lines: Iterator[Line], columns: Sequence[_Column]) -> Iterator[tuple[float, ...]]:
-    """Yield the numbers of the columns of each line."""
-    for number, cells in lines:
-        yield tuple([_value(cells, column, number) for column in columns])
-
-
-def _value(cells: Sequence[str], column: _Column, number: int) -> float:
-    """Return the number in a cell, NaN where it is empty."""
-    if column.place >= len(cells):
-        raise ValueError(
-            f"line {number} has {len(cells)} column{'s' * (len(cells) != 1)}, {column.name} should be in column "
-            f"{column.place} counted from 0"
-        )
-    cell = cells[column.place]
-    if _NUMBER.fullmatch(cell):
-        return float(cell)
-    if cell.lower() in _MISSING:
-        return math.nan
-    raise ValueError(
-        f"line {number}: {column.name} must be a number, got {validate.short(cell)}; put # before lines without data"
-    )
 
 
 def column_argument(name: str, value: Any) -> str | int | None:

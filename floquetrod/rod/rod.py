@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -31,7 +30,7 @@ from floquetrod.rod.load import AnyLoad, Loads, Progress, kind, load_bounds, req
 from floquetrod.rod.modal import refusal
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.parts import friction_coefficient
-from floquetrod.rod.plausibility import may_be_hertz, warn_of_hertz, warn_of_load
+from floquetrod.rod.plausibility import warn_of_hertz, warn_of_load
 from floquetrod.rod.proved import ProvedRod
 from floquetrod.rod.ranges import StabilityIntervals, first_unstable, stability_intervals
 from floquetrod.rod.record import ForceRecord
@@ -184,7 +183,7 @@ class Rod(ProvedRod):
         rubbing = friction_and_kick(friction, kick)
         growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
         warn_unless_uniform(self, load)
-        warn_of_load(self, load)
+        warn_of_load(self, source if isinstance(source, ForceRecord) and not source.force_unit_named else load)
         if not self.coupled_numbers.has_mathieu_modes(load):
             if friction is not None:
                 raise refusal(self, "friction", load)
@@ -193,10 +192,8 @@ class Rod(ProvedRod):
             return with_noise(self, coupled, source) if isinstance(source, ForceRecord) else coupled
         # The growth rate is that of all modes, tolerated or not.
         linear = classify_modes(self, self.independent_modes(load, modes), growth_tolerance)
-        if linear.stable and may_be_hertz(self, load):
-            faster = self.independent_modes(load.varied("frequency", 2.0 * math.pi * load.frequency), linear.modes)
-            if classify_modes(self, faster, growth_tolerance).status == "unstable":
-                warn_of_hertz(load)
+        if linear.stable and modes is None:
+            warn_of_hertz(self, load, growth_tolerance)
         return linear if rubbing is None else classify_kick(linear, *rubbing)
 
     @tells_arguments()

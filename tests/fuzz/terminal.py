@@ -1,4 +1,7 @@
-"""Random and mutated command lines: exit status 0, 1, 2, 3 or 130, errors on one line, never a traceback."""
+"""Random and mutated command lines: exit status 0, 1, 2, 3 or 130, errors on one line, never a traceback.
+
+Some run in processes of their own, whose standard streams may be closed or full: an answer that is lost is an error.
+"""
 
 from __future__ import annotations
 
@@ -47,6 +50,13 @@ LINES = (
     "--help",
 )
 """Lines that are answered at once; `reproduce` is only ever given what it must refuse."""
+
+STREAMS = {"": False, "2>&-": False, "2>&- <&-": False, ">&-": True, ">&- 2>&-": True}
+if sys.platform == "linux":
+    STREAMS |= {"2>/dev/full": False, ">/dev/full": True}
+elif sys.platform == "win32":
+    STREAMS = {"": False}
+"""Redirections of the shell, and whether the answer is lost with them."""
 
 TOKENS = (
     "",
@@ -137,7 +147,9 @@ def check(rng: np.random.Generator) -> Found:
     table()  # files that lines name
     with contextlib.chdir(folder()):
         if rng.random() < 0.025 and not any("\x00" in word or "\udcff" in word for word in line):
-            wrong = _judge(*_apart(line), line)
+            streams = str(rng.choice(list(STREAMS)))
+            done = _apart(line, streams)
+            wrong = _judge_lost(*done, streams) if streams else _judge(*done, line)
         else:
             wrong = _judge(*here(line), line)
     return Found(1, [f"floquetrod {shlex.join(line)!r}: {what}" for what in wrong])
@@ -181,11 +193,20 @@ def here(words: list[str]) -> tuple[int | None, str, str]:
     return status, out.getvalue(), err.getvalue()
 
 
-def _apart(words: list[str]) -> tuple[int | None, str, str]:
-    done = subprocess.run(
-        [sys.executable, "-m", "floquetrod", *words], capture_output=True, text=True, timeout=120, check=False
-    )
+def _apart(words: list[str], streams: str) -> tuple[int, str, str]:
+    command = [sys.executable, "-m", "floquetrod", *words]
+    if streams:
+        command = ["sh", "-c", f'exec "$@" {streams}', "sh", *command]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
     return done.returncode, done.stdout, done.stderr
+
+
+def _judge_lost(status: int, out: str, err: str, streams: str) -> list[str]:
+    """Judge a command that cannot write to some of its streams."""
+    wrong = [f"{streams}: traceback: {err[-300:]!r}"] if "Traceback" in out + err else []
+    if status not in ({2} if STREAMS[streams] else STATUSES):
+        wrong.append(f"{streams}: exit status {status}: {err[-300:]!r}")
+    return wrong
 
 
 def _judge(status: int | None, out: str, err: str, words: list[str]) -> list[str]:

@@ -1,0 +1,61 @@
+"""`floquetrod lock-up`: how far a string can be pushed along its channel before friction stops it."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+import floquetrod as fr
+from floquetrod import units
+from floquetrod.cli.common import Answer, add_coefficient, add_rod, describe_command, number, read_rod
+
+_HELP = """\
+Say how far a string of this section, of any length, can be pushed down the channel before it locks up.
+
+examples:
+  floquetrod lock-up --rod '2.00x0.156 CT90' --bore 4.778in --length 1000m --friction 0.3
+  floquetrod lock-up --rod nitinol --friction 0.2 --far-force 0.5Fcr --push 10N
+
+Friction along the channel of a string that lies as a helix wherever it is compressed: at lock-up no force at its upper
+end moves the lower one.  With --push also how long a string that force can push.
+"""
+
+
+def add(command: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(command, _HELP, _lock_up)
+    add_rod(command, judged=False)
+    add_coefficient(command, "required")
+    command.add_argument("--far-force", metavar="FORCE", help="mean force at the lower end (default: 0)")
+    command.add_argument("--push", metavar="FORCE", help="force at the upper end, such as 20kN")
+
+
+def _lock_up(options: argparse.Namespace) -> Answer:
+    if options.friction is None:
+        raise ValueError("--friction is required: without friction nothing locks up; add it, such as --friction 0.3")
+    rod = read_rod(options)
+    far = _force(options.far_force or "0", "--far-force", rod)
+    push = None if options.push is None else _force(options.push, "--push", rod)
+    found = rod.lock_up(options.friction, far)
+    pushed = None if push is None else float(found.pushed_length(push))
+    if options.json:
+        record = {
+            "length_m": number(found.length),
+            "friction": found.friction,
+            "far_force_N": found.far_force,
+            "critical_force_N": found.critical_force,
+            "push_N": push,
+            "pushed_length_m": None if pushed is None else number(pushed),
+            "assumptions": list(found.assumptions),
+            "version": fr.__version__,
+        }
+        return Answer(json.dumps(record, indent=2, allow_nan=False))
+    lines = [repr(found)[1:-1]]
+    if push is not None and pushed is not None:
+        length = f"{pushed:.4g} m" if number(pushed) is not None else "a string of any length"
+        lines.append(f"pushed    {push:.6g} N at the upper end pushes {length}")
+    return Answer("\n".join([*lines, f"assumed   {'; '.join(found.assumptions)}"]))
+
+
+def _force(text: str, name: str, rod: fr.Rod) -> float:
+    return units.quantity(text, name, "force", critical_force=rod.critical_force)
