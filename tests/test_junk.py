@@ -434,6 +434,13 @@ def test_junk_is_refused_by_name_or_answered(
     assert not faults, "\n".join(faults)
 
 
+def test_arrays_that_broadcast_beyond_memory_are_refused() -> None:
+    column = np.full((20_000, 1), 0.3)
+    with pytest.raises(ValueError, match=r"alpha, beta.* at most 100,000,000 elements, got 400000000"):
+        fr.mathieu.is_stable(column, column.T)
+    assert fr.mathieu.is_stable(np.empty((0, 10**9)), 0.3).shape == (0, 10**9)
+
+
 def test_the_table_has_every_public_function_and_every_argument() -> None:
     elsewhere = {"simulate", "ensemble", "Explorer"}  # runs of a rod, refused in test_ensemble.py, and a window
     results = {

@@ -30,7 +30,7 @@ Z = np.array([0.1, 0.7, 1.3, 2.9])
 def precise(order: float, q: float) -> tuple[Any, list[Any]]:
     """Return lambda_nu(q) and me_nu at `Z` with 40 digits, from the eigenvalues of a large matrix."""
     with mp.workdps(40):
-        count = 36 + int(abs(order))
+        count = 14 + int(abs(order)) + 2 * int(abs(q) ** 0.5)  # what is left out is below 1e-28
         frequencies = [mp.mpf(order) - 2 * round(order / 2) + 2 * k for k in range(-count, count + 1)]
         matrix = mp.matrix(len(frequencies))
         for i, frequency in enumerate(frequencies):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import mpmath
 import numpy as np
 import pytest
@@ -25,34 +27,39 @@ def compiled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 Floats = NDArray[np.float64]
 
 
+BITS = 256  # after the point, of numbers held as integers, which add and multiply much faster than those of mpmath
+
+
+def fixed(values: Any) -> Any:
+    """Return a number, or an array of them, as integers."""
+    return np.vectorize(lambda value: int(mpmath.mpf(value) * 2**BITS), otypes=[object])(values)
+
+
 def true_map(stiffness: Floats, amplitudes: Floats, period: float, share: float) -> Floats:
-    """Return the map of (u, u') over a share of the period, by Taylor series with 40 digits."""
+    """Return the map of (u, u') over a share of the period, by Taylor series with 60 digits."""
     n = len(stiffness)
-    with mpmath.workdps(40):
+    with mpmath.workdps(60):
         omega = 2 * mpmath.pi / mpmath.mpf(period)
         size = float(np.abs(stiffness).sum() + np.abs(amplitudes).sum())
         steps = int(4 + period * share * (np.sqrt(size) + len(amplitudes) * float(omega)))
         h = mpmath.mpf(period) * mpmath.mpf(share) / steps
-        s = np.array([[mpmath.mpf(float(v)) for v in row] for row in stiffness], dtype=object)
-        a = [np.array([[mpmath.mpf(float(v)) for v in row] for row in m], dtype=object) for m in amplitudes]
-        value = np.array([[mpmath.mpf(int(i == j)) for j in range(2 * n)] for i in range(n)], dtype=object)
-        slope = np.array([[mpmath.mpf(int(i + n == j)) for j in range(2 * n)] for i in range(n)], dtype=object)
+        s, a, powers = fixed(stiffness), fixed(amplitudes), [fixed(h**i) for i in range(30)]
+        value, slope = fixed(np.eye(n, 2 * n)), fixed(np.eye(n, 2 * n, n))
         for step in range(steps):
             k_terms = []
             for i in range(30):
                 total = s * (1 if i == 0 else 0)
                 for k, matrix in enumerate(a, 1):
-                    total = total + matrix * (
-                        mpmath.cos(k * omega * h * step + i * mpmath.pi / 2) * (k * omega) ** i / mpmath.factorial(i)
-                    )
+                    wave = mpmath.cos(k * omega * h * step + i * mpmath.pi / 2) * (k * omega) ** i / mpmath.factorial(i)
+                    total = total + (matrix * fixed(wave) >> BITS)
                 k_terms.append(total)
             u = [value, slope]
             for i in range(28):
-                force = sum((k_terms[j].dot(u[i - j]) for j in range(1, i + 1)), k_terms[0].dot(u[i]))
-                u.append(-force / ((i + 1) * (i + 2)))
-            value = sum((u[i] * h**i for i in range(1, 30)), u[0])
-            slope = sum((u[i] * (i * h ** (i - 1)) for i in range(2, 30)), u[1])
-    return np.vstack([value, slope]).astype(float)
+                force = sum((k_terms[j].dot(u[i - j]) for j in range(1, i + 1)), k_terms[0].dot(u[i])) >> BITS
+                u.append(-force // ((i + 1) * (i + 2)))
+            value = sum((u[i] * powers[i] for i in range(1, 30)), u[0] << BITS) >> BITS
+            slope = sum((i * u[i] * powers[i - 1] for i in range(2, 30)), u[1] << BITS) >> BITS
+    return (np.vstack([value, slope]) / 2**BITS).astype(float)
 
 
 def random_system(
@@ -81,7 +88,7 @@ def balanced(found: system_even.HalfPeriodMap, true: Floats) -> tuple[Floats, Fl
 def test_the_half_period_map_is_within_its_error(
     rng: np.random.Generator, n: int, count: int, symmetric: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for forcing, largest in rng.permutation([(0.05, 1.0), (0.5, 4.0), (0.1, 30.0)])[: depth(3, 1 if n == 3 else 3)]:
+    for forcing, largest in [(0.05, 1.0), (0.5, 4.0), (0.1, 30.0)]:
         system = random_system(rng, n, count, forcing, largest, symmetric)
         true = true_map(system[0][0], system[1][0], float(system[2][0]), 0.5)
         for accuracy in (1e-6, 1e-10, 1e-13):
@@ -112,7 +119,7 @@ def test_two_equations_at_once_agree_with_the_monodromy_matrix(rng: np.random.Ge
 
 @pytest.mark.parametrize("count", [1, 3])
 def test_many_pairs_side_by_side_are_within_their_errors(rng: np.random.Generator, count: int) -> None:
-    systems = [random_system(rng, 2, count, 0.2, size, True) for size in (0.3, 1.0, 3.0, 10.0) * depth(5, 1)]
+    systems = [random_system(rng, 2, count, 0.2, size, True) for size in (0.3, 1.0, 3.0, 10.0) * depth(5, 2)]
     many = len(systems)
     systems.append((np.diag([1.0, 1.0])[None], np.zeros((1, count, 2, 2)), np.array([3.0])))
     systems.append(random_system(rng, 2, count, 0.2, 1.0, False))
@@ -152,37 +159,34 @@ def test_segment_maps_and_their_product_are_within_their_errors(rng: np.random.G
 
 
 def true_flow(mean: Floats, harmonics: NDArray[np.complex128], period: float, share: float) -> Floats:
-    """Return the map of x' = A(t) x over a share of the period from t = 0, by Taylor series with 40 digits."""
+    """Return the map of x' = A(t) x over a share of the period from t = 0, by Taylor series with 60 digits."""
     n = len(mean)
-    exact = np.vectorize(lambda value: mpmath.mpmathify(complex(value)), otypes=[object])
-    with mpmath.workdps(40):
+    with mpmath.workdps(60):
         omega = 2 * mpmath.pi / mpmath.mpf(period)
         size = float(np.abs(mean).sum() + np.abs(harmonics).sum()) + len(harmonics) * float(omega)
         steps = int(2 + 2 * period * share * size / n)
         h = mpmath.mpf(period) * mpmath.mpf(share) / steps
-        x = exact(np.eye(n))
-        constant, waves = exact(mean), [exact(z) for z in harmonics]
+        x, constant, powers = fixed(np.eye(n)), fixed(mean), [fixed(h**i) for i in range(30)]
+        waves = [(fixed(z.real), fixed(z.imag)) for z in harmonics]
         for step in range(steps):
-            turned = [z * mpmath.expjpi(2 * k * step * h / period) for k, z in enumerate(waves, 1)]
-            rates = [1j * k * omega for k in range(1, len(waves) + 1)]
             tables = []
             for i in range(30):
-                total = constant if i == 0 else 0 * constant
-                for z, rate in zip(turned, rates, strict=True):
-                    wave = z * rate**i / mpmath.factorial(i)
-                    total = total + (wave + np.vectorize(mpmath.conj, otypes=[object])(wave)) / 2
+                total = constant * (1 if i == 0 else 0)
+                for k, (real, imaginary) in enumerate(waves, 1):
+                    turned = mpmath.expjpi(2 * k * step * h / period) * (1j * k * omega) ** i / mpmath.factorial(i)
+                    total = total + (real * fixed(turned.real) - imaginary * fixed(turned.imag) >> BITS)
                 tables.append(total)
             terms = [x]
             for i in range(29):
-                terms.append(sum(tables[j].dot(terms[i - j]) for j in range(i + 1)) / (i + 1))
-            x = sum((term * h**i for i, term in enumerate(terms[1:], 1)), terms[0])
-    return np.vectorize(lambda value: float(mpmath.re(value)))(x)
+                terms.append((sum(tables[j].dot(terms[i - j]) for j in range(i + 1)) >> BITS) // (i + 1))
+            x = sum((term * power for term, power in zip(terms[1:], powers[1:], strict=True)), x << BITS) >> BITS
+    return (x / 2**BITS).astype(float)
 
 
 @pytest.mark.parametrize(("n", "count"), [(1, 1), (3, 2), (4, 0), (4, 3)])
 def test_maps_of_any_form_are_within_their_errors(rng: np.random.Generator, n: int, count: int) -> None:
     for companion in (False, True)[: 1 + (n == 4)]:
-        for size in rng.permutation((0.3, 3.0))[: depth(2, 1)]:
+        for size in (0.3, 3.0):
             mean = size * rng.normal(size=(1, n, n))
             harmonics = size * (rng.normal(size=(1, count, n, n)) + 1j * rng.normal(size=(1, count, n, n)))
             harmonics *= 10.0 ** -(3.0 * np.arange(count)[:, None, None])
