@@ -59,7 +59,7 @@ def check(rng: np.random.Generator) -> Found:
     if rng.random() < SHARE:
         lines += against_finite_differences(question, verdict)
     if rng.random() < SHARE:
-        lines += along_a_margin(question, verdict, rng)
+        lines += along_a_margin(question, verdict, str(rng.choice(("mean", "amplitude", "frequency"))), rng)
     return Found(1, [f"{question}: {line}" for line in lines])
 
 
@@ -188,11 +188,10 @@ def by_other_ways(question: Question, verdict: Any, rng: np.random.Generator) ->
     return lines
 
 
-def along_a_margin(question: Question, verdict: Any, rng: np.random.Generator) -> list[str]:
+def along_a_margin(question: Question, verdict: Any, varied: str, rng: np.random.Generator) -> list[str]:
     """Scan one quantity of the load up to its margins: the verdict stays as it is, and changes at their ends."""
     if verdict.stable is None:
         return []
-    varied = str(rng.choice(("mean", "amplitude", "frequency")))
     margin = getattr(verdict, {"mean": "mean_force_margin"}.get(varied, f"{varied}_margin"))
     here, tolerance, lines = getattr(question.load, varied), verdict.margin_tolerance, []
     for sign, size, searched in zip((-1.0, 1.0), margin, margin.searched, strict=True):
