@@ -34,6 +34,7 @@ _ACCURACY = 1e-10  # relative, of a change
 _BISECTIONS = 25  # about how many verdicts a change costs
 _IN_REACH = 2.5  # frequencies of the load up to which a mode may resonate: to order five (a choice)
 _FEWEST = 4  # modes that are asked in place of all (a choice)
+_ABOUT = np.arange(-8, 9) / 2.0  # samples about where all modes do not answer as few did (a choice)
 _CLOSER, _ROUNDS = 9, 2  # places between the neighbours of an extremum, each time it is looked at more closely
 _MOST_EXTREMA = 16  # that are looked at more closely, those next to the level first (a choice)
 _MOST_BISECTING = 3.0  # times as long as its samples that a change may take to be located (a choice)
@@ -152,16 +153,23 @@ class _Search(NamedTuple):
         at, growth = _with_extrema(self._growth_of_few, closer, self._growth_of_few(closer), level)
         grows = growth > level
         ends = np.flatnonzero(np.diff(grows)) + 1
-        more = []
+        more: list[float] = []
+        expected: list[bool] = []
         for run in np.split(np.arange(at.size), ends):
             low, high = sorted((at[run[0]], at[run[-1]]))
             here = (places >= low) & (places <= high)
             if not (stable[here] != grows[run[0]]).any():
+                expected.append(not grows[run[0]])
                 more.append(at[run[growth[run].argmax()]] if grows[run[0]] else at[run[run.size // 2]])
         if not more:
             return places, stable
-        every = np.concatenate([places, more])
-        answers = np.concatenate([stable, self.stable(np.array(more))])
+        at_once = np.array(more)
+        told = self.stable(at_once)
+        moved = at_once[told != np.array(expected)]  # few modes have it elsewhere, or all of them not at all
+        about = moved[:, None] + (closer[1] - closer[0]) * _ABOUT
+        about = np.clip(about.ravel(), closer.min(), closer.max())
+        every = np.concatenate([places, at_once, about])
+        answers = np.concatenate([stable, told, self.stable(about) if about.size else told[:0]])
         _, order = np.unique(np.abs(every - places[0]), return_index=True)
         return every[order], answers[order]
 
