@@ -246,6 +246,26 @@ def test_margins_stay_within_ranges(quantity: Any) -> None:
         assert inside[0].high == bounds[1]
 
 
+def test_a_band_that_fewer_modes_have_elsewhere_ends_a_margin() -> None:
+    # 0.0007 N wide, and shifted by 0.0006 N where twelve of sixteen modes are asked.
+    rod = fr.Rod(
+        101742419789.73457,
+        7810.495309075631,
+        0.0004800379058778047,
+        0.8263256805198368,
+        0.0006986247439141004,
+        6.842908995172754,
+        fluid_inside=1326.335543039406,
+        added_mass_coefficient=3.9073343558760207,
+        inclination=1.363339261063933,
+        ends="free-clamped",
+    )
+    waveform = (0.662437 - 0.651627j, 0.0628053 - 0.110371j, -0.122686 + 0.0358046j)
+    push = fr.AxialLoad(0.7128337080158016, 0.07277299918, 383.457372022089, mean_at=0.0, waveform=waveform)
+    margin = rod.stability(push).amplitude_margin
+    assert push.amplitude + margin.above == pytest.approx(0.15093, abs=2e-4)
+
+
 def test_a_margin_is_searched_with_the_modes_of_each_piece() -> None:
     found = PLAIN.replace(inclination=1.0).stability(load())
     assert isinstance(found, fr.CoupledRodStability)
