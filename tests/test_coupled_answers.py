@@ -205,6 +205,100 @@ def test_ends_whose_cause_cannot_be_named_are_ends_of_unstable_parts(monkeypatch
     assert first.high not in found
 
 
+WIRE = fr.Rod.nitinol().replace(damping_rate=0.5)
+CASES = {
+    # Of several bands the first, 1.7 rad/s wide in a search up to 180; `stable_frequencies` finds it, too.
+    "clamped": (WIRE.replace(ends="clamped"), (0.1, 0.1, 20.0), 102.060348),
+    "inclined": (WIRE.replace(inclination=1.2), (0.2, 0.15, 30.0), 92.841736),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_margin_ends_where_the_stable_range_does(case: str) -> None:
+    rod, (mean, amplitude, frequency), end = CASES[case]
+    numbers = mean * WIRE.critical_force, amplitude * WIRE.critical_force
+    margin = rod.stability(fr.AxialLoad(*numbers, frequency)).frequency_margin
+    assert frequency + margin.above == pytest.approx(end, rel=1e-7)
+    ranges = rod.stable_frequencies(*numbers, (0.8 * end, 1.05 * end), growth_tolerance=1e-6)
+    assert frequency + margin.above == pytest.approx(ranges.intervals[0].high, rel=1e-8)
+    assert 0.0 < margin.resolution < 1.0
+    assert margin.searched[1] == margin.above
+    assert 0.0 < margin.searched[0] < frequency
+
+
+@pytest.mark.parametrize("quantity", ["mean", "amplitude", "frequency"])
+def test_margins_stay_within_ranges(quantity: Any) -> None:
+    # The stable range about a load ends where its margin does, within what both say they may miss.
+    rod, at = ROD.replace(damping_rate=0.1), {"mean": MEAN, "amplitude": 0.02 * UNIT, "frequency": 1.4 * SWING}
+    found = rod.stability(fr.AxialLoad(**at), growth_tolerance=0.01)
+    assert found.stable
+    margin = found.margin(quantity)
+    here = at.pop(quantity)
+    below, above = (min(size, reach) for size, reach in zip(margin, margin.searched, strict=True))
+    ask = {"mean": rod.stable_mean_forces, "amplitude": rod.stable_amplitudes, "frequency": rod.stable_frequencies}
+    bounds = (max(here - below, 0.0 if quantity == "amplitude" else -math.inf), here + above * 1.01)
+    ranges = ask[quantity](*at.values(), bounds, growth_tolerance=0.01)
+    inside = [part for part in ranges if part.low <= here <= part.high]
+    assert len(inside) == 1
+    if math.isfinite(margin.above):
+        assert inside[0].high == pytest.approx(here + margin.above, abs=ranges.resolution + margin.resolution)
+    else:
+        assert inside[0].high == bounds[1]
+
+
+def test_a_band_that_fewer_modes_have_elsewhere_ends_a_margin() -> None:
+    # 0.0007 N wide, and shifted by 0.0006 N where twelve of sixteen modes are asked.
+    rod = fr.Rod(
+        101742419789.73457,
+        7810.495309075631,
+        0.0004800379058778047,
+        0.8263256805198368,
+        0.0006986247439141004,
+        6.842908995172754,
+        fluid_inside=1326.335543039406,
+        added_mass_coefficient=3.9073343558760207,
+        inclination=1.363339261063933,
+        ends="free-clamped",
+    )
+    waveform = (0.662437 - 0.651627j, 0.0628053 - 0.110371j, -0.122686 + 0.0358046j)
+    push = fr.AxialLoad(0.7128337080158016, 0.07277299918, 383.457372022089, mean_at=0.0, waveform=waveform)
+    margin = rod.stability(push).amplitude_margin
+    assert push.amplitude + margin.above == pytest.approx(0.15093, abs=2e-4)
+
+
+def test_a_margin_is_searched_with_the_modes_of_each_piece() -> None:
+    found = PLAIN.replace(inclination=1.0).stability(load())
+    assert isinstance(found, fr.CoupledRodStability)
+    few = PLAIN.replace(inclination=1.0).stability(load(), range(1, 9))
+    assert isinstance(few, fr.CoupledRodStability)
+    piece = (FREQUENCY, 9.0 * FREQUENCY)
+    needed = found.rod.coupled_numbers.modes_needed(fr.rod.load.Loads.single(load(frequency=piece[1])), load(), 1e-6)
+    assert found._modes_for("frequency", piece).count == max(needed, found.modes_checked)
+    assert few._modes_for("frequency", piece).count == 8  # as asked for
+
+
+def test_a_search_that_would_take_long_says_how_far_it_went() -> None:
+    rod = fr.Rod.nitinol().replace(inclination=1.0, length=25.0)
+    with pytest.warns(fr.UniformForceWarning):
+        found = rod.stability(fr.AxialLoad(0.3, 0.3, 150.0))
+    margin = found.frequency_margin  # a change at 972.9 rad/s was one of the modes left out
+    assert margin == (math.inf, math.inf)
+    assert margin.searched == (0.0, 0.0)
+    with pytest.raises(ValueError, match="quantity must be one of"):
+        found.margin("force")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="seconds must be greater than zero"):
+        found.margin("mean", seconds=0.0)
+
+
+def test_a_margin_keeps_what_is_known_of_its_search() -> None:
+    margin = fr.rod.Margin(1.0, math.inf, 0.5, (1.0, 8.0))
+    below, above = margin
+    assert (below, above) == margin == (1.0, math.inf)
+    for other in (pickle.loads(pickle.dumps(margin)), copy.deepcopy(margin)):
+        assert (other.resolution, other.searched) == (0.5, (1.0, 8.0))
+    assert margin.nearest == 1.0
+
+
 def test_critical_loads_are_where_growth_begins() -> None:
     for kind in ("sine", "wave"):
         like = KINDS[kind]

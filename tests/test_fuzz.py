@@ -276,6 +276,18 @@ def test_real_rods_can_fail() -> None:
     assert "unstable, finite" in real_rods.compared(question._replace(tolerance=3.0), right, rate, 1e-6)[0]
 
 
+def test_a_margin_of_coupled_modes_that_is_too_large_would_be_found(rng: np.random.Generator) -> None:
+    rod = ROD.replace(ends="clamped", damping_rate=0.5)
+    question = real_rods.Question(rod, fr.AxialLoad(0.1 * ROD.critical_force, 0.1 * ROD.critical_force, 20.0), 0.0)
+    verdict = rod.stability(question.load)
+    # What a search with 17 samples answered: three bands lie between 102 and 126 rad/s.
+    vars(verdict)["frequency_margin"] = fr.rod.Margin(math.inf, 120.256751, 0.46875, (0.0, 120.256751))
+    found = real_rods.along_a_margin(question, verdict, "frequency", rng)
+    assert "changes before" in found[0]
+    vars(verdict)["frequency_margin"] = fr.rod.Margin(math.inf, 82.060348, 0.46875, (0.0, 82.060348))
+    assert real_rods.along_a_margin(question, verdict, "frequency", rng) == []
+
+
 def test_kicks_can_fail(rng: np.random.Generator) -> None:
     alpha, beta, gamma = 1.0, 0.3, 1.0
     right = float(fr.friction.critical_kick(alpha, beta, gamma).smallest_found)

@@ -39,7 +39,7 @@ def margins(result: RodVerdict, shown: dict[str, Unit], enough: str) -> list[str
     for name, margin in _all_margins(result).items():
         sides = [(margin.below, "lower"), (margin.above, "higher")]
         known = [f"{shown[name].show(value, 4)} {way}" for value, way in sides if math.isfinite(value)]
-        words = f"{change} {' or '.join(known)}" if known else f"no change {_REACH[name]}"
+        words = f"{change} {' or '.join(known)}" if known else _unchanged(margin, name, shown[name])
         lines.append(f"{'' if lines else 'margins':<8}  {_WORDS[name]:<11} {words}")
     damping = result.damping_to_stabilise
     if damping > 0.0:
@@ -54,6 +54,16 @@ def search(result: RodVerdict, progress: Progress) -> None:
     for done, name in enumerate(names, start=1):
         getattr(result, name)
         progress(done, len(names))
+
+
+def _unchanged(margin: Margin, name: str, unit: Unit) -> str:
+    """Return that no change was found, and up to where was searched."""
+    if not any(margin.searched):
+        return "not searched, which would take minutes"
+    if not margin.resolution:
+        return f"no change {_REACH[name]}"
+    below, above = (unit.show(value, 4) for value in margin.searched)
+    return f"no change from {below} lower to {above} higher"
 
 
 _WORDS = {"mean": "mean force", "amplitude": "amplitude", "frequency": "frequency"}

@@ -8,7 +8,7 @@ minus level is convex and largest at an end of where the line holds.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -21,6 +21,7 @@ Ints: TypeAlias = NDArray[np.int64]
 Growth: TypeAlias = Callable[[Floats, Ints], Floats]
 """Values at places x, one for each, in the intervals with the numbers given."""
 
+_POINTS = 3  # inside every interval evaluated at the start, closer together near its ends (a choice)
 TOUCHING = 1e-9  # a peak that exceeds its level by less than this share of it counts as below (heuristic: rounding)
 _NARROWEST = 1e-9  # share of its interval, or of its place, at which a piece is no longer divided (heuristic: rounding)
 _EPS = float(np.finfo(np.float64).eps)
@@ -70,46 +71,29 @@ def level(constant: Floats | float, root: Floats | float = 0.0, origin: Floats |
     return Level(*(np.broadcast_to(np.asarray(part, dtype=np.float64), size) for part in (constant, root, origin)))
 
 
-def parts_above(
-    growth: Growth,
-    low: Floats,
-    high: Floats,
-    above: Level,
-    *,
-    points: Ints | int = 3,
-    finest: float | None = None,
-) -> Parts:
+def parts_above(growth: Growth, low: Floats, high: Floats, above: Level) -> Parts:
     """Return the parts of the intervals [low, high] where ``growth`` exceeds the level ``above``.
 
     Within each interval the growth must be concave: then none is left out but peaks that exceed the level by less than
     `TOUCHING` of it.
-
-    Parameters
-    ----------
-    points : int or array of int
-        Points inside every interval evaluated at the start, closer together near its ends.
-    finest : float, optional
-        For growth that is *not* known to be concave: pieces where it is seen to be convex are divided down to this
-        share of their interval.  What is narrower than the distance of ``points`` may then be left out.
     """
-    pieces = _start(growth, low, high, np.broadcast_to(points, low.size))
+    pieces = _start(growth, low, high)
     nothing = np.empty(0)
     found: list[Parts] = [Parts(pieces.which[:0], nothing, nothing)]
     crossing: list[_Pieces] = []
     while pieces.which.size:
-        pieces = _settle(pieces, above, found, crossing, high - low, finest)
+        pieces = _settle(pieces, above, found, crossing, high - low)
         pieces = _divide(pieces, growth)
     if crossing:
         found.append(_cut(growth, above, crossing))
-    return _joined(found)
+    return joined(found)
 
 
-def _start(growth: Growth, low: Floats, high: Floats, points: Ints) -> _Pieces:
+def _start(growth: Growth, low: Floats, high: Floats) -> _Pieces:
     """Return the pieces between the first points of every interval."""
-    sizes = points + 2
-    which = np.repeat(np.arange(low.size), sizes)
-    number = np.arange(which.size) - np.repeat(np.cumsum(sizes) - sizes, sizes)  # of a point in its interval
-    share = 0.5 - 0.5 * np.cos(np.pi * np.clip((number - 0.5) / points[which], 0.0, 1.0))
+    which = np.repeat(np.arange(low.size), _POINTS + 2)
+    number = np.tile(np.arange(_POINTS + 2), low.size)  # of a point in its interval
+    share = 0.5 - 0.5 * np.cos(np.pi * np.clip((number - 0.5) / _POINTS, 0.0, 1.0))
     x = np.minimum(low[which] + (high - low)[which] * share, high[which])
     x = np.where(share == 1.0, high[which], x)  # the end to the bit
     g = growth(x, which)
@@ -147,33 +131,29 @@ def _settle(
     found: list[Parts],
     crossing: list[_Pieces],
     widths: Floats,
-    finest: float | None,
 ) -> _Pieces:
     """Store pieces above the level and those that cross it once; return those still open."""
     which, x1, x2 = pieces.which, pieces.x[:, 1], pieces.x[:, 2]
     f1, f2 = pieces.g[:, 1] - above(x1, which), pieces.g[:, 2] - above(x2, which)
     left, chord, right = _slopes(pieces)
     summit, bound = _summit(pieces, left, right)
-    narrow = x2 - x1 <= _floor(pieces, widths, finest)
+    narrow = x2 - x1 <= _floor(pieces, widths)
     ceiling = above(summit, which)
     under = (f1 <= 0.0) & (f2 <= 0.0) & ((bound <= ceiling * (1.0 + TOUCHING)) | narrow)
     over = (f1 > 0.0) & (f2 > 0.0) & ((_lowest(pieces, chord, above) >= 0.0) | narrow)
     # The slope of a concave function lies between those of the chords beside it.
     steep, flat = above.steepest(x1, which), above.steepest(x2, which)
     single = ((f1 > 0.0) != (f2 > 0.0)) & ((right >= steep) | (left <= flat) | narrow)
-    if finest is not None:
-        convex = ((chord > left) | (right > chord)) & ~narrow
-        under, over, single = under & ~convex, over & ~convex, single & ~convex
     found.append(Parts(which[over], x1[over], x2[over]))
     crossing.append(pieces.some(single))
     return pieces.some(~(under | over | single))
 
 
-def _floor(pieces: _Pieces, widths: Floats, finest: float | None) -> Floats:
+def _floor(pieces: _Pieces, widths: Floats) -> Floats:
     """Return the width from which on every piece is no longer divided."""
     width = widths[pieces.which]
     place = np.maximum(np.abs(pieces.x[:, 1]), np.abs(pieces.x[:, 2]))
-    least = finest * width if finest is not None else _NARROWEST * np.minimum(width, place)
+    least = _NARROWEST * np.minimum(width, place)
     return np.maximum(least, 4.0 * _EPS * np.maximum(width, place))
 
 
@@ -220,7 +200,7 @@ def _cut(growth: Growth, above: Level, crossing: list[_Pieces]) -> Parts:
     return Parts(which, np.where(at_low > 0.0, x1, root), np.where(at_low > 0.0, root, x2))
 
 
-def _joined(found: list[Parts]) -> Parts:
+def joined(found: Sequence[Parts]) -> Parts:
     """Return the parts with those that touch made one."""
     which, first, last = (np.concatenate(values) for values in zip(*found, strict=True))
     order = np.lexsort((first, which))

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.roots import bisected
 from floquetrod.kernels import characteristic, mathieu, mathieu_counts
+from floquetrod.mathieu import enclosures
 from floquetrod.mathieu.bands import Floats, Ints, Parts, level, parts_above
 
-_FEWEST = 32  # points in a tongue crossed along the amplitude where growth need not be concave (a choice)
-_SPACING = 1e-3  # of points along the amplitude there, at the most, as a share of the range (a choice)
-_FINEST = 2.0**-12  # share of such a tongue down to which pieces seen to be convex are divided (a choice)
+_SPACING = 1e-3  # of points along the amplitude where nothing is proved, as a share of the range (a choice)
+_SHARE = 2.0**-8  # of a tongue, where it is narrower than that many points (a choice)
 _INTERPRETED_ROWS = 4000.0  # of Hill's matrices, left to the interpreter: about a millisecond (heuristic)
 PATIENCE = 300  # times as many before anything is compiled: what compiling takes at the least (heuristic)
 
@@ -130,8 +130,9 @@ def along_amplitude(b: Floats, above: Floats, low: Floats, high: Floats) -> Tong
     """Return where ``low`` < alpha < ``high`` grows faster than ``above`` per unit tau, each with its own b.
 
     For b >= 0 the search is complete: the count of Hill's negative eigenvalues never falls as alpha grows, and between
-    its jumps the growth is concave in alpha.  For b < 0 neither holds: counts and growth are evaluated at points no
-    further apart than a thousandth of the range, which is then the ``resolution``, closer where growth is convex.
+    its jumps the growth is concave in alpha.  For b < 0 neither holds: counts and growth are
+    enclosed from single places, see `enclosures`, or evaluated at places no further apart than a thousandth of the
+    range, which is then the ``resolution``.
     """
     start = low.copy()
     bound = np.flatnonzero((above > 0.0) & (b < 0.0))
@@ -142,22 +143,16 @@ def along_amplitude(b: Floats, above: Floats, low: Floats, high: Floats) -> Tong
     index, count, bottom, top = _amplitude_pieces(b, start, high)
     left_out = int((np.abs(counts(a, 2.0 * start) - counts(a, 2.0 * low)) // 2).sum())
     index, order, bottom, top = _only(count % 2 == 0, index, count // 2, bottom, top)
-    # Chebyshev points lie at most pi / 2 times as far apart as even ones.
-    points = np.maximum(_FEWEST, np.ceil(0.5 * math.pi / _SPACING * (top - bottom) / (high - low)[index]))
-    found = []
-    for proved in (True, False):
-        some = np.flatnonzero((b[index] >= 0.0) == proved)
-        where = index[some]
-        parts = _in_tongues(
-            functools.partial(_growth_at, b[where]),
-            where,
-            bottom[some],
-            top[some],
-            above[where],
-            np.zeros(some.size),
-            None if proved else points[some].astype(np.int64),
-        )
-        found.append(Parts(some[parts.which], parts.first, parts.last))
+    proved = np.flatnonzero((b[index] >= 0.0) | (above[index] == 0.0))
+    other = np.flatnonzero((b[index] < 0.0) & (above[index] > 0.0))
+    at = index[proved]
+    whole = _in_tongues(
+        functools.partial(_growth_at, b[at]), at, bottom[proved], top[proved], above[at], np.zeros(at.size)
+    )
+    at = index[other]
+    least = np.minimum(_SPACING * (high - low)[at], _SHARE * (top - bottom)[other])
+    some = enclosures.parts_above(b[at], bottom[other], top[other], above[at], least, _growth, counts)
+    found = [Parts(chosen[parts.which], *parts[1:]) for chosen, parts in ((proved, whole), (other, some))]
     resolution = np.where((b < 0.0) & (start < high), _SPACING * (high - low), 0.0)
     parts = Parts(*(np.concatenate(values) for values in zip(*found, strict=True)))
     nothing = np.empty(0, dtype=np.int64)
@@ -219,18 +214,13 @@ def _in_tongues(
     top: Floats,
     constant: Floats,
     root: Floats,
-    points: Ints | None = None,
 ) -> Parts:
-    """Return the parts of tongues above their level, which are whole tongues where the level is zero.
-
-    ``points`` are those to begin with where growth need not be concave.
-    """
+    """Return the parts of tongues above their level, which are whole tongues where the level is zero."""
     every = np.arange(index.size)
     whole = (constant == 0.0) & (root == 0.0) & (top > bottom)
     some = np.flatnonzero(~whole & (top > bottom))
     above = level(constant[some], root[some], size=some.size)
-    options: dict[str, Any] = {} if points is None else {"points": points[some], "finest": _FINEST}
-    found = parts_above(lambda x, i: growth(x, some[i]), bottom[some], top[some], above, **options)
+    found = parts_above(lambda x, i: growth(x, some[i]), bottom[some], top[some], above)
     which = np.concatenate([every[whole], some[found.which]])
     return Parts(which, np.concatenate([bottom[whole], found.first]), np.concatenate([top[whole], found.last]))
 
@@ -291,15 +281,14 @@ def _amplitude_pieces(b: Floats, low: Floats, high: Floats) -> tuple[Ints, Ints,
     """Return question, count and ends of the pieces of [low, high] of alpha on which the count is constant.
 
     For b >= 0 counts never fall as alpha grows (the pencil -d^2 + b is not negative); for b < 0 they may turn back, and
-    are taken at points `_SPACING` of the range apart.
+    are taken at points between which they are known to stay as they are, or `_SPACING` of the range apart.
     """
 
     def count(alpha: Floats, i: Ints) -> Ints:
         return counts(-4.0 * b[i], 2.0 * alpha)
 
-    cells = np.where((b < 0.0) & (low < high), round(1.0 / _SPACING), 1)
-    owner, number = ladders(np.zeros(b.size, dtype=np.int64), cells)
-    place = low[owner] + (high - low)[owner] * (number / cells[owner])
+    least = np.where(b < 0.0, _SPACING * (high - low), np.inf)
+    owner, place = enclosures.divided(b, low, high, least, counts)
     found = count(place, owner)
     cell = np.flatnonzero((owner[1:] == owner[:-1]) & (found[1:] != found[:-1]))
     least, most = np.minimum(found[cell], found[cell + 1]), np.maximum(found[cell], found[cell + 1])

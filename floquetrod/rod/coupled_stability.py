@@ -23,7 +23,7 @@ from floquetrod.rod.load import Load, Loads, Quantity
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystems
 from floquetrod.rod.sampled import first_change
-from floquetrod.rod.verdict import RodVerdict
+from floquetrod.rod.verdict import Edge, RodVerdict
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4.3 where it falls as n^-2 (an estimate)
 _LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter (a choice)
@@ -199,12 +199,36 @@ class CoupledRodStability(RodVerdict):
 
         return draw_shape(self, ax)
 
-    def _edge(self, varied: Quantity, piece: tuple[float, float]) -> float | None:
+    def _edge(self, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
+        """Return where the verdict first changes, with as many modes as the piece needs."""
         if varied == "frequency":
             piece = self.coupled.numbers.up_to_resonance(self.load, piece)
-        if piece[0] == piece[1]:
-            return None
-        return first_change(varied, self.coupled, self.load, piece, self.margin_tolerance)
+            if piece[0] == piece[1]:
+                return Edge(None, piece[0], 0.0)
+        begins = None if piece[0] == getattr(self.load, varied) else self.stable
+        try:
+            modes = self._modes_for(varied, piece)
+        except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
+            return Edge(None, piece[0], 0.0)
+        return Edge(
+            *first_change(
+                varied,
+                modes,
+                self.load,
+                piece,
+                self.margin_tolerance,
+                begins_stable=begins,
+                most_seconds=seconds,
+            )
+        )
+
+    def _modes_for(self, varied: Quantity, piece: tuple[float, float]) -> CoupledModes:
+        """Return as many modes as all loads of a piece need, and not fewer than here, or as many as were asked for."""
+        if len(self.convergence) == 1:
+            return self.coupled
+        numbers, loads = self.coupled.numbers, Loads.along(self.load, varied, np.linspace(*piece, 33))
+        needed = numbers.modes_needed(loads, self.load, self.margin_tolerance)
+        return replace(self.coupled, count=max(needed, self.coupled.count))
 
     def _sentence(self) -> str:
         wave = "" if self.load.is_uniform or not self.load.amplitude else f"; {self.axial.in_words}"

@@ -244,7 +244,7 @@ def first_unstable(varied: Quantity, rod: ModalRod, largest: Load, growth_tolera
         none = largest.varied(varied, 0.0)
         if coupled.answers(Loads.single(none), tolerance, quick=True).status[0] != 1:
             return 0.0
-        change = first_change(varied, coupled, largest, bounds, tolerance)
+        change = first_change(varied, coupled, largest, bounds, tolerance).at
         return math.inf if change is None else change
     ends = np.linspace(0.0, getattr(largest, varied), _PIECES[varied] + 1).tolist()
     for piece in pairwise(ends):

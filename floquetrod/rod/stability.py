@@ -19,7 +19,7 @@ from floquetrod.rod.load import Load, Quantity
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.tongues import gaps, unstable_loads
-from floquetrod.rod.verdict import RodVerdict
+from floquetrod.rod.verdict import Edge, RodVerdict
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -111,11 +111,9 @@ class RodStability(RodVerdict):
         last, _ = rod.modes_needed(load, growth_tolerance)
         return tuple(range(1, max(last, self.modes[-1]) + 1))
 
-    def _edge(self, varied: Quantity, piece: tuple[float, float]) -> float | None:
-        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, None where it does not."""
+    def _edge(self, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, which takes milliseconds."""
         low, high = sorted(piece)
-        if not low < high:
-            return None
         tolerance = self.margin_tolerance
         modes = self._modes_for(self.rod, self.load.varied(varied, high), tolerance)
         start = piece[0] if self.stable else None  # nothing beyond the first unstable part matters
@@ -123,13 +121,16 @@ class RodStability(RodVerdict):
         found = unstable_loads(varied, system, tolerance, (low, high), union=True, nearest=start)
         stable = gaps(found.intervals, (low, high))
         if not stable:
-            return piece[0] if self.stable else None
-        near, far = stable[0] if piece[0] == low else stable[-1][::-1]
-        if not self.stable:
-            return near
-        if near != piece[0]:
-            return piece[0]
-        return far if far != piece[1] else None
+            at = piece[0] if self.stable else None
+        else:
+            near, far = stable[0] if piece[0] == low else stable[-1][::-1]
+            if not self.stable:
+                at = near
+            elif near != piece[0]:
+                at = piece[0]
+            else:
+                at = far if far != piece[1] else None
+        return Edge(at, piece[1] if at is None else at, found.resolution)
 
 
 def classify_modes(rod: ModalRod, system: ModalSystem, growth_tolerance: float) -> RodStability:

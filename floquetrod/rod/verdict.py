@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import abstractmethod
-from collections.abc import Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -13,23 +13,69 @@ from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod.floquet.verdict import Verdict
 from floquetrod.rod.constants import HAIRLINE_GROWTH
-from floquetrod.rod.load import Load, Quantity
+from floquetrod.rod.load import Load, Progress, Quantity
 from floquetrod.rod.modal import ModalRod
 
 _SPANS = (1 / 32, 1 / 8, 0.5, 2.0, 8.0)
 """Reaches of the search for a margin: in critical forces, or as the factor less one by which a frequency changes."""
 
 
-class Margin(NamedTuple):
-    """How far one quantity of the load may fall or rise until the verdict changes; infinite when out of reach."""
+_WAYS: dict[Quantity, Callable[[float, float], tuple[list[float], list[float]]]] = {
+    "mean": lambda here, unit: ([here - x * unit for x in _SPANS], [here + x * unit for x in _SPANS]),
+    "amplitude": lambda here, unit: (
+        [max(0.0, here - x * unit) for x in _SPANS],
+        [here + x * unit for x in _SPANS if x <= 2.0],
+    ),
+    "frequency": lambda here, unit: ([here / (1.0 + x) for x in _SPANS], [here * (1.0 + x) for x in _SPANS]),
+}
+"""The ends of the pieces of a search for a margin, down and up, from where the load is and the critical force."""
 
+_SECONDS = 10.0  # that a margin of coupled modes may take (a choice)
+
+
+class _Distances(NamedTuple):
     below: float
     above: float
+
+
+class Margin(_Distances):
+    """How far one quantity of the load may fall or rise until the verdict changes; infinite when out of reach.
+
+    Attributes
+    ----------
+    below, above : float
+        The distances; ``below, above = margin``.
+    resolution : float
+        Changes closer together than this may have been passed over, in the unit of the distances; 0 where none can be.
+    searched : (float, float)
+        Up to which distances below and above was searched: where there is a change, it is that.
+
+    Comparing compares the distances.
+    """
+
+    resolution: float
+    searched: tuple[float, float]
+
+    def __new__(
+        cls, below: float, above: float, resolution: float = 0.0, searched: tuple[float, float] | None = None
+    ) -> Margin:
+        """Return a pair of distances with what is known of the search."""
+        margin = super().__new__(cls, below, above)
+        margin.resolution, margin.searched = resolution, (below, above) if searched is None else searched
+        return margin
 
     @property
     def nearest(self) -> float:
         """The smaller of both."""
         return min(self)
+
+
+class Edge(NamedTuple):
+    """Where the verdict changes on a way, None where it does not, up to where was searched, and how finely."""
+
+    at: float | None
+    searched: float
+    resolution: float
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -94,27 +140,63 @@ class RodVerdict(Verdict):
     def mean_force_margin(self) -> Margin:
         """Distance in N to the nearest mean forces at which the verdict changes, searched to 8 F_cr either way.
 
-        Tongues that nowhere grow faster than `margin_tolerance` do not count, in this margin and the other two.
+        Tongues that nowhere grow faster than `margin_tolerance` do not count, in this margin and the other two.  Where
+        modes are coupled the search is sampled, and ends early where it would take more than about ten seconds: see
+        `Margin.resolution` and `Margin.searched`; `margin` goes on.
         """
-        here, unit = self.load.mean, self.rod.critical_force
-        return self._margin("mean", [here - x * unit for x in _SPANS], [here + x * unit for x in _SPANS])
+        return self.margin("mean", seconds=_SECONDS)
 
     @cached_property
     def amplitude_margin(self) -> Margin:
         """Distance in N to the nearest amplitudes at which the verdict changes, searched to 2 F_cr above.
 
-        Changes closer together than a thousandth of the distance searched may be passed over, as in
-        `Rod.stable_amplitudes`.
+        `Margin.resolution` says which changes may be passed over, as in `Rod.stable_amplitudes`.
         """
-        here, unit = self.load.amplitude, self.rod.critical_force
-        lower = [max(0.0, here - x * unit) for x in _SPANS]
-        return self._margin("amplitude", lower, [here + x * unit for x in _SPANS if x <= 2.0])
+        return self.margin("amplitude", seconds=_SECONDS)
 
     @cached_property
     def frequency_margin(self) -> Margin:
         """Distance in rad/s to the nearest frequencies at which the verdict changes, searched to 9 times either way."""
-        here = self.load.frequency
-        return self._margin("frequency", [here / (1.0 + x) for x in _SPANS], [here * (1.0 + x) for x in _SPANS])
+        return self.margin("frequency", seconds=_SECONDS)
+
+    def margin(self, quantity: Quantity, *, seconds: float = math.inf, progress: Progress | None = None) -> Margin:
+        """Return the margin of one quantity of the load, searched for as long as wanted.
+
+        Parameters
+        ----------
+        quantity : "mean", "amplitude" or "frequency"
+        seconds : float
+            About how long the search for coupled modes may take: it takes fewer samples, and ends early, where it would
+            take longer by an estimate that does not depend on the machine.
+        progress : callable, optional
+            Called with the numbers of parts of the search done and of all; a margin may be found before the last.
+
+        Returns
+        -------
+        Margin
+            In N or rad/s.
+
+        Raises
+        ------
+        ValueError
+            For another quantity, and for ``seconds`` that are not greater than zero.
+        """
+        validate.choice("quantity", quantity, _WAYS)
+        if seconds != math.inf:
+            seconds = validate.positive("seconds", seconds, "leave it out to search everything")
+        validate.progress(progress)
+        here: float = getattr(self.load, quantity)
+        ways = [[here, *way] for way in _WAYS[quantity](here, self.rod.critical_force)]
+        parts = sum(len(way) - 1 for way in ways)
+        ends, done = [], 0
+        for way in ways:
+            ends.append(self._nearest(quantity, way, seconds / parts))
+            done += len(way) - 1
+            if progress is not None:
+                progress(done, parts)
+        below, above = (math.inf if end.at is None else abs(end.at - here) for end in ends)
+        searched = abs(ends[0].searched - here), abs(ends[1].searched - here)
+        return Margin(below, above, max(end.resolution for end in ends), searched)
 
     @property
     def margin_tolerance(self) -> float:
@@ -126,21 +208,21 @@ class RodVerdict(Verdict):
         least = max(self.growth_tolerance, HAIRLINE_GROWTH)
         return least if self.stable or self.growth_rate > least else self.growth_tolerance
 
-    def _margin(self, varied: Quantity, lower: list[float], upper: list[float]) -> Margin:
-        here: float = getattr(self.load, varied)
-        ends = (next(self._edges(varied, [here, *reach]), None) for reach in (lower, upper))
-        return Margin(*(math.inf if end is None else abs(end - here) for end in ends))
-
-    def _edges(self, varied: Quantity, way: list[float]) -> Iterator[float]:
-        """Yield where the verdict changes on a way, the first on each of its pieces."""
+    def _nearest(self, varied: Quantity, way: list[float], seconds: float) -> Edge:
+        """Return the first change on a way, which is searched piece by piece."""
+        found = Edge(None, way[0], 0.0)
         for piece in pairwise(way):
-            end = self._edge(varied, piece)
-            if end is not None:
-                yield end
+            if piece[0] == piece[1]:
+                continue
+            edge = self._edge(varied, piece, seconds)
+            found = edge._replace(resolution=max(found.resolution, edge.resolution))
+            if edge.at is not None or edge.searched != piece[1]:
+                break
+        return found
 
     @abstractmethod
-    def _edge(self, varied: Quantity, piece: tuple[float, float]) -> float | None:
-        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, None where it does not."""
+    def _edge(self, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
 
     def _sentence(self) -> str:
         """Return status, growth and the modes that grow."""

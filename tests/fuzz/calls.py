@@ -209,6 +209,9 @@ def table() -> dict[str, Call]:
         "Bands.to_csv": Call(mapped.bands.to_csv, {"path": str(place / "bands.csv")}),
         "Chart.save": Call(chart.save, {"path": str(place / "again.npz")}),
         "Chart.load": Call(fr.Chart.load, {"path": str(place / "chart.npz")}),
+        "CoupledRodStability.margin": Call(
+            CLAMPED.stability(TRAVELLING, range(1, 9)).margin, {"quantity": "frequency", "seconds": 0.1}
+        ),
         "CoupledRodStability.time_to_grow": Call(
             CLAMPED.stability(TRAVELLING, range(1, 9)).time_to_grow, {"factor": 10.0}
         ),
@@ -220,6 +223,7 @@ def table() -> dict[str, Call]:
         ),
         "SafeBox.table": Call(safe.table, {"mean": "Fcr"}),
         "SafeBox.in_units": Call(safe.in_units, {"mean": "Fcr"}),
+        "RodStability.margin": Call(ROD.stability(LOAD).margin, {"quantity": "mean", "seconds": 5.0}),
         "RodStability.time_to_grow": Call(ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
         "StabilityIntervals.table": Call(ranges.table, {"unit": "N", "size": 1.0}),
         "StabilityIntervals.find_unstable": Call(ranges.find_unstable, {"progress": None}),

@@ -20,6 +20,9 @@ QUICK = 5
 SHARE = 0.1
 """Share of the cases that finite differences are asked about, which takes a second or two each."""
 
+POINTS, CLOSER = 150, 20
+"""Values of a quantity of the load looked at before the end of a margin, and either side of one that contradicts it."""
+
 _UNTOLD = 1e-6  # growth in 1/s that modes left out may have
 _SAME = 1e-6  # relative difference between two ways to the same growth
 _OVER_ARRAYS = 1e-3  # the same where fewer modes may be taken, as over arrays of loads, which state no error
@@ -55,6 +58,8 @@ def check(rng: np.random.Generator) -> Found:
         lines += by_other_ways(question, verdict, rng)
     if rng.random() < SHARE:
         lines += against_finite_differences(question, verdict)
+    if rng.random() < SHARE:
+        lines += along_a_margin(question, verdict, str(rng.choice(("mean", "amplitude", "frequency"))), rng)
     return Found(1, [f"{question}: {line}" for line in lines])
 
 
@@ -181,6 +186,45 @@ def by_other_ways(question: Question, verdict: Any, rng: np.random.Generator) ->
             several = f"{rate!r} +- {verdict.error:.2g} with {verdict.modes_checked} modes"
             lines.append(f"growth {several}, {more.growth_rate!r} with {most}")
     return lines
+
+
+def along_a_margin(question: Question, verdict: Any, varied: str, rng: np.random.Generator) -> list[str]:
+    """Scan one quantity of the load up to its margins: the verdict stays as it is, and changes at their ends."""
+    if verdict.stable is None:
+        return []
+    margin = getattr(verdict, {"mean": "mean_force_margin"}.get(varied, f"{varied}_margin"))
+    here, tolerance, lines = getattr(question.load, varied), verdict.margin_tolerance, []
+    for sign, size, searched in zip((-1.0, 1.0), margin, margin.searched, strict=True):
+        reach = min(size, searched)
+        if not reach > 0.0:
+            continue
+        steps = np.sort(rng.uniform(1e-6, 1.0 - 1e-6, POINTS)) * reach
+        at = _otherwise(question, varied, here + sign * steps, tolerance, verdict)
+        for run in np.split(at, np.flatnonzero(np.diff(at) > 1) + 1) if at.size else ():
+            place = here + sign * float(steps[run[run.size // 2]])
+            around = place + margin.resolution * np.linspace(-1.0, 1.0, 2 * CLOSER + 1)
+            around = around[(around > 0.0) & (abs(around - here) < reach)] if varied != "mean" else around
+            wrong = _otherwise(question, varied, around, tolerance, verdict)
+            if wrong.size > CLOSER:
+                lines.append(f"the {varied} margin is {margin}, but the verdict changes before, at {place!r}")
+                break
+        if math.isfinite(size):
+            beyond = here + sign * size * (1.0 + np.array([1e-9, 1e-7, 1e-6, 1e-5]))
+            beyond = beyond[(beyond > 0.0) | (varied == "mean")]
+            changed = _otherwise(question, varied, beyond, tolerance, verdict, surely=False)
+            if beyond.size and not changed.size:
+                lines.append(f"the {varied} margin is {margin}, but the verdict stays beyond {here + sign * size!r}")
+    return lines
+
+
+def _otherwise(
+    question: Question, varied: str, values: Any, tolerance: float, verdict: Any, *, surely: bool = True
+) -> Any:
+    """Return at which values of one quantity of the load the verdict surely is another, or may be."""
+    loads = dict(zip(("mean", "amplitude", "frequency"), coupled_cases.numbers(question.load), strict=True))
+    growth = question.rod.growth_rate(**loads | {varied: values}, like=question.load)
+    slack = (_UNTOLD + _OVER_ARRAYS * tolerance) * (1.0 if surely == bool(verdict.stable) else -1.0)
+    return np.flatnonzero(growth > tolerance + slack if verdict.stable else growth <= tolerance + slack)
 
 
 def stated(verdict: Any) -> float:
