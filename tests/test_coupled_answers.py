@@ -247,7 +247,7 @@ def test_margins_stay_within_ranges(quantity: Any) -> None:
 
 
 def test_a_band_that_fewer_modes_have_elsewhere_ends_a_margin() -> None:
-    # 0.0007 N wide, and shifted by 0.0006 N where twelve of sixteen modes are asked.
+    # 0.0007 N wide, and shifted by 0.0006 N where fewer than all modes are asked.
     rod = fr.Rod(
         101742419789.73457,
         7810.495309075631,
