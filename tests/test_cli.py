@@ -110,7 +110,7 @@ def test_a_warning_is_one_line_beside_the_answer(capsys: pytest.CaptureFixture[s
 def test_examples_in_the_help_can_be_typed(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         cli.main(["--help"])
-    commands = re.findall(r"^    (\w+)", capsys.readouterr().out, re.MULTILINE)
+    commands = re.findall(r"^    ([\w-]+)", capsys.readouterr().out, re.MULTILINE)
     assert len(commands) > 5
     for command in commands:
         with pytest.raises(SystemExit):
