@@ -24,10 +24,10 @@ DEEP := FLOQUETROD_TEST_DEPTH=deep
 .PHONY: demo test lint slow bite fuzz coverage bench agreement docs look dist compatibility clean
 
 demo: $(READY)
-	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150
+	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
 	@echo
-	@$(BIN)/floquetrod map --rod nitinol --mean 0:1.1Fcr --amplitude 0.2Fcr --frequency 20:200 --growth \
-		--growth-tolerance 0.1 --mark 0.2Fcr,150 --out demo_map.png
+	@$(BIN)/floquetrod map --rod nitinol --mean 0:1.1Fcr --amplitude 0.2Fcr --frequency 20:200rad/s --growth \
+		--growth-tolerance 0.1 --mark 0.2Fcr,150rad/s --out demo_map.png
 
 test: lint
 	NUMBA_DISABLE_JIT=1 $(PYTEST) $(KERNEL_TESTS)
