@@ -8,8 +8,7 @@ import unicodedata
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-from floquetrod._util import validate
-from floquetrod._util.suggest import did_you_mean
+from floquetrod._util.suggest import did_you_mean, short
 
 _POUNDS_PER_GALLON = 0.45359237 / 3.785411784e-3  # of US gallons, in kg/m^3
 
@@ -146,15 +145,13 @@ def units_of(kind: str, critical_force: float | None = None) -> dict[str, float]
 def unit(name: str, what: str, kind: str, critical_force: float | None = None) -> Unit:
     """Return a unit by its name, "" for the SI unit; ValueError, which begins with ``what``, for an unknown one."""
     if not isinstance(name, str):
-        raise TypeError(f"{what} must be the name of a unit of {kind}, got {validate.short(name)}")
+        raise TypeError(f"{what} must be the name of a unit of {kind}, got {short(name)}")
     units = units_of(kind, critical_force)
     if name == "%":  # of what is known, which says in which unit to show it
         name = "Fcr" if "Fcr" in units else ""
     chosen = _known(name or next(iter(units)), units)
     if chosen is None:
-        raise ValueError(
-            f"{what} must be a unit of {kind} ({', '.join(units)}), got {validate.short(name)}{_hint(name, units)}"
-        )
+        raise ValueError(f"{what} must be a unit of {kind} ({', '.join(units)}), got {short(name)}{_hint(name, units)}")
     return Unit(chosen, units[chosen])
 
 
@@ -234,7 +231,7 @@ def quantity(
         except OverflowError:  # an integer of more than 308 digits, which a rod file may hold
             raise ValueError(f"{name} must be finite, got an integer beyond 1e308") from None
         return _bounded(number, name, units, least, largest, repr(value) if given is None else given)
-    given = validate.short(value) if given is None else given
+    given = short(value) if given is None else given
     match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
     if match is None or "," in match[2] or ":" in match[2]:
         raise ValueError(f"{_wanted(name, kind, units)}, got {given}: {_why_no_number(value)}")
@@ -246,7 +243,7 @@ def quantity(
     unit = _known(match[2] or next(iter(units)), units)
     if unit is None:
         raise ValueError(
-            f"{_wanted(name, kind, units)}, got {given}: unit {validate.short(match[2])} is not understood"
+            f"{_wanted(name, kind, units)}, got {given}: unit {short(match[2])} is not understood"
             f"{_hint(match[2], units)}"
         )
     return _bounded(float(match[1]) * units[unit], name, units, least, largest, given)

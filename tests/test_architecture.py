@@ -95,8 +95,9 @@ def targets(module: str) -> set[str]:
     found = set()
     for name in imports(parse(module), module, FILES[module]):
         target = own_module(name)
-        if target is not None and not (module == "__init__" and name == "floquetrod."):
-            found.add(target)  # the package itself loads by name what it also lists for type checkers
+        by_name = module in ("__init__", "_util.lazy") and name == "floquetrod."
+        if target is not None and not by_name:  # names loaded when first used are listed for type checkers, too
+            found.add(target)
     return found
 
 

@@ -1,9 +1,25 @@
-"""Names near to one that is not known."""
+"""Parts of messages: values in a few words, and names near to one that is not known."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from reprlib import Repr
+from typing import Any
+
+_SHORT = Repr()  # goes through no more than what is shown: nested lists may hold one part many times
+_SHORT.maxlevel = 4
+_SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = _SHORT.maxset = 20
+_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 200  # all of what is not cut below
+
+
+def short(value: Any) -> str:
+    """Return ``value`` as it is written in a message, however long it is."""
+    try:
+        text = _SHORT.repr(value)
+    except Exception:  # an integer of more digits than Python prints, or whatever an object's own text raises
+        text = f"a {type(value).__name__} that cannot be printed"
+    return text if len(text) <= 80 else f"{text[:77]}..."
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

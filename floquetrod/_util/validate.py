@@ -12,13 +12,13 @@ import os
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from itertools import islice
 from pathlib import Path
-from reprlib import Repr
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.suggest import did_you_mean
+from floquetrod._util.suggest import short as short
 
 LARGEST = 1e9
 """Largest magnitude of a dimensionless coefficient; beyond it a double no longer resolves the tongues it lies among."""
@@ -40,11 +40,6 @@ _DEEPEST = 32  # levels of nested lists: more than NumPy 1 takes
 
 _LEAST_POSITIVE = math.ulp(0.0)
 _LARGEST_INTEGER = 2**62  # by default; what machine code can hold with room to add
-
-_SHORT = Repr()  # goes through no more than what is shown: nested lists may hold one part many times
-_SHORT.maxlevel = 4
-_SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = _SHORT.maxset = 20
-_SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 200  # all of what is not cut below
 
 T = TypeVar("T")
 
@@ -359,12 +354,3 @@ def _outside(name: str, number: float, least: float, largest: float, hint: str) 
 
 def _remedy(hint: str) -> str:
     return f"; {hint}" if hint else ""
-
-
-def short(value: Any) -> str:
-    """Return ``value`` as it is written in a message, however long it is."""
-    try:
-        text = _SHORT.repr(value)
-    except Exception:  # an integer of more digits than Python prints, or whatever an object's own text raises
-        text = f"a {type(value).__name__} that cannot be printed"
-    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -36,7 +36,8 @@ from floquetrod.cli.loads import (
 )
 from floquetrod.cli.parser import whole_number
 from floquetrod.cli.waiting import Waiting
-from floquetrod.floquet.proof.region import MAX_BOXES, RegionProof, Side
+from floquetrod.floquet.proof.region import RegionProof, Side
+from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.load import KINDS
 from floquetrod.rod.ranges import QUANTITIES

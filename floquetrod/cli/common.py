@@ -127,12 +127,12 @@ def read_tolerance(options: argparse.Namespace) -> float:
     return units.quantity(given, "--growth-tolerance", "rate", least=0.0, largest=LARGEST)
 
 
-def read_quantity(text: str, name: Quantity, rod: fr.Rod, given: str | None = None) -> float:
+def read_quantity(text: str | float, name: Quantity, rod: fr.Rod, given: str | None = None) -> float:
     """Return a quantity of the load in SI units; messages quote ``given`` in place of the text."""
     from floquetrod.rod.load import KINDS, LIMITS
 
     least, largest = LIMITS[name][:2]
-    if ":" in text and given is None:
+    if given is None and ":" in str(text):
         raise ValueError(f"--{name} must be one value here, got {text!r}; ranges, map and certify take ranges")
     force = rod.critical_force
     return units.quantity(

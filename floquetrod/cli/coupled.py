@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import floquetrod as fr
 from floquetrod.cli import verdicts
 from floquetrod.cli.common import number, resonance_record
-from floquetrod.rod.coupled_stability import CoupledRodStability
 from floquetrod.units import Unit
+
+if TYPE_CHECKING:
+    from floquetrod.rod.coupled_stability import CoupledRodStability
 
 _ROWS = 10
 """Resonances listed; the others, which grow more slowly, are in the JSON."""

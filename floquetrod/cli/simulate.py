@@ -50,7 +50,7 @@ examples:
   floquetrod simulate --rod my_rod.toml --mean 6N --amplitude 2N --frequency 24Hz --duration 60s --checkpoint run.ckpt
   floquetrod simulate --rod examples/well.toml --mean 0.5Fcr --amplitude 0.3Fcr --frequency 4Hz --wave held
   floquetrod simulate --rod my_rod.toml --force record.csv --mean 12N --duration 5s
-  floquetrod simulate --rod nitinol --mean 0 --amplitude 0 --frequency 1rad/s --mu 0.2 --feed-speed 20mm/s --far-force 0.5Fcr
+  floquetrod simulate --rod nitinol --mean 0N --amplitude 0N --frequency 1Hz --mu 0.2 --feed-speed 20mm/s --far-force 1N
 
 perturbations add up; none means --random 1mm/s.  Cases are those of the paper, with speeds of 50 mm/s: A one mode,
 B modes 4, 6, 8, 10, C one mode and all others up to 20 at random, D every node at random; A:6, C:6 name the mode (8).

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from types import ModuleType
-from typing import Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import Equation, HillSystem, Mathieu, Meissner, PeriodicSystem, matrices, require
-from floquetrod.floquet import methods, system_methods
-from floquetrod.floquet.systems.classification import undamped_pairs
-from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability, Verdict
+
+if TYPE_CHECKING:
+    from floquetrod.floquet.systems.result import SystemStability
 
 
 class Family(NamedTuple):
@@ -22,15 +22,15 @@ class Family(NamedTuple):
 
     Attributes
     ----------
-    code : module
-        Where each is a function of its name.
+    code : callable
+        Returns the module where each is a function of its name, imported when one is used.
     methods : dict of callable
         Every method, and whether it applies to a problem.
     in_turn : callable
         The methods that "auto" tries one after another: the fast path first, where there is one.
     """
 
-    code: ModuleType
+    code: Callable[[], ModuleType]
     methods: dict[str, Callable[[Any], bool]]
     in_turn: Callable[[Any], tuple[str, ...]]
 
@@ -45,6 +45,8 @@ def _equation_in_turn(equation: Equation) -> tuple[str, ...]:
 
 def _has_even_form(system: HillSystem | PeriodicSystem) -> bool:
     """Return whether half a period of the system freed of uniform damping tells its multipliers."""
+    from floquetrod.floquet.systems.classification import undamped_pairs
+
     pairs = undamped_pairs(system)
     return pairs is not None and isinstance(pairs[0], HillSystem) and pairs[0].even_form is not None
 
@@ -54,8 +56,20 @@ def _system_in_turn(system: HillSystem | PeriodicSystem) -> tuple[str, ...]:
     return first, "segmented", "reference"
 
 
+def _equation_methods() -> ModuleType:
+    from floquetrod.floquet import methods
+
+    return methods
+
+
+def _system_methods() -> ModuleType:
+    from floquetrod.floquet import system_methods
+
+    return system_methods
+
+
 EQUATIONS = Family(
-    methods,
+    _equation_methods,
     {
         "spectral": lambda equation: equation.is_smooth,
         "determinant": lambda equation: isinstance(equation, Mathieu),
@@ -69,7 +83,7 @@ EQUATIONS = Family(
 """Scalar equations."""
 
 SYSTEMS = Family(
-    system_methods,
+    _system_methods,
     {
         "half_period": _has_even_form,
         "monodromy": lambda system: True,
@@ -151,6 +165,6 @@ def _better(result: Any, later: Any) -> Any:
 @np.errstate(under="ignore")  # what is too small for a double is 0 to all methods, whatever a caller lets numpy raise
 def run(family: Family, method: str, equation: Equation | HillSystem | PeriodicSystem, **options: Any) -> Any:
     """Call the method of this name of the equation's family."""
-    call = getattr(family.code, method)
+    call = getattr(family.code(), method)
     result: Verdict = tells_arguments()(call)(equation, **options) if options else call(equation)
     return result

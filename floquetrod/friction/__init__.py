@@ -7,15 +7,29 @@ Eq. (14) of DOI 10.1115/1.4031710; derivations and proofs are in docs/theory/fri
 
 from __future__ import annotations
 
-from floquetrod.friction.critical_kicks import (
-    CriticalKickBounds,
-    critical_kick,
-)
-from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, UndecidedWarning, escapes, fate, fates
-from floquetrod.friction.leapfrog import leapfrog_escapes
-from floquetrod.friction.proved_kicks import CertainKicks, certain_kicks
-from floquetrod.friction.ranges import EscapeRanges, KickRange, escape_ranges
-from floquetrod.friction.trajectories import Trajectory, trajectory
+from typing import TYPE_CHECKING
+
+from floquetrod._util.lazy import names_of
+
+if TYPE_CHECKING:
+    from floquetrod.friction.critical_kicks import (
+        CriticalKickBounds,
+        critical_kick,
+    )
+    from floquetrod.friction.fate_of_kicks import (
+        BOUNDED,
+        ESCAPES,
+        UNDECIDED,
+        Fate,
+        UndecidedWarning,
+        escapes,
+        fate,
+        fates,
+    )
+    from floquetrod.friction.leapfrog import leapfrog_escapes
+    from floquetrod.friction.proved_kicks import CertainKicks, certain_kicks
+    from floquetrod.friction.ranges import EscapeRanges, KickRange, escape_ranges
+    from floquetrod.friction.trajectories import Trajectory, trajectory
 
 __all__ = [
     "BOUNDED",
@@ -37,3 +51,41 @@ __all__ = [
     "leapfrog_escapes",
     "trajectory",
 ]
+
+__getattr__ = names_of(
+    __name__,
+    {
+        "friction.critical_kicks": (
+            "CriticalKickBounds",
+            "critical_kick",
+        ),
+        "friction.fate_of_kicks": (
+            "BOUNDED",
+            "ESCAPES",
+            "UNDECIDED",
+            "Fate",
+            "UndecidedWarning",
+            "escapes",
+            "fate",
+            "fates",
+        ),
+        "friction.leapfrog": ("leapfrog_escapes",),
+        "friction.proved_kicks": (
+            "CertainKicks",
+            "certain_kicks",
+        ),
+        "friction.ranges": (
+            "EscapeRanges",
+            "KickRange",
+            "escape_ranges",
+        ),
+        "friction.trajectories": (
+            "Trajectory",
+            "trajectory",
+        ),
+    },
+)
+
+
+def __dir__() -> list[str]:
+    return __all__

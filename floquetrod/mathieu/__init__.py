@@ -2,15 +2,25 @@
 
 from __future__ import annotations
 
-from floquetrod.mathieu.arrays import discriminant, exponents, growth_rate, is_stable, multipliers
-from floquetrod.mathieu.characteristic import TransitionCurves, characteristic_values, tongue_widths, transition_curves
-from floquetrod.mathieu.charts import chart
-from floquetrod.mathieu.solutions import (
-    FloquetSolution,
-    characteristic_function,
-    floquet_solutions,
-    real_order_values,
-)
+from typing import TYPE_CHECKING
+
+from floquetrod._util.lazy import names_of
+
+if TYPE_CHECKING:
+    from floquetrod.mathieu.arrays import discriminant, exponents, growth_rate, is_stable, multipliers
+    from floquetrod.mathieu.characteristic import (
+        TransitionCurves,
+        characteristic_values,
+        tongue_widths,
+        transition_curves,
+    )
+    from floquetrod.mathieu.charts import chart
+    from floquetrod.mathieu.solutions import (
+        FloquetSolution,
+        characteristic_function,
+        floquet_solutions,
+        real_order_values,
+    )
 
 __all__ = [
     "FloquetSolution",
@@ -28,3 +38,33 @@ __all__ = [
     "tongue_widths",
     "transition_curves",
 ]
+
+__getattr__ = names_of(
+    __name__,
+    {
+        "mathieu.arrays": (
+            "discriminant",
+            "exponents",
+            "growth_rate",
+            "is_stable",
+            "multipliers",
+        ),
+        "mathieu.characteristic": (
+            "TransitionCurves",
+            "characteristic_values",
+            "tongue_widths",
+            "transition_curves",
+        ),
+        "mathieu.charts": ("chart",),
+        "mathieu.solutions": (
+            "FloquetSolution",
+            "characteristic_function",
+            "floquet_solutions",
+            "real_order_values",
+        ),
+    },
+)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from floquetrod.plane.axes import Axis, axis_values
-from floquetrod.plane.bands import Band, Bands
-from floquetrod.plane.chart import BandSource, Chart, Progress
-from floquetrod.plane.filling import charted, fill_rows
-from floquetrod.plane.tracing import TracedBands
+from typing import TYPE_CHECKING
+
+from floquetrod._util.lazy import names_of
+
+if TYPE_CHECKING:
+    from floquetrod.plane.axes import Axis, axis_values
+    from floquetrod.plane.bands import Band, Bands
+    from floquetrod.plane.chart import BandSource, Chart, Progress
+    from floquetrod.plane.filling import charted, fill_rows
+    from floquetrod.plane.tracing import TracedBands
 
 __all__ = [
     "Axis",
@@ -20,3 +25,31 @@ __all__ = [
     "charted",
     "fill_rows",
 ]
+
+__getattr__ = names_of(
+    __name__,
+    {
+        "plane.axes": (
+            "Axis",
+            "axis_values",
+        ),
+        "plane.bands": (
+            "Band",
+            "Bands",
+        ),
+        "plane.chart": (
+            "BandSource",
+            "Chart",
+            "Progress",
+        ),
+        "plane.filling": (
+            "charted",
+            "fill_rows",
+        ),
+        "plane.tracing": ("TracedBands",),
+    },
+)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
-from floquetrod.rod.axial import AxialGap, AxialResonance, AxialResponse
-from floquetrod.rod.buckling import BucklingForce
-from floquetrod.rod.friction import CriticalKick
-from floquetrod.rod.mode_friction import ModeFriction
-from floquetrod.rod.modes import ModalSystem, ModalSystems
-from floquetrod.rod.parts import Channel, Ends, Fluids, Material, Section
-from floquetrod.rod.ranges import StabilityInterval
-from floquetrod.rod.unstable_bands import UnstableBand
-from floquetrod.rod.verdict import Margin
+from typing import TYPE_CHECKING
+
+from floquetrod._util.lazy import names_of
+
+if TYPE_CHECKING:
+    from floquetrod.rod.axial import AxialGap, AxialResonance, AxialResponse
+    from floquetrod.rod.buckling import BucklingForce
+    from floquetrod.rod.friction import CriticalKick
+    from floquetrod.rod.mode_friction import ModeFriction
+    from floquetrod.rod.modes import ModalSystem, ModalSystems
+    from floquetrod.rod.parts import Channel, Ends, Fluids, Material, Section
+    from floquetrod.rod.ranges import StabilityInterval
+    from floquetrod.rod.unstable_bands import UnstableBand
+    from floquetrod.rod.verdict import Margin
 
 __all__ = [
     "AxialGap",
@@ -30,3 +35,35 @@ __all__ = [
     "StabilityInterval",
     "UnstableBand",
 ]
+
+__getattr__ = names_of(
+    __name__,
+    {
+        "rod.axial": (
+            "AxialGap",
+            "AxialResonance",
+            "AxialResponse",
+        ),
+        "rod.buckling": ("BucklingForce",),
+        "rod.friction": ("CriticalKick",),
+        "rod.mode_friction": ("ModeFriction",),
+        "rod.modes": (
+            "ModalSystem",
+            "ModalSystems",
+        ),
+        "rod.parts": (
+            "Channel",
+            "Ends",
+            "Fluids",
+            "Material",
+            "Section",
+        ),
+        "rod.ranges": ("StabilityInterval",),
+        "rod.unstable_bands": ("UnstableBand",),
+        "rod.verdict": ("Margin",),
+    },
+)
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -13,9 +13,9 @@ from floquetrod.kernels import regions as kernels
 from floquetrod.plane import Axis
 from floquetrod.plane.chart import CELLS
 from floquetrod.rod.constants import MOST_MODES
-from floquetrod.rod.load import Load, Progress, Quantity
+from floquetrod.rod.load import QUANTITIES, Load, Progress, Quantity
 from floquetrod.rod.modal import ModalRod
-from floquetrod.rod.rod_box import QUANTITIES, RodBox
+from floquetrod.rod.rod_box import RodBox
 
 _FIRST = 16  # cells along a side of the first blocks (a choice)
 _PARTS = 64  # parts of a single cell looked at before it is given up (a choice)

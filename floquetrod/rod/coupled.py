@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem
-from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.floquet.verdict import tolerated
@@ -31,7 +30,6 @@ from floquetrod.rod.beam import Basis, basis
 from floquetrod.rod.constants import HAIRLINE_GROWTH, ModeConstants
 from floquetrod.rod.load import AxialLoad, Load, Loads
 from floquetrod.rod.parts import Ends
-from floquetrod.systems.arrays import verdicts
 
 Floats = NDArray[np.float64]
 
@@ -269,6 +267,8 @@ class CoupledModes:
 
     def _judged(self, system: HillSystem, workers: int | None, quick: bool) -> ManyVerdicts:
         """Return statuses and growth rates of systems, where modes are apart each by its own equation."""
+        from floquetrod.systems.arrays import verdicts
+
         if not self._are_apart:
             return verdicts(system, workers=workers, quick=quick)
         status, growth = verdicts(_one_by_one(system), workers=workers, quick=quick)
@@ -278,6 +278,8 @@ class CoupledModes:
 
     def resonances(self, load: Load) -> tuple[Resonance, ...]:
         """Return what grows under one load, the fastest first, modes numbered as those without axial force."""
+        from floquetrod.floquet.dispatch import stability
+
         system = self.system(Loads.single(load))
         return self.named(system, stability(system).resonances)
 
@@ -357,6 +359,8 @@ class CoupledLoads:
 
 def _direct(system: HillSystem) -> tuple[Resonance, ...]:
     """Return what grows in a system of modes that are apart, each by its own equation, the fastest first."""
+    from floquetrod.systems.arrays import verdicts
+
     status, growth = verdicts(_one_by_one(system))
     found = []
     for i in np.argsort(-growth, kind="stable").tolist():

@@ -28,6 +28,8 @@ _SLOWEST, _FASTEST = 1e-9, 1e12  # rad/s: beyond any rod, and within what double
 KINDS: dict[Quantity, str] = {"mean": "force", "amplitude": "force", "frequency": "frequency"}
 """Kind of each, of which `floquetrod.units` knows the units."""
 
+QUANTITIES: tuple[Quantity, ...] = tuple(KINDS)
+
 
 class _Limits(NamedTuple):
     """What a quantity of a load may be: from ``least`` to ``largest``, both in ``unit``; ``check`` sees it first."""

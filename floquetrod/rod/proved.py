@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from floquetrod.floquet.proof.region import MAX_BOXES, RegionProof
+from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.constants import HAIRLINE_GROWTH
-from floquetrod.rod.load import AnyLoad, Progress, Quantity
+from floquetrod.rod.load import QUANTITIES, AnyLoad, Progress, Quantity
 from floquetrod.rod.modal import ModalRod
-from floquetrod.rod.region import certify_rods
-from floquetrod.rod.rod_box import QUANTITIES
-from floquetrod.rod.safe_box import SafeBox, largest_safe_box
+
+if TYPE_CHECKING:
+    from floquetrod.floquet.proof.region import RegionProof
+    from floquetrod.rod.safe_box import SafeBox
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -80,6 +81,8 @@ class ProvedRod(ModalRod):
         >>> rod.certify(mean=(0.56, 0.59), amplitude=(0.32, 0.35), frequency=(149.0, 151.0)).status
         'stable'
         """
+        from floquetrod.rod.region import certify_rods
+
         return certify_rods(self, mean, amplitude, frequency, growth_tolerance, rod, like, max_boxes, progress)
 
     def largest_safe_box(
@@ -126,4 +129,6 @@ class ProvedRod(ModalRod):
         >>> safe.proof.status
         'stable'
         """
+        from floquetrod.rod.safe_box import largest_safe_box
+
         return largest_safe_box(self, around, vary, growth_tolerance, rod, accuracy, progress)

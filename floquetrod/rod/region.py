@@ -14,7 +14,6 @@ import numpy as np
 from floquetrod import mathieu
 from floquetrod._util import validate
 from floquetrod.floquet.proof.region import (
-    MAX_BOXES,
     Found,
     RegionProof,
     RegionStatus,
@@ -22,12 +21,13 @@ from floquetrod.floquet.proof.region import (
     modes_of_box,
     subdivide,
 )
+from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.assumptions import IMMERSED, SHAPE, WALL, warn_unless_uniform
 from floquetrod.rod.constants import HAIRLINE_GROWTH, MOST_MODES, NEGLIGIBLE_GROWTH
-from floquetrod.rod.load import AnyLoad, Load, Loads, Progress, Quantity, kind
+from floquetrod.rod.load import QUANTITIES, AnyLoad, Load, Loads, Progress, Quantity, kind
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystem
-from floquetrod.rod.rod_box import QUANTITIES, RodBox, RodExample
+from floquetrod.rod.rod_box import RodBox, RodExample
 from floquetrod.rod.tongues import gaps, unstable_loads
 
 _BOXES_A_ROD = 64  # parts of a box looked at before its rods are halved (a choice: a millisecond or so)

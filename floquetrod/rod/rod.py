@@ -5,37 +5,31 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import level_of_caller, tells_arguments
-from floquetrod.friction.fate_of_kicks import UndecidedWarning
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.coupled import CoupledLoads, chosen_count
-from floquetrod.rod.coupled_stability import CoupledRodStability, classify_coupled
-from floquetrod.rod.friction import (
-    CriticalKick,
-    FrictionalRodStability,
-    classify_kick,
-    critical_kick,
-    critical_kicks,
-    kicked_loads,
-)
 from floquetrod.rod.load import AnyLoad, Loads, Progress, kind, load_bounds, require_load
 from floquetrod.rod.modal import refusal
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.plausibility import warn_of_hertz, warn_of_load
 from floquetrod.rod.proved import ProvedRod
-from floquetrod.rod.ranges import StabilityIntervals, first_unstable, stability_intervals
 from floquetrod.rod.record import ForceRecord
-from floquetrod.rod.record_noise import with_noise
 from floquetrod.rod.stability import RodStability, classify_modes
+
+# Loaded by the methods that need them: a first verdict takes a quarter of the package.
+if TYPE_CHECKING:
+    from floquetrod.rod.coupled_stability import CoupledRodStability
+    from floquetrod.rod.friction import CriticalKick, FrictionalRodStability
+    from floquetrod.rod.ranges import StabilityIntervals
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -187,6 +181,9 @@ class Rod(ProvedRod):
         if not self.coupled_numbers.has_mathieu_modes(load):
             if friction is not None:
                 raise refusal(self, "friction", load)
+            from floquetrod.rod.coupled_stability import classify_coupled
+            from floquetrod.rod.record_noise import with_noise
+
             count = None if modes is None else chosen_count(modes)
             coupled = classify_coupled(self, load, count, growth_tolerance)
             return with_noise(self, coupled, source) if isinstance(source, ForceRecord) else coupled
@@ -194,7 +191,11 @@ class Rod(ProvedRod):
         linear = classify_modes(self, self.independent_modes(load, modes), growth_tolerance)
         if linear.stable and modes is None:
             warn_of_hertz(self, load, growth_tolerance)
-        return linear if rubbing is None else classify_kick(linear, *rubbing)
+        if rubbing is None:
+            return linear
+        from floquetrod.rod.friction import classify_kick
+
+        return classify_kick(linear, *rubbing)
 
     @tells_arguments()
     def critical_kick(self, load: AnyLoad, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
@@ -212,6 +213,8 @@ class Rod(ProvedRod):
         >>> round(1e3 * kick, 1), mode, round(1e3 * none_up_to, 1)
         (32.1, 9, 27.8)
         """
+        from floquetrod.rod.friction import critical_kick
+
         friction = friction_coefficient(friction)
         linear = self.stability(load, growth_tolerance=growth_tolerance)
         if not isinstance(linear, RodStability):
@@ -231,6 +234,8 @@ class Rod(ProvedRod):
         workers: int | None = None,
     ) -> CriticalKick:
         """Return what `critical_kick` does over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
+        from floquetrod.rod.friction import CriticalKick, critical_kicks
+
         friction = friction_coefficient(friction)
         tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
         systems = self.modal_systems(mean, amplitude, frequency, like=like)
@@ -280,6 +285,8 @@ class Rod(ProvedRod):
         """
         low, high = (0.0, 1.5 * self.critical_force) if bounds is None else load_bounds("mean", bounds)
         load = kind(like).with_numbers(high, amplitude, frequency)
+        from floquetrod.rod.ranges import stability_intervals
+
         return stability_intervals("mean", self, load, (low, high), growth_tolerance, progress)
 
     @tells_arguments()
@@ -301,6 +308,8 @@ class Rod(ProvedRod):
         """
         low, high = (0.0, self.critical_force) if bounds is None else load_bounds("amplitude", bounds)
         load = kind(like).with_numbers(mean, high, frequency)
+        from floquetrod.rod.ranges import stability_intervals
+
         return stability_intervals("amplitude", self, load, (low, high), growth_tolerance, progress)
 
     @tells_arguments()
@@ -324,6 +333,8 @@ class Rod(ProvedRod):
         slowest = kind(like).with_numbers(mean, amplitude, low)
         self.mode_constants.require_in_reach(Loads.single(slowest))
         fastest = slowest.varied("frequency", high)
+        from floquetrod.rod.ranges import stability_intervals
+
         return stability_intervals("frequency", self, fastest, (low, high), growth_tolerance, progress)
 
     @tells_arguments()
@@ -340,6 +351,8 @@ class Rod(ProvedRod):
         Infinite where there is none up to 1.5 critical forces.  ``like`` as in `stable_mean_forces`.
         """
         load = kind(like).with_numbers(1.5 * self.critical_force, amplitude, frequency)
+        from floquetrod.rod.ranges import first_unstable
+
         return first_unstable("mean", self, load, growth_tolerance)
 
     @tells_arguments()
@@ -356,6 +369,8 @@ class Rod(ProvedRod):
         Infinite where there is none up to one critical force.  ``like`` as in `stable_mean_forces`.
         """
         load = kind(like).with_numbers(mean, self.critical_force, frequency)
+        from floquetrod.rod.ranges import first_unstable
+
         return first_unstable("amplitude", self, load, growth_tolerance)
 
     @tells_arguments()
@@ -395,6 +410,8 @@ class Rod(ProvedRod):
         )
         unsure = int(np.count_nonzero(np.equal(found, -1)))
         if unsure:
+            from floquetrod.friction.fate_of_kicks import UndecidedWarning
+
             warnings.warn(
                 f"{unsure} of {np.size(found)} loads could not be decided and count as unstable; verdicts tells which",
                 UndecidedWarning,
@@ -438,6 +455,8 @@ class Rod(ProvedRod):
             return shaped(found, loads.shape)
         systems = self.modal_systems(mean, amplitude, frequency, like=like)
         if rubbing is not None:
+            from floquetrod.rod.friction import kicked_loads
+
             found = kicked_loads(self, systems, *rubbing, tolerance, workers)
         elif criterion is not None:
             found = systems.pass_test(criterion, workers).astype(np.int8)

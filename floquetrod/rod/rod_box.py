@@ -13,10 +13,9 @@ from floquetrod._util import validate
 from floquetrod._util.interval import PI, Interval
 from floquetrod.floquet.proof.region import Side, side_ends
 from floquetrod.rod import formulas
-from floquetrod.rod.load import LIMITS, Load, Quantity, load_number
+from floquetrod.rod.load import LIMITS, QUANTITIES, Load, Quantity, load_number
 from floquetrod.rod.modal import ModalRod, refusal
 
-QUANTITIES: tuple[Quantity, ...] = ("mean", "amplitude", "frequency")
 """What a box of loads has sides of, in the order of the kernels."""
 
 DIAMETERS = {"diameter": "radius", "inner_diameter": "inner_radius", "channel_diameter": "channel_radius"}

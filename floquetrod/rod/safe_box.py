@@ -17,11 +17,11 @@ from floquetrod._util.content import NoTruthValue
 from floquetrod._util.interval import Interval
 from floquetrod.floquet.proof.region import RegionProof, Side
 from floquetrod.rod.assumptions import warn_unless_uniform
-from floquetrod.rod.load import KINDS, LIMITS, AnyLoad, Load, Progress, Quantity, require_load
+from floquetrod.rod.load import KINDS, LIMITS, QUANTITIES, AnyLoad, Load, Progress, Quantity, require_load
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.ranges import QUANTITIES as NAMES
 from floquetrod.rod.region import is_proved_stable, prove, require_in_reach
-from floquetrod.rod.rod_box import QUANTITIES, RodBox
+from floquetrod.rod.rod_box import RodBox
 from floquetrod.rod.stability import classify_modes
 
 _BOXES = 200  # parts of a box looked at before it counts as not safe, in a search of many (a choice)

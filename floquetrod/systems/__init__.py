@@ -2,9 +2,35 @@
 
 from __future__ import annotations
 
-from floquetrod.equations.batches import stack
-from floquetrod.systems.arrays import growth_rate, is_stable, multipliers
-from floquetrod.systems.charts import chart
-from floquetrod.systems.first_order import FirstOrderTongue, first_order_tongues
+from typing import TYPE_CHECKING
+
+from floquetrod._util.lazy import names_of
+
+if TYPE_CHECKING:
+    from floquetrod.equations.batches import stack
+    from floquetrod.systems.arrays import growth_rate, is_stable, multipliers
+    from floquetrod.systems.charts import chart
+    from floquetrod.systems.first_order import FirstOrderTongue, first_order_tongues
 
 __all__ = ["FirstOrderTongue", "chart", "first_order_tongues", "growth_rate", "is_stable", "multipliers", "stack"]
+
+__getattr__ = names_of(
+    __name__,
+    {
+        "equations.batches": ("stack",),
+        "systems.arrays": (
+            "growth_rate",
+            "is_stable",
+            "multipliers",
+        ),
+        "systems.charts": ("chart",),
+        "systems.first_order": (
+            "FirstOrderTongue",
+            "first_order_tongues",
+        ),
+    },
+)
+
+
+def __dir__() -> list[str]:
+    return __all__

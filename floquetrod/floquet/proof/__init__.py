@@ -9,7 +9,27 @@ period, `system_discs` its eigenvalues, `system_counts` counts by `inertia`; `ba
 
 from __future__ import annotations
 
-from floquetrod.floquet.proof.certification import certify
-from floquetrod.floquet.proof.result import Enclosure, Proof
+from typing import TYPE_CHECKING
+
+from floquetrod._util.lazy import names_of
+
+if TYPE_CHECKING:
+    from floquetrod.floquet.proof.certification import certify
+    from floquetrod.floquet.proof.result import Enclosure, Proof
 
 __all__ = ["Enclosure", "Proof", "certify"]
+
+__getattr__ = names_of(
+    __name__,
+    {
+        "floquet.proof.certification": ("certify",),
+        "floquet.proof.result": (
+            "Enclosure",
+            "Proof",
+        ),
+    },
+)
+
+
+def __dir__() -> list[str]:
+    return __all__

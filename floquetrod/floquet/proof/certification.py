@@ -29,9 +29,9 @@ from floquetrod.floquet.proof.problem import (
     exact_problem,
     problem_of_one,
 )
-from floquetrod.floquet.proof.region import MAX_BOXES, RegionProof, side_ends
+from floquetrod.floquet.proof.region import RegionProof, side_ends
 from floquetrod.floquet.proof.region_equation import certify_box
-from floquetrod.floquet.proof.result import Enclosure, Proof
+from floquetrod.floquet.proof.result import MAX_BOXES, Enclosure, Proof
 from floquetrod.floquet.proof.series import time_unit, undamped_series
 from floquetrod.floquet.proof.systems import certify_system
 from floquetrod.floquet.proof.trace import enclose_trace

@@ -16,9 +16,6 @@ from floquetrod.floquet.references import references
 from floquetrod.kernels import regions as kernels
 from floquetrod.kernels.regions_boxes import DAMPING, tail_modes
 
-MAX_BOXES = 100_000
-"""Parts of a box looked at before a proof is given up, by default: a second or a few (a choice)."""
-
 _MOST_AT_ONCE = 100_000  # parts that wait in one search: tens of megabytes (a choice)
 _STEPS = 2_000  # parts looked at between two reports of progress: some tens of milliseconds (a choice)
 _PATIENCE = 1000  # rows of the modes' Hill matrices judged by interpreted kernels before they are compiled (a choice)

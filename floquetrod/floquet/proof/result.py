@@ -10,6 +10,9 @@ from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.references import references
 from floquetrod.floquet.verdict import Answer, Interval, Status
 
+MAX_BOXES = 100_000
+"""Parts of a box looked at before a proof is given up, by default: a second or a few (a choice)."""
+
 
 class Enclosure(NamedTuple):
     """A quantity that decided, with two numbers of mpmath it lies between."""
