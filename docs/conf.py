@@ -97,6 +97,7 @@ sphinx_gallery_conf = {
     "write_computation_times": False,
     "copyfile_regex": r".*\.toml",
     "matplotlib_animations": False,
+    "image_scrapers": ("thumbnails.scraper",),
     "thumbnail_size": (600, 420),
 }
 

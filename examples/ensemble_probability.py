@@ -71,7 +71,7 @@ axes.errorbar(
     capsize=3,
     label="random kicks, simulated (95 %)",
 )
-axes.set(xlabel="kick: largest speed of any node / mm/s", ylabel="probability of buckling", xlim=(0.0, 250.0))
+axes.set(xlabel="kick: largest speed of any node / (mm/s)", ylabel="probability of buckling", xlim=(0.0, 250.0))
 axes.set_title(
     f"mean 0.825 $F_\\mathrm{{cr}}$, amplitude 0.7 $F_\\mathrm{{cr}}$, 150 rad/s, friction {mu:g}",
     fontsize="small",

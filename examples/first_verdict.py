@@ -31,7 +31,7 @@ axes = fr.mathieu.chart((0.0, 0.2, 100), (-0.8, 0.1, 100)).plot()
 for (share, verdict), marker in zip(verdicts.items(), "os^Dv", strict=True):
     alpha, beta = np.array([(mode.alpha, mode.beta) for mode in verdict.mode_equations]).T
     style = palette.POINT | {"marker": marker, "linestyle": "none", "markersize": 5}
-    axes.plot(alpha, beta, **style, label=f"{share:.2f} $F_{{cr}}$, {verdict.status}")
+    axes.plot(alpha, beta, **style, label=f"{share:.2f} $F_\\mathrm{{cr}}$, {verdict.status}")
     growing = [mode - 1 for mode in verdict.unstable_modes]
     axes.plot(alpha[growing], beta[growing], **style | {"markerfacecolor": "black"})
 axes.set(xlim=(0.0, 0.2), ylim=(-0.8, 0.1))

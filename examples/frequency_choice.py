@@ -44,7 +44,10 @@ style = {"xytext": (4, 0), "textcoords": "offset points", "bbox": palette.BOX | 
 axes.annotate(f"{choice:.0f} rad/s", (choice, 0.93 * growth.max()), **style)
 for number in np.unique(mode[growth > 1.0]):
     peak = np.argmax(np.where(mode == number, growth, 0.0))
-    axes.annotate(f"{number}", (frequency[peak], growth[peak]), ha="center", va="bottom", fontsize="small")
-axes.set(xlim=bounds, ylim=(0.0, 1.1 * growth.max()), xlabel=r"frequency $\omega$ / rad/s", ylabel="growth rate / 1/s")
+    if mode[peak - 1] == number == mode[peak + 1]:  # no peak of its own where another mode is as fast
+        axes.annotate(f"{number}", (frequency[peak], growth[peak]), ha="center", va="bottom", fontsize="small")
+axes.set(
+    xlim=bounds, ylim=(0.0, 1.1 * growth.max()), xlabel=r"frequency $\omega$ / (rad/s)", ylabel="growth rate / (1/s)"
+)
 axes.set_title("growth of the fastest mode, its number at the peaks; safe windows white", fontsize="small")
 plt.show()

@@ -8,6 +8,8 @@ and is largest between the tongues of two modes.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 
 import floquetrod as fr
 from floquetrod.plotting import palette
@@ -48,9 +50,11 @@ for axes, part in zip(panels, (0.7, 0.3), strict=True):
     for calm in share[np.isinf(kick)]:
         axes.axvspan(calm - 0.005, calm + 0.005, **palette.NO_KICK)
     axes.axhline(50.0, color="black", linestyle="--", linewidth=0.9)
-    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 150.0), ylabel="critical kick / mm/s")
-    axes.set_title(f"amplitude {part:g} $F_{{cr}}$, {omega:g} rad/s, friction {mu:g}", fontsize="small")
-panels[1].set_xlabel(
-    r"mean force $F_\mathrm{ave} / F_\mathrm{cr}$ (numbers: modes; dashed: 50 mm/s; hatched: no kick buckles it)"
+    axes.set(xlim=(0.0, 1.0), ylim=(0.0, 150.0), ylabel="critical kick / (mm/s)")
+    axes.set_title(f"amplitude {part:g} $F_\\mathrm{{cr}}$, {omega:g} rad/s, friction {mu:g}", fontsize="small")
+panels[1].set_xlabel(r"mean force $F_\mathrm{ave} / F_\mathrm{cr}$")
+marks = [Line2D([], [], color="black", linestyle="--", linewidth=0.9), Patch(**palette.NO_KICK)]
+panels[0].legend(
+    marks, ["50 mm/s", "no kick buckles it"], title="numbers: modes", ncols=2, fontsize="small", title_fontsize="small"
 )
 plt.show()

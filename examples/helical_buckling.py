@@ -43,7 +43,7 @@ above.axhline(1.0, color="black", linewidth=0.7, linestyle=":", label="waves for
 for (friction, run), line in zip(runs.items(), ("-", "--"), strict=True):
     above.plot(2.0 * run.time, run.end_forces[:, 0] / unit, color="black", linestyle=line, label=f"friction {friction}")
 above.set(xlabel="pushed in / mm", ylabel="force at the upper end / $F_p$", xlim=(0.0, 18.0))
-above.legend(fontsize="small", loc="lower right")
+above.legend(fontsize="small", loc="upper left")
 free, s = runs[0.0], np.linspace(0.0, rod.length, 289)
 for level, shade, width in ((1.25, "0.65", 1.2), (1.45, "0.35", 1.8), (2.4, "black", 1.2)):
     frame = (free.end_forces[:, 0] > level * unit).argmax()
@@ -68,14 +68,14 @@ figure, (above, below) = plt.subplots(2, 1, figsize=(7.5, 5.5), sharex=True, lay
 above.plot(s, slope, color="black")
 for sign in (-1.0, 1.0):
     above.axhline(sign * theory["slope"], color=palette.NEUTRAL, linewidth=3.0, linestyle="--", zorder=0)
-above.set(ylabel=r"slope $d\theta/ds$ / rad/m", ylim=(-2.0 * theory["slope"], 2.0 * theory["slope"]))
+above.set(ylabel=r"slope $d\theta/ds$ / (rad/m)", ylim=(-2.0 * theory["slope"], 2.0 * theory["slope"]))
 below.plot(s, contact, color="black", label="simulated")
 below.axhline(
     theory["contact"], color=palette.NEUTRAL, linewidth=3.0, linestyle="--", label="helix without weight", zorder=0
 )
-below.set(xlabel="position from the upper end $s$ / m", ylabel="contact force / N/m", xlim=(0.0, rod.length))
+below.set(xlabel="position from the upper end $s$ / m", ylabel="contact force / (N/m)", xlim=(0.0, rod.length))
 below.set_ylim(0.0, 2.2 * theory["contact"])
-below.legend(fontsize="small", loc="upper right", ncols=2)
+below.legend(fontsize="small", loc="upper center", bbox_to_anchor=(0.68, 1.0), ncols=2)
 plt.show()
 
 # %%

@@ -44,7 +44,7 @@ for axes, ends in zip(panels, kinds, strict=True):
             name, (hertz[peak], growth[peak]), (0, 2), textcoords="offset points", ha="center", fontsize="small"
         )
     axes.set_ylabel(ends, fontsize="small")
-figure.supylabel("growth rate / 1/s, by ends")
+figure.supylabel("growth rate / (1/s), by ends")
 panels[-1].set(xlabel="forcing frequency / Hz", xlim=(hertz[0], hertz[-1]))
 panels[0].set_ylim(0.0, 1.3 * max(axes.lines[0].get_ydata().max() for axes in panels))
 panels[0].set_title("numbers at the peaks: the mode, or the two modes, that grow", fontsize="small")

@@ -47,7 +47,7 @@ for axes, ends in zip(panels, ("clamped-guided", "clamped-free"), strict=True):
     print(f"{ends}, undamped at {hertz[growth.argmax()]:g} Hz: {verdict}")
     print(f"    stable at any damping rate above {verdict.damping_to_stabilise:.3g} 1/s")
     axes.set_title(ends, fontsize="small")
-    axes.set(ylabel="growth rate / 1/s", ylim=(0.0, None), xlim=(hertz[0], hertz[-1]))
+    axes.set(ylabel="growth rate / (1/s)", ylim=(0.0, None), xlim=(hertz[0], hertz[-1]))
 panels[0].legend(fontsize="small", loc="upper right")
 panels[1].set_xlabel("forcing frequency / Hz")
 plt.show()

@@ -44,7 +44,7 @@ _, (above, below) = plt.subplots(2, 1, figsize=(7.5, 6.0), layout="constrained")
 above.fill_between(degrees, 0.0, growth["middle"], color=palette.UNSTABLE, linewidth=0.0)
 for (place, rates), line in zip(growth.items(), ("-", "--", "-.", ":"), strict=True):
     above.plot(degrees, rates, color="black", linestyle=line, label=place)
-above.set(xlabel="inclination from the vertical / degree", ylabel="growth rate / 1/s", xlim=(90.0, 20.0))
+above.set(xlabel="inclination from the vertical / degree", ylabel="growth rate / (1/s)", xlim=(90.0, 20.0))
 above.set_ylim(0.0, 8.5)
 above.legend(fontsize="small", loc="upper center", ncols=2, title="mean force given at", title_fontsize="small")
 verdict.plot(below)

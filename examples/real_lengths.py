@@ -43,12 +43,13 @@ for axes, name in zip(panels, ("wave", "damped wave"), strict=False):
     verdict.plot(axes)
     axes.set_title(f"{name}: growth {verdict.growth_rate:.3g} 1/s", fontsize="small")
     axes.set_xlabel("")
+panels[0].get_legend().remove()  # that of the next panel says the same
 places = np.linspace(0.0, 600.0, 601)
 styles = {"uniform": ("-", palette.NEUTRAL), "wave": ("-", "black"), "damped wave": ("--", "black")}
 for name, (line, shade) in styles.items():
     load = cases[name]
     size = 0.15 * np.abs(load.profile(string.wave_speed, 600.0, places, load.frequency))
     panels[2].plot(places, size, linestyle=line, color=shade, label=name)
-panels[2].set(xlabel="position from the driven end $s$ / m", ylabel="size / $F_{cr}$", ylim=(0.0, None))
+panels[2].set(xlabel="position from the driven end $s$ / m", ylabel=r"size / $F_\mathrm{cr}$", ylim=(0.0, None))
 panels[2].legend(fontsize="x-small", loc="lower left", ncols=3)
 plt.show()

@@ -39,5 +39,5 @@ for tongue in fr.systems.first_order_tongues(family(1.0, 1.0)):
     name = f"{tongue.kind} {' + '.join(map(str, tongue.modes))}"
     axes.annotate(name, (tongue.frequency, 0.04), ha="center", fontsize="small", bbox=palette.BOX)
 axes.set(xlim=(1.65, 4.5), ylim=(0.0, 0.8), xlabel="forcing frequency $w$", ylabel=r"forcing $\epsilon$")
-axes.set_title("white: stable; shaded: unstable; dashed: boundaries to first order", fontsize="small")
+axes.set_title("two coupled modes; dashed: boundaries to first order", fontsize="small")
 plt.show()

@@ -39,11 +39,12 @@ for damping, line in cases.items():
     left.plot(omega[shown], estimate[shown], linestyle="none", **palette.POINT, markersize=4)
     print(tongue)
 left.axvline(3.1, color="black", linewidth=0.5)
+left.annotate("right", (3.1, 0.02), xytext=(3, 0), textcoords="offset points", fontsize="small")
 left.set(
     xlabel="forcing frequency $w$", ylabel="growth rate per unit time", xlim=(omega[0], omega[-1]), ylim=(0.0, 0.04)
 )
 left.set_title("lines: computed, circles: first order", fontsize="small")
-left.legend(fontsize="small", loc="upper right")
+left.legend(fontsize="x-small", loc="upper left")
 
 second = np.geomspace(0.002, 2.0, 41)
 exponents = np.array([max(e.real for e in fr.stability(family(3.1, (0.002, c))).exponents) for c in second])
@@ -52,9 +53,9 @@ right.semilogx(second, exponents, color="black")
 right.axhline(0.0, color="black", linewidth=0.5)
 right.set(
     xlabel="decay rate $c_2$ of the second mode",
-    ylabel="largest real part of the exponents, per unit time",
+    ylabel="largest real part, per unit time",
     xlim=(second[0], second[-1]),
 )
-right.set_title("$w = 3.1$, $c_1 = 0.002$; orange: unstable", fontsize="small")
+right.set_title("exponents, $w = 3.1$, $c_1 = 0.002$; orange: unstable", fontsize="small")
 plt.show()
 print(f"unstable from c_2 = {second[exponents > 0.0][0]:.3f} to {second[exponents > 0.0][-1]:.2f}")

@@ -68,7 +68,7 @@ axes.plot(q, slope * q, color="black", linestyle=":", label="one setting, all ma
 axes.plot([apex_q], [apex_a], **palette.POINT, markersize=7, linestyle="none")
 text = f"apex: $q = {apex_q:.4f}$, $a = {apex_a:.4f}$"
 axes.annotate(text, (apex_q, apex_a), (12, 14), textcoords="offset points", fontsize="small", bbox=palette.BOX)
-axes.text(0.45, 0.05, "$x$ and $y$ stable", ha="center", fontsize="small")
+axes.text(0.62, 0.05, "$x$ and $y$ stable", ha="center", fontsize="small")
 axes.set(xlabel="$q$", ylabel="$a$", xlim=(0.0, 1.0), ylim=(0.0, 0.3))
 axes.set_title("ion trap; orange: unstable in $x$, in $y$ or in both", fontsize="small")
 axes.legend(fontsize="small", loc="upper left")

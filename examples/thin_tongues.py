@@ -47,7 +47,7 @@ for number in np.unique(mode[growth > 0.1]):
     where = {"xytext": (-4, 3), "textcoords": "offset points", "ha": "right"}
     axes.annotate(f"mode {number}", (share[peak], growth[peak]), **where)
 axes.set(xlim=(share[0], share[-1]), ylim=(1e-2, 10.0))
-axes.set(xlabel=r"mean force $F_\mathrm{ave} / F_\mathrm{cr}$", ylabel="growth rate / 1/s")
-axes.set_title(f"amplitude 0.2 $F_{{cr}}$, {omega:g} rad/s", fontsize="small")
+axes.set(xlabel=r"mean force $F_\mathrm{ave} / F_\mathrm{cr}$", ylabel="growth rate / (1/s)")
+axes.set_title(f"amplitude 0.2 $F_\\mathrm{{cr}}$, {omega:g} rad/s", fontsize="small")
 axes.legend(fontsize="small", loc="lower center")
 plt.show()

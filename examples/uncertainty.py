@@ -62,12 +62,17 @@ for shift, kind, color in ((-0.2, "first", "0.75"), (0.2, "total", "0.35")):
     values = np.array([getattr(found.importance[name], kind) for name in names])
     ends = np.array([getattr(found.importance[name], f"{kind}_interval") for name in names])
     left.barh(np.arange(len(names)) + shift, values, 0.4, xerr=abs(ends.T - values), color=color, label=kind)
-left.set(yticks=range(len(names)), yticklabels=names, xlabel="Sobol index", xlim=(0.0, 1.0))
+left.set(
+    yticks=range(len(names)),
+    yticklabels=[name.replace("_", " ") for name in names],
+    xlabel="Sobol index",
+    xlim=(0.0, 1.0),
+)
 left.invert_yaxis()
 left.legend()
 for distributions, style, label in ((known, "-", "as known"), (steady, "--", "drive ten times as steady")):
     right.plot(means, [probability(mean, distributions) for mean in means], style, color="black", label=label)
-right.axvline(load.mean, color="0.6", linewidth=0.8)
+right.axvline(load.mean, color="0.6", linewidth=0.8, label="the load above")
 right.set(
     xlabel=r"nominal mean force $F_\mathrm{ave}$ / N",
     ylabel="probability of instability",

@@ -175,6 +175,19 @@ def label(name: str, symbol: str, unit_name: str) -> str:
     return f"{name} ${symbol}{turns}$".strip() + (f" / {written}" if unit_name else "")
 
 
+def with_unit(value: float, unit_name: str, digits: int = 6) -> str:
+    """Return a value with its unit as captions and titles show it: newtons with the prefix that suits their size.
+
+    >>> with_unit(62841.7, "N", 3), with_unit(0.3392, "N", 3), with_unit(0.00411, "N", 3), with_unit(1234.5, "rad/s", 3)
+    ('62.8 kN', '0.339 N', '4.11 mN', '1230 rad/s')
+    """
+    if unit_name == "N" and value:
+        size = abs(value)
+        unit_name = "MN" if size >= 1e6 else "kN" if size >= 1e3 else "mN" if size < 0.01 else "N"
+        value /= _UNITS["force"][unit_name]
+    return f"{float(f'{value:.{digits}g}'):g} {unit_name}".strip()
+
+
 def quantity(
     value: Any,
     name: str,

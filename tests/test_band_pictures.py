@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib import pyplot
 from matplotlib.colors import to_rgb
+from matplotlib.patches import Rectangle
 from numpy.typing import NDArray
 
 import floquetrod as fr
@@ -321,11 +322,12 @@ def test_titles_fit_in_a_line_and_notes_in_the_picture(growth: bool, bands: bool
     assert 0.0 <= box.x0 < box.x1 <= figure.bbox.width
     assert box.y0 >= 0.0
     assert box.y1 < ax.xaxis.label.get_window_extent(renderer).y0
-    assert [text.get_text() for text in legend.get_texts()] == ["unstable", "stable"]
-    assert [to_rgb(patch.get_facecolor()) for patch in legend.get_patches()] == [
-        to_rgb(palette.UNSTABLE),
-        to_rgb(palette.STABLE),
+    unstable, stable = (text.get_text() for text in legend.get_texts())
+    assert (unstable, stable) == ("unstable, the darker the faster it grows" if growth else "unstable", "stable")
+    shades = [palette.UNSEEN, palette.UNSTABLE, palette.FASTEST] if growth else [palette.UNSTABLE]
+    assert [to_rgb(patch.get_facecolor()) for patch in legend.findobj(Rectangle)] == [
+        to_rgb(colour) for colour in (*shades, palette.STABLE)
     ]
-    assert "critical force 13026.2 N" in note(ax)
+    assert "critical force 13.0262 kN" in note(ax)
     assert ("mode" in note(ax)) == bands
     pyplot.close(figure)

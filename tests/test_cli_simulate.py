@@ -154,6 +154,28 @@ def test_a_measured_force(tmp_path: Path, capsys: pytest.CaptureFixture[str]) ->
     assert load.waveform == fr.ForceRecord.from_csv(file).load.waveform
 
 
+def test_a_rod_off_the_wall_has_no_mode(capsys: pytest.CaptureFixture[str]) -> None:
+    thrown = ["--kick", "3:3m/s", "--duration", "0.5s"]
+    assert cli.main([*SHORT, *thrown]) == 0
+    text = capsys.readouterr().out
+    assert re.match(r"BUCKLED: largest angle \S+ degrees\n", text)
+    assert re.search(r"^note      off the wall in \d+ % of the frames of the last quarter$", text, re.MULTILINE)
+    assert "growth    not fitted: it has left the wall" in text
+    record = answer(capsys, *thrown)
+    assert (record["buckled"], record["dominant_mode"]) == (True, None)
+    assert record["note"].startswith("off the wall in ")
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.ResolutionWarning")
+def test_too_few_segments_are_a_note(capsys: pytest.CaptureFixture[str]) -> None:
+    few = ["--mean", "3Fcr", "--amplitude", "0", "--segments", "37", "--duration", "0.3s"]
+    assert cli.main([*SHORT, *few]) == 0
+    assert re.search(
+        r"^note      37 segments resolve modes up to 6, .*mode 11 grows fastest", capsys.readouterr().out, re.M
+    )
+    assert answer(capsys, "--kick", "7:0.1mm/s")["note"] == ""
+
+
 def test_a_rod_that_buckles_and_one_that_friction_holds(capsys: pytest.CaptureFixture[str]) -> None:
     load = ["--mean", "1.1Fcr", "--amplitude", "0", "--duration", "0.6s"]
     free = answer(capsys, *load)

@@ -62,14 +62,16 @@ def found(run: fr.Simulation, theory: bool) -> Found:
     except ValueError as error:
         return bare._replace(no_theory=f"none: {error}")
     independent = rod.coupled_numbers.has_mathieu_modes(problem.load)
-    mode = run.dominant_mode
+    mode = run.named_mode
     if problem.friction > 0.0:
         if not independent:
             return bare._replace(
                 linear=linear, no_theory="the critical kick is that of independent modes, these are coupled"
             )
         return bare._replace(linear=linear, needed=rod.critical_kick(problem.load, friction=problem.friction))
-    predicted = float(growth_of_modes(rod, problem.load, [mode])[0]) if independent else linear.growth_rate
+    predicted = linear.growth_rate
+    if independent and mode is not None:
+        predicted = float(growth_of_modes(rod, problem.load, [mode])[0])
     comparable = not independent or mode == linear.fastest_mode
     return bare._replace(
         linear=linear, predicted=predicted, with_wave=_with_wave(run) if comparable else None, no_theory=""
@@ -80,6 +82,8 @@ def _growth(run: fr.Simulation) -> tuple[GrowthFit | None, str]:
     """Return the fitted growth, or why there is none."""
     if run.problem.friction > 0.0:
         return None, "with friction nothing grows exponentially"
+    if run.named_mode is None:
+        return None, "it has left the wall, and modes are those of a rod that lies against it"
     try:
         return run.growth_rate(), ""
     except ValueError as error:
@@ -134,7 +138,8 @@ def record(found: Found) -> dict[str, Any]:
         "buckled": run.buckled,
         "growing": run.buckled or growing is not None,
         "buckles_at_about_s": None if growing is None else number(growing.until),
-        "dominant_mode": run.dominant_mode,
+        "dominant_mode": run.named_mode,
+        "note": run.note,
         "largest_angle_degrees": math.degrees(float(run.largest_angle.max())),
         "growth_rate_per_s": None if fit is None else fit.rate,
         "growth_rate_error_per_s": None if fit is None else fit.error,
@@ -183,7 +188,8 @@ def report(found: Found, record: dict[str, Any], shown: dict[str, Unit]) -> str:
         soon = f", 5 degrees at about {growing.until:.3g} s" if math.isfinite(growing.until) else ""
         status = f"GROWING, not yet buckled after {run.time[-1]:.4g} s: {growing.words}{soon}; {angle}"
     else:
-        status = f"BUCKLED: mode {record['dominant_mode']} leads, {angle}" if run.buckled else f"NOT BUCKLED: {angle}"
+        leads = "" if run.named_mode is None else f"mode {run.named_mode} leads, "
+        status = f"BUCKLED: {leads}{angle}" if run.buckled else f"NOT BUCKLED: {angle}"
     lines = [
         status if run.complete else f"INTERRUPTED at {run.time[-1]:.4g} s of {problem.duration:g} s; so far {status}",
         "",
@@ -202,6 +208,8 @@ def report(found: Found, record: dict[str, Any], shown: dict[str, Unit]) -> str:
         f"cost      {record['wall_time_s']:.3g} s of wall time for {record['simulated_s']:.4g} s of {problem.segments} "
         "segments",
     ]
+    if run.note:
+        lines.append(f"note      {run.note}")
     nothing = "nothing" if record["not_written"] else "nothing: name files with --out"
     lines.append(f"written   {', '.join(record['written']) or nothing}")
     lines += [f"not       {what}" for what in record["not_written"]]

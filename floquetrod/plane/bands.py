@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod import units
 from floquetrod._util import extras, files, validate
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod.plane.axes import Axis
@@ -131,7 +132,8 @@ class Bands(NoTruthValue, ByContent):
             parts.append(f"{self.hairlines:,} {kind} tongue{'s' * (self.hairlines > 1)} left out")
         if any(self.resolution):
             x, y = (
-                f"{size:.2g} {axis.unit}".strip() for size, axis in zip(self.resolution, (self.x, self.y), strict=True)
+                units.with_unit(size, axis.unit, 2)
+                for size, axis in zip(self.resolution, (self.x, self.y), strict=True)
             )
             parts.append(f"bands, and gaps in them, narrower than {x} by {y} may have been missed")
         return "; ".join(parts)

@@ -139,7 +139,7 @@ class Chart(NoTruthValue, ByContent):
     @property
     def heading(self) -> str:
         """What is charted, and the values of what does not vary."""
-        fixed = ", ".join(f"{name} {value:.6g} {unit}".strip() for name, value, unit in self.subject["fixed"])
+        fixed = ", ".join(f"{name} {units.with_unit(value, unit)}" for name, value, unit in self.subject["fixed"])
         return ", ".join(filter(None, [self.subject["kind"], fixed]))
 
     @property

@@ -9,12 +9,15 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.files import whole_file
 from floquetrod.plotting import palette
 
 _BELOW = 36.0  # points from the axes to the legend below: ticks, their labels and that of the axis
 _SCALE = "critical force"  # of a rod, which a note tells and a title leaves out
+_TITLE = 70  # characters of a title, which then is as wide as the axes of `new_axes`
+_TAU = "\N{GREEK SMALL LETTER TAU}"
 _NOTE = 105  # characters of a line of a note, which then is as wide as the axes of `new_axes`
 
 FIGURES = (".png", ".pdf", ".svg")
@@ -47,20 +50,23 @@ def finish(ax: Any, plane: Any, heading: str, note: str, handles: Sequence[Any])
     explain(ax, handles, note)
 
 
-def explain(ax: Any, handles: Sequence[Any], note: str = "") -> None:
-    """Write a legend, and a note over it, below the label of the x axis."""
+def explain(ax: Any, handles: Sequence[Any], note: str = "", columns: int = 4) -> None:
+    """Write a legend, and a note over it, below the label of the x axis; a tuple of areas is one of several shades."""
+    from matplotlib.legend_handler import HandlerTuple
     from matplotlib.transforms import ScaledTranslation
 
     below = ScaledTranslation(0.0, -_BELOW / 72.0, ax.figure.dpi_scale_trans)
     legend = ax.legend(
         handles=handles,
-        title=textwrap.fill(note, _NOTE),
+        labels=[(handle[0] if isinstance(handle, tuple) else handle).get_label() for handle in handles],
+        handler_map={tuple: HandlerTuple(ndivide=None, pad=0.0)},
+        title=typeset(textwrap.fill(note, _NOTE)),
         loc="upper left",
         bbox_to_anchor=(0.0, 0.0),
         bbox_transform=ax.transAxes + below,
         borderaxespad=0.0,
         borderpad=0.0,
-        ncols=4,
+        ncols=columns,
         frameon=False,
         fontsize="x-small",
         title_fontsize="x-small",
@@ -78,7 +84,11 @@ def areas(chart: Any) -> list[Any]:
             patch("holds a boundary", neutral),
             patch("undecided", undecided),
         ]
-    return colours("unstable or undecided" if chart.undecided else "unstable", "stable")
+    if chart.growth_rate is None:
+        return colours("unstable or undecided" if chart.undecided else "unstable", "stable")
+    shades = palette.UNSEEN, palette.UNSTABLE, palette.FASTEST
+    name = f"unstable{' or undecided' if chart.undecided else ''}, the darker the faster it grows"
+    return [tuple(patch(name, {"facecolor": shade}) for shade in shades), colours(name, "stable")[1]]
 
 
 def colours(unstable: str, stable: str) -> list[Any]:
@@ -95,20 +105,25 @@ def patch(name: str, style: Mapping[str, Any]) -> Any:
 
 
 def title(chart: Any) -> str:
-    """Return what is charted and the values of what does not vary, in three digits; forces from 1000 N on in kN."""
-    fixed = [f"{name} {_written(value, unit)}" for name, value, unit in chart.subject["fixed"] if name != _SCALE]
-    return ", ".join([chart.subject["kind"], *fixed])
+    """Return what is charted and the values of what does not vary, in three digits; the note has what is too long."""
+    fixed = [
+        f"{name} {units.with_unit(value, unit, 3)}" for name, value, unit in chart.subject["fixed"] if name != _SCALE
+    ]
+    kind = chart.subject["kind"]
+    whole = ", ".join([kind, *fixed])
+    return typeset(whole if len(whole) <= _TITLE else ", ".join([kind.partition(",")[0], *fixed]))
 
 
-def _written(value: float, unit: str) -> str:
-    thousands = unit == "N" and abs(value) >= 1000.0
-    return f"{value / 1000.0:.3g} kN" if thousands else f"{value:.3g} {unit}".strip()
+def typeset(text: str) -> str:
+    """Return a text with the signs that axes have: critical force and dimensionless time."""
+    critical = r" $F_\mathrm{cr}$"
+    return text.replace(" Fcr", critical).replace(" F_cr", critical).replace(" tau", f" {_TAU}")
 
 
 def growth_label(unit: str) -> str:
     """Return the label of a scale of growth rates."""
-    units = {"per tau": "per unit of $\\tau$", "per unit time": "per unit of time"}
-    return f"growth rate {units.get(unit, f'/ ({unit})')}"
+    words = {"per tau": f"per unit of {_TAU}", "per unit time": "per unit of time"}
+    return f"growth rate {words.get(unit, f'/ ({unit})')}"
 
 
 def _draw_cells(chart: Any, ax: Any) -> None:

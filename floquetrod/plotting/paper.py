@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod.plotting import palette
 from floquetrod.plotting.bands import fill
+from floquetrod.plotting.charts import typeset
 
 
 class Interval(NamedTuple):
@@ -161,7 +162,7 @@ def panels(rows: int, columns: int, size: tuple[float, float]) -> tuple[Any, lis
 
 def caption(figure: Any, text: str, width: int) -> None:
     """Write the caption under the figure."""
-    figure.supxlabel("\n".join(textwrap.wrap(text, width)), fontsize="small", x=0.01, ha="left")
+    figure.supxlabel(typeset(textwrap.fill(text, width)), fontsize="small", x=0.01, ha="left")
 
 
 def _draw_curves(ax: Any, curves: Any) -> None:

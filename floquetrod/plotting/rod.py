@@ -12,7 +12,7 @@ import numpy as np
 
 from floquetrod._util.files import whole_file
 from floquetrod.plotting import palette
-from floquetrod.plotting.charts import explain, new_axes
+from floquetrod.plotting.charts import explain, new_axes, typeset
 
 ANIMATIONS = (".gif", ".mp4")
 """Kinds of file an animation is written to."""
@@ -39,7 +39,7 @@ def draw_top_view(run: Any, ax: Any = None, pictures: int = 5) -> Any:
         x, y = run.positions[frame, :, 0], 1e3 * run.positions[frame, :, 1]
         ax.plot(x, y, color=shade, linewidth=1.4 if frame == last else 0.8, label=f"{run.time[frame]:.3g} s")
     _frame_axes(ax, run)
-    ax.legend(fontsize="x-small", loc="upper right", ncols=len(chosen))
+    explain(ax, ax.get_lines()[-len(chosen) :], columns=6)
     return ax
 
 
@@ -82,45 +82,48 @@ def draw_energy(run: Any, ax: Any = None) -> Any:
     ax.set_ylim(1e-7 * largest, 10.0 * largest)
     ax.set_xlabel("time $t$ / s")
     ax.set_ylabel("size of the energy / J")
-    ax.legend(fontsize="x-small", ncols=3)
+    explain(ax, ax.get_lines()[-len(_LINES) :])
     return ax
 
 
-def draw_growth(run: Any, modes: Sequence[int], rates: Sequence[float], ax: Any = None) -> Any:
+def draw_growth(run: Any, modes: Sequence[int], rates: Sequence[float], ax: Any = None, note: str = "") -> Any:
     """Draw the size of some modes of a run over time on a logarithmic scale, dashed the growth each is predicted.
 
     A prediction passes through the mode's largest amplitude of the first half of the time below 0.05 rad, beyond which
-    motion is not linear; ``rates`` in 1/s, those of zero are not drawn.
+    motion is not linear; ``rates`` in 1/s, those of zero are not drawn.  A note is written over the legend.
     """
     ax = new_axes() if ax is None else ax
     sizes = np.degrees(np.abs(run.mode_amplitudes(modes)))
     top = max(1e-9, float(sizes.max()))
     beyond = np.flatnonzero(run.largest_angle > 0.05)
     linear = int(beyond[0]) if beyond.size else run.time.size
+    lines: list[Any] = []
     for place, (mode, rate, size) in enumerate(zip(modes, rates, sizes.T, strict=True)):
         shade = str(0.65 * place / max(1, len(modes) - 1))
-        ax.plot(run.time, size, color=shade, linewidth=1.2 - 0.2 * place, label=f"mode {mode}", zorder=3 - 0.1 * place)
+        width, above = 1.2 - 0.2 * place, 3 - 0.1 * place
+        lines += ax.plot(run.time, size, color=shade, linewidth=width, label=f"mode {mode}", zorder=above)
         if rate > 0.0:
             at = int(size[: max(1, linear // 2)].argmax())
             line = size[at] * np.exp(rate * (run.time[:linear] - run.time[at]))
             label = f"mode {mode}, predicted {rate:.3g} 1/s"
-            ax.plot(run.time[:linear], line, color=shade, linestyle="--", linewidth=1.2, label=label, zorder=4)
+            style = {"color": shade, "linestyle": "--", "linewidth": 1.2, "zorder": 4}
+            lines += ax.plot(run.time[:linear], line, label=label, **style)
     ax.set_yscale("log")
     ax.set_ylim(1e-6 * top, 3.0 * top)
     ax.set_xlabel("time $t$ / s")
     ax.set_ylabel(r"amplitude $|A_m|$ / degree")
-    ax.legend(fontsize="x-small", loc="lower right")
+    explain(ax, lines, note)
     return ax
 
 
 def draw_run(run: Any, modes: Sequence[int], rates: Sequence[float]) -> Any:
-    """Return a figure of the rod from above and of the growth of its modes, with what was simulated as its title."""
+    """Return a figure of the rod from above and of the growth of its modes: the load its title, the start a note."""
     from matplotlib import pyplot
 
     figure, (above, below) = pyplot.subplots(2, 1, figsize=(7.0, 7.0), layout="constrained")
     draw_top_view(run, above)
-    draw_growth(run, modes, rates, below)
-    figure.suptitle(run.caption, fontsize="small", wrap=True)
+    draw_growth(run, modes, rates, below, "; ".join(filter(None, [f"start: {run.problem.perturbation}", run.note])))
+    figure.suptitle(typeset(run.caption), fontsize="medium")
     return figure
 
 

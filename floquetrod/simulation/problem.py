@@ -429,16 +429,20 @@ class Simulation(RecordedMotion):
         """What came of the rod, with the mode where one can be named."""
         if not self.buckled:
             return "not buckled"
-        return "buckled" if self.left_wall > _MOSTLY_ON else f"buckled in mode {self.dominant_mode}"
+        return "buckled" if self.named_mode is None else f"buckled in mode {self.named_mode}"
+
+    @property
+    def named_mode(self) -> int | None:
+        """The dominant mode; None for a rod that has left the wall in most of the last quarter: it has no such mode."""
+        return None if self.left_wall > _MOSTLY_ON else self.dominant_mode
 
     @property
     def caption(self) -> str:
-        """What was simulated, in a line."""
-        problem, scale = self.problem, self.rod.critical_force
-        load = problem.load
+        """Load and friction of what was simulated, in a line."""
+        load, scale = self.problem.load, self.rod.critical_force
         return (
             f"mean {load.mean / scale:.3g} Fcr, amplitude {load.amplitude / scale:.3g} Fcr, "
-            f"{load.frequency:.4g} rad/s, friction {problem.friction:g}, {problem.perturbation}"
+            f"{load.frequency:.4g} rad/s, friction {self.problem.friction:g}"
         )
 
     def __repr__(self) -> str:

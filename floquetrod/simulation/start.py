@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod.units import with_unit
 
 LEAST_SEGMENTS = 6  # segments in half a wave, with which its bending stiffness is 5 % low (a choice)
 SEGMENTS_TO_SEE = 2  # in half a wave, for a mode to be told from others by its nodes (a choice)
@@ -109,11 +110,14 @@ class Perturbation:
 
     def __str__(self) -> str:
         """Return, say, "8 mm/s in mode 3, random speeds up to 1 mm/s (seed 1)"."""
-        modes = [f"{1e3 * speed:.3g} mm/s in mode {mode}" for mode, speed in self.speeds]
+        modes = [f"{with_unit(1e3 * speed, 'mm/s', 3)} in mode {mode}" for mode, speed in self.speeds]
         if len(modes) > 4:
             strongest = max(self.speeds, key=lambda pair: abs(pair[1]))
-            modes = [f"{len(modes)} modes kicked, mode {strongest[0]} most, by {1e3 * strongest[1]:.3g} mm/s"]
-        noises = [f"random speeds up to {1e3 * speed:.3g} mm/s (seed {seed})" for speed, seed in self.noises]
+            most = with_unit(1e3 * strongest[1], "mm/s", 3)
+            modes = [f"{len(modes)} modes kicked, mode {strongest[0]} most, by {most}"]
+        noises = [
+            f"random speeds up to {with_unit(1e3 * speed, 'mm/s', 3)} (seed {seed})" for speed, seed in self.noises
+        ]
         return ", ".join([*modes, *noises]) or "no perturbation"
 
     def __add__(self, other: Perturbation) -> Perturbation:
