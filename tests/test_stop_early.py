@@ -24,7 +24,10 @@ RESTING = fr.SimulationProblem(
     stop_early=True,
 )
 BUCKLING = RESTING.replace(
-    load=fr.AxialLoad(3.0 * FORCE, 0.1 * FORCE, 150.0), friction=0.0, perturbation=fr.Perturbation.modes({8: 0.1})
+    load=fr.AxialLoad(3.0 * FORCE, 0.1 * FORCE, 150.0),
+    friction=0.0,
+    segments=84,
+    perturbation=fr.Perturbation.modes({8: 0.1}),
 )
 
 
