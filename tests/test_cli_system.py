@@ -58,6 +58,7 @@ def test_check_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> Non
         r"growth    0\.0353278 per unit time, tenfold in 65\.18",
         r"named     sum resonance of modes 1 and 2, order 1, growth 0\.0353278",
         r"margin    the largest multiplier lies 0\.0768 outside the unit circle",
+        r"damping   stable at uniform rates above 0\.035336 per unit time, as far as tried, added to what there is",
         r"method    half_period, 1 half period; multipliers good to \de-1\d relative",
         r"  -0\.539940098 \+0\.931641105i     1\.07679639     \+0\.667193     \de-1\d$",
     ):
@@ -68,6 +69,7 @@ def test_a_stable_system(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> 
     text = said(capsys, written(tmp_path, COUPLED + "frequency = 1.0\n"), "--exit-code")
     assert text.startswith("STABLE, strongly: small changes of the coefficients leave every motion bounded\n")
     assert "growth    " not in text
+    assert "damping   " not in text
     apart = re.search(r"on the unit circle; those of opposite Krein signs are (\S+) rad apart or more", text)
     assert apart is not None
     result = fr.stability(read_system(tmp_path / "system.toml"))
@@ -96,6 +98,13 @@ def test_a_system_of_first_order(tmp_path: Path, capsys: pytest.CaptureFixture[s
     text = said(capsys, written(tmp_path, BLADE), "--exit-code", status=1)
     assert text.startswith("UNSTABLE: grows at 0.0906136 per unit time\n")
     assert "2 equations of first order, general, 2 harmonics, period 6.28319" in text
+    assert "damping   stable at uniform rates above 0.0906136 per unit time, added to what there is" in text
+
+
+def test_no_damping_suffices_for_an_unstable_mean(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = written(tmp_path, "[system]\nstiffness = [[-1.0, 0.0], [0.0, 1.0]]\nperiod = 2.0")
+    assert "damping   no damping suffices: the mean stiffness alone is unstable" in said(capsys, path)
+    assert json.loads(said(capsys, path, "--json"))["damping_to_stabilise_per_unit_time"] is None
 
 
 def test_an_undecided_system(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -130,6 +139,8 @@ def test_json_is_strict_and_says_the_same(frequency: float, tmp_path: Path, caps
     assert record["status"] == result.status
     assert record["strongly_stable"] is result.strongly_stable
     assert record["growth_rate_per_unit_time"] == result.growth_rate
+    assert record["damping_to_stabilise_per_unit_time"] == result.damping_to_stabilise
+    assert (result.damping_to_stabilise > 0.0) == (frequency == 3.0)
     assert [complex(m["real"], m["imag"]) for m in record["multipliers"]] == list(result.multipliers)
     assert [m["error"] for m in record["multipliers"]] == list(result.multiplier_errors)
     assert [m["krein_sign"] for m in record["multipliers"]] == list(result.krein_signs)

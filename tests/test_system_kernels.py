@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -20,6 +22,7 @@ pytestmark = pytest.mark.kernels
 
 @pytest.fixture(autouse=True)
 def compiled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(system_series, "is_at_hand", lambda function: False)
     for module in (system_even, system_maps):
         monkeypatch.setattr(module, "_PATIENCE", 0.0)
 
@@ -311,3 +314,28 @@ def test_small_work_is_done_without_the_compiler_to_the_same_bits(
 
     for one, other in zip(answers(1e9), answers(0.0), strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+def test_machine_code_that_loads_sooner_than_python_answers_is_taken(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(system_series, "is_at_hand", compilation.is_at_hand)
+    maps = system_maps.segment_fill
+    segment_maps(np.zeros((1, 2, 2)), np.zeros((1, 0, 2, 2)), np.ones(1))  # compiled, and kept
+
+    def chosen(milliseconds: float) -> bool:
+        monkeypatch.setattr(system_series, "OFTEN_ASKED", set())
+        monkeypatch.setattr(compilation, "_ASKED", {})
+        return system_series.run_of(maps, 1000.0, lambda: milliseconds) is not maps
+
+    assert [chosen(work) for work in (10.0, 40.0, 60.0, 900.0, 1100.0)] == [False, False, True, True, True]
+    cache = compilation.compiled(maps)._cache  # type: ignore[attr-defined]
+    with monkeypatch.context() as patch:  # of another version
+        patch.setattr(cache, "_sources", b"other")
+        assert [chosen(work) for work in (60.0, 900.0, 1100.0)] == [False, False, True]
+    with monkeypatch.context() as patch:
+        patch.setattr(cache, "cache_path", str(tmp_path))
+        assert [chosen(work) for work in (60.0, 900.0, 1100.0)] == [False, False, True]
+    with monkeypatch.context() as patch:  # no numba yet: loading it takes far longer
+        patch.setattr(compilation, "_compiled", functools.cache(lambda function: None))
+        assert not compilation.is_at_hand(maps)

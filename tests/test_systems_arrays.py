@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from typing import Any
 
 import numpy as np
@@ -108,11 +109,45 @@ def test_larger_systems_of_every_path() -> None:
 
 def test_what_the_quick_rules_leave_open_is_judged_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     same = fr.HillSystem(np.eye(2), [np.array([0.1, 0.2])[:, None, None] * np.eye(2)], period=2.0)
-    asked = []
-    monkeypatch.setattr(arrays, "stability", lambda system: asked.append(system) or fr.stability(system))
+    asked, judge = [], arrays.judge
+
+    def counted(family: Any, system: Any, **options: Any) -> Any:
+        asked.append(system)
+        return judge(family, system, **options)
+
+    monkeypatch.setattr(arrays, "judge", counted)
     found = arrays.verdicts(same)
     assert found.status.tolist() == [many.STABLE, many.STABLE]  # two pairs of equal multipliers, of one Krein sign
     assert len(asked) == 2
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        fr.HillSystem([[1.3, 0.3], [0.0, 1.3]], [[[0.2, 0.1], [0.0, 0.2]]], period=2.0),
+        fr.PeriodicSystem([[0.0, 0.3], [0.0, 0.0]], [[[1.0, 0.5], [0.0, 0.7]]], period=2.0),
+        fr.PeriodicSystem([[0.0, 0.7], [-0.7, 0.0]], [[[1.0, 0.5], [-0.5, 1.0]]], period=2.0),
+        fr.HillSystem([[1, -1], [-1, 1]], [[[0.1, -0.1], [-0.1, 0.1]]], damping=[[0.1, -0.1], [-0.1, 0.1]]),
+    ],
+    ids=["triangular", "triangular of first order", "commuting", "damped with drift"],
+)
+def test_what_no_digits_decide_costs_arrays_no_more_than_sixty(
+    system: fr.HillSystem | fr.PeriodicSystem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module, digits = sys.modules["floquetrod.floquet.system_methods.reference"], []
+    attempt = module._attempt  # type: ignore[attr-defined]
+
+    def counted(system: Any, context: Any, now: int, before: int) -> Any:
+        digits.append(now)
+        return attempt(system, context, now, before)
+
+    monkeypatch.setattr(module, "_attempt", counted)
+    assert fr.systems.is_stable(system) is False
+    assert digits == [30, 60]
+    result = fr.stability(system)
+    assert digits == [30, 60, 30, 60, 120]
+    assert result.status == "undecided"
+    assert result.note.endswith("computed to 120 digits")
 
 
 def test_what_is_no_system_is_refused() -> None:

@@ -68,6 +68,14 @@ def compiled(function: Callable[..., Any]) -> Callable[..., Any]:
         return _compiled(function)
 
 
+def is_at_hand(function: Callable[..., Any]) -> bool:
+    """Return whether machine code of a kernel takes only milliseconds to load: numba runs already, and code is kept."""
+    if not _compiled.cache_info().currsize:
+        return False
+    cache = getattr(compiled(function), "_cache", None)
+    return cache is not None and cache.is_kept()
+
+
 def compiled_for(function: Callable[..., Any], *arguments: Any) -> Callable[..., Any]:
     """Return `compiled` of a kernel once it is ready to be called with such arguments."""
     run: Any = compiled(function)

@@ -81,6 +81,30 @@ class KernelCache:
         except OSError as error:
             _warn_uncached(str(error))
 
+    def is_kept(self) -> bool:
+        """Return whether what was compiled, for some types, is on disk and still holds."""
+        if self.cache_path is None:
+            return False
+        try:
+            for path in Path(self.cache_path).glob(f"{self._name}-*.{sys.implementation.cache_tag}.nbc"):
+                with path.open("rb") as file:
+                    if file.read(_DIGEST) == self._key:
+                        return True
+        except OSError:
+            pass
+        return False
+
+    @property
+    def _name(self) -> str:
+        return f"{self._function.__module__}.{self._function.__qualname__}"
+
+    @property
+    def _key(self) -> bytes:
+        """What tells whether the content of a file still holds."""
+        import numba
+
+        return hashlib.sha256(self._sources + repr((_LAYOUT, sys.version, numba.__version__)).encode()).digest()
+
     def _place(self, signature: Any, codegen: Any) -> tuple[Path, bytes]:
         """Return the file for these types on this processor, and the key that says whether its content still holds."""
         import numba
@@ -88,9 +112,7 @@ class KernelCache:
         config: Any = numba.config
         variant = (str(signature), codegen.magic_tuple(), config.BOUNDSCHECK, config.OPT)
         kind = hashlib.sha256(repr(variant).encode()).hexdigest()[:16]
-        key = hashlib.sha256(self._sources + repr((_LAYOUT, sys.version, numba.__version__)).encode()).digest()
-        name = f"{self._function.__module__}.{self._function.__qualname__}"
-        return Path(self.cache_path or "") / f"{name}-{kind}.{sys.implementation.cache_tag}.nbc", key
+        return Path(self.cache_path or "") / f"{self._name}-{kind}.{sys.implementation.cache_tag}.nbc", self._key
 
 
 @functools.cache

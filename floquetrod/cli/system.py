@@ -32,9 +32,9 @@ def require_alone(options: argparse.Namespace, given: Sequence[str]) -> None:
 def judge(options: argparse.Namespace) -> tuple[Answer, Status]:
     """Return what to print about the system of ``options.system``, and the verdict."""
     system = _read(options)
-    with Waiting("deciding stability"):
+    with Waiting("deciding stability, and what damping it takes"):
         result = fr.stability(system, method=options.method or "auto")
-    text = json.dumps(_record(result), indent=2, allow_nan=False) if options.json else "\n".join(_report(result))
+        text = json.dumps(_record(result), indent=2, allow_nan=False) if options.json else "\n".join(_report(result))
     return Answer(text), result.status
 
 
@@ -78,6 +78,7 @@ def _report(result: SystemStability) -> list[str]:
         name = f"{resonance}, growth {resonance.growth_rate:.6g}"
         lines.append(f"{'' if i else 'named':<8}  {name}{' (the nearest combination of frequencies)' if not i else ''}")
     lines.append(f"margin    {_margin(result)}")
+    lines += _damping(result)
     lines.append(f"method    {result.method}, {result.cost}; multipliers good to {result.error:.0e} relative")
     if result.note:
         lines.append(f"note      {result.note}")
@@ -92,6 +93,17 @@ def _report(result: SystemStability) -> list[str]:
     if len(result.multipliers) > _ROWS:
         lines.append(f"  and {len(result.multipliers) - _ROWS} more, which decay faster (--json lists them)")
     return lines
+
+
+def _damping(result: SystemStability) -> list[str]:
+    """Return what uniform damping it takes, where it takes any."""
+    rate = result.damping_to_stabilise
+    if not rate > 0.0:
+        return []
+    if math.isinf(rate):
+        return ["damping   no damping suffices: the mean stiffness alone is unstable"]
+    tried = ", as far as tried" if isinstance(result.system, fr.HillSystem) else ""
+    return [f"damping   stable at uniform rates above {rate:.6g} per unit time{tried}, added to what there is"]
 
 
 def _headline(result: SystemStability) -> str:
@@ -149,6 +161,7 @@ def _record(result: SystemStability) -> dict[str, Any]:
         "strongly_stable": result.strongly_stable,
         "growth_rate_per_unit_time": number(result.growth_rate),
         "decay_rate_per_unit_time": result.decay_rate,
+        "damping_to_stabilise_per_unit_time": number(result.damping_to_stabilise),
         "largest_multiplier_less_1": number(_largest(result)),
         "opposite_krein_signs_apart_rad": _opposite_signs_apart(result) if result.exponents else None,
         "resonances": [resonance_record(r, "growth_rate") for r in result.resonances],

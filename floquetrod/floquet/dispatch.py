@@ -126,7 +126,7 @@ def stability(
         fastest trustworthy one and continues with slower, more accurate ones while the verdict is undecided.
     **options
         Passed to the method: ``terms`` (determinant), ``rtol`` (monodromy, half_period, segmented), ``step``,
-        ``periods``, ``limit`` (leapfrog), ``digits`` (reference).
+        ``periods``, ``limit`` (leapfrog), ``digits`` (reference), ``most_digits`` (reference, of systems).
 
     Returns
     -------
@@ -148,18 +148,25 @@ def stability(
         return result
     if options:
         raise TypeError(f"method='auto' takes no options, got {', '.join(options)}; name a method to pass them to")
-    first, *finer = family.in_turn(equation)
-    result = run(family, first, equation)
-    for name in finer:
+    result = judge(family, equation)
+    return result
+
+
+def judge(family: Family, equation: Equation | HillSystem | PeriodicSystem, **last: Any) -> Any:
+    """Return what "auto" finds, one method after another; the last one, with many digits, is given ``last``."""
+    *names, finest = family.in_turn(equation)
+    result: Verdict | None = None
+    for name in (*names, finest):
+        found = run(family, name, equation, **(last if name == finest else {}))
+        result = found if result is None else _better(result, found)
         if result.status != "undecided":
             break
-        result = _better(result, run(family, name, equation))
     return result
 
 
 def _better(result: Any, later: Any) -> Any:
-    """Return the later of two results, unless its method has given up."""
-    return later if later.exponents else result
+    """Return the later of two results, unless its method has given up, at once or where the other has exponents."""
+    return later if later.exponents or (later.cost.amount and not result.exponents) else result
 
 
 @np.errstate(under="ignore")  # what is too small for a double is 0 to all methods, whatever a caller lets numpy raise

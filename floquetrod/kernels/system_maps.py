@@ -132,7 +132,7 @@ def _milliseconds(mean: Floats, harmonics: Any, period: Floats, segments: int) -
     with np.errstate(over="ignore"):
         size = np.abs(mean).sum(axis=(1, 2)) + np.abs(harmonics).sum(axis=(1, 2, 3))
         phases = float(np.minimum(period * size / math.sqrt(n), 1e6).sum())
-    return float(batch * (5.0 + 2.0 * segments) + phases * (0.1 + n**3 / 1600.0))
+    return float(batch * (5.0 + 2.0 * segments) + phases * (0.1 + n * n / 400.0))
 
 
 @kernel

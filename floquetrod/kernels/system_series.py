@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._util.compilation import compiled, kernel, runner
+from floquetrod._util.compilation import compiled, is_at_hand, kernel, runner
 
 ROUNDING = 1.1102230246251565e-16
 MOST_TERMS = 40
@@ -23,6 +23,7 @@ LARGEST = 1e150
 OFTEN_ASKED: set[Any] = set()
 """Kernels that the process has asked for often enough to compile them, so that it need not be estimated again."""
 
+_LOADING = 50  # milliseconds in which machine code kept on disk is loaded while numba runs (measured)
 _PLAIN_UP_TO = 20
 _MOST_PLANS = 10000
 _HALF_LOG_TWO = 0.34657359027997264
@@ -37,7 +38,9 @@ def run_of(function: Callable[..., Any], patience: float, milliseconds: Callable
     """
     if function in OFTEN_ASKED or patience == 0.0:
         return compiled(function)
-    run = runner(function, math.ceil(milliseconds()), interpret_up_to=1, patience=int(patience))
+    work = math.ceil(milliseconds())
+    at_once = work > _LOADING and is_at_hand(function)
+    run = compiled(function) if at_once else runner(function, work, interpret_up_to=1, patience=int(patience))
     if run is not function:
         OFTEN_ASKED.add(function)
     return run

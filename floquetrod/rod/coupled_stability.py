@@ -13,6 +13,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.references import references, united
+from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
@@ -137,8 +138,6 @@ class CoupledRodStability(RodVerdict):
         The rate meant is the rod's whole ``damping_rate``, whatever it is now.  Found to ten digits, and tried at two,
         four and eight times as much.  Infinite when the mean force alone buckles the rod: damping only slows that down.
         """
-        from scipy.optimize import brentq
-
         if float(np.linalg.eigvalsh(self.system.stiffness)[0]) <= 0.0:
             return math.inf
         loads = Loads.single(self.load)
@@ -150,16 +149,7 @@ class CoupledRodStability(RodVerdict):
             growth = float(modes.growth_without_decay(loads)[0])
             return -1.0 if math.isnan(growth) else growth - rate - self.growth_tolerance
 
-        least = max(self.growth_rate, 1e-6 * self.load.frequency)
-        tried = least * 2.0 ** np.arange(-1, 4)
-        growing = [rate for rate in (0.0, *tried.tolist()) if excess(rate) > 0.0]
-        if not growing:
-            return 0.0
-        low = growing[-1]
-        high = 2.0 * low if low else float(tried[0])
-        while excess(high) > 0.0:
-            low, high = high, 2.0 * high
-        return float(brentq(excess, low, high, xtol=1e-10 * max(low, 1e-3 * high), rtol=1e-10))
+        return least_damping(excess, self.growth_rate, self.load.frequency)
 
     @cached_property
     def shape(self) -> Shape:

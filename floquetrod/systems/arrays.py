@@ -15,7 +15,7 @@ from floquetrod._util.compilation import cores, in_threads
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.batches import flat, pick
 from floquetrod.equations.hill_system import EvenForm
-from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.dispatch import SYSTEMS, judge
 from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
 from floquetrod.floquet.systems.many import ManyVerdicts
@@ -26,6 +26,7 @@ from floquetrod.plane import Progress
 System = HillSystem | PeriodicSystem
 
 _ACCURACY = 1e-12
+_MOST_DIGITS = 60  # for a system that is open: the square of a double's last digit and as much again (a choice)
 _AT_ONCE = 1 << 14  # numbers of maps that a thread holds at a time (heuristic): some milliseconds of work
 _REPORTS = 50  # of progress while the quick rules are at work (a choice)
 
@@ -40,14 +41,15 @@ def is_stable(systems: System, *, workers: int | None = None, progress: Progress
     workers : int, optional
         Threads; by default one for each core when there is enough to do.
     progress : callable, optional
-        Called now and then with the numbers of systems done and to do: those on a boundary to rounding, which
-        `floquetrod.stability` judges one by one, take up to some seconds each.  What it raises ends the work.
+        Called now and then with the numbers of systems done and to do: those on a boundary to rounding are judged one
+        by one, with up to 60 digits, which takes a tenth of a second of two equations, and seconds of many.  What it
+        raises ends the work.
 
     Returns
     -------
     bool or ndarray of bool
-        In the leading shape; a Python bool for a single system.  False where undecided: on a boundary to rounding, or
-        where multipliers cannot be told apart; `floquetrod.stability` says why.
+        In the leading shape; a Python bool for a single system.  False where undecided: on a boundary to 60 digits, or
+        where multipliers cannot be told apart; `floquetrod.stability` says why, and goes on to 120 digits.
 
     Examples
     --------
@@ -108,7 +110,8 @@ def verdicts(
 ) -> ManyVerdicts:
     """Return status (1 stable, 0 unstable, -1 undecided) and growth rate of each system, flat in the order of C.
 
-    What the quick rules leave open, `floquetrod.stability` judges, unless only they are asked for.
+    What the quick rules leave open is judged as by `floquetrod.stability`, but with 60 digits at most, unless only the
+    quick rules are asked for.
     """
     workers = validate.workers(workers)
     validate.progress(progress)
@@ -128,7 +131,7 @@ def verdicts(
     open_ones = () if quick else np.flatnonzero(status == many.UNDECIDED).tolist()
     decided = size - len(open_ones)
     for judged, i in enumerate(open_ones, 1):
-        result = stability(pick(systems, i))
+        result = judge(SYSTEMS, pick(systems, i), most_digits=_MOST_DIGITS)
         status[i] = {"stable": many.STABLE, "unstable": many.UNSTABLE}.get(result.status, many.UNDECIDED)
         growth[i] = result.growth_rate
         if progress is not None:

@@ -7,6 +7,7 @@ digits.  No symmetry is used in the integration, so that what other methods deri
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -28,7 +29,7 @@ from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.symplectic import pair_matrix
 from floquetrod.floquet.verdict import Cost
 
-_MOST_DIGITS = 120  # to which digits are raised while the verdict is open
+_MOST_DIGITS = 120  # to which digits are raised while the verdict is open, unless asked otherwise
 _LARGEST_WORK = 5e7  # products of entries, times their cost: about ten seconds (measured)
 _FEWEST_PRODUCTS = 10  # of matrices of the order of the system in first order, that a map takes at least
 _SETTLED = 1e-13  # relative error of the multipliers: more digits than a double's are of no use
@@ -49,7 +50,9 @@ class _Problem(NamedTuple):
     doubt: float
 
 
-def reference(system: HillSystem | PeriodicSystem, *, digits: int = 30) -> SystemStability:
+def reference(
+    system: HillSystem | PeriodicSystem, *, digits: int = 30, most_digits: int = _MOST_DIGITS
+) -> SystemStability:
     """Classify a system with the map over a period computed to ``digits`` digits.
 
     Systems whose multipliers come in mu, 1 / mu are classified by y = (mu + 1/mu - 2) / 4 of their pairs, freed of
@@ -60,16 +63,18 @@ def reference(system: HillSystem | PeriodicSystem, *, digits: int = 30) -> Syste
     system : HillSystem or PeriodicSystem
         The matrices and the period are taken as the exact binary numbers they are.
     digits : int
-        Decimal digits of the map relative to its norm, from 10 to 1000.  While the verdict is open they are doubled, up
-        to 120, as far as the work allows.
+        Decimal digits of the map relative to its norm, from 10 to 1000.
+    most_digits : int
+        While the verdict is open, ``digits`` are doubled up to so many, as far as the work allows; from 10 to 1000.
+        120 by default.
 
     Returns
     -------
     SystemStability
         The error of the map is a bound, of what the series leave out and what the arithmetic rounds; that of the
         multipliers a bound for all maps within that error.  "undecided" where a multiplier cannot be told from the unit
-        circle, or several from each other, with all these digits, and where the work would take more than about ten
-        seconds.
+        circle, or several from each other, with all these digits, whose number is in ``note``, and where the work would
+        take more than about ten seconds.
 
     Examples
     --------
@@ -79,6 +84,7 @@ def reference(system: HillSystem | PeriodicSystem, *, digits: int = 30) -> Syste
     from mpmath.ctx_mp import MPContext
 
     digits = validate.integer("digits", digits, 10, 1000)
+    most_digits = validate.integer("most_digits", most_digits, 10, 1000)
     result: SystemStability | None = None
     terms = 0
     while True:
@@ -88,9 +94,11 @@ def reference(system: HillSystem | PeriodicSystem, *, digits: int = 30) -> Syste
         if found is None:
             note = f"{digits} digits are more work than is worth waiting for"
             return declined(system, "reference", Cost(terms, "terms"), note) if result is None else result
-        result = found if result is None or found.exponents else result
+        if found.status == "undecided":
+            found = replace(found, note=f"{found.note}, computed to {digits} digits")
+        result = found if result is None or found.exponents or not result.exponents else result
         settled = result.status != "undecided" and result.error < _SETTLED
-        if settled or not numerical or 2 * digits > _MOST_DIGITS:
+        if settled or not numerical or 2 * digits > most_digits:
             return result
         digits *= 2
 

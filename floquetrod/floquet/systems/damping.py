@@ -1,0 +1,119 @@
+"""The uniform damping from which nothing grows any more, found by trying."""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.equations import HillSystem
+from floquetrod.floquet.systems import whole
+
+_TIMES = 2.0 ** np.arange(-1, 4)  # the growth rate: damping rates tried (a choice)
+_PARTS = 2.0 ** np.arange(-12, 1)  # of the fastest frequency: damping rates tried as well (a choice)
+_LEAST = 1e-6  # of the forcing's frequency: growth rates below it are taken as so large (a choice)
+_MOST_SECONDS = 60.0  # estimated for all maps (a choice)
+_MAPS = 40  # about as many as a search takes
+_ACCURACY = 1e-12  # of a map; growth over a period up to ten times as much cannot be told from none
+_PRECISION = 1e-10  # relative, of the rate found
+_EPS = 2.220446049250313e-16
+
+
+def least_damping(
+    excess: Callable[[float], float],
+    growth: float,
+    frequency: float,
+    further: NDArray[np.float64] | None = None,
+    doubt: float = 0.0,
+) -> float:
+    """Return the damping rate from which nothing grows, to ten digits, at all rates tried.
+
+    Parameters
+    ----------
+    excess : callable (rate) -> float
+        Growth rate at a damping rate; not above zero at some large rate.
+    growth : float
+        About the rate looked for: half, one, two, four and eight times as much are tried.
+    frequency : float
+        Angular frequency of the forcing; of a smaller growth rate than a millionth of it, that is tried.
+    further : ndarray, optional
+        Other rates to try.
+    doubt : float
+        Growth rate that cannot be told from none.
+
+    Returns
+    -------
+    float
+        0 where nothing grows at any rate tried, nor without damping; NaN where ``excess`` is NaN or within its doubt.
+    """
+    from scipy.optimize import brentq
+
+    found = functools.cache(excess)
+    scale = max(growth, _LEAST * frequency)
+    tried = np.unique(np.concatenate([scale * _TIMES, [] if further is None else further])).tolist()
+    values = [found(rate) for rate in tried]
+    if not all(abs(value) >= doubt for value in values):
+        return math.nan
+    growing = [i for i, value in enumerate(values) if value > 0.0]
+    if not growing:
+        if not found(0.0) > 0.0:
+            return 0.0
+        low, high = 0.0, tried[0]
+    else:
+        low, *above = tried[growing[-1] :]
+        high = above[0] if above else 2.0 * low
+    while found(high) > 0.0:
+        low, high = high, 2.0 * high
+    if math.isnan(found(high)):
+        return math.nan
+    return float(brentq(found, low, high, xtol=_PRECISION * max(low, 1e-3 * high), rtol=_PRECISION))
+
+
+def damping_to_stabilise(system: HillSystem, growth: float) -> float:
+    """Return the least c for which nothing of M q'' + (C + 2 c M + G) q' + K(t) q = 0 grows, as far as tried.
+
+    ``growth`` is the growth rate without c, 0 where the system is stable.  Infinite where M^-1 times the mean of K has
+    an eigenvalue of negative real part, along which strong damping only slows the growth; NaN where the search would
+    take more than about a minute, or growth cannot be told from none.
+    """
+    n, period = system.order, float(system.period)
+    mass = np.eye(n) if system.mass is None else system.mass
+    stiffness = np.linalg.solve(mass, system.stiffness)
+    sizes = [float(np.linalg.norm(np.linalg.solve(mass, m), 2)) for m in (*system.cosines, *system.sines)]
+    size = float(np.linalg.norm(stiffness, 2))
+    if float(np.linalg.eigvals(stiffness).real.min()) < -8.0 * n * _EPS * size * float(np.linalg.cond(mass)):
+        return math.inf
+    rates = math.sqrt(size + sum(sizes)) * _PARTS
+    there = 0.0 if system.damping is None else system.damping
+
+    def damped(rate: float) -> tuple[NDArray[np.float64], NDArray[np.complex128], NDArray[np.float64]]:
+        more = HillSystem(
+            system.stiffness,
+            system.cosines,
+            system.sines,
+            mass=system.mass,
+            damping=there + 2.0 * rate * mass,
+            gyroscopic=system.gyroscopic,
+            period=period,
+        ).as_periodic_system()
+        return more.mean[None], more.harmonics[None], np.array([period])
+
+    def excess(rate: float) -> float:
+        """Return the growth rate, negative where everything decays."""
+        if rate == 0.0:
+            return growth
+        arrays = damped(rate)
+        if float(whole.seconds_needed(*arrays)[0]) * _MAPS > _MOST_SECONDS:
+            return math.nan
+        matrix = whole.period_maps(*arrays, 0.0, _ACCURACY, paired=False).matrix[0]
+        if not np.isfinite(matrix).all():
+            return math.nan
+        largest = float(np.abs(np.linalg.eigvals(matrix)).max())
+        return math.log(largest) / period if largest > 0.0 else -math.inf
+
+    return least_damping(
+        excess, growth, 2.0 * math.pi / period, further=np.asarray(rates), doubt=10.0 * _ACCURACY / period
+    )
