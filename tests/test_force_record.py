@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+import scipy.fft
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
@@ -278,10 +279,17 @@ def test_some_samples_of_a_long_record_fold_nothing_down(rng: np.random.Generato
     assert other is None or abs(other.amplitudes[0]) < 0.1
 
 
-def test_the_spectrum_of_even_samples_is_their_transform(rng: np.random.Generator) -> None:
+def test_the_spectrum_of_even_samples_is_their_transform(
+    rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Padded to four times their number, and no longer."""
     time = 0.01 * np.arange(200)
     samples = record_fit.Samples.of(time, rng.standard_normal(time.size))
+    sizes: list[int] = []
+    rfft = scipy.fft.rfft
+    monkeypatch.setattr(scipy.fft, "rfft", lambda values, size: (sizes.append(size), rfft(values, size))[1])
     found = record_period.power_spectrum(samples, samples.values)
+    assert 4 * (time.size - 1) <= sizes[0] <= 4 * time.size + 8
     at = math.pi * found.step * np.arange(1, found.power.size + 1)
     direct = np.abs(np.exp(-1j * np.outer(at, samples.tau)) @ samples.values) ** 2 / time.size
     assert found.power == pytest.approx(direct, rel=1e-9, abs=1e-12)
