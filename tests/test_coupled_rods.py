@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import coupled_cases as cases
 import finite_differences as fd
 import floquetrod as fr
 from coupled_cases import ENDS, FORCE, TUBING, WIRE
+from floquetrod.rod import coupled_stability
 
 KNOWN = cases.known()
 COUPLED = tuple(ends for ends in ENDS if ends != "hinged-hinged")
@@ -325,3 +327,42 @@ def test_resonance_of_an_undamped_wave_is_refused(far_end: str, quarters: int) -
     damped = fr.AxialWave(6e3, 1.0, frequency, far_end=far_end, axial_damping=50.0)
     system = TUBING.modal_system(damped)
     assert np.isfinite(np.asarray(system.cosines)).all()
+
+
+# --- trials with several numbers of modes ---
+
+
+def test_a_verdict_tells_of_its_trials() -> None:
+    calls: list[tuple[int, int]] = []
+    load = growing(SHORT, "held")
+    found = SHORT.stability(load, progress=lambda *of: calls.append(of))
+    assert calls == [(1, 2), (2, 2)]
+    assert len(found.convergence) == 2
+    calls.clear()
+    SHORT.stability(load, range(1, 9), progress=lambda *of: calls.append(of))
+    assert calls == [(1, 1)]
+    with pytest.raises(TypeError, match="progress"):
+        SHORT.stability(load, progress=3)  # type: ignore[call-overload]
+
+
+def test_where_more_modes_are_needed_fewer_than_the_first_are_not_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What decays with the modes that may grow fastest is asked again with all that may grow, and no third time."""
+    asked: list[int] = []
+
+    def trial(rod: fr.Rod, load: Any, count: int) -> Any:
+        asked.append(count)
+        modes = coupled_stability.CoupledModes(rod.coupled_numbers, load, count)
+        whole = SimpleNamespace(status="stable", growth_rate=0.0, exponents=(-1.0 + 0.0j,), note="")
+        return coupled_stability._Trial(modes, None, whole, -1.0, -1.0)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(coupled_stability._Trial, "of", trial)
+    rod = TUBING.replace(length=3000.0, damping_rate=0.01)
+    unit = rod.critical_force
+    load = fr.AxialWave(0.5 * unit, 0.3 * unit, 25.0, axial_damping=0.5)
+    calls: list[tuple[int, int]] = []
+    found = coupled_stability._trials(rod, load, None, 0.0, lambda *of: calls.append(of))
+    needed = rod.coupled_numbers.modes_needed(coupled_stability.Loads.single(load), load, 0.0)
+    assert asked == [one.modes.count for one in found]
+    assert len(asked) == 2
+    assert asked[1] >= max(needed, 1.1 * asked[0])
+    assert calls == [(1, 2), (2, 2)]

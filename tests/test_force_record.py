@@ -11,12 +11,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+import scipy.fft
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.rod import record_file
+from floquetrod.rod import record_file, record_fit, record_period
 from floquetrod.rod.plausibility import suspicions_of_record
 
 OMEGA = 100.0
@@ -229,6 +230,70 @@ def test_harmonics_are_limited_by_the_sampling_and_by_the_argument(rng: np.rando
     assert "harmonics 5" in few.note
     with pytest.raises(ValueError, match=r"harmonics must be at most 8 for 20 samples"):
         fr.ForceRecord(time[:20], force[:20], harmonics=9)
+
+
+def long_record(rng: np.random.Generator, fundamental: float, size: float) -> tuple[Any, Any]:
+    time = np.arange(1 << 18) / 1000.0
+    angle = OMEGA * time
+    waves = fundamental * np.sin(angle) + np.cos(2.0 * angle) + 0.2 * np.cos(3.0 * angle)
+    return time, 3.0 + size * waves + 0.5 * rng.standard_normal(time.size)
+
+
+@pytest.mark.parametrize(("fundamental", "size"), [(2.0, 1.0), (0.1, 1.0), (2.0, 0.01)])
+def test_a_long_record_is_fitted_by_some_of_its_samples_first(
+    fundamental: float, size: float, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With the same answer as by all of them, also where few know too little; the last words are those of all."""
+    case = long_record(rng, fundamental, size)
+    monkeypatch.setattr(record_fit.Samples, "is_long", False)
+    every = fr.ForceRecord(*case)
+    monkeypatch.undo()
+    whole = []
+    sums = record_fit._sums
+
+    def counted(samples: record_fit.Samples, omega: float, numbers: tuple[int, ...], coefficients: Any) -> Any:
+        whole.append(samples.tau.size == case[0].size and len(numbers) > 3)
+        return sums(samples, omega, numbers, coefficients)
+
+    monkeypatch.setattr(record_fit, "_sums", counted)
+    record = fr.ForceRecord(*case)
+    assert record.kept == every.kept
+    assert abs(record.frequency - every.frequency) < 0.1 * every.frequency_error
+    assert np.abs(record.harmonics - every.harmonics).max() < 0.1 * every.harmonic_errors.min()
+    assert record.frequency_error == pytest.approx(every.frequency_error, rel=1e-3)
+    if size == 1.0:
+        assert sum(whole) <= 10  # of 20 harmonics: one climb, or two where the fundamental is not the strongest
+
+
+def test_some_samples_of_a_long_record_fold_nothing_down(rng: np.random.Generator) -> None:
+    """A frequency far above half of their mean rate is fitted with its own size."""
+    time, _ = long_record(rng, 1.0, 1.0)
+    samples = record_fit.Samples.of(time, np.sin(2600.0 * time))
+    assert samples.some.tau.size == samples.tau.size // 4
+    found = record_fit.fit(samples.some, 2600.0 * samples.half, (1,))
+    assert found is not None
+    assert abs(found.amplitudes[0]) == pytest.approx(1.0, rel=1e-4)
+    other = record_fit.fit(
+        samples.some, (2.0 * math.pi * 250.0 - 2600.0) % (2.0 * math.pi * 250.0) * samples.half, (1,)
+    )
+    assert other is None or abs(other.amplitudes[0]) < 0.1
+
+
+def test_the_spectrum_of_even_samples_is_their_transform(
+    rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Padded to four times their number, and no longer."""
+    time = 0.01 * np.arange(200)
+    samples = record_fit.Samples.of(time, rng.standard_normal(time.size))
+    sizes: list[int] = []
+    rfft = scipy.fft.rfft
+    monkeypatch.setattr(scipy.fft, "rfft", lambda values, size: (sizes.append(size), rfft(values, size))[1])
+    found = record_period.power_spectrum(samples, samples.values)
+    assert 4 * (time.size - 1) <= sizes[0] <= 4 * time.size + 8
+    at = math.pi * found.step * np.arange(1, found.power.size + 1)
+    direct = np.abs(np.exp(-1j * np.outer(at, samples.tau)) @ samples.values) ** 2 / time.size
+    assert found.power == pytest.approx(direct, rel=1e-9, abs=1e-12)
+    assert found.step * found.power.size > 0.99 * samples.highest
 
 
 def test_noise_alone_is_refused(rng: np.random.Generator) -> None:

@@ -83,6 +83,15 @@ def test_near_a_boundary_the_noise_leaves_the_verdict_open() -> None:
     assert 0.0 < verdicts[0].error < verdicts[0].growth_rate
 
 
+def test_a_verdict_tells_of_the_forces_within_the_noise() -> None:
+    calls: list[tuple[int, int]] = []
+    load = fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5))
+    verdict = ROD.stability(recorded(load, np.random.default_rng(8)), progress=lambda *of: calls.append(of))
+    assert isinstance(verdict, fr.CoupledRodStability)
+    trials = len(verdict.convergence)
+    assert calls == [(done, trials + 20) for done in range(1, trials + 21)]
+
+
 def test_a_record_stands_for_its_load() -> None:
     record = recorded(fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5)), np.random.default_rng(3))
     load, numbers = record.load, (record.mean, record.amplitude, record.frequency)

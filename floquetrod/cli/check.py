@@ -213,8 +213,8 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
         return verdict.status, record, [*lines, *independent.report(linear, shown, searched)]
     # A record as it is, so that its noise counts; its fit where options say more about the load.
     judged = asked.force if asked.force is not None and asked.is_whole else load
-    with Waiting("deciding stability"):
-        result = rod.stability(judged, modes=asked.modes, growth_tolerance=asked.tolerance)
+    with Waiting("deciding stability", "verdicts") as progress:
+        result = rod.stability(judged, modes=asked.modes, growth_tolerance=asked.tolerance, progress=progress)
     searched = _searched(asked, result)
     if isinstance(result, fr.RodStability):
         return result.status, independent.record(result, searched), independent.report(result, shown, searched)

@@ -20,7 +20,7 @@ from floquetrod.floquet.verdict import Status
 from floquetrod.rod.assumptions import assumptions
 from floquetrod.rod.axial import AxialResponse
 from floquetrod.rod.coupled import MOST_COUPLED, CoupledModes
-from floquetrod.rod.load import Load, Loads, Quantity
+from floquetrod.rod.load import Load, Loads, Progress, Quantity
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystems
 from floquetrod.rod.sampled import first_change
@@ -229,24 +229,14 @@ class CoupledRodStability(RodVerdict):
         return f"unstable: {self.resonances[0]}; {growth}{wave}"
 
 
-def classify_coupled(rod: ModalRod, load: Load, count: int | None, growth_tolerance: float) -> CoupledRodStability:
-    """Classify a rod with as many modes as two numbers of them agree upon, or with ``count`` of them."""
-    if count is None:
-        last = _modes_to_begin_with(rod, load, growth_tolerance)
-        counts = [last - max(2, last // (6 if last <= _LONG else 10)), last]
-    else:
-        counts = [count]
-    found = [_Trial.of(rod, load, n) for n in counts]
-    while len(found) > 1 and found[-1].concluded(found[-2], growth_tolerance)[0] == "undecided":
-        larger = math.ceil(1.25 * found[-1].modes.count)
-        if len(found) == 2 + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
-            break
-        found.append(_Trial.of(rod, load, larger))
-    if count is None and found[-1].modes.count < MOST_COUPLED:
-        slowest = max(growth_tolerance, 0.5 * found[-1].whole.growth_rate)
-        needed = rod.coupled_numbers.modes_needed(Loads.single(load), load, slowest)
-        if needed > found[-1].modes.count:  # modes left out may grow faster than what was found
-            found.append(_Trial.of(rod, load, needed))
+def classify_coupled(
+    rod: ModalRod, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None = None
+) -> CoupledRodStability:
+    """Classify a rod with as many modes as two numbers of them agree upon, or with ``count`` of them.
+
+    ``progress`` is called with the numbers of trials made and, as far as is known by then, to make.
+    """
+    found = _trials(rod, load, count, growth_tolerance, progress)
     final = found[-1]
     status, error, note = final.concluded(found[-2] if len(found) > 1 else None, growth_tolerance)
     whole = final.whole
@@ -267,6 +257,51 @@ def classify_coupled(rod: ModalRod, load: Load, count: int | None, growth_tolera
         note=note,
         assumptions=assumptions(rod, load),
     )
+
+
+def _trials(
+    rod: ModalRod, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
+) -> list[_Trial]:
+    """Return the trials made, the fewest modes first."""
+    found: list[_Trial] = []
+
+    def add(modes: int, place: int, known: int) -> None:
+        found.insert(place, _Trial.of(rod, load, modes))
+        if progress is not None:
+            progress(len(found), max(known, len(found)))
+
+    if count is not None:
+        add(count, 0, 1)
+        return found
+    last = _modes_to_begin_with(rod, load, growth_tolerance)
+    add(last, 0, 2)
+    needed = _more_needed(rod, load, found[-1], growth_tolerance)
+    if needed:
+        add(needed, 1, 2)
+    else:
+        add(last - max(2, last // (6 if last <= _LONG else 10)), 0, 2)
+    while found[-1].concluded(found[-2], growth_tolerance)[0] == "undecided":
+        larger = math.ceil(1.25 * found[-1].modes.count)
+        if len(found) == 2 + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
+            break
+        add(larger, len(found), 2)
+    needed = _more_needed(rod, load, found[-1], growth_tolerance)
+    if needed:
+        add(needed, len(found), 2)
+    return found
+
+
+def _more_needed(rod: ModalRod, load: Load, trial: _Trial, growth_tolerance: float) -> int:
+    """Return how many modes to take where those left out may grow faster than what was found, else 0.
+
+    So many more that both trials tell how the growth depends on their number.
+    """
+    count = trial.modes.count
+    if count >= MOST_COUPLED:
+        return 0
+    slowest = max(growth_tolerance, 0.5 * trial.whole.growth_rate)
+    needed = rod.coupled_numbers.modes_needed(Loads.single(load), load, slowest)
+    return min(max(needed, count + max(2, count // 9)), MOST_COUPLED) if needed > count else 0
 
 
 def _modes_to_begin_with(rod: ModalRod, load: Load, growth_tolerance: float) -> int:

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import ROUND_CEILING, Context
-from functools import partial
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple, TypeAlias
 
@@ -20,7 +19,7 @@ from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.axial import AxialGap, AxialResonanceError, between, gaps, joined
 from floquetrod.rod.coupled import CoupledModes
-from floquetrod.rod.load import KINDS, Load, Loads, Progress, Quantity
+from floquetrod.rod.load import KINDS, Load, Loads, Progress, Quantity, shifted
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.sampled import SAMPLES, UnstablePart, first_change, unstable_parts
@@ -288,7 +287,7 @@ def _coupled_intervals(
     segments: list[tuple[tuple[float, float], list[UnstablePart]]] = []
     resolution, done = 0.0, 0
     for (piece, modes), number in zip(pieces, samples, strict=True):
-        told = None if progress is None else partial(_told, progress, done, sum(samples))
+        told = shifted(progress, done, sum(samples) - number)
         parts, distance = unstable_parts(varied, modes, largest, piece, tolerance, told, number)
         resolution, done = max(resolution, distance), done + number
         if segments and segments[-1][0][1] == piece[0]:
@@ -337,11 +336,6 @@ def _pieces_of_waves(
 def _share(part: tuple[float, float], bounds: tuple[float, float], number: int, least: int) -> int:
     """Return the share of a number that falls to a part of bounds."""
     return max(least, math.ceil(number * (part[1] - part[0]) / (bounds[1] - bounds[0])))
-
-
-def _told(progress: Progress, before: int, total: int, done: int, _: int) -> None:
-    """Report what is done of one piece of a search as a part of the whole."""
-    progress(before + done, total)
 
 
 def _ended(part: StabilityInterval, bounds: tuple[float, float]) -> StabilityInterval:

@@ -9,10 +9,15 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.caching import cached_property
+
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 _BLOCK = 4096  # samples whose basis functions fit into a cache
+_SOME = 1 << 16  # samples of a long record that tell where its fit is (a choice)
+_LONG = 4 * _SOME  # samples from which a record is long (a choice)
+_EVEN = 1e-3  # of an interval that evenly spaced times may be off: no spectrum shows it (a choice)
 _STEPS = 40  # of Newton at most; four are usual
 _ROUNDING = 4.0 * np.finfo(float).eps  # of a frequency, relative to it
 
@@ -38,6 +43,29 @@ class Samples:
         scale = 0.5 * (force.max() - force.min())
         tau = (time - centre) / half
         return cls(tau, (force - offset) / scale, centre, half, offset, scale, float(np.median(np.diff(tau))))
+
+    @cached_property
+    def is_even(self) -> bool:
+        """Whether the times are evenly spaced."""
+        even = np.linspace(-1.0, 1.0, self.tau.size)
+        return float(np.abs(self.tau - even).max()) <= _EVEN * self.interval
+
+    @property
+    def is_long(self) -> bool:
+        """Whether some of the samples are enough to tell where the fit is."""
+        return self.tau.size >= _LONG
+
+    @cached_property
+    def some(self) -> Samples:
+        """Of a long record one sample, at random, of each of many parts of equal size; else the samples themselves.
+
+        What is above half of the sampling rate of so few is not folded down, as it would be at equal distances.
+        """
+        if not self.is_long:
+            return self
+        ends = np.linspace(0, self.tau.size, _SOME + 1).astype(int)
+        chosen = np.random.default_rng(0).integers(ends[:-1], ends[1:])
+        return replace(self, tau=self.tau[chosen], values=self.values[chosen])
 
     @property
     def highest(self) -> float:
@@ -82,6 +110,11 @@ class Fit:
         """Complex amplitudes c_h of Re sum c_h exp(i h omega tau)."""
         cosines, sines = self.coefficients[2:].reshape(2, -1)
         return cosines - 1j * sines
+
+    @property
+    def frequency_error(self) -> float:
+        """Standard error of omega."""
+        return math.sqrt(self.covariance[-1, -1])
 
     @property
     def variance(self) -> float:
@@ -132,13 +165,16 @@ class Fit:
 
 def series(angle: Floats, numbers: tuple[int, ...], amplitudes: Complexes) -> Floats:
     """Return Re sum c_h exp(i h angle)."""
-    turn = np.exp(1j * np.asarray(angle))
-    power, result = np.ones_like(turn), np.zeros(np.shape(angle))
+    flat = np.asarray(angle, dtype=float)
+    result = np.zeros(flat.shape)
     wanted = dict(zip(numbers, amplitudes, strict=True))
-    for number in range(1, max(numbers, default=0) + 1):
-        power = power * turn
-        if number in wanted:
-            result += (wanted[number] * power).real
+    for start in range(0, flat.size, _BLOCK):
+        turn = np.exp(1j * flat.reshape(-1)[start : start + _BLOCK])
+        total = np.zeros_like(turn)
+        for number in range(max(numbers, default=0), 0, -1):  # Horner's scheme
+            total += wanted.get(number, 0.0)
+            total *= turn
+        result.reshape(-1)[start : start + _BLOCK] = total.real
     return result
 
 
@@ -161,29 +197,33 @@ class _Sums(NamedTuple):
 def _sums(samples: Samples, omega: float, numbers: tuple[int, ...], coefficients: Floats) -> _Sums:
     """Return the sums for mean, trend, cosines, sines and omega."""
     many, order = len(numbers), np.array(numbers)
-    rows, highest = order - 1, max(numbers)
-    amplitudes = coefficients[2 : 2 + many] - 1j * coefficients[2 + many :]
+    highest = max(numbers)
+    cosines, sines = coefficients[2 : 2 + many], coefficients[2 + many :]
+    slope = np.concatenate([order * sines, -order * cosines])  # of the waves by omega tau, in cosines and sines
+    bend = -np.concatenate([order**2 * cosines, order**2 * sines])
     gram, moments, squares = np.zeros((2 * many + 3,) * 2), np.zeros(2 * many + 3), 0.0
-    pulls = np.zeros(many, dtype=complex)
+    pulls = np.zeros(2 * many)
     bent = 0.0
     for start in range(0, samples.tau.size, _BLOCK):
         tau = samples.tau[start : start + _BLOCK]
-        powers = np.empty((highest, tau.size), dtype=complex)
-        powers[0] = np.exp(1j * omega * tau)
-        for k in range(1, highest):
-            np.multiply(powers[k - 1], powers[0], out=powers[k])
-        waves = powers[rows]
+        turn = np.exp(1j * omega * tau)
         basis = np.empty((2 * many + 3, tau.size))
         basis[0], basis[1] = 1.0, tau
-        basis[2 : 2 + many], basis[2 + many : -1] = waves.real, waves.imag
-        basis[-1] = -tau * ((amplitudes * order) @ waves).imag
+        waves, power, place = basis[2:-1], np.ones_like(turn), 0
+        for k in range(1, highest + 1):
+            power *= turn
+            if k == numbers[place]:
+                waves[place], waves[many + place] = power.real, power.imag
+                place += 1
+        basis[-1] = tau * (slope @ waves)
         residual = samples.values[start : start + _BLOCK] - coefficients @ basis[:-1]
         gram += basis @ basis.T
         moments += basis @ residual
         squares += float(residual @ residual)
-        pulls += order * (waves @ (tau * residual))
-        bent -= float((tau**2 * residual) @ ((amplitudes * order**2) @ waves).real)
-    return _Sums(gram, moments, squares, np.concatenate([[0.0, 0.0], -pulls.imag, pulls.real, [bent]]))
+        pulls += waves @ (tau * residual)
+        bent += float((tau**2 * residual) @ (bend @ waves))
+    turned = np.concatenate([-order * pulls[many:], order * pulls[:many]])
+    return _Sums(gram, moments, squares, np.concatenate([[0.0, 0.0], turned, [bent]]))
 
 
 def fit(

@@ -10,12 +10,12 @@ from typing import TypeVar
 import numpy as np
 
 from floquetrod.rod.coupled import CoupledLoads
-from floquetrod.rod.load import LIMITS, AxialLoad, Loads
+from floquetrod.rod.load import LIMITS, AxialLoad, Loads, Progress
 from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.record import ForceRecord
 from floquetrod.rod.verdict import RodVerdict
 
-_DRAWS = 20
+NOISE_DRAWS = 20
 """Forces drawn (a choice)."""
 
 _ERRORS = 2.0  # standard errors by which they depart from the fit, and which enter the error of growth (a choice)
@@ -23,25 +23,30 @@ _ERRORS = 2.0  # standard errors by which they depart from the fit, and which en
 AnyVerdict = TypeVar("AnyVerdict", bound=RodVerdict)
 
 
-def with_noise(rod: ModalRod, verdict: AnyVerdict, record: ForceRecord) -> AnyVerdict:
+def with_noise(rod: ModalRod, verdict: AnyVerdict, record: ForceRecord, progress: Progress | None = None) -> AnyVerdict:
     """Return a verdict on the fit of a record with the error that its noise makes.
 
     Twenty forces are drawn, the same ones in every call, whose mean, frequency and harmonics, their sizes and phases,
     depart from those of the fit by two standard errors.  The root mean square of the change in growth adds to the
-    error; where one of them has another verdict, it is undecided.
+    error; where one of them has another verdict, it is undecided.  ``progress`` is called with the numbers of forces
+    judged and to judge.
     """
     if verdict.status == "undecided":
         return verdict
     changes, others = [], 0
-    for load in _drawn(record):
+    for done, load in enumerate(_drawn(record), start=1):
         one = CoupledLoads(rod.coupled_numbers, load, Loads.single(load), verdict.growth_tolerance)
         status, growth = (column[0] for column in one.answers())
         others += bool(status != (verdict.status == "stable"))
         changes.append(float(growth) - verdict.growth_rate)
+        if progress is not None:
+            progress(done, NOISE_DRAWS)
     noise = math.sqrt(float(np.mean(np.square(changes))))
     note = f"by the noise of the record growth is uncertain by {noise:.2g} 1/s"
     if others:
-        note = f"{note}; by its fit the rod is {verdict.status}, by {others} of {_DRAWS} forces within its errors not"
+        note = (
+            f"{note}; by its fit the rod is {verdict.status}, by {others} of {NOISE_DRAWS} forces within its errors not"
+        )
     return replace(
         verdict,
         status="undecided" if others else verdict.status,
@@ -54,7 +59,7 @@ def _drawn(record: ForceRecord) -> Iterator[AxialLoad]:
     """Yield loads whose numbers are drawn about those of the fit, with twice their standard errors."""
     random, fit, kept = np.random.default_rng(0), record.load, np.array(record.kept) - 1
     slowest = LIMITS["frequency"].least
-    for _ in range(_DRAWS):
+    for _ in range(NOISE_DRAWS):
         shift = random.standard_normal((kept.size, 2)) @ np.array([1.0, 1j])
         harmonics = record.harmonics.copy()
         harmonics[kept] += _ERRORS * record.harmonic_errors[kept] * shift

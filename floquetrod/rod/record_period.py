@@ -27,6 +27,7 @@ _DRIFT = 0.1  # size of harmonics, relative to all, up to which they may be thos
 _GUESS = 0.1  # how far off a given frequency may be, relative to it (a choice)
 _GUESS_HARMONICS = 5  # whose power tells where the frequency is (a choice)
 _COARSE = 0.05  # error of a frequency that is refined later, relative to its standard error (a choice)
+_KNOWN = 0.1  # radians at the ends of a record that the frequency leaves open in its highest harmonic (a choice)
 _MOST_CELLS = 1 << 21  # of the grid of a spectrum, which takes half a second (a choice)
 _PADDING = 4  # frequencies of a spectrum per reciprocal of the duration
 
@@ -148,10 +149,14 @@ def _climb(samples: Samples, periods: float, most: int, first: int = 1) -> Fit |
     most = _limit(samples, periods, most)
     omega, size = math.pi * periods, min(first, most)
     while size:
-        found = fit(samples, omega, tuple(range(1, size + 1)), precision=_COARSE)
+        following = min(2 * size, most)
+        few = size < most and samples.is_long
+        found = fit(samples.some if few else samples, omega, tuple(range(1, size + 1)), precision=_COARSE)
+        if few and (found is None or found.frequency_error * following > _KNOWN):
+            found = fit(samples, omega, tuple(range(1, size + 1)), precision=_COARSE)
         if found is None or size == most:
             return found
-        omega, size = found.omega, min(2 * size, most)
+        omega, size = found.omega, following
     return None
 
 
@@ -165,9 +170,13 @@ def _longer(samples: Samples, first: Fit, periods: float, most: int) -> Fit:
     records, would, and which no drift explains.
     """
     penalty = math.log(most * _DEEPEST / _FALSE_PERIOD)
-    sparse = _significant(samples, first, penalty) or fit(samples, first.omega, (1,), precision=_COARSE) or first
+    told = _significant(samples, first, penalty)
+    if told is None:
+        sparse = fit(samples, first.omega, (1,), precision=_COARSE) or first
+        left = _left(samples, sparse)
+    else:
+        sparse, left = told
     best, score = first, _score(samples, sparse, penalty)
-    left = power_spectrum(samples, samples.values - sparse.values(samples.tau))
     for part in range(2, min(_DEEPEST, most) + 1):
         base = periods / part
         between = [k for k in range(1, _limit(samples, base, most) + 1) if math.gcd(k, part) == 1]
@@ -177,7 +186,7 @@ def _longer(samples: Samples, first: Fit, periods: float, most: int) -> Fit:
         chosen = None if found is None else _significant(samples, found, penalty)
         if found is None or chosen is None:
             continue
-        if _telling(chosen) and (other := _score(samples, chosen, penalty)) < score:
+        if _telling(chosen[0]) and (other := _score(samples, chosen[0], penalty)) < score:
             best, score = found, other
     return best
 
@@ -192,13 +201,13 @@ def _telling(found: Fit) -> bool:
     return all(float(np.linalg.norm(sizes[numbers % prime > 0])) > least for prime in _PRIMES)
 
 
-def _significant(samples: Samples, found: Fit, penalty: float) -> Fit | None:
-    """Return the fit of the harmonics that are chance at exp(-penalty) at most.
+def _significant(samples: Samples, found: Fit, penalty: float) -> tuple[Fit, Spectrum] | None:
+    """Return the fit of the harmonics that are chance at exp(-penalty) at most, and the spectrum of its residual.
 
     They are tested twice: the noise about those chosen is seen only once the others have been left out.
     """
+    left = _left(samples, found)
     for _ in range(2):
-        left = power_spectrum(samples, samples.values - found.values(samples.tau))
         chances = found.with_noise(coloured(samples, found, left)).log_chances()
         chosen = tuple(np.array(found.numbers)[chances < -penalty].tolist())
         if chosen == found.numbers:
@@ -206,8 +215,13 @@ def _significant(samples: Samples, found: Fit, penalty: float) -> Fit | None:
         sparse = fit(samples, found.omega, chosen, precision=_COARSE) if chosen else None
         if sparse is None:
             return None
-        found = sparse
-    return found
+        found, left = sparse, _left(samples, sparse)
+    return found, left
+
+
+def _left(samples: Samples, found: Fit) -> Spectrum:
+    """Return the spectrum of the residual."""
+    return power_spectrum(samples, samples.values - found.values(samples.tau))
 
 
 def _score(samples: Samples, found: Fit, penalty: float) -> float:
@@ -220,7 +234,7 @@ def _score(samples: Samples, found: Fit, penalty: float) -> float:
 
 def _kept(samples: Samples, best: Fit, tried: float, most: int) -> Found:
     """Return the fit of the harmonics above the noise, with a trend where there is one."""
-    left = power_spectrum(samples, samples.values - best.values(samples.tau))
+    left = _left(samples, best)
     every = best.with_noise(coloured(samples, best, left))
     chances = every.log_chances()
     numbers = tuple(np.array(every.numbers)[chances < math.log(FALSE_HARMONIC / len(every.numbers))].tolist())
@@ -230,7 +244,7 @@ def _kept(samples: Samples, best: Fit, tried: float, most: int) -> Found:
     found = fit(samples, every.omega, numbers, trend=trend)
     if found is None:
         raise ValueError(_none("the fit does not settle"))
-    left = power_spectrum(samples, samples.values - found.values(samples.tau))
+    left = _left(samples, found)
     factors = coloured(samples, found, left)
     beyond: list[int] = []
     if len(every.numbers) == most:
@@ -254,25 +268,40 @@ class Spectrum(NamedTuple):
         place = np.rint(np.asarray(frequency) / self.step).astype(int) - 1
         return np.where(place < self.power.size, self.power[np.clip(place, 0, self.power.size - 1)], 0.0)
 
+    def within(self, low: float, high: float) -> slice:
+        """Return where the frequencies lie between two others."""
+        return slice(max(0, math.floor(low / self.step)), max(0, math.ceil(high / self.step) - 1))
+
 
 def power_spectrum(samples: Samples, values: Floats) -> Spectrum:
     """Return the power of values at the times of the samples.
 
-    Each is shared out to the two nearest points of a grid four times as fine as the median interval, or as fine as
-    memory allows; the spectrum ends where that would be felt.
+    Where the times are not even each is shared out to the two nearest points of a grid four times as fine as the median
+    interval, or as fine as memory allows; the spectrum ends where that would be felt.
     """
-    from scipy.fft import next_fast_len, rfft
+    from scipy.fft import next_fast_len
 
+    if samples.is_even:
+        cells = samples.tau.size - 1
+        return _transformed(values, cells, next_fast_len(_PADDING * cells, real=True), samples.highest, cells + 1)
     cells = int(min(_MOST_CELLS, math.ceil(8.0 / samples.interval)))
     place = (samples.tau + 1.0) * (0.5 * cells)
     left = np.minimum(place.astype(int), cells - 1)
     right = place - left
-    grid = np.bincount(left, values * (1.0 - right), cells + 1) + np.bincount(left + 1, values * right, cells + 1)
+    grid = np.zeros(cells + 1)
+    grid += np.bincount(left, values * (1.0 - right), cells + 1)
+    grid += np.bincount(left + 1, values * right, cells + 1)
     size = next_fast_len(_PADDING * cells, real=True)
+    return _transformed(grid, cells, size, min(samples.highest, cells / 8.0), samples.tau.size)
+
+
+def _transformed(grid: Floats, cells: int, size: int, highest: float, count: int) -> Spectrum:
+    """Return the power, up to the highest frequency, of ``count`` samples on a grid, padded to a size."""
+    from scipy.fft import rfft
+
     step = cells / size
-    power = np.abs(rfft(grid, size)) ** 2 / samples.tau.size
-    last = int(min(samples.highest, cells / 8.0) / step)
-    return Spectrum(step, power[1 : last + 1])
+    found = rfft(grid, size)[1 : int(highest / step) + 1]
+    return Spectrum(step, (found.real**2 + found.imag**2) / count)
 
 
 def coloured(samples: Samples, found: Fit, residual: Spectrum) -> Floats:
@@ -285,18 +314,18 @@ def coloured(samples: Samples, found: Fit, residual: Spectrum) -> Floats:
     from scipy.special import chdtri
 
     base = found.omega / math.pi
-    frequency = residual.step * np.arange(1, residual.power.size + 1)
-    taken = np.zeros(frequency.size, dtype=bool)
+    free = np.ones(residual.power.size, dtype=bool)
     for number in (0, *found.numbers):
-        taken |= np.abs(frequency - number * base) < 0.75
+        free[residual.within(number * base - 0.75, number * base + 0.75)] = False
+    reach = max(4.0, 0.5 * base)
     factors = np.ones(len(found.numbers) + 1)
     for place, number in enumerate((0, *found.numbers)):
-        offset = frequency - number * base
-        near = (np.abs(offset) < max(4.0, 0.5 * base)) & ~taken
-        for side in (near & (offset < 0.0), near & (offset > 0.0)):
-            freedom = 2.0 * side.sum() * residual.step
+        at = number * base
+        for side in (residual.within(at - reach, at), residual.within(at, at + reach)):
+            power = residual.power[side][free[side]]
+            freedom = 2.0 * power.size * residual.step
             if freedom >= 2.0:
-                ratio = residual.power[side].mean() / found.variance
+                ratio = power.mean() / found.variance
                 if ratio > chdtri(freedom, _COLOURED) / freedom:
                     factors[place] = max(factors[place], math.sqrt(ratio))
     return factors

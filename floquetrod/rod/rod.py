@@ -16,7 +16,7 @@ from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.coupled import CoupledLoads, chosen_count
-from floquetrod.rod.load import AnyLoad, Loads, Progress, kind, load_bounds, require_load
+from floquetrod.rod.load import AnyLoad, Loads, Progress, kind, load_bounds, require_load, shifted
 from floquetrod.rod.modal import refusal
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.parts import friction_coefficient
@@ -112,6 +112,7 @@ class Rod(ProvedRod):
         growth_tolerance: float = 0.0,
         friction: float | None = None,
         kick: None = None,
+        progress: Progress | None = None,
     ) -> RodStability | CoupledRodStability: ...
 
     @overload
@@ -123,6 +124,7 @@ class Rod(ProvedRod):
         growth_tolerance: float = 0.0,
         friction: float,
         kick: float,
+        progress: Progress | None = None,
     ) -> FrictionalRodStability: ...
 
     @tells_arguments()
@@ -134,6 +136,7 @@ class Rod(ProvedRod):
         growth_tolerance: float = 0.0,
         friction: float | None = None,
         kick: float | None = None,
+        progress: Progress | None = None,
     ) -> RodStability | CoupledRodStability | FrictionalRodStability:
         """Return the verdict on the rod under a load: stable when every mode is.
 
@@ -151,6 +154,10 @@ class Rod(ProvedRod):
         kick : float, optional
             Transverse velocity in m/s that every mode is given, 0 or more: stable when it destabilises none of them.
             It needs ``friction``.
+        progress : callable, optional
+            Called, where modes are coupled, with the numbers of verdicts reached and to reach: with two numbers of
+            modes, and more while these disagree; for a record also on forces within its noise.  A verdict on
+            kilometres of tubing takes minutes.
 
         Returns
         -------
@@ -176,17 +183,21 @@ class Rod(ProvedRod):
         source, load = load, require_load("load", load)
         rubbing = friction_and_kick(friction, kick)
         growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
+        validate.progress(progress)
         warn_unless_uniform(self, load)
         warn_of_load(self, source if isinstance(source, ForceRecord) and not source.force_unit_named else load)
         if not self.coupled_numbers.has_mathieu_modes(load):
             if friction is not None:
                 raise refusal(self, "friction", load)
             from floquetrod.rod.coupled_stability import classify_coupled
-            from floquetrod.rod.record_noise import with_noise
+            from floquetrod.rod.record_noise import NOISE_DRAWS, with_noise
 
             count = None if modes is None else chosen_count(modes)
-            coupled = classify_coupled(self, load, count, growth_tolerance)
-            return with_noise(self, coupled, source) if isinstance(source, ForceRecord) else coupled
+            if not isinstance(source, ForceRecord):
+                return classify_coupled(self, load, count, growth_tolerance, progress)
+            fitted = classify_coupled(self, load, count, growth_tolerance, shifted(progress, 0, NOISE_DRAWS))
+            trials = len(fitted.convergence)
+            return with_noise(self, fitted, source, shifted(progress, trials, trials))
         # The growth rate is that of all modes, tolerated or not.
         linear = classify_modes(self, self.independent_modes(load, modes), growth_tolerance)
         if linear.stable and modes is None:

@@ -312,7 +312,8 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.axial_response": Call(ROD.axial_response, {"load": TRAVELLING}),
         "Rod.modes_needed": Call(ROD.modes_needed, {"load": LOAD, **tolerance}),
         "Rod.stability": Call(
-            ROD.stability, {"load": LOAD, "modes": None, "friction": None, "kick": None, **tolerance}
+            ROD.stability,
+            {"load": LOAD, "modes": None, "friction": None, "kick": None, "progress": None, **tolerance},
         ),
         "Rod.critical_kick": Call(ROD.critical_kick, {"load": LOAD, **mu, **tolerance}),
         "Rod.critical_kicks": Call(ROD.critical_kicks, {**load, **mu, **tolerance, "like": LOAD, "workers": 1}),
