@@ -229,7 +229,7 @@ def _unpack(path: Path) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Return description and arrays of a sealed file."""
     about = path.stat()
     if not stat.S_ISREG(about.st_mode):
-        raise ValueError("it is no file")
+        raise ValueError("it is not a file")
     if about.st_size > _LARGEST:
         raise ValueError(f"it has {about.st_size:,} bytes, at most {_LARGEST:,} are read")
     with path.open("rb") as file:
