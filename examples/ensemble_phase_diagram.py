@@ -2,8 +2,8 @@
 Simulated rods on the exact map
 ===============================
 
-A map of a rod's stability comes from one equation for each mode.  Here an ensemble of whole nonlinear rods is laid over
-it, one for every point: those that buckle within 1.2 s are black.
+A map of a rod's stability comes from one equation for each mode.  This example simulates a whole nonlinear rod at each
+of many points of the map; those that buckle within 1.2 s are black.
 """
 
 import matplotlib.pyplot as plt

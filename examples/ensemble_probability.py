@@ -2,8 +2,8 @@
 How probable is buckling?
 =========================
 
-With friction it depends on the kick, and kicks are not known in advance.  An ensemble draws many, simulates them all
-and counts; the counts come with a confidence interval.  The mode equation gives the kick that buckles one mode alone.
+With friction buckling depends on the kick, which is not known in advance.  An ensemble simulates many random kicks and
+gives the probability with its confidence interval.  The mode equation gives the kick that buckles one mode alone.
 """
 
 import matplotlib.pyplot as plt

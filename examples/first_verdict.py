@@ -2,7 +2,7 @@
 A first verdict
 ===============
 
-One equation, one rod, five loads.  Every verdict says how it was found and how well it is known.
+Verdicts on one equation, and on one rod under five loads.  Each states its method and its error.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 Which kick buckles a rod held by friction?
 ==========================================
 
-Dry friction holds a rod that would buckle without it, up to a critical kick.  That kick depends on the load,
-and is largest between the tongues of two modes.
+Dry friction holds a rod that would buckle without it, up to a critical kick.  This kick depends on the load and is
+largest between the tongues of two modes.
 """
 
 import matplotlib.pyplot as plt

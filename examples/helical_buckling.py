@@ -3,7 +3,7 @@ Waves, a helix, and lock-up
 ===========================
 
 Beyond the critical force a rod waves to and fro on the floor of its channel; pushed on, it winds up the wall into a
-helix, whose own contact force brakes it until it locks up.  The simulator is held against the formulas of drilling.
+helix, whose own contact force brakes it until it locks up.  The simulation is compared with formulas from drilling.
 """
 
 import matplotlib.pyplot as plt

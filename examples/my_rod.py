@@ -2,8 +2,8 @@
 Your own rod, from a TOML file
 ==============================
 
-A data sheet of six lines, and the question that matters with a vibration tool: which frequencies keep the rod straight?
-The file is `rod.toml`, beside this script::
+Which frequencies of a vibration tool keep the rod straight?  The rod is described by six lines in the file `rod.toml`,
+beside this script::
 
     # A steel rod in a laboratory pipe.  Numbers are SI; strings may carry a unit.  Radii, not diameters.
     youngs_modulus = "200GPa"

@@ -3,7 +3,7 @@ An inclined rod
 ===============
 
 A rod in a channel that is tilted from the horizontal: less of its weight holds it to the floor, and the rest adds to
-the force along it, so that its modes are coupled.  Which part grows, and where along the rod?
+the force along it, so that its modes are coupled.  Which shape grows, and where along the rod?
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 Does the rod do what the theory says?
 =====================================
 
-The verdict on a rod rests on one linear equation for each mode.  Here the whole nonlinear rod is followed through time
-instead, bending, contact with the channel and all, and held against it.
+The verdict on a rod rests on one linear equation for each mode.  This example simulates the whole nonlinear rod, with
+bending and contact with the channel, and compares it with the verdict.
 """
 
 import matplotlib.pyplot as plt

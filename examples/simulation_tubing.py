@@ -3,7 +3,7 @@ Sixty metres of tubing, simulated
 =================================
 
 A vibration tool sends its force down a string of coiled tubing full of water, in an inclined hole full of water.  In
-theory the modes of such a string are coupled.  Here the whole string is followed through time, and compared with it.
+theory the modes of such a string are coupled.  This example simulates the whole string and compares it with theory.
 """
 
 import math

@@ -2,8 +2,8 @@
 Damping that destabilises
 =========================
 
-Equal damping narrows a combination resonance.  Unequal damping widens it, and makes unstable what is stable without
-any damping.
+Equal damping narrows a combination resonance.  Unequal damping widens it, and can destabilise a system that is stable
+without any damping.
 """
 
 import matplotlib.pyplot as plt

@@ -2,8 +2,8 @@
 Thin tongues: what a test over 100 periods cannot see
 =====================================================
 
-A mode that has not grown a millionfold in 100 periods is not therefore stable.  Between the broad tongues of a rod lie
-thin ones, in which it grows slowly and without end.
+A mode that has not grown a millionfold in 100 periods may still be unstable.  Thin tongues lie between the broad ones
+of a rod, and in them a mode grows slowly and without end.
 """
 
 import matplotlib.pyplot as plt

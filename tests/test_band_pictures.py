@@ -211,7 +211,7 @@ def test_captions_say_what_is_left_out() -> None:
         return note(ax)
 
     assert title() == "1 unstable band"
-    assert title(hairlines=1200) == "1 unstable band; 1,200 hairline tongues left out"
+    assert title(hairlines=1200) == "1 unstable band; 1,200 negligible tongues left out"
     tolerant = title(hairlines=1, growth_tolerance=0.1)
     assert tolerant == "1 unstable band of growth above 0.1 1/s; 1 slower tongue left out"
     assert "bands, and gaps in them, narrower than 0.01 by 0.02 may have been missed" in title(resolution=(0.01, 0.02))

@@ -17,8 +17,8 @@ from pathlib import Path
 import pytest
 
 import floquetrod as fr
-from floquetrod import cli
-from floquetrod.cli import waiting
+from floquetrod import cli, units
+from floquetrod.cli import kick, waiting
 from floquetrod.cli.main import _parser as parser
 
 ROOT = Path(__file__).parents[1]
@@ -72,11 +72,11 @@ def test_options_reach_the_library(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*CHECK, "--modes", "1-3,8"]) == 0
     out = capsys.readouterr().out
     assert out.startswith("STABLE")
-    assert "the 4 modes asked for" in out
+    assert "the 4 modes requested" in out
     assert cli.main([*CHECK, "--modes", "7,6-7,7"]) == 0
     out = capsys.readouterr().out
     assert out.startswith("UNSTABLE: mode 7 grows\n")
-    assert "the 2 modes asked for" in out
+    assert "the 2 modes requested" in out
 
 
 @pytest.mark.parametrize("mean", ["-0.2Fcr", "-1e-1", "-.5", "-2"])
@@ -101,9 +101,7 @@ def test_a_warning_is_one_line_beside_the_answer(capsys: pytest.CaptureFixture[s
     assert cli.main(["check", "--rod", "nitinol", "--mean", "1", "--amplitude", "0.1", "--frequency", "400Hz"]) == 0
     captured = capsys.readouterr()
     assert captured.err.count("\n") == 1
-    assert captured.err.startswith(
-        "floquetrod: warning: at 2513.27 rad/s omega L / (2 pi) is 0.38 of the axial wave speed"
-    )
+    assert captured.err.startswith("floquetrod: warning: at 2513.27 rad/s the rod is 0.38 axial wavelengths long")
     assert captured.out
 
 
@@ -140,12 +138,20 @@ KICK = [
 ]
 
 
+def test_a_bound_of_zero_is_said_to_prove_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    rod = fr.Rod.nitinol()
+    load = fr.AxialLoad(0.825 * rod.critical_force, 0.7 * rod.critical_force, 150.0)
+    result = rod.stability(load, friction=0.1, kick=0.05)
+    monkeypatch.setattr(fr.FrictionalRodStability, "critical_kick", fr.rod.CriticalKick(0.03, 9, 0.0))
+    assert "proved    nothing for any kick, however small" in kick.report(result, units.unit("mm/s", "unit", "speed"))
+
+
 def test_check_with_friction(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([*KICK, "--kick", "50mm/s"]) == 0
     out = capsys.readouterr().out
     assert out.startswith("UNSTABLE: the kick destabilises modes 9, 10\n")
     assert "needed    32.1184 mm/s is the smallest found to buckle the rod, into mode 9" in out
-    assert "proved    no kick up to 27.8299 mm/s buckles it" in out
+    assert "proved    no kick up to 27.8299 mm/s buckles the rod" in out
     assert "without friction:\nUNSTABLE: modes 8, 9, 10, 12 grow" in out
     assert cli.main([*KICK, "--kick", "30mm/s", "--json"]) == 0
     record = json.loads(capsys.readouterr().out)

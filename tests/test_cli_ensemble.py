@@ -168,7 +168,7 @@ def test_failures_are_grouped_by_their_reason(tmp_path: Path, capsys: pytest.Cap
     assert (record["done"], record["failed"], record["pending"]) == (2, 4, 0)
     ((reason, runs),) = (failure.values() for failure in record["failures"])
     assert runs == 4
-    assert "mode 8, which 40 segments cannot carry" in reason
+    assert "mode 8, which 40 segments cannot resolve" in reason
     assert cli.main(["ensemble", path]) == 0
     out = capsys.readouterr().out
     assert re.search(r"\nfailed    4: ValueError: perturbation names mode 8, ", out)
@@ -273,7 +273,7 @@ def test_interrupted_before_the_first_run(
     assert out.startswith("INTERRUPTED before a run was done\ncontinue  floquetrod ensemble ")
     assert out.endswith("--store runs.npz --workers 2\n")
     assert cli.main(["ensemble", written(tmp_path)]) == 130
-    assert "the same command begins anew" in capsys.readouterr().out
+    assert "the same command starts from the beginning" in capsys.readouterr().out
 
 
 # --- progress --------------------------------------------------------------------------------------------------------

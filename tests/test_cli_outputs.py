@@ -75,8 +75,8 @@ def test_a_map_is_drawn_as_bands_or_as_pixels(
     for asked in ([], ["--bands"]):
         assert cli.main(["map", "--rod", "nitinol", *over, *out, *asked]) == 0
         said = capsys.readouterr().out
-        assert "1 unstable band; 12 hairline tongues left out\n" in said
-        assert "1 unstable band; 12 hairline tongues left out" in note(drawn.pop())
+        assert "1 unstable band; 12 negligible tongues left out\n" in said
+        assert "1 unstable band; 12 negligible tongues left out" in note(drawn.pop())
     head, first, *_ = Path(names["csv"]).read_text(encoding="utf-8").splitlines()  # in the units of the question
     assert head == "band,mode,partner,tongue,largest growth [1/s],frequency [Hz],mean force [Fcr]"
     assert first.startswith("1,7,,1,2.5,15.9154")

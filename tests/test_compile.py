@@ -541,7 +541,7 @@ def test_the_terminal_says_once_that_it_compiles(capsys: pytest.CaptureFixture[s
     with common.compiling_told():
         log.info("compiling %s", "one")
         log.info("compiling %s", "two")
-    assert capsys.readouterr().err == "floquetrod: compiling (once), some seconds\n"
+    assert capsys.readouterr().err == "floquetrod: compiling, once; this takes some seconds\n"
     log.info("compiling %s", "three")
     assert capsys.readouterr().err == ""
     assert (log.level, log.handlers) == (level, handlers)
@@ -566,7 +566,7 @@ def test_a_command_says_that_it_compiles(tmp_path: Path) -> None:
     call = ["map", "--rod", "nitinol", "--mean", "0:1Fcr", "--amplitude", "0.2Fcr", "--frequency", "20:200"]
     small = [*call, "--points", "30x30", "--paper-criterion", "leapfrog", "--out", str(tmp_path / "map.npz")]
     command = f"from floquetrod.cli import main; main({small!r})"
-    assert python(command, tmp_path).stderr == "floquetrod: compiling (once), some seconds\n"
+    assert python(command, tmp_path).stderr == "floquetrod: compiling, once; this takes some seconds\n"
     assert python(command, tmp_path).stderr == ""
 
 

@@ -479,7 +479,7 @@ def test_modes_may_be_chosen_from_the_first_on() -> None:
     fewer = ROD.stability(load(), range(1, many - 1))
     assert isinstance(fewer, fr.CoupledRodStability)
     assert fewer.modes_checked == many - 2
-    assert "as asked for" in fewer.cutoff
+    assert "as requested" in fewer.cutoff
     assert fewer.growth_rate == pytest.approx(verdict().growth_rate, rel=1e-3)
     for bad in ((2, 3), (1, 3), (3, 2, 1), (1, 1, 2)):
         with pytest.raises(

@@ -241,7 +241,7 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"over": {"friction": stats.uniform(0, 1)}, "samples": 2.5}, TypeError, "samples must be an integer"),
     ({"over": {"friction": stats.uniform([0, 1], 1)}, "samples": 2}, TypeError, "distribution of one number"),
     ({"samples": 5}, ValueError, "samples is for distributions"),
-    ({"over": {"friction": [-1.0, -2.0]}}, ValueError, "no run tried can be made, .*friction must be zero or more"),
+    ({"over": {"friction": [-1.0, -2.0]}}, ValueError, "runs that are impossible, .*friction must be zero or more"),
     ({"over": {"friction": [0.1], "mean": [0.1, 0.2]}, "layout": "list"}, ValueError, "friction has 1, mean has 2"),
     ({"over": {"seed": range(4000), "mean": range(4000)}}, ValueError, "16,000,000 runs"),
     ({"layout": "cube"}, ValueError, "layout must be one of"),
@@ -258,12 +258,12 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"store": "no/such/folder/runs.npz"}, ValueError, "there is no folder"),
     ({"store": "no/such/folder/runs.zarr"}, ValueError, "there is no folder"),
     ({"summary": 3}, TypeError, "summary must be a function"),
-    ({"summary": lambda run: 3.0}, ValueError, "summary must make numbers .* mapping of names"),
-    ({"summary": lambda run: {"a": "b"}}, ValueError, "summary must make numbers"),
-    ({"summary": lambda run: {"buckled": 1.0}}, ValueError, "words that are not taken, got 'buckled'"),
-    ({"summary": lambda run: {"friction": 1.0}}, ValueError, "words that are not taken, got 'friction'"),
-    ({"summary": lambda run: {"a b": 1.0}}, ValueError, "words that are not taken"),
-    ({"summary": lambda run: 1 / 0}, ValueError, "summary must make numbers .*division by zero"),
+    ({"summary": lambda run: 3.0}, ValueError, "summary must return numbers .* mapping of names"),
+    ({"summary": lambda run: {"a": "b"}}, ValueError, "summary must return numbers"),
+    ({"summary": lambda run: {"buckled": 1.0}}, ValueError, "names that are not taken, got 'buckled'"),
+    ({"summary": lambda run: {"friction": 1.0}}, ValueError, "names that are not taken, got 'friction'"),
+    ({"summary": lambda run: {"a b": 1.0}}, ValueError, "names that are not taken"),
+    ({"summary": lambda run: 1 / 0}, ValueError, "summary must return numbers .*division by zero"),
     ({"summary": lambda run: {"a": 1.0}, "workers": 1}, TypeError, "summary must be picklable"),
     ({"frames": "yes"}, TypeError, "frames must be True or False"),
     ({"part": 3}, TypeError, "part must be two integers"),
@@ -291,10 +291,10 @@ def test_bad_input_is_refused_before_anything_runs(
 
 def test_a_seed_needs_something_drawn() -> None:
     problem = PROBLEM.replace(perturbation=fr.Perturbation.modes({3: 0.01}))
-    with pytest.raises(ValueError, match="over varies the seed, but nothing is drawn"):
+    with pytest.raises(ValueError, match="over varies the seed, but nothing is random"):
         fr.ensemble(problem, {"seed": [1, 2]})
     still = PROBLEM.replace(perturbation=fr.Perturbation())
-    with pytest.raises(ValueError, match="kick scales the perturbation of the problem, which moves nothing"):
+    with pytest.raises(ValueError, match="kick scales the perturbation of the problem, which is zero"):
         fr.ensemble(still, {"kick": [0.1]})
 
 

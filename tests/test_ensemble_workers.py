@@ -150,7 +150,7 @@ class Breaking(Executor):
 @pytest.mark.parametrize("way", ["submit", "cancelled", "broken", "other"])
 def test_what_came_before_an_executor_broke_is_kept(way: str, tmp_path: Path) -> None:
     place = tmp_path / "runs.zarr"
-    with pytest.raises(RuntimeError, match=r"the executor has failed .*what came is kept: call fr\.ensemble again"):
+    with pytest.raises(RuntimeError, match=r"executor has failed .*finished runs are kept: call fr\.ensemble again"):
         fr.ensemble(PROBLEM, OVER, executor=Breaking(10, way), store=place)
     assert (xarray.open_zarr(place).status == 1).sum() > 0
     assert_same(fr.ensemble(PROBLEM, OVER, store=place), fr.ensemble(PROBLEM, OVER))

@@ -38,7 +38,7 @@ def test_limits_of_the_search() -> None:
 @pytest.mark.parametrize(
     ("alpha", "beta", "kick", "status", "reason"),
     [
-        (1.5668, -0.4321, 1.242, "bounded", "no later stop lies farther out"),
+        (1.5668, -0.4321, 1.242, "bounded", "comes to rest, and never moves farther out again"),
         (-0.8761, 0.0769, 1.8419, "bounded", "sticks and slips"),
         # Freed by a force hardly larger than friction: outwards little by little, and in the end ...
         (1.56, 0.14, 0.8823, "bounded", "sticks and slips"),

@@ -255,7 +255,7 @@ def test_comparison_is_a_table() -> None:
 
 
 def test_auto_takes_no_options_and_names_are_checked() -> None:
-    with pytest.raises(TypeError, match="method='auto' takes no options"):
+    with pytest.raises(TypeError, match="method='auto' accepts no options"):
         fr.stability(fr.Mathieu(1.0, 0.0), digits=30)
     with pytest.raises(ValueError, match="method must be one of 'auto', 'spectral'"):
         fr.stability(fr.Mathieu(1.0, 0.0), method="magic")

@@ -416,7 +416,7 @@ def test_junk_is_no_exact_number(value: Any) -> None:
 def test_parameters_follow_a_class_and_are_its_own() -> None:
     with pytest.raises(TypeError, match="alpha must follow a class"):
         certify(Mathieu(0.5, -0.25), alpha="1/3")
-    with pytest.raises(TypeError, match="gamma is no parameter of Mathieu; they are alpha, beta, damping"):
+    with pytest.raises(TypeError, match="gamma is not a parameter of Mathieu; they are alpha, beta, damping"):
         certify(Mathieu, alpha=1, beta=0, gamma=1)
     with pytest.raises(TypeError, match="beta"):
         certify(Mathieu, alpha=1)

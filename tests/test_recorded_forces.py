@@ -75,11 +75,11 @@ def test_near_a_boundary_the_noise_leaves_the_verdict_open() -> None:
     for share, count in ((0.8, 6), (1.0, 30), (1.2, 6)):
         verdicts = [ROD.stability(recorded(replace(load, amplitude=share * edge), rng)) for _ in range(count)]
         found[share] = [verdict.status for verdict in verdicts]
-        assert all(("forces within its errors not" in v.note) == (v.status == "undecided") for v in verdicts)
+        assert all(("forces within its errors are not" in v.note) == (v.status == "undecided") for v in verdicts)
     assert set(found[0.8]) == {"stable"}
     assert set(found[1.2]) == {"unstable"}
     assert found[1.0].count("undecided") >= 20
-    assert "by the noise of the record growth is uncertain by" in verdicts[0].note
+    assert "noise in the record makes the growth rate uncertain by" in verdicts[0].note
     assert 0.0 < verdicts[0].error < verdicts[0].growth_rate
 
 

@@ -429,7 +429,7 @@ def test_exact_ends_are_enclosed() -> None:
         (lambda: fr.certify(fr.Meissner, alpha=(0.4, 0.5), beta=-0.3), TypeError, "class Mathieu only"),
         (lambda: fr.certify(fr.Mathieu, alpha=(0.5, 0.4), beta=-0.3), ValueError, "must not decrease"),
         (lambda: fr.certify(fr.Mathieu, alpha=(0.4, 0.5)), TypeError, "beta must be given"),
-        (lambda: fr.certify(fr.Mathieu, alpha=(0.4, 0.5), beta=0, gamma=1), TypeError, "gamma is no parameter"),
+        (lambda: fr.certify(fr.Mathieu, alpha=(0.4, 0.5), beta=0, gamma=1), TypeError, "gamma is not a parameter"),
         (lambda: fr.certify(fr.Mathieu, alpha=(0.4, 0.5), beta=0, damping=(-1, 0)), ValueError, "damping"),
         (lambda: fr.certify(fr.Mathieu, alpha=(0.4, "x"), beta=0), ValueError, r"alpha\[1\]"),
         (lambda: fr.certify(fr.Mathieu, alpha=(0.4, 1e10), beta=0), ValueError, "alpha"),

@@ -65,7 +65,7 @@ def test_too_few_segments_are_told_with_numbers() -> None:
         run = problem.run()
     assert [str(warning.message) for warning in caught] == [
         "37 segments resolve modes up to 6, and by theory mode 11 grows fastest and modes up to 14 at half its rate or "
-        "more: what grows, and how fast, will be wrong; take 84 or more, or leave segments out for 107"
+        "more: the growing modes and their rates will be wrong; take 84 or more, or leave segments out for 107"
     ]
     assert caught[0].filename == __file__
     assert "by theory mode 11 grows fastest" in run.note

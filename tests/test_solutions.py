@@ -264,15 +264,15 @@ def test_from_aq_and_words() -> None:
         (lambda: characteristic_function(0, 1.0, "b"), "order must be 1 or more"),
         (
             lambda: characteristic_function(0.5, 1.0, "a"),
-            'order must be an integer, got 0.5; kind "floquet" takes other',
+            'order must be an integer, got 0.5; kind "floquet" accepts other',
         ),
         (
             lambda: characteristic_function(3, 1.0),
             'order must not be .* kind "floquet", got 3; "a" is ce and "b" is se',
         ),
-        (lambda: characteristic_values(0.37, 1.0, "a"), "order must hold integers, got 0.37; real_order_values takes"),
+        (lambda: characteristic_values(0.37, 1.0, "a"), "must hold integers, got 0.37; real_order_values accepts"),
         (lambda: characteristic_values([0, 1], 1.0, "b"), "order must lie between 1 .* and there is no b_0"),
-        (lambda: exponents(a=1.2, q=0.9), r"'a'; alpha, beta = fr\.conventions\.from_aq\(a, q\) gives"),  # type: ignore[call-arg]
+        (lambda: exponents(a=1.2, q=0.9), r"'a'; convert a and q first: alpha, beta = fr\.conventions\.from_aq"),  # type: ignore[call-arg]
         (lambda: characteristic_function(0.5, 1.0, "c"), "kind"),
         (lambda: characteristic_function(1, 1e8, "a"), "q must lie between"),
         (lambda: characteristic_function(3, 1.0, "a")(math.inf), "time"),

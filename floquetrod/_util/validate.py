@@ -94,7 +94,7 @@ def tolerance(name: str, value: Any) -> float:
 def coefficient(name: str, value: Any) -> float:
     """Return ``value`` as a float of magnitude at most `LARGEST`, which it must be exactly."""
     return unrounded(
-        name, value, within(name, value, -LARGEST, LARGEST, "check the units of what it was computed from")
+        name, value, within(name, value, -LARGEST, LARGEST, "check the units of the numbers it was computed from")
     )
 
 
@@ -182,7 +182,7 @@ def modes(values: Any, name: str = "modes") -> tuple[int, ...]:
     """Return the mode numbers asked for, one at least, as a tuple."""
     chosen = integers(name, values, 1)
     if not chosen:
-        raise ValueError(f"{name} must name at least one mode, got none; leave it out to take all that matter")
+        raise ValueError(f"{name} must name at least one mode, got none; leave it out to use all that matter")
     return chosen
 
 

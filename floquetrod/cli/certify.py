@@ -46,7 +46,7 @@ from floquetrod.rod.safe_box import SafeBox
 from floquetrod.units import Unit
 
 _HELP = """\
-Prove that a rod is stable, or unstable, under every load of a box, and whatever it is within its tolerances;
+Prove that a rod is stable, or unstable, under every load of a box and for every rod within the tolerances;
 or that a system of equations is.
 
 examples:
@@ -57,13 +57,13 @@ examples:
   floquetrod certify --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 149:151rad/s --json --exit-code
   floquetrod certify --system my_system.toml
 
-stable: no mode, of any rod, grows faster than --growth-tolerance under any load of the box; by default 1e-6 1/s,
-tenfold in a month.  unstable: some mode does under every load.  mixed: each somewhere, with a proved example of both.
-undecided: the work of --max-boxes was not enough.  All in interval arithmetic, rounded outwards, for all modes.
---largest: the widest proved box about a load, given as three numbers, as a table.
+stable: no mode of any rod grows faster than --growth-tolerance under any load of the box; the default is 1e-6 1/s,
+tenfold in a month.  unstable: some mode grows faster under every load.  mixed: some loads are stable and some are
+unstable, with a proved example of each.  undecided: --max-boxes was not enough work.
+The proofs use interval arithmetic, rounded outwards, and cover all modes.
+--largest: find the widest proved box about one load, which is given as three numbers.
 Modes must be independent: ends hinged, no --wave, --mean-at none in an inclined channel.
-exit status: 0 whatever is proved; with --exit-code 0 stable, 1 unstable or mixed, 3 undecided; 2 for input it cannot
-use.
+exit status: 0 for every result; with --exit-code 0 stable, 1 unstable or mixed, 3 undecided; 2 for invalid input.
 """
 
 _STATUS = {"stable": 0, "unstable": 1, "mixed": 1, "undecided": 3}

@@ -43,8 +43,8 @@ from floquetrod.rod.verdict import RodVerdict
 from floquetrod.units import Unit
 
 _HELP = """\
-Say whether a rod is stable under an axial load, which modes grow, how fast, and how far the load is from a change;
-or whether a system of periodic equations from a file is stable, with its multipliers.
+Decide whether a rod is stable under an axial load, which modes grow and how fast, and how far the load is from a change
+of the verdict; or whether a system of periodic equations from a file is stable, with its multipliers.
 
 examples:
   floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
@@ -58,13 +58,13 @@ examples:
   floquetrod check --system my_system.toml --exit-code
 
 The answer is in the units of the question or of --unit; --json is in N, rad/s and m/s.
-margins: how far each quantity may fall or rise, the others staying as they are, until the verdict changes.
-exit status: 0 whatever the verdict; with --exit-code 0 stable, 1 unstable, 3 undecided; 2 for input it cannot use.
-rod files: TOML with youngs_modulus, density, radius, length, channel_radius and, if you like, gravity, damping_rate,
-inner_radius, fluid_inside, fluid_outside, added_mass_coefficient and inclination (from the vertical), as SI numbers or
-strings such as "68GPa", "2.375in", "8.6ppg" or "60deg"; radii, or diameter, inner_diameter, wall_thickness and
-channel_diameter in their place; ends = "hinged", "clamped", "guided", "free", or two of them, the upper end first, such
-as "clamped-hinged".  Steel pipes by name: catalogue = "2.00x0.156 CT90", with bore, the hole's diameter, and length:
+margins: how far each quantity may fall or rise, with the others unchanged, until the verdict changes.
+exit status: 0 for every verdict; with --exit-code 0 stable, 1 unstable, 3 undecided; 2 for invalid input.
+rod files: TOML with youngs_modulus, density, radius, length and channel_radius; optional are gravity, damping_rate,
+inner_radius, fluid_inside, fluid_outside, added_mass_coefficient and inclination (from the vertical).  Values are SI
+numbers or strings such as "68GPa", "2.375in", "8.6ppg" or "60deg".  diameter, inner_diameter, wall_thickness and
+channel_diameter may replace radii.  ends is "hinged", "clamped", "guided", "free", or two of them, the upper end first,
+such as "clamped-hinged".  A steel pipe needs only its name, the bore (the diameter of the hole) and the length:
   catalogue = "2.00x0.156 CT90"
   bore = "4.778in"
   length = "200ft"
@@ -73,15 +73,14 @@ as "clamped-hinged".  Steel pipes by name: catalogue = "2.00x0.156 CT90", with b
 
 coupled modes: ends that are not hinged, weight along an inclined rod and axial waves (--wave) couple the modes.  The
 answer then names the resonances, and --plot draws the shape that grows along the rod.  --mean-at none neglects the
-weight along the rod: the modes of an inclined hinged rod are then independent, as friction needs them.
+weight along the rod: the modes of an inclined hinged rod are then independent, as --friction requires.
 
 system files: TOML, or npz with arrays of the same names.  M q'' + (C + G) q' + K(t) q = 0, any consistent units:
   [system]
   stiffness = [[1, 0], [0, 4]]                # mean of K; positive restores
-  cosines = [[[0.1, 0.2], [0.2, 0.16]]]       # a matrix for each harmonic of K(t); sines alike
+  cosines = [[[0.1, 0.2], [0.2, 0.16]]]       # a matrix for each harmonic of K(t); also sines
   frequency = 3.0                             # angular; or period
-and, if you like, mass (symmetric, positive), damping and gyroscopic (skew).  For x' = A(t) x, mean in place of
-stiffness.
+Optional are mass (symmetric, positive), damping and gyroscopic (skew).  For x' = A(t) x give mean, not stiffness.
 """
 
 
@@ -121,7 +120,7 @@ def add(check: argparse.ArgumentParser) -> None:
     add_units(check)
     check.add_argument("--exit-code", action="store_true", help="exit with 1 when unstable, 3 when undecided")
     check.add_argument(
-        "--modes", metavar="LIST", help="modes to look at, such as 1-25 or 6,7,8 (default: all that can matter)"
+        "--modes", metavar="LIST", help="modes to check, such as 1-25 or 6,7,8 (default: all that can matter)"
     )
     check.add_argument(
         "--margins",
@@ -220,7 +219,7 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
         return result.status, independent.record(result, searched), independent.report(result, shown, searched)
     record, lines = coupled.record(result, searched), coupled.report(result, shown, searched)
     if asked.force is not None:
-        left_out = "" if asked.is_whole else "; its noise is not in the error, for options say more about the load"
+        left_out = "" if asked.is_whole else "; the error leaves out its noise, because options change the load"
         with Waiting("comparing with a sine"):
             sine = _sine(asked)
         record["force_record"] = _force_record(asked.force) | {"noise_in_error": asked.is_whole}

@@ -114,9 +114,8 @@ def read_friction(options: argparse.Namespace) -> tuple[float, float] | None:
         return None
     if options.kick is None:
         raise ValueError(
-            f"--friction needs --kick, got {options.friction:g} alone: friction holds every rod that nothing disturbs, "
-            "so a verdict without a kick would say nothing; add the transverse speed each mode is disturbed with, such "
-            "as --kick 50mm/s"
+            f"--friction needs --kick, got {options.friction:g} alone: friction holds every undisturbed rod; add the "
+            "transverse speed each mode is disturbed with, such as --kick 50mm/s"
         )
     return options.friction, units.quantity(options.kick, "--kick", "speed", least=_TINY, largest=LARGEST)
 
@@ -329,7 +328,7 @@ class _CompilingTold(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         if not self.told:
-            say("floquetrod: compiling (once), some seconds")
+            say("floquetrod: compiling, once; this takes some seconds")
             self.told = True
 
 

@@ -30,10 +30,10 @@ def report(result: CoupledRodStability, shown: dict[str, Unit], searched: bool) 
     if len(result.resonances) > _ROWS:
         lines.append(f"          and {len(result.resonances) - _ROWS} more, which grow more slowly (--json lists them)")
     if searched:
-        found = verdicts.margins(result, shown, "stable at rates above {}, as far as tried")
-        lines += [*found[:3], "          found by sampling: changes close to each other may be passed over", *found[3:]]
+        found = verdicts.margins(result, shown, "stable at every rate tried above {}")
+        lines += [*found[:3], "          found by sampling: two changes close together may be missed", *found[3:]]
     else:
-        lines.append("margins   not searched, which takes hundreds of verdicts; --margins does")
+        lines.append("margins   not searched, because this takes hundreds of verdicts; add --margins")
     lines += [
         f"checked   {result.cutoff}",
         f"method    {result.whole.method}, {result.cost}; growth good to {result.error:.0e} 1/s",
@@ -49,7 +49,7 @@ def _headline(result: CoupledRodStability) -> str:
         name = str(growing[0]) if growing else f"grows at {result.growth_rate:.6g} 1/s"
         return f"UNSTABLE: {name}" + (f", and {len(growing) - 1} more" if len(growing) > 1 else "")
     if result.status == "undecided":
-        return "UNDECIDED: whether anything grows cannot be told within the error of the growth rate"
+        return "UNDECIDED: the error of the growth rate is too large to decide whether the rod is stable"
     return "STABLE"
 
 

@@ -46,20 +46,20 @@ a study file, in which strings may carry units:
   [start]                              # kick by mode, random, case, seed
   kick = {8 = "50mm/s"}
   random = "50mm/s"
-  [over]                               # what is varied: any number of the rod, load and run; kick scales the start
+  [over]                               # the varied numbers of the rod, load and run; kick scales the start
   kick = {from = "10mm/s", to = "80mm/s", steps = 8}
   frequency = ["19Hz", "24Hz"]
   length = {distribution = "normal", mean = "3.1m", deviation = "5mm"}
   seed = {from = 1, to = 100}
-  [ensemble]                           # layout ("grid" or "list"), samples and seed of what is drawn, frames
+  [ensemble]                           # layout ("grid" or "list"), samples and seed of distributions, frames
   samples = 20
 
-Fcr is the critical force of the rod as the file describes it, also where the rod is varied.  Distributions are uniform
-and loguniform (low, high) and normal (mean, deviation; low and high if it is truncated).
+Fcr is the critical force of the rod that the file describes, even if the rod is varied.  Distributions are uniform and
+loguniform (low, high) and normal (mean, deviation; low and high if it is truncated).
 
-A store ends in .zarr (a folder that xarray opens, also while it grows; needs floquetrod[ensemble]) or in .npz.  Ctrl-C
-and SIGTERM end the runs in progress, and keep the others: the same command goes on with them.  So do the jobs of an
-array, which share a store by --part.  The exit status is 130 when interrupted, 2 for input that cannot be used.
+A store ends in .zarr (a folder that xarray opens, even while it grows; needs floquetrod[ensemble]) or in .npz.  Ctrl-C
+and SIGTERM end the runs in progress, and keep the others: the same command continues.  So do the jobs of an array, which share a
+store by --part.  The exit status is 130 when interrupted, 2 for invalid input.
 """
 
 _ROWS = 40  # of the table that are printed; all of them are in the JSON (a choice)
@@ -317,7 +317,7 @@ def _table(rows: list[_Row], study: Study, options: argparse.Namespace) -> Itera
 def _onwards(options: argparse.Namespace) -> str:
     """Return a line about how to go on."""
     if options.store is None:
-        return "continue  nothing is kept without --store: the same command begins anew"
+        return "continue  not possible without --store: the same command starts from the beginning"
     return f"continue  {_command(options)}"
 
 

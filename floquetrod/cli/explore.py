@@ -44,13 +44,13 @@ examples:
   floquetrod explore --rod examples/well.toml --wave held --web
   floquetrod explore --rod my_rod.toml --force record.csv
 
-Any rod and load that check judges.  What takes longer than following a slider, all of coupled modes among it, appears
-while the sliders rest.  Axes and sliders are in the units of the load given, or of --unit.  The load is shown as a
-command, which is printed when the window closes.
+The explorer accepts every rod and load of floquetrod check.  Slow results, such as those of coupled modes, appear
+while the sliders rest.  Axes and sliders are in the units of the given load, or of --unit.  The window shows the load
+as a command, and prints it when it closes.
 
-With --out the picture is written and no window opened, which needs no screen.
+With --out the picture is written to a file and no window opens; this needs no screen.
 With --web the window is a page in the browser of this machine (pip install floquetrod[web]).  Its address, which holds
-a secret, is printed, and nobody can open the page without it; Ctrl-C ends it.
+a secret, is printed, and nobody can open the page without it; Ctrl-C ends the page.
 """
 
 _LAST_PORT = 65_535

@@ -29,12 +29,18 @@ def report(result: fr.FrictionalRodStability, shown: Unit) -> list[str]:
         f"needed    {_needed(result, shown)}",
     ]
     if math.isfinite(result.critical_kick.none_up_to):
-        lines.append(f"proved    no kick up to {shown.show(result.critical_kick.none_up_to)} buckles it")
+        lines.append(f"proved    {_proved(result.critical_kick.none_up_to, shown)}")
     if result.modes:
         lines += ["", f"mode  {f'kick needed {shown.name}':>16}  this kick"]
     for mode, fate in zip(result.modes, result.fates, strict=True):
         lines.append(f"{mode:4d}  {shown.of(result.critical_kicks[mode]):16.6g}  {fate.status}: {fate.reason}")
     return lines
+
+
+def _proved(none_up_to: float, shown: Unit) -> str:
+    if none_up_to == 0.0:
+        return "nothing for any kick, however small"
+    return f"no kick up to {shown.show(none_up_to)} buckles the rod"
 
 
 def _needed(result: fr.FrictionalRodStability, shown: Unit) -> str:

@@ -66,13 +66,13 @@ def add_kind(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--mean-at",
         metavar="FRACTION",
-        help="where along an inclined rod the mean force holds, from 0, the upper end, to 1 (default 0.5); none "
-        "neglects the weight along the rod",
+        help="position along an inclined rod where the mean force is given, from 0, the upper end, to 1 (default 0.5); "
+        "none neglects the weight along the rod",
     )
     command.add_argument(
         "--wave",
         choices=("held", "free", "driven"),
-        help="the force comes from the upper end as axial waves; the lower end is held, free, or driven alike",
+        help="the upper end sends axial waves; the lower end is held, free, or driven like the upper one",
     )
     command.add_argument(
         "--axial-damping", metavar="RATE", help="decay rate of axial waves in 1/s (needs --wave; default 0)"
@@ -80,8 +80,8 @@ def add_kind(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--force",
         metavar="FILE",
-        help="a measured force, a text file with columns of time and force such as record.csv: gives the waveform and, "
-        "of mean, amplitude and frequency, what is not given",
+        help="a measured force, a text file with columns of time and force such as record.csv: gives the waveform, and "
+        "mean, amplitude and frequency unless options give them",
     )
     for name, heading, examples in (("time", "time or t", "s or ms"), ("force", "force or f", "kN or lbf")):
         command.add_argument(

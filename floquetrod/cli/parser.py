@@ -68,7 +68,7 @@ def _alone(word: str, words: Sequence[str], options: Any) -> str:
         return f"{word!r} belongs to no option; did you mean --{name}={value}?"
     place = max((i for i, each in enumerate(before) if each.startswith("--")), default=None)
     if place is None or (place == len(before) - 1 and "=" not in before[place]):
-        return f"{word!r} belongs to no option; see which there are"
+        return f"{word!r} belongs to no option"
     option, _, attached = before[place].partition("=")
     value = " ".join(filter(None, [attached, *before[place + 1 :], word]))
     return f"{word!r} belongs to no option; a value of several words needs quotes, as in {option} {shlex.quote(value)}"

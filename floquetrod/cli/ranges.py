@@ -35,7 +35,7 @@ from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.ranges import Cause
 
 _HELP = """\
-List what is stable and what is not along one quantity of the load: give the other two, and what to search.
+List the stable and unstable intervals of one quantity of the load: give a range for it, and values for the others.
 
 examples:
   floquetrod ranges --rod nitinol --amplitude 0.2Fcr --frequency 150rad/s --mean 0:1.2Fcr
@@ -45,14 +45,14 @@ examples:
   floquetrod ranges --rod examples/well.toml --mean 0.5Fcr --frequency 4Hz --amplitude 0:0.5Fcr --wave held
   floquetrod ranges --rod my_rod.toml --force record.csv --mean 0:12N
 
-The ends are those of resonance tongues, not points of a grid.  Tongues in which nothing grows faster than
---growth-tolerance, by default 1e-6 1/s (tenfold in a month), are left out and counted; with 0 every one is listed.  The
-answer is in the unit of the range, or of --unit; --json is in N and rad/s.  Of unstable bands it gives what grows
-fastest, how fast in 1/s and where, and the rod's damping rate in 1/s from which on all of the band is stable.
+The ends of the intervals are the boundaries of resonance tongues, computed without a grid.  Tongues that grow no faster
+than --growth-tolerance, by default 1e-6 1/s (tenfold in a month), are left out and counted; 0 lists them all.  The
+answer is in the unit of the range, or of --unit; --json is in N and rad/s.  For each unstable band it gives the mode
+that grows fastest, its growth rate in 1/s and where it occurs, and the damping rate that stabilises the whole band.
 
-Where ends, weight along an inclined rod or axial waves (--wave) couple the modes, loads are sampled: the ends are those
-of resonances, and the answer says how narrow an unstable part may have been missed.  The damping rate is then that of
-the load at which growth is fastest.
+Clamped, guided or free ends, weight along an inclined rod and axial waves (--wave) couple the modes.  Loads are then
+sampled, and the answer says how narrow an unstable band may have been missed.  The damping rate is then the one that
+stabilises the load with the fastest growth.
 """
 
 

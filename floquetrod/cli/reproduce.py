@@ -12,7 +12,7 @@ from floquetrod.cli.common import Answer, describe_command
 from floquetrod.cli.waiting import say
 
 _HELP = """\
-Make the figures and check the claims of the published study (DOI 10.1115/1.4031710), all computed.
+Recompute the figures and check the claims of the published study (DOI 10.1115/1.4031710).
 
 examples:
   floquetrod reproduce --quick
@@ -21,8 +21,8 @@ examples:
 
 Writes the figures (PNG), claims.md, claims.json and report.html, which holds everything.  --quick takes coarser maps
 and some seconds.  --simulations adds Figures 4 and 7 and claims F4, F7 and E by simulating the whole rod 89 times, some
-two minutes of processor time shared among all processors; with --quick 65 times.  The exit status is 1 when a claim no
-longer comes out as this version says it does.
+two minutes of processor time shared among all processors; with --quick 65 times.  The exit status is 1 if the verdict
+on a claim differs from the one that this version expects.
 """
 
 

@@ -52,20 +52,21 @@ examples:
   floquetrod simulate --rod my_rod.toml --force record.csv --mean 12N --duration 5s
   floquetrod simulate --rod nitinol --mean 0N --amplitude 0N --frequency 1Hz --mu 0.2 --feed-speed 20mm/s --far-force 1N
 
-perturbations add up; none means --random 1mm/s.  Cases are those of the paper, with speeds of 50 mm/s: A one mode,
-B modes 4, 6, 8, 10, C one mode and all others up to 20 at random, D every node at random; A:6, C:6 name the mode (8).
+perturbations add up; the default is --random 1mm/s.  The cases are those of the paper, with speeds of 50 mm/s: A one
+mode, B modes 4, 6, 8, 10, C one mode and all others up to 20 at random, D every node at random; A:6, C:6 set the mode
+(default 8).
 
-A .png, .pdf or .svg file shows the rod from above and the growth of its modes, a .gif or .mp4 moves (the latter needs
-ffmpeg), a .npz holds everything (floquetrod.Simulation.load reads it).  Ctrl-C ends the run early: what was simulated
-so far is written and reported, and with a checkpoint the same command continues later.  The exit status is then 130; it
-is 2 for input that cannot be used, a run that diverges included, and where a file could not be written.
+A .png, .pdf or .svg file shows the rod from above and the growth of its modes, a .gif or .mp4 is an animation (the
+latter needs ffmpeg), a .npz holds all results (floquetrod.Simulation.load reads it).  Ctrl-C ends the run early, writes
+and reports the results so far, and with a checkpoint the same command continues later.  The exit status is then 130; it
+is 2 for invalid input, for a run that diverges, and if a file could not be written.
 
-rods and loads are those of floquetrod check: tubes, fluids, inclined channels, ends of every kind, axial waves from the
+rods and loads are those of floquetrod check: tubes, fluids, inclined channels, all kinds of ends, axial waves from the
 upper end, measured forces.  --feed-speed moves the upper end down the channel in place of the force there; --far-force
-is the mean force at the lower end, where that end is pushed.
+is the mean force that pushes the lower end.
 
-Segments cost: half as many take a quarter of the time.  By default there are enough for growth rates right to a
-thousandth; half as many are right to a hundredth.
+Half as many segments take a quarter of the time.  The default is enough for growth rates accurate to a thousandth; half
+as many give a hundredth.
 """
 
 _FRAMES = 400  # at least: a picture every 5 ms of two seconds (a choice)
@@ -84,9 +85,7 @@ def add(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--feed-speed", metavar="SPEED", help="speed at which the upper end is moved down the channel, such as 10mm/s"
     )
-    command.add_argument(
-        "--far-force", metavar="FORCE", help="mean force at the lower end (default: what the load makes it)"
-    )
+    command.add_argument("--far-force", metavar="FORCE", help="mean force at the lower end (default: from the load)")
     command.add_argument("--duration", metavar="TIME", default="2s", help="how long to simulate (default 2s)")
     add_coefficient(command, "default 0", 0.0)
     command.add_argument(
@@ -96,9 +95,9 @@ def add(command: argparse.ArgumentParser) -> None:
         default=[],
         help="speed in a mode, such as 8:50mm/s; repeatable",
     )
-    command.add_argument("--random", metavar="SPEED", help="every node its own speed, up to this, such as 1mm/s")
+    command.add_argument("--random", metavar="SPEED", help="a random speed at every node, up to this, such as 1mm/s")
     command.add_argument("--case", help="perturbation of the paper: A, B, C or D, with a mode as in A:6")
-    command.add_argument("--seed", metavar="N", type=whole_number, help="of what is drawn at random (default 1)")
+    command.add_argument("--seed", metavar="N", type=whole_number, help="seed of random speeds (default 1)")
     command.add_argument(
         "--segments", metavar="N", type=whole_number, help="segments of the rod (default: enough for the load)"
     )
@@ -109,7 +108,7 @@ def add(command: argparse.ArgumentParser) -> None:
         "--frames",
         metavar="N",
         type=whole_number,
-        help="frames kept (default: 400, more where the growth rate asks it)",
+        help="frames to store (default: 400, more if the growth rate needs them)",
     )
     command.add_argument(
         "--theory",

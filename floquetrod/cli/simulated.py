@@ -51,12 +51,12 @@ class Found(NamedTuple):
 def found(run: fr.Simulation, theory: bool) -> Found:
     """Return the growth of a run and, where asked for, what theory says."""
     growth, not_fitted = _growth(run)
-    bare = Found(run, growth, not_fitted, None, None, None, None, "not asked for")
+    bare = Found(run, growth, not_fitted, None, None, None, None, "not requested")
     if not theory:
         return bare
     problem, rod = run.problem, run.rod
     if problem.feed_speed is not None or problem.far_force is not None:
-        return bare._replace(no_theory="none: it takes the force of the load at both ends")
+        return bare._replace(no_theory="none: theory needs the force of the load at both ends")
     try:
         linear = rod.stability(problem.load)
     except ValueError as error:
@@ -66,7 +66,7 @@ def found(run: fr.Simulation, theory: bool) -> Found:
     if problem.friction > 0.0:
         if not independent:
             return bare._replace(
-                linear=linear, no_theory="the critical kick is that of independent modes, these are coupled"
+                linear=linear, no_theory="the critical kick is defined for independent modes; these are coupled"
             )
         return bare._replace(linear=linear, needed=rod.critical_kick(problem.load, friction=problem.friction))
     predicted = linear.growth_rate

@@ -56,8 +56,8 @@ A .png, .pdf or .svg file is a figure, a .csv file the vertices of the bands, a 
 (floquetrod.Chart.load reads it); give --out twice for both.  Axes, caption and .csv are in the units of the ranges, or
 of --unit; a .npz file is in N and rad/s.
 
-Where ends, weight along an inclined rod or axial waves (--wave) couple the modes, a point takes a millisecond and more:
-begin with few of them.
+Ends that are not hinged, weight along an inclined rod and axial waves (--wave) couple the modes.  A point then takes a
+millisecond or more: begin with few points.
 """
 
 _MOST_POINTS = 25_000_000  # half a gigabyte with growth rates (a choice)

@@ -110,7 +110,7 @@ def _headline(result: SystemStability) -> str:
     if result.status == "unstable":
         return f"UNSTABLE: grows at {result.growth_rate:.6g} per unit time"
     if result.status == "undecided":
-        return "UNDECIDED: a multiplier is too close to the unit circle, or two are to each other"
+        return "UNDECIDED: a multiplier is too close to the unit circle, or two multipliers are too close together"
     if _largest(result) < 0.0:
         return "STABLE: every motion decays"
     if result.strongly_stable:

@@ -109,7 +109,7 @@ class Study:
                 return
             except ValueError as error:
                 first = first or error
-        raise ValueError(f"over varies the problem so that no run tried can be made, the first of them: {first}")
+        raise ValueError(f"over makes only runs that are impossible, as far as tried; the first: {first}")
 
 
 def varied(problem: SimulationProblem, values: Mapping[str, float | int]) -> SimulationProblem:
@@ -144,7 +144,7 @@ def _scaled(kick: Perturbation, speed: float, segments: int) -> Perturbation:
     speed = validate.nonnegative("kick", speed, "in m/s")
     largest = float(np.abs(kick.velocities(segments)).max())
     if largest == 0.0:
-        raise ValueError("kick scales the perturbation of the problem, which moves nothing; give it one")
+        raise ValueError("kick scales the perturbation of the problem, which is zero; give it one")
     factor = speed / largest
     return Perturbation(
         tuple((mode, factor * own) for mode, own in kick.speeds),
@@ -166,7 +166,7 @@ def study_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, s
         if name not in known:
             raise ValueError(f"over must name what can be varied, {', '.join(known)}; got {validate.short(name)}")
     if "seed" in over and not problem.perturbation.noises:
-        raise ValueError("over varies the seed, but nothing is drawn: give the problem a Perturbation.random")
+        raise ValueError("over varies the seed, but nothing is random: give the problem a Perturbation.random")
     given = {name: _values(problem, name, value) for name, value in over.items() if quantile_function(value) is None}
     drawn = {name: value for name, value in over.items() if name not in given}
     count = _samples(samples, drawn, given if layout == "list" else {})

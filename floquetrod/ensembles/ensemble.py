@@ -216,13 +216,13 @@ def _first_runs(job: tasks.Job, study: Study, pending: Sequence[int]) -> tuple[t
         except tasks.OWN_ERRORS as error:
             at = ", ".join(f"{name} = {value:g}" for name, value in study.values(run).items())
             raise ValueError(
-                f"summary must make numbers of a run; of that with {at} it raised {reason_of(error)}"
+                f"summary must return numbers for a run; for that with {at} it raised {reason_of(error)}"
             ) from error
         names = tuple(outcome.summary)
         taken = {*RESULTS, *study.dims, *(axis.name for axis in study.axes), "reason", "time", "angle", "positions"}
         for name in names:
             if name in taken or not name.isidentifier():
-                raise ValueError(f"summary must name its numbers by words that are not taken, got {name!r}")
+                raise ValueError(f"summary must use names that are not taken, got {name!r}")
         return names, [*made, outcome]
     return (), made
 

@@ -76,8 +76,8 @@ class DiskStore(MemoryStore):
                 self._has_warned = True
                 _warn(
                     f"store {self.path} cannot be written ({cause}); the runs continue, their results are returned, "
-                    "and it is tried again until the end: what the store lacks then, fr.ensemble makes when it is "
-                    "called again with the same arguments and the cause is gone"
+                    "and writing is tried again until the end; to add what the store then lacks, remove the cause and "
+                    "call fr.ensemble again with the same arguments"
                 )
             return False
         return True

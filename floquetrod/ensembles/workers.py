@@ -191,7 +191,7 @@ class OwnProcesses(TaskRunner):
             raise RuntimeError(
                 f"{_STARTS} worker processes one after another ended as soon as they started: in a script call "
                 "fr.ensemble(workers=...) under 'if __name__ == \"__main__\":', which new processes import without "
-                "running it; elsewhere see whether they are killed, or memory is short"
+                "running it; elsewhere check whether they are killed, or memory is short"
             )
         self._pools[place].executor.shutdown(wait=False)
         self._pools[place] = _Pool.started()
@@ -319,8 +319,8 @@ def _broken(error: BaseException) -> RuntimeError:
     """Return the error for an executor that makes no more runs."""
     cause = str(error) or type(error).__name__
     return RuntimeError(
-        f"the executor has failed ({type(error).__name__}: {cause}); what came is kept: call fr.ensemble again with "
-        "the same arguments, store and a new executor to continue"
+        f"the executor has failed ({type(error).__name__}: {cause}); finished runs are kept: call fr.ensemble again "
+        "with the same arguments, store and a new executor to continue"
     )
 
 

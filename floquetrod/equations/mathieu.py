@@ -15,7 +15,7 @@ from floquetrod.equations.base import Alternating, Piece, damping_rate, set_fiel
 from floquetrod.equations.hill import Hill
 
 
-@tells_arguments(a="Mathieu.from_aq(a, q) takes them", q="Mathieu.from_aq(a, q) takes them")
+@tells_arguments(a="Mathieu.from_aq(a, q) accepts them", q="Mathieu.from_aq(a, q) takes them")
 @dataclass(frozen=True)
 class Mathieu(Alternating):
     """Mathieu's equation A'' + 2 c A' = (beta + alpha sin tau) A, of period 2 pi.

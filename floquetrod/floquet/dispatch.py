@@ -147,7 +147,7 @@ def stability(
         result = run(family, method, equation, **options)
         return result
     if options:
-        raise TypeError(f"method='auto' takes no options, got {', '.join(options)}; name a method to pass them to")
+        raise TypeError(f"method='auto' accepts no options, got {', '.join(options)}; name a method to pass them to")
     result = judge(family, equation)
     return result
 

@@ -226,7 +226,7 @@ class Fate(NoTruthValue):
 _REASONS: dict[int, tuple[Literal["bounded", "escapes", "undecided"], str]] = {
     kernels.NO_GROWTH: ("bounded", "nothing grows without friction"),
     kernels.STUCK: ("bounded", "sticks for all time"),
-    kernels.KEPT: ("bounded", "no later stop lies farther out"),
+    kernels.KEPT: ("bounded", "comes to rest, and never moves farther out again"),
     kernels.TRAPPED: ("bounded", "sticks and slips within bounds, as far as sampling shows"),
     kernels.GROWS: ("escapes", "the growing Floquet solution has outgrown friction"),
     kernels.LIMIT: ("undecided", "not decided within max_steps"),

@@ -12,7 +12,7 @@ Where abs(E) exceeds the integral of abs(psi) over all later time, E keeps its s
 the growing Floquet solution.  Every motion that does not stay bounded passes this test at some time.
 
 *Stuck.*  At rest where (abs(alpha) + abs(beta)) abs(A) <= 1: for all time.  *Kept.*  At rest where Q abs(A) <= 1 and
-abs(alpha) abs(A) <= 2: no later stop lies farther out.
+abs(alpha) abs(A) <= 2: the motion never goes farther out again.
 """
 
 from __future__ import annotations

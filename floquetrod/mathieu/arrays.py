@@ -19,7 +19,7 @@ from floquetrod._util.compilation import INTERPRETED_UP_TO, over_chunks
 from floquetrod.kernels import mathieu as kernels
 from floquetrod.kernels import mathieu_counts as counts
 
-_FROM_AQ = dict.fromkeys("aq", "alpha, beta = fr.conventions.from_aq(a, q) gives what it takes")
+_FROM_AQ = dict.fromkeys("aq", "convert a and q first: alpha, beta = fr.conventions.from_aq(a, q)")
 
 _CHUNK = 1024
 """Points a thread takes at a time; each costs a microsecond, far out more, and a verdict without damping much less."""

@@ -45,7 +45,7 @@ def characteristic_values(order: Any, q: Any, kind: str, *, workers: int | None 
     16.5475476467
     """
     odd_solution = validate.choice("kind", kind, ("a", "b")) == "b"
-    hint = "real_order_values takes others" + (", and there is no b_0" if odd_solution else "")
+    hint = "real_order_values accepts others" + (", and there is no b_0" if odd_solution else "")
     orders = validate.integer_array("order", order, 1 if odd_solution else 0, hint=hint)
     shape, (m, x) = broadcast(order=orders, q=validate.array("q", q))
     out = np.empty(m.size)

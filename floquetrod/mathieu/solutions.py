@@ -162,7 +162,7 @@ def characteristic_function(order: float, q: float, kind: str = "floquet") -> Fl
         frequencies, vector = _without_tails(frequencies, vector)
         scaled = vector * _sign_of_me(nu, frequencies, vector) / math.sqrt(float(vector @ vector))
         return FloquetSolution(f"me_{nu:g}(z, {size:g})", 0j, frequencies, scaled.astype(complex), math.pi, False)
-    hint = 'kind "floquet" takes other orders'
+    hint = 'kind "floquet" accepts other orders'
     m = validate.integer("order", order, 1 if kind == "b" else 0, int(_HIGHEST), hint)
     value = characteristic_values(m, size, kind)
     harmonics, vector = _periodic(m, size, kind, value)

@@ -161,7 +161,7 @@ def along_amplitude(b: Floats, above: Floats, low: Floats, high: Floats) -> Tong
 
 
 def damping_to_stabilise(alpha: Floats, beta: Floats, least: Floats | float = 0.0) -> Floats:
-    """Return the smallest c from which on every larger damping stabilises each equation, infinite where none does.
+    """Return the smallest c above which every damping stabilises each equation, infinite where none does.
 
     Answers below ``least`` may be zero instead, which takes less work.
 

@@ -128,7 +128,7 @@ class Bands(NoTruthValue, ByContent):
         """What has been left out, "" where nothing."""
         parts = []
         if self.hairlines:
-            kind = "slower" if self.growth_tolerance else "hairline"
+            kind = "slower" if self.growth_tolerance else "negligible"
             parts.append(f"{self.hairlines:,} {kind} tongue{'s' * (self.hairlines > 1)} left out")
         if any(self.resolution):
             x, y = (

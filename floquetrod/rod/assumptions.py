@@ -36,10 +36,9 @@ def warn_unless_uniform(rod: RodData, load: Load) -> None:
     ratio = highest * rod.wave_ratio(load)
     if load.amplitude > 0.0 and load.is_uniform and ratio > UNIFORM_UP_TO:
         warnings.warn(
-            f"at {highest * load.frequency:.6g} rad/s omega L / (2 pi) is {ratio:.2g} of the axial wave speed "
-            f"{rod.wave_speed:.0f} m/s: the force is not uniform along the rod, as this load takes it to be (fit for "
-            f"ratios below {UNIFORM_UP_TO:g}); "
-            "AxialWave follows the waves",
+            f"at {highest * load.frequency:.6g} rad/s the rod is {ratio:.2g} axial wavelengths long (wave speed "
+            f"{rod.wave_speed:.0f} m/s); this load assumes a force that is uniform along the rod, which is accurate "
+            f"below {UNIFORM_UP_TO:g} wavelengths; use AxialWave, which computes the waves",
             UniformForceWarning,
             stacklevel=level_of_caller(),
         )
@@ -51,7 +50,7 @@ def assumptions(rod: RodData, load: Load) -> tuple[str, ...]:
         vibration = "axial waves without friction on them"
         vibration += "" if load.axial_damping else ", undamped"
     else:
-        vibration = f"vibration uniform along the rod: omega L / (2 pi c_0) = {rod.wave_ratio(load):.2g} neglected"
+        vibration = f"vibration uniform along the rod, which is {rod.wave_ratio(load):.2g} axial wavelengths long"
     weight = rod.weight_along > 0.0 and load.mean_at is None
     return (
         vibration,

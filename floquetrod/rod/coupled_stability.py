@@ -112,7 +112,7 @@ class CoupledRodStability(RodVerdict):
     def cutoff(self) -> str:
         """Why these modes and no others."""
         if len(self.convergence) == 1:
-            return f"{self.modes_checked} coupled modes, as asked for"
+            return f"{self.modes_checked} coupled modes, as requested"
         (fewer, first), (last, final) = self.convergence[-2:]
         change = abs(final - first)
         known = f"growth differs by {change:.1g} 1/s" if math.isfinite(change) else "growth could not be compared"

@@ -109,7 +109,7 @@ class Sampling:
             listed = ", ".join(f"{name} = {value:.6g}" for name, value in sample.items())
             remedy = ".  Truncate the distribution, with scipy.stats.truncnorm for example" if good.any() else ""
             raise ValueError(
-                f"parameters must give rods and loads that can be, but {np.count_nonzero(~good):,} of {good.size:,} "
+                f"parameters must describe possible rods and loads, but {np.count_nonzero(~good):,} of {good.size:,} "
                 f"samples do not, such as {listed}: {error}{remedy}"
             ) from None
 

@@ -72,8 +72,8 @@ def _in_si(quantity: Quantity, text: str, name: str) -> float:
     """Return a quantity of a load that is given with its unit, such as "24Hz" or "0.2kN"."""
     if KINDS[quantity] == "force" and text.strip().lower().endswith("fcr"):
         raise ValueError(
-            f"{name} must have a unit of force such as N or kN, got {validate.short(text)}: a load knows no rod; "
-            f"give {name} as a number times rod.critical_force"
+            f"{name} must have a unit of force such as N or kN, got {validate.short(text)}: a load does not contain "
+            f"the rod; give {name} as a number times rod.critical_force"
         )
     return units.quantity(text, name, KINDS[quantity])
 

@@ -78,8 +78,8 @@ def friction_and_kick(friction: Any, kick: Any) -> tuple[float, float] | None:
     if kick is None:
         if friction:
             raise ValueError(
-                f"kick must be given with friction, got friction = {friction:g} alone: friction holds every rod that "
-                "nothing disturbs; give kick=0.05 (m/s), say, or ask critical_kick what it takes"
+                f"kick must be given with friction, got friction = {friction:g} alone: friction holds every "
+                "undisturbed rod; give kick=0.05 (m/s), say, or compute the smallest kick with critical_kick"
             )
         return None
     if friction is None:
@@ -87,7 +87,7 @@ def friction_and_kick(friction: Any, kick: Any) -> tuple[float, float] | None:
             f"friction must be given with a kick, got kick = {validate.short(kick)} alone: without friction an "
             "unstable mode grows whatever the kick; give friction=0.1, say, or leave out both"
         )
-    hint = "give the transverse velocity in m/s, 0.05 say; critical_kick tells what it takes"
+    hint = "give the transverse velocity in m/s, 0.05 say; critical_kick computes the smallest that buckles"
     return friction, validate.within("kick", validate.positive("kick", kick, hint), 0.0, _LARGEST, "give it in m/s")
 
 

@@ -111,7 +111,7 @@ class ModalSystem:
     def cutoff(self) -> str:
         """Which modes these are, and what is known of all others."""
         if math.isinf(self.left_out_bound):
-            return f"the {len(self.modes)} modes asked for; nothing is said about others"
+            return f"the {len(self.modes)} modes requested; others were not checked"
         if self.left_out_bound > 0.0:
             growth = f"every higher mode grows at less than {self.left_out_bound:.1g} per second"
             return f"modes 1 to {self.modes[-1]}: {growth}"

@@ -46,8 +46,8 @@ class ProvedRod(ModalRod):
         frequency : float or (low, high)
             omega in rad/s, greater than 0: a number, or both ends of what it may be.
         growth_tolerance : float
-            Growth rate in 1/s up to which a mode counts as stable.  Without damping nothing of positive size can be
-            proved stable with 0: hairline tongues are everywhere.
+            Growth rate in 1/s up to which a mode counts as stable.  Without damping no box of positive size can be
+            proved stable with 0: thin tongues are everywhere.
         rod : mapping, optional
             Parameters of the rod that vary, by name, each a number or (low, high) in SI units:
             ``{"length": (3.05, 3.15)}``; diameters may be given in place of radii.

@@ -196,9 +196,9 @@ class StabilityIntervals(NoTruthValue):
             for gap in self.not_computed
         ]
         if unstable:
-            what = "this load" if self.searched.has_coupled_modes else "the band, as sampled,"
+            what = "that load" if self.searched.has_coupled_modes else "every sampled load of the band"
             lines += [
-                f"  (unstable: fastest growth, at which load, and damping rate from which on {what} is stable)",
+                f"  (unstable: fastest growth, where it occurs, and damping rate above which {what} is stable)",
                 f"  (largest damping rate required: {_rounded_up(self.required_damping)})",
             ]
         if self.resolution:

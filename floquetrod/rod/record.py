@@ -360,13 +360,13 @@ def _note(samples: Samples, found: Found, missing: int, most: int | None) -> str
     slope, error = found.fit.coefficients[1], math.sqrt(found.fit.covariance[1, 1])
     if slope:
         size = samples.scale / samples.half
-        parts.append(f"trend of {size * slope:.3g} +- {size * error:.1g} N/s, no part of the force")
+        parts.append(f"trend of {size * slope:.3g} +- {size * error:.1g} N/s, removed from the force")
     tested = len(found.every.numbers)
     if most is not None and tested < most:
-        parts.append(f"{tested} harmonics looked for: the sampling allows for no more")
+        parts.append(f"{tested} harmonics fitted: the sampling allows no more")
     if found.beyond:
         some = ", ".join(map(str, found.beyond[:3])) + (" and others" if len(found.beyond) > 3 else "")
-        parts.append(f"harmonics {some} above the noise but not looked for: give harmonics={found.beyond[-1]} or so")
+        parts.append(f"harmonics {some} above the noise but not fitted: give harmonics={found.beyond[-1]} or so")
     loud = [number for number, factor in zip((0, *found.fit.numbers), found.factors, strict=True) if factor > 1.0]
     if loud:
         where = " and ".join(

@@ -42,11 +42,9 @@ def with_noise(rod: ModalRod, verdict: AnyVerdict, record: ForceRecord, progress
         if progress is not None:
             progress(done, NOISE_DRAWS)
     noise = math.sqrt(float(np.mean(np.square(changes))))
-    note = f"by the noise of the record growth is uncertain by {noise:.2g} 1/s"
+    note = f"noise in the record makes the growth rate uncertain by {noise:.2g} 1/s"
     if others:
-        note = (
-            f"{note}; by its fit the rod is {verdict.status}, by {others} of {NOISE_DRAWS} forces within its errors not"
-        )
+        note = f"{note}; the fit is {verdict.status}, but {others} of {NOISE_DRAWS} forces within its errors are not"
     return replace(
         verdict,
         status="undecided" if others else verdict.status,

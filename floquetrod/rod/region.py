@@ -252,8 +252,8 @@ class _Proving:
             return f"{where} a mode grows faster than {limit}"
         if status == "mixed":
             unstable = next(each for each in self.examples.values() if each.status == "unstable")
-            return f"{where}: some are stable, some not; {unstable.statement} under {unstable.load}"
-        return f"{where} nothing is proved of all"
+            return f"{where}: some are stable, some are not; {unstable.statement} under {unstable.load}"
+        return f"{where} nothing is proved"
 
     def _note(self, status: RegionStatus, shares: Shares) -> str:
         """Return why nothing was decided."""

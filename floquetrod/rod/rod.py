@@ -168,7 +168,7 @@ class Rod(ProvedRod):
         Warns
         -----
         UniformForceWarning
-            When omega L / (2 pi) exceeds a tenth of the axial wave speed (a heuristic limit).
+            When the rod is longer than a tenth of an axial wavelength (a heuristic limit).
         PlausibilityWarning
             When the load looks as if it were in another unit: Hz for rad/s, kN or mN for N.
 
@@ -278,7 +278,7 @@ class Rod(ProvedRod):
         bounds : tuple of float, optional
             Mean forces between which to search, (low, high) in N; by default from 0 to 1.5 critical forces.
         growth_tolerance : float
-            Growth rate in 1/s up to which a mode counts as stable.  The default leaves out, and counts, the hairlines
+            Growth rate in 1/s up to which a mode counts as stable.  The default leaves out, and counts, the tongues
             in which nothing grows tenfold within a month; with 0 every tongue is resolved, which takes long where
             there are thousands, at low frequencies.
         like : AxialLoad, AxialWave or ForceRecord, optional

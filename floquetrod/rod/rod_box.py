@@ -154,7 +154,7 @@ def _rod_sides(rod: ModalRod, given: Mapping[str, Any] | None) -> dict[str, Inte
         name = DIAMETERS.get(word, word)
         if name not in rod.parameters:
             also = "; give inner_radius in place of it" if word == "wall_thickness" else ""
-            also = "; the ends of a rod are no number" if word == "ends" else also
+            also = "; the ends of a rod are not a number" if word == "ends" else also
             raise ValueError(
                 f"rod must name parameters of a rod ({', '.join(rod.parameters)}), got {validate.short(word)}{also}"
             )

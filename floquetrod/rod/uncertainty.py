@@ -142,7 +142,7 @@ class InstabilityProbability(NoTruthValue):
         """Why there are no Sobol indices, "" where there are."""
         fewer, kind = min((self.unstable, "unstable"), (self.samples - self.unstable, "stable"))
         if not fewer:
-            return f"no sample was {kind}: nothing is more important than anything else"
+            return f"no sample was {kind}: no parameter matters more than another"
         if 2 * self._points * fewer >= _LEAST_EVENTS * _REPLICATES * self.samples:
             return ""
         remedy = "; take more samples" if self._points < _MOST_POINTS else ""

@@ -47,7 +47,7 @@ class UnstableBand(NamedTuple):
     cause : (int, int), Resonance or "unnamed"
         What grows there: (mode, tongue), where modes are coupled a resonance.
     required_damping : float
-        The rod's total damping rate in 1/s from which on every larger one stabilises all of the band, infinite where
+        The rod's total damping rate in 1/s above which every rate stabilises all of the band, infinite where
         none does.  Where modes are coupled, that of the load ``at`` which growth is worst.
     """
 

@@ -223,7 +223,7 @@ class SimulationProblem:
         place = None if checkpoint is None else validate.path("checkpoint", checkpoint)
         validate.progress(progress)
         if self.unresolved:
-            wrong = f"{self.unresolved}: what grows, and how fast, will be wrong"
+            wrong = f"{self.unresolved}: the growing modes and their rates will be wrong"
             remedy = f"take {self._growing.least_segments} or more, or leave segments out for {self._fair_segments()}"
             warnings.warn(f"{wrong}; {remedy}", ResolutionWarning, stacklevel=level_of_caller())
         file = None if place is None else Checkpoint(place, self.as_dict() | {"time_steps": asdict(self.time_steps)})

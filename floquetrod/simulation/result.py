@@ -151,7 +151,7 @@ class RecordedMotion(NoTruthValue, ByContent):
 
     @property
     def _why_no_more(self) -> str:
-        return f"{self._segments} segments show no higher mode"
+        return f"{self._segments} segments resolve no higher mode"
 
     @property
     def _last_quarter(self) -> int:

@@ -141,7 +141,7 @@ class Perturbation:
             raise ValueError(f"segments must be at most {MOST_SEGMENTS:,}, got {segments:,}; take fewer")
         if self.highest_mode * LEAST_SEGMENTS > segments:
             raise ValueError(
-                f"perturbation names mode {self.highest_mode}, which {segments} segments cannot carry: it takes at "
+                f"perturbation names mode {self.highest_mode}, which {segments} segments cannot resolve: it needs at "
                 f"least {LEAST_SEGMENTS * self.highest_mode}, {LEAST_SEGMENTS} for every half wave"
             )
         place = np.arange(1, segments) * (math.pi / segments)

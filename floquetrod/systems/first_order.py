@@ -159,7 +159,7 @@ def first_order_tongues(system: HillSystem) -> tuple[FirstOrderTongue, ...]:
             if abs(product.imag) > 1e-9 * abs(product):
                 raise ValueError(
                     "system must have harmonics that are symmetric, or even about an instant, got one in which modes "
-                    f"{i + 1} and {j + 1} act on each other with different phases; ask stability(system)"
+                    f"{i + 1} and {j + 1} act on each other with different phases; use stability(system)"
                 )
             found += _tongue(i, j, order, frequencies, rates, product.real)
     found.sort(key=lambda tongue: (-tongue.growth_rate, tongue.frequency))
@@ -173,9 +173,9 @@ def _require_modes(system: Any) -> None:
         raise TypeError(f"system must be a HillSystem, got {validate.short(system)}")
     matrices.require_one(system)
     if system.gyroscopic is not None:
-        raise ValueError("system must have no gyroscopic terms: its modes would not be real; ask stability(system)")
+        raise ValueError("system must have no gyroscopic terms: its modes would not be real; use stability(system)")
     if not matrices.symmetric(system.stiffness):
-        raise ValueError("system must have a symmetric mean stiffness: its modes are used; ask stability(system)")
+        raise ValueError("system must have a symmetric mean stiffness: its modes are used; use stability(system)")
 
 
 def _modal(system: HillSystem) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.complex128]]:

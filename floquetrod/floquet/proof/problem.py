@@ -112,7 +112,7 @@ def _read(kind: Any, parameters: Parameters) -> ExactProblem:
     names = [field.name for field in fields(kind)]
     unknown = [name for name in parameters if name not in names]
     if unknown:
-        raise TypeError(f"{', '.join(unknown)} is no parameter of {kind.__name__}; they are {', '.join(names)}")
+        raise TypeError(f"{', '.join(unknown)} is not a parameter of {kind.__name__}; they are {', '.join(names)}")
     exact = {name: _exact(name, value, several=name in LISTS) for name, value in parameters.items()}
     equation: Equation = kind(**{name: _nearest(name, value) for name, value in exact.items()})
     if exact.get("damping", 0) < 0:  # by less than a double shows

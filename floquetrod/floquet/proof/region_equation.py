@@ -74,7 +74,7 @@ def _sides(parameters: dict[str, Any]) -> ExactSides:
     """Return the exact ends of all parameters."""
     unknown = [name for name in parameters if name not in _NAMES]
     if unknown:
-        raise TypeError(f"{', '.join(unknown)} is no parameter of Mathieu; they are {', '.join(_NAMES)}")
+        raise TypeError(f"{', '.join(unknown)} is not a parameter of Mathieu; they are {', '.join(_NAMES)}")
     missing = [name for name in _NAMES[:2] if name not in parameters]
     if missing:
         raise TypeError(f"{missing[0]} must be given, a number or (low, high)")
