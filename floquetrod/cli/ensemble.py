@@ -58,8 +58,8 @@ Fcr is the critical force of the rod that the file describes, even if the rod is
 loguniform (low, high) and normal (mean, deviation; low and high if it is truncated).
 
 A store ends in .zarr (a folder that xarray opens, even while it grows; needs floquetrod[ensemble]) or in .npz.  Ctrl-C
-and SIGTERM end the runs in progress, and keep the others: the same command continues.  So do the jobs of an array, which
-share a store by --part.  The exit status is 130 when interrupted, 2 for invalid input.
+and SIGTERM end the runs in progress, and keep the others: the same command continues.  So do the jobs of an array,
+which share a store by --part.  The exit status is 130 when interrupted, 2 for invalid input.
 """
 
 _ROWS = 40  # of the table that are printed; all of them are in the JSON (a choice)
