@@ -8,7 +8,7 @@ from floquetrod.rod.friction import CriticalKick
 from floquetrod.rod.mode_friction import ModeFriction
 from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.parts import Channel, Ends, Fluids, Material, Section
-from floquetrod.rod.ranges import StabilityInterval
+from floquetrod.rod.ranges import BucklingWarning, StabilityInterval
 from floquetrod.rod.unstable_bands import UnstableBand
 from floquetrod.rod.verdict import Margin
 
@@ -17,6 +17,7 @@ __all__ = [
     "AxialResonance",
     "AxialResponse",
     "BucklingForce",
+    "BucklingWarning",
     "Channel",
     "CriticalKick",
     "Ends",
