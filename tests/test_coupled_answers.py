@@ -13,7 +13,9 @@ import pytest
 
 import floquetrod as fr
 from floquetrod.floquet.systems import resonances
+from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
+from floquetrod.rod.coupled import CoupledModes
 from floquetrod.rod.load import Load
 
 PLAIN = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05)
@@ -290,6 +292,14 @@ def test_a_search_that_would_take_long_says_how_far_it_went() -> None:
         found.margin("mean", seconds=0.0)
 
 
+def test_a_margin_reports_each_piece_of_its_search() -> None:
+    told: list[tuple[int, int]] = []
+    fr.Rod.nitinol().stability(fr.AxialLoad(0.2, 0.0, 150.0)).margin("mean", progress=lambda *both: told.append(both))
+    assert [done for done, _ in told] == sorted(done for done, _ in told)
+    assert len(told) > 3  # more than both ways and the end
+    assert told[-1] == (10, 10)
+
+
 def test_a_margin_keeps_what_is_known_of_its_search() -> None:
     margin = fr.rod.Margin(1.0, math.inf, 0.5, (1.0, 8.0))
     below, above = margin
@@ -311,6 +321,48 @@ def test_critical_loads_are_where_growth_begins() -> None:
             assert (ROD.growth_rate(MEAN, share * amplitude, FREQUENCY, like=like) <= 1e-6) == expected
         assert not (scan("amplitude", np.linspace(0.0, 0.99, 40) * amplitude, kind) == 0).any()
     assert math.isinf(ROD.replace(damping_rate=30.0).critical_amplitude(0.0, 3.3 * SWING))
+
+
+def test_critical_loads_of_zero_have_a_reason() -> None:
+    long = PLAIN.replace(inclination=0.2, length=180.0)
+    loads = 0.3 * long.critical_force, 0.1 * long.pendulum_frequency
+    alone = r"weight along the rod alone buckles it, with 2134 N, 2\.41 critical forces, .* at the lower end"
+    with pytest.warns(fr.rod.BucklingWarning, match=rf"amplitude 0 is the limit: the {alone}"):
+        assert long.critical_amplitude(*loads) == 0.0
+    with pytest.warns(fr.rod.BucklingWarning, match=rf"mean force 0 is the limit: the {alone}"):
+        assert long.critical_mean_force(*loads) == 0.0
+    short = PLAIN.replace(inclination=1.0)
+    with pytest.warns(fr.rod.BucklingWarning, match="the mean force with the weight along the rod buckles it"):
+        assert short.critical_amplitude(3.0 * short.critical_force, SWING) == 0.0
+    held = PLAIN.replace(ends="clamped")  # no weight along it: the mean force given is the reason
+    assert held.critical_amplitude(3.0 * held.critical_force, SWING) == 0.0
+
+
+def test_an_undecided_start_is_not_called_unstable(monkeypatch: pytest.MonkeyPatch) -> None:
+    undecided = np.array([-1], dtype=np.int8), np.array([np.nan])
+    monkeypatch.setattr(CoupledModes, "_judged", lambda *_: ManyVerdicts(*undecided))
+    with pytest.warns(fr.friction.UndecidedWarning, match="without mean force could not be decided"):
+        assert ROD.critical_mean_force(AMPLITUDE, FREQUENCY) == 0.0
+
+
+def test_without_vibration_the_stiffness_decides(rng: np.random.Generator) -> None:
+    rod = ROD.replace(damping_rate=float(rng.uniform(0.0, 0.5)))
+    mean = rng.uniform(-0.5, 3.0, 7) * UNIT
+    numbers = mean, np.where(np.arange(7) % 3, 0.0, AMPLITUDE), FREQUENCY  # some vibrate, some do not
+    status, growth = rod.verdicts(*numbers), rod.growth_rate(*numbers)
+    for i in np.flatnonzero(numbers[1] == 0.0):
+        found = rod.stability(fr.AxialLoad(float(mean[i]), 0.0, FREQUENCY))
+        assert {1: "stable", 0: "unstable"}[int(status[i])] == found.status
+        assert growth[i] == pytest.approx(found.growth_rate, rel=1e-6, abs=1e-9)
+
+
+def test_a_buckling_load_is_undecided_without_vibration() -> None:
+    modes = CoupledModes(ROD.coupled_numbers, load(), 12)
+    low, high = 0.0, 10.0 * UNIT
+    for _ in range(100):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if modes.static_answers(np.array([middle])).status[0] == 1 else (low, middle)
+    assert modes.static_answers(np.array([low * (1.0 - 1e-9), high, high * (1.0 + 1e-9)])).status.tolist() == [1, -1, 0]
 
 
 # --- damping ---

@@ -422,6 +422,7 @@ def test_junk_is_refused_by_name_or_answered(
             fr.friction.UndecidedWarning,
             fr.UniformForceWarning,
             fr.PlausibilityWarning,
+            fr.rod.BucklingWarning,
         ):  # warnings are errors here; these are answers
             continue
         except Exception as error:  # whatever else comes is the fault looked for

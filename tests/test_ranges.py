@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ from floquetrod.floquet.methods.reference import reference
 from floquetrod.mathieu import tongues
 from floquetrod.mathieu.tongues import along_amplitude
 from floquetrod.rod.constants import HAIRLINE_GROWTH
+from fuzz import ranges as ranges_attack
+from fuzz import rods
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -142,6 +145,29 @@ def test_damped_and_tolerant_ranges_against_dense_scans(
     size: float, mean: float, amplitude: float, speed: float, damping: float, tolerance: float
 ) -> None:
     scan_a_damped_rod(size, mean, amplitude, speed, damping, tolerance)
+
+
+@settings(max_examples=depth(700, 4))
+@given(st.integers(0, 2**32 - 1))
+def test_margins_end_where_stable_ranges_do(seed: int) -> None:
+    question = rods.draw(np.random.default_rng(seed))
+    for varied in WORDS.values():
+        assert ranges_attack.margin_against_ranges(question, varied) == []
+
+
+def test_a_margin_beyond_a_stable_range_would_be_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    question = rods.Question(ROD, 0.34 * FCR, 0.2 * FCR, 150.0, 0.01)
+    assert ranges_attack.margin_against_ranges(question, "mean") == []
+    right = fr.RodStability.margin
+
+    def wrong(self: fr.RodStability, *given: Any) -> fr.rod.Margin:
+        found = right(self, *given)
+        return fr.rod.Margin(found.below, 1.001 * found.above)
+
+    monkeypatch.setattr(fr.RodStability, "margin", wrong)
+    assert "the ranges have" in ranges_attack.margin_against_ranges(question, "mean")[0]
+    scanned = ranges_attack.margin_against_scan(question, "mean", np.random.default_rng(1))
+    assert "missed band" in scanned[0]
 
 
 @pytest.mark.slow

@@ -203,21 +203,21 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
         mu, speed = asked.rubbing
         with Waiting("deciding stability"):
             verdict = rod.stability(load, modes=asked.modes, growth_tolerance=asked.tolerance, friction=mu, kick=speed)
-        linear, searched = verdict.linear, _searched(asked, verdict.linear)
+        linear, margins = verdict.linear, _margins(asked, verdict.linear)
         record: dict[str, Any] = {
             "with_friction": kick.record(verdict),
-            "without_friction": independent.record(linear, searched),
+            "without_friction": independent.record(linear, margins),
         }
         lines = [*kick.report(verdict, shown["kick"]), "", "without friction:"]
-        return verdict.status, record, [*lines, *independent.report(linear, shown, searched)]
+        return verdict.status, record, [*lines, *independent.report(linear, shown, margins)]
     # A record as it is, so that its noise counts; its fit where options say more about the load.
     judged = asked.force if asked.force is not None and asked.is_whole else load
     with Waiting("deciding stability", "verdicts") as progress:
         result = rod.stability(judged, modes=asked.modes, growth_tolerance=asked.tolerance, progress=progress)
-    searched = _searched(asked, result)
+    margins = _margins(asked, result)
     if isinstance(result, fr.RodStability):
-        return result.status, independent.record(result, searched), independent.report(result, shown, searched)
-    record, lines = coupled.record(result, searched), coupled.report(result, shown, searched)
+        return result.status, independent.record(result, margins), independent.report(result, shown, margins)
+    record, lines = coupled.record(result, margins), coupled.report(result, shown, margins)
     if asked.force is not None:
         left_out = "" if asked.is_whole else "; the error leaves out its noise, because options change the load"
         with Waiting("comparing with a sine"):
@@ -235,13 +235,12 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
     return result.status, record, lines
 
 
-def _searched(asked: _Question, result: RodVerdict) -> bool:
-    """Return whether margins are wanted, which are then searched, and the verdict said while that takes its time."""
+def _margins(asked: _Question, result: RodVerdict) -> verdicts.Margins | None:
+    """Return the margins, None where they are not wanted; the verdict is said while the search takes its time."""
     if not asked.searched(result):
-        return False
-    with Waiting(f"{result.status}; searching the margins", "searches") as progress:
-        verdicts.search(result, progress)
-    return True
+        return None
+    with Waiting(f"{result.status}; searching the margins", "hundredths") as progress:
+        return verdicts.search(result, progress)
 
 
 def _sine(asked: _Question) -> RodVerdict:

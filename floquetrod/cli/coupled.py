@@ -16,10 +16,10 @@ _ROWS = 10
 """Resonances listed; the others, which grow more slowly, are in the JSON."""
 
 
-def report(result: CoupledRodStability, shown: dict[str, Unit], searched: bool) -> list[str]:
+def report(result: CoupledRodStability, shown: dict[str, Unit], margins: verdicts.Margins | None) -> list[str]:
     """Return the lines, the verdict first; quantities of the load in the units ``shown``.
 
-    Margins only where they are to be ``searched``.
+    ``margins`` where they were searched.
     """
     lines = [_headline(result), "", *verdicts.subject(result, shown)]
     if result.growth_rate > 0.0:
@@ -29,8 +29,8 @@ def report(result: CoupledRodStability, shown: dict[str, Unit], searched: bool) 
         lines.append(f"{'' if i else 'grows':<8}  {resonance}, {resonance.growth_rate:.6g} 1/s")
     if len(result.resonances) > _ROWS:
         lines.append(f"          and {len(result.resonances) - _ROWS} more, which grow more slowly (--json lists them)")
-    if searched:
-        found = verdicts.margins(result, shown, "stable at every rate tried above {}")
+    if margins is not None:
+        found = verdicts.margins(result, margins, shown, "stable at every rate tried above {}")
         lines += [*found[:3], "          found by sampling: two changes close together may be missed", *found[3:]]
     else:
         lines.append("margins   not searched, because this takes hundreds of verdicts; add --margins")
@@ -53,10 +53,10 @@ def _headline(result: CoupledRodStability) -> str:
     return "STABLE"
 
 
-def record(result: CoupledRodStability, searched: bool) -> dict[str, Any]:
+def record(result: CoupledRodStability, margins: verdicts.Margins | None) -> dict[str, Any]:
     """Return the same as numbers for JSON."""
     return {
-        **verdicts.verdict_record(result, searched),
+        **verdicts.verdict_record(result, margins),
         "growth_rate_error_per_s": number(result.error),
         "convergence": [{"modes": modes, "growth_rate_per_s": number(rate)} for modes, rate in result.convergence],
         "resonances": [resonance_record(r, "growth_rate_per_s") for r in result.resonances],

@@ -11,10 +11,10 @@ from floquetrod.cli.common import number
 from floquetrod.units import Unit
 
 
-def report(result: fr.RodStability, shown: dict[str, Unit], searched: bool) -> list[str]:
+def report(result: fr.RodStability, shown: dict[str, Unit], margins: verdicts.Margins | None) -> list[str]:
     """Return the lines: the verdict first, a table of modes last; quantities of the load in the units ``shown``.
 
-    Margins only where they are to be ``searched``.
+    ``margins`` where they were searched.
     """
     headline = result.status.upper()
     if result.status == "unstable":
@@ -24,8 +24,8 @@ def report(result: fr.RodStability, shown: dict[str, Unit], searched: bool) -> l
     if result.growth_rate > 0.0:
         time = f"tenfold in {result.time_to_grow(10.0):.4g} s"
         lines.append(f"growth    {result.growth_rate:.6g} 1/s in mode {result.fastest_mode}, {time}")
-    if searched:
-        lines += verdicts.margins(result, shown, "stable at any rate above {}")
+    if margins is not None:
+        lines += verdicts.margins(result, margins, shown, "stable at any rate above {}")
     worst = max(verdict.error for verdict in result.mode_verdicts)
     methods = ", ".join(sorted({verdict.method for verdict in result.mode_verdicts}))
     lines += [
@@ -51,10 +51,10 @@ def _near_trouble(result: fr.RodStability) -> list[tuple[int, fr.Mathieu, fr.Sta
     return sorted(sorted(rows, key=room)[: max(5, troubled)])
 
 
-def record(result: fr.RodStability, searched: bool) -> dict[str, Any]:
+def record(result: fr.RodStability, margins: verdicts.Margins | None) -> dict[str, Any]:
     """Return the same as numbers for JSON."""
     return {
-        **verdicts.verdict_record(result, searched),
+        **verdicts.verdict_record(result, margins),
         "left_out_growth_bound_per_s": number(result.left_out_bound),
         **verdicts.subject_record(result),
         "modes": [

@@ -7,8 +7,8 @@ from typing import Any
 
 from floquetrod.cli.common import number
 from floquetrod.cli.loads import describe_kind, describe_load
-from floquetrod.rod.load import Progress
-from floquetrod.rod.verdict import Margin, RodVerdict
+from floquetrod.rod.load import Progress, Quantity
+from floquetrod.rod.verdict import MARGIN_SECONDS, Margin, RodVerdict
 from floquetrod.units import Unit
 
 
@@ -29,14 +29,17 @@ def subject(result: RodVerdict, shown: dict[str, Unit]) -> list[str]:
     return lines
 
 
-def margins(result: RodVerdict, shown: dict[str, Unit], enough: str) -> list[str]:
+Margins = dict[Quantity, Margin]
+
+
+def margins(result: RodVerdict, found: Margins, shown: dict[str, Unit], enough: str) -> list[str]:
     """Return how far the load is from a change of the verdict, in the units asked for, and the damping it would take.
 
     ``enough`` says which damping rates are, with {} for the least.
     """
     change = {"stable": "unstable", "unstable": "stable"}.get(result.status, "decided")
     lines: list[str] = []
-    for name, margin in _all_margins(result).items():
+    for name, margin in found.items():
         sides = [(margin.below, "lower"), (margin.above, "higher")]
         known = [f"{shown[name].show(value, 4)} {way}" for value, way in sides if math.isfinite(value)]
         words = f"{change} {' or '.join(known)}" if known else _unchanged(margin, name, shown[name])
@@ -48,15 +51,21 @@ def margins(result: RodVerdict, shown: dict[str, Unit], enough: str) -> list[str
     return lines
 
 
-def search(result: RodVerdict, progress: Progress) -> None:
-    """Search the margins and the damping that stabilises, which the verdict keeps, and report each."""
-    names = ("mean_force_margin", "amplitude_margin", "frequency_margin", "damping_to_stabilise")
-    for done, name in enumerate(names, start=1):
-        getattr(result, name)
-        progress(done, len(names))
+def search(result: RodVerdict, progress: Progress) -> Margins:
+    """Return the margins, and let the verdict find the damping that stabilises; report hundredths of all four."""
+    found: Margins = {}
+    for i, quantity in enumerate(_WORDS):
+
+        def told(done: int, parts: int, before: int = 25 * i) -> None:
+            progress(before + 25 * done // parts, 100)
+
+        found[quantity] = result.margin(quantity, seconds=MARGIN_SECONDS, progress=told)
+    _ = result.damping_to_stabilise
+    progress(100, 100)
+    return found
 
 
-def _unchanged(margin: Margin, name: str, unit: Unit) -> str:
+def _unchanged(margin: Margin, name: Quantity, unit: Unit) -> str:
     """Return that no change was found, and up to where was searched."""
     if not any(margin.searched):
         return "not searched, which would take minutes"
@@ -66,25 +75,16 @@ def _unchanged(margin: Margin, name: str, unit: Unit) -> str:
     return f"no change from {below} lower to {above} higher"
 
 
-_WORDS = {"mean": "mean force", "amplitude": "amplitude", "frequency": "frequency"}
-_REACH = {
+_WORDS: dict[Quantity, str] = {"mean": "mean force", "amplitude": "amplitude", "frequency": "frequency"}
+_REACH: dict[Quantity, str] = {
     "mean": "within 8 Fcr either way",
     "amplitude": "from zero to 2 Fcr above",
     "frequency": "from a ninth to nine times this frequency",
 }
 
 
-def _all_margins(result: RodVerdict) -> dict[str, Margin]:
-    """Return the margins of a load by quantity."""
-    return {
-        "mean": result.mean_force_margin,
-        "amplitude": result.amplitude_margin,
-        "frequency": result.frequency_margin,
-    }
-
-
-def verdict_record(result: RodVerdict, searched: bool) -> dict[str, Any]:
-    """Return status, growth and, where they are to be searched, margins and damping for JSON."""
+def verdict_record(result: RodVerdict, found: Margins | None) -> dict[str, Any]:
+    """Return status, growth and, where margins were searched, those and damping for JSON."""
     return {
         "status": result.status,
         "unstable_modes": list(result.unstable_modes),
@@ -92,22 +92,23 @@ def verdict_record(result: RodVerdict, searched: bool) -> dict[str, Any]:
         "decay_rate_per_s": result.decay_rate,
         "fastest_mode": result.fastest_mode,
         "time_to_grow_tenfold_s": number(result.time_to_grow(10.0)),
-        **(_margins_record(result) if searched else {}),
+        **({} if found is None else _margins_record(result, found)),
         "modes_checked": result.modes_checked,
     }
 
 
-def _margins_record(result: RodVerdict) -> dict[str, Any]:
-    margins = _all_margins(result)
-    return {
-        "mean_force_margin_below_N": number(margins["mean"].below),
-        "mean_force_margin_above_N": number(margins["mean"].above),
-        "amplitude_margin_below_N": number(margins["amplitude"].below),
-        "amplitude_margin_above_N": number(margins["amplitude"].above),
-        "frequency_margin_below_rad_per_s": number(margins["frequency"].below),
-        "frequency_margin_above_rad_per_s": number(margins["frequency"].above),
-        "damping_to_stabilise_per_s": number(result.damping_to_stabilise),
-    }
+def _margins_record(result: RodVerdict, margins: Margins) -> dict[str, Any]:
+    names = {"mean": ("mean_force", "N"), "amplitude": ("amplitude", "N"), "frequency": ("frequency", "rad_per_s")}
+    found: dict[str, Any] = {}
+    for quantity, margin in margins.items():
+        name, unit = names[quantity]
+        found |= {
+            f"{name}_margin_below_{unit}": number(margin.below),
+            f"{name}_margin_above_{unit}": number(margin.above),
+            f"{name}_margin_resolution_{unit}": margin.resolution,
+            f"{name}_margin_searched_{unit}": [number(reach) for reach in margin.searched],
+        }
+    return {**found, "damping_to_stabilise_per_s": number(result.damping_to_stabilise)}
 
 
 def subject_record(result: RodVerdict) -> dict[str, Any]:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.mode_friction import ModeFriction
     from floquetrod.rod.modes import ModalSystem, ModalSystems
     from floquetrod.rod.parts import Channel, Ends, Fluids, Material, Section
-    from floquetrod.rod.ranges import StabilityInterval
+    from floquetrod.rod.ranges import BucklingWarning, StabilityInterval
     from floquetrod.rod.unstable_bands import UnstableBand
     from floquetrod.rod.verdict import Margin
 
@@ -22,6 +22,7 @@ __all__ = [
     "AxialResonance",
     "AxialResponse",
     "BucklingForce",
+    "BucklingWarning",
     "Channel",
     "CriticalKick",
     "Ends",
@@ -58,7 +59,10 @@ __getattr__ = names_of(
             "Material",
             "Section",
         ),
-        "rod.ranges": ("StabilityInterval",),
+        "rod.ranges": (
+            "BucklingWarning",
+            "StabilityInterval",
+        ),
         "rod.unstable_bands": ("UnstableBand",),
         "rod.verdict": ("Margin",),
     },

@@ -254,10 +254,29 @@ class CoupledModes:
 
     def _answers(self, loads: Loads, workers: int | None, quick: bool) -> ManyVerdicts:
         """Return statuses without tolerance, and growth rates, of loads whose matrices are held at once."""
-        if not loads.amplitude.any():  # any period serves: a short one takes the least work
-            stiffest = float(np.abs(self._static[0]).sum(axis=1).max())
-            loads = loads._replace(frequency=np.full(loads.size, math.sqrt(stiffest)))
-        return self._judged(self.system(loads), workers, quick)
+        still = loads.amplitude == 0.0
+        if not still.any():
+            return self._judged(self.system(loads), workers, quick)
+        status, growth = np.empty(loads.size, dtype=np.int8), np.empty(loads.size)
+        status[still], growth[still] = self.static_answers(loads.mean[still])
+        if not still.all():
+            at = np.flatnonzero(~still)
+            moving = Loads((at.size,), *(values[at] for values in loads.flat))
+            status[at], growth[at] = self._judged(self.system(moving), workers, quick)
+        return ManyVerdicts(status, growth)
+
+    def static_answers(self, mean: Floats) -> ManyVerdicts:
+        """Return statuses and growth rates in 1/s under mean forces (N) alone, from the least eigenvalue of stiffness.
+
+        Undecided where rounding hides its sign; the growth rate is the largest possible one then.
+        """
+        stiffness, push = self._static
+        squared = np.linalg.eigvalsh(stiffness - mean[:, None, None] * push)
+        error = self.size * np.finfo(np.float64).eps * np.abs(squared).max(axis=1)
+        least, rate = squared[:, 0], self.numbers.constants.damping_rate
+        status = np.where(least > error, 1, np.where(least < -error, 0, -1)).astype(np.int8)
+        against = np.maximum(0.0, np.where(status == -1, error - least, -least))
+        return ManyVerdicts(status, against / (rate + np.sqrt(rate * rate + against) + (against == 0.0)))
 
     def growth_without_decay(self, loads: Loads) -> Floats:
         """Return the growth in 1/s of exp(c t) q, c the damping rate: that of q and c more; NaN where unknown."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import ROUND_CEILING, Context
@@ -14,8 +15,10 @@ import numpy as np
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
+from floquetrod._util.calling import level_of_caller
 from floquetrod._util.content import NoTruthValue
 from floquetrod.floquet.systems.result import Resonance
+from floquetrod.friction.fate_of_kicks import UndecidedWarning
 from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.axial import AxialGap, AxialResonanceError, between, gaps, joined
 from floquetrod.rod.coupled import CoupledModes
@@ -45,6 +48,10 @@ Cause: TypeAlias = Named | Literal["axial resonance"] | None
 "axial resonance" where nothing was computed beyond it, see `StabilityIntervals.not_computed`.
 "unnamed" where coupled modes grow, or may grow, and none could be named: beyond 200 of them, or where undecided.
 """
+
+
+class BucklingWarning(UserWarning):
+    """The weight along the rod buckles it already where the quantity asked about is zero."""
 
 
 class StabilityInterval(NamedTuple):
@@ -241,7 +248,9 @@ def first_unstable(varied: Quantity, rod: ModalRod, largest: Load, growth_tolera
         bounds = (0.0, getattr(largest, varied))
         coupled = _coupled(varied, rod, largest, bounds, tolerance)
         none = largest.varied(varied, 0.0)
-        if coupled.answers(Loads.single(none), tolerance, quick=True).status[0] != 1:
+        status = coupled.answers(Loads.single(none), tolerance, quick=True).status[0]
+        if status != 1:
+            _say_why_at_zero(varied, rod, coupled, none, status)
             return 0.0
         change = first_change(varied, coupled, largest, bounds, tolerance).at
         return math.inf if change is None else change
@@ -253,6 +262,36 @@ def first_unstable(varied: Quantity, rod: ModalRod, largest: Load, growth_tolera
         if found:
             return min(part.low for part in found)
     return math.inf
+
+
+def _say_why_at_zero(varied: Quantity, rod: ModalRod, modes: CoupledModes, load: Load, status: int) -> None:
+    """Warn where the weight along the rod buckles it before the quantity grows from zero, or where that is not known.
+
+    BucklingWarning, UndecidedWarning.
+    """
+    name = QUANTITIES[varied][0]
+    if status == -1:
+        warnings.warn(
+            f"whether the rod is stable without {name} could not be decided, and counts as unstable",
+            UndecidedWarning,
+            stacklevel=level_of_caller(),
+        )
+        return
+    added = [float(modes.numbers.added_mean(load, x)) for x in (0.0, 1.0)]
+    alone = modes.static_answers(np.array([0.0, load.mean])).status
+    if not any(added) or alone[1] != 0:
+        return
+    end = "upper" if added[0] > added[1] else "lower"
+    what, force = "the weight along the rod alone buckles", max(added)
+    if alone[0] != 0:
+        what, force = "the mean force with the weight along the rod buckles", load.mean + max(added)
+    remedy = "another mean_at" if varied == "mean" else "less mean force, another mean_at"
+    warnings.warn(
+        f"{name} 0 is the limit: {what} it, with {force:.4g} N, {force / rod.critical_force:.3g} critical forces, of "
+        f"compression at the {end} end; give {remedy} or a shorter length",
+        BucklingWarning,
+        stacklevel=level_of_caller(),
+    )
 
 
 def _system(rod: ModalRod, load: Load, tolerance: float) -> ModalSystem:

@@ -359,7 +359,9 @@ class Rod(ProvedRod):
     ) -> float:
         """Return the smallest mean force from 0 up, in N, at which a mode grows faster than ``growth_tolerance``.
 
-        Infinite where there is none up to 1.5 critical forces.  ``like`` as in `stable_mean_forces`.
+        Infinite where there is none up to 1.5 critical forces.  ``like`` as in `stable_mean_forces`.  0.0 with a
+        BucklingWarning where the weight along the rod alone buckles it, and with an UndecidedWarning where it could not
+        be decided whether it is stable at zero.
         """
         load = kind(like).with_numbers(1.5 * self.critical_force, amplitude, frequency)
         from floquetrod.rod.ranges import first_unstable
@@ -377,7 +379,8 @@ class Rod(ProvedRod):
     ) -> float:
         """Return the smallest amplitude in N at which a mode grows faster than ``growth_tolerance``.
 
-        Infinite where there is none up to one critical force.  ``like`` as in `stable_mean_forces`.
+        Infinite where there is none up to one critical force.  ``like`` as in `stable_mean_forces`.  0.0 with a
+        BucklingWarning where the weight along the rod, alone or with the mean force, buckles it without vibration.
         """
         load = kind(like).with_numbers(mean, self.critical_force, frequency)
         from floquetrod.rod.ranges import first_unstable

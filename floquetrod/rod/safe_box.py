@@ -162,12 +162,8 @@ def _reach(rod: ModalRod, load: Load, name: Quantity, tolerance: float) -> Inter
         low, high = value - rod.critical_force, value + rod.critical_force
     verdict = classify_modes(rod, rod.independent_modes(load), tolerance)
     if verdict.stable:  # else the load lies in a hairline that only the proof resolves
-        margin = {
-            "mean": verdict.mean_force_margin,
-            "amplitude": verdict.amplitude_margin,
-            "frequency": verdict.frequency_margin,
-        }[name]
-        low, high = max(low, value - margin.below), min(high, value + margin.above)
+        below, above = verdict.margin(name).searched
+        low, high = max(low, value - below), min(high, value + above)
     return Interval(max(low, 0.0) if name == "amplitude" else low, high)
 
 

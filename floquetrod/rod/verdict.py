@@ -30,7 +30,7 @@ _WAYS: dict[Quantity, Callable[[float, float], tuple[list[float], list[float]]]]
 }
 """The ends of the pieces of a search for a margin, down and up, from where the load is and the critical force."""
 
-_SECONDS = 10.0  # that a margin of coupled modes may take (a choice)
+MARGIN_SECONDS = 10.0  # that a margin of coupled modes may take (a choice)
 
 
 class _Distances(NamedTuple):
@@ -144,7 +144,7 @@ class RodVerdict(Verdict):
         modes are coupled the search is sampled, and ends early where it would take more than about ten seconds: see
         `Margin.resolution` and `Margin.searched`; `margin` goes on.
         """
-        return self.margin("mean", seconds=_SECONDS)
+        return self.margin("mean", seconds=MARGIN_SECONDS)
 
     @cached_property
     def amplitude_margin(self) -> Margin:
@@ -152,12 +152,12 @@ class RodVerdict(Verdict):
 
         `Margin.resolution` says which changes may be passed over, as in `Rod.stable_amplitudes`.
         """
-        return self.margin("amplitude", seconds=_SECONDS)
+        return self.margin("amplitude", seconds=MARGIN_SECONDS)
 
     @cached_property
     def frequency_margin(self) -> Margin:
         """Distance in rad/s to the nearest frequencies at which the verdict changes, searched to 9 times either way."""
-        return self.margin("frequency", seconds=_SECONDS)
+        return self.margin("frequency", seconds=MARGIN_SECONDS)
 
     def margin(self, quantity: Quantity, *, seconds: float = math.inf, progress: Progress | None = None) -> Margin:
         """Return the margin of one quantity of the load, searched for as long as wanted.
@@ -190,10 +190,17 @@ class RodVerdict(Verdict):
         parts = sum(len(way) - 1 for way in ways)
         ends, done = [], 0
         for way in ways:
-            ends.append(self._nearest(quantity, way, seconds / parts))
+            found = Edge(None, way[0], 0.0)
+            for number, piece in enumerate(pairwise(way), start=done + 1):
+                found = self._extended(found, quantity, piece, seconds / parts)
+                if progress is not None:
+                    progress(number, parts)
+                if found.at is not None or found.searched != piece[1]:
+                    break
+            ends.append(found)
             done += len(way) - 1
-            if progress is not None:
-                progress(done, parts)
+        if progress is not None:
+            progress(parts, parts)
         below, above = (math.inf if end.at is None else abs(end.at - here) for end in ends)
         searched = abs(ends[0].searched - here), abs(ends[1].searched - here)
         return Margin(below, above, max(end.resolution for end in ends), searched)
@@ -208,17 +215,12 @@ class RodVerdict(Verdict):
         least = max(self.growth_tolerance, HAIRLINE_GROWTH)
         return least if self.stable or self.growth_rate > least else self.growth_tolerance
 
-    def _nearest(self, varied: Quantity, way: list[float], seconds: float) -> Edge:
-        """Return the first change on a way, which is searched piece by piece."""
-        found = Edge(None, way[0], 0.0)
-        for piece in pairwise(way):
-            if piece[0] == piece[1]:
-                continue
-            edge = self._edge(varied, piece, seconds)
-            found = edge._replace(resolution=max(found.resolution, edge.resolution))
-            if edge.at is not None or edge.searched != piece[1]:
-                break
-        return found
+    def _extended(self, found: Edge, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
+        """Return what is found on a way after its next piece, which may be empty."""
+        if piece[0] == piece[1]:
+            return found
+        edge = self._edge(varied, piece, seconds)
+        return edge._replace(resolution=max(found.resolution, edge.resolution))
 
     @abstractmethod
     def _edge(self, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:

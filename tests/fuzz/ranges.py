@@ -1,4 +1,4 @@
-"""Safe ranges of random rods against dense scans by the oracle, refined at every hump that may hide a band."""
+"""Safe ranges and margins of random rods against dense scans by the oracle, refined at humps that may hide a band."""
 
 from __future__ import annotations
 
@@ -18,8 +18,22 @@ QUICK = 1
 POINTS = 4000
 _HUMPS = 16  # local maxima of growth that are looked at more closely, of each mode
 _ZOOM = 25  # points between the neighbours of such a maximum, in each of two rounds
+_REACH = 2.0  # critical forces, or times a frequency, up to which margins are compared
+_ROUNDING = 1e-9  # of an end, relative
 
 Array = NDArray[np.float64]
+
+
+class Within(NamedTuple):
+    """What a margin says as ranges do: the load's verdict holds between ``low`` and ``high``."""
+
+    parts: tuple[fr.rod.StabilityInterval, ...]
+    resolution: float
+    modes: int
+
+    def __iter__(self) -> Any:
+        """Iterate over what is said to be stable."""
+        return iter(self.parts)
 
 
 class Scan(NamedTuple):
@@ -32,14 +46,15 @@ class Scan(NamedTuple):
 
 
 def check(rng: np.random.Generator) -> Found:
-    """Compare the ranges of one quantity with a scan of 4,000 points, jittered, and what refines it."""
+    """Compare ranges and margin of one quantity with a scan of 4,000 points, jittered, and what refines it."""
     question = rods.draw(rng)
     varied = str(rng.choice(["mean", "amplitude", "frequency"]))
+    margins = [*margin_against_ranges(question, varied), *margin_against_scan(question, varied, rng)]
     if varied == "mean":
         question = question._replace(mean=0.0)
     bounds, stated = ask(question, varied)
     failures = [f"{stated}: {wrong}" for wrong in compare(question, varied, bounds, _answer(stated), rng)]
-    return Found(1, failures)
+    return Found(3, [*margins, *failures])
 
 
 def ask(question: rods.Question, varied: str) -> tuple[tuple[float, float], str]:
@@ -62,13 +77,89 @@ def _answer(call: str) -> Any:
         return eval(call, {"fr": fr})
 
 
+def margin_against_ranges(question: rods.Question, varied: str) -> list[str]:
+    """Return where a margin ends elsewhere than the stable ranges about the load, or between which it lies."""
+    asked = _margin(question, varied)
+    if asked is None:
+        return []
+    question, stable, margin, here, bounds = asked
+    kind = {"mean": "stable_mean_forces", "amplitude": "stable_amplitudes", "frequency": "stable_frequencies"}[varied]
+    fixed = [value for name, value in _load(question).items() if name != varied]
+    with limit():
+        ranges = getattr(question.rod, kind)(*fixed, bounds, growth_tolerance=question.tolerance)
+    lines = []
+    for sign, size, bound in zip((-1.0, 1.0), margin, bounds, strict=True):
+        stated = here + sign * size if sign * (bound - here - sign * size) > 0.0 else bound
+        expected = _first_change(ranges, here, sign, stable, bound)
+        if abs(stated - expected) > _ROUNDING * max(abs(stated), abs(here)) and not _is_narrow(
+            question, varied, min(stated, expected, key=lambda end: sign * end), sign, margin, ranges, stable
+        ):
+            lines.append(f"{question}: the {varied} margin {margin} ends at {stated!r}, the ranges have {expected!r}")
+    return lines
+
+
+def _first_change(ranges: Any, here: float, sign: float, stable: bool, bound: float) -> float:
+    """Return where the verdict first changes from ``here`` in a direction by the ranges, the bound where nowhere."""
+    ends = [end for part in ranges for end in part[:2] if sign * (end - here) >= 0.0]
+    if stable:
+        ends = [part.high if sign > 0.0 else part.low for part in ranges if part.low <= here <= part.high] or [here]
+    return min([*ends, bound], key=lambda end: sign * end)
+
+
+def _is_narrow(
+    question: rods.Question, varied: str, end: float, sign: float, margin: Any, ranges: Any, stable: bool
+) -> bool:
+    """Return whether what begins at an end is narrower than what the answers say may be passed over."""
+    resolution = max(margin.resolution, ranges.resolution)
+    if resolution == 0.0:
+        return False
+    values = end + sign * resolution * np.linspace(0.0, 1.0, 102)[1:]
+    load = _load(question) | {varied: values[values > 0.0] if varied != "mean" else values}
+    return bool((question.rod.is_stable(**load, growth_tolerance=question.tolerance) == stable).any())
+
+
+def margin_against_scan(question: rods.Question, varied: str, rng: np.random.Generator) -> list[str]:
+    """Return where the verdict changes within a margin, by the oracle."""
+    asked = _margin(question, varied)
+    if asked is None:
+        return []
+    question, stable, margin, here, bounds = asked
+    bounds = max(bounds[0], here - margin.below), min(bounds[1], here + margin.above)
+    if not bounds[0] < bounds[1]:
+        return []
+    parts = (fr.rod.StabilityInterval(*bounds, None, None),) if stable else ()
+    largest = _load(question) | {varied: bounds[1]}
+    count = question.rod.stability(fr.AxialLoad(**largest), growth_tolerance=question.tolerance).modes_checked
+    said = Within(parts, margin.resolution, count)
+    return [f"{question}: {varied} {margin}: {wrong}" for wrong in compare(question, varied, bounds, said, rng)]
+
+
+def _margin(question: rods.Question, varied: str) -> tuple[rods.Question, bool, Any, float, tuple[float, float]] | None:
+    """Return the question with the tolerance of its margins, the verdict, a margin, the load and bounds about it."""
+    with limit():
+        verdict = question.rod.stability(fr.AxialLoad(**_load(question)), growth_tolerance=question.tolerance)
+        margin = verdict.margin(varied)
+    if verdict.stable is None:
+        return None
+    here, unit = _load(question)[varied], _REACH * question.rod.critical_force
+    low, high = (here / _REACH, here * _REACH) if varied == "frequency" else (here - unit, here + unit)
+    below, above = margin.searched
+    bounds = max(low, here - 1.5 * below), min(high, here + 1.5 * above)
+    bounds = (max(0.0, bounds[0]) if varied == "amplitude" else bounds[0]), bounds[1]
+    return question._replace(tolerance=verdict.margin_tolerance), bool(verdict.stable), margin, here, bounds
+
+
+def _load(question: rods.Question) -> dict[str, float]:
+    return {"mean": question.mean, "amplitude": question.amplitude, "frequency": question.frequency}
+
+
 def compare(
     question: rods.Question, varied: str, bounds: tuple[float, float], ranges: Any, rng: np.random.Generator
 ) -> list[str]:
     """Return what is wrong about stated ranges: a band called stable, or a stable stretch called unstable."""
     low, high = bounds
     values = np.linspace(low, high, POINTS + 1)[:-1] + (high - low) / POINTS * rng.random(POINTS)
-    load = {"mean": question.mean, "amplitude": question.amplitude, "frequency": question.frequency}
+    load = _load(question)
     modes = rods.modes_seen(question.rod, **load | {varied: np.sort(values)}, tolerance=question.tolerance)
     scans = [_scan(question, varied, values, mode) for mode in modes]
     scans += [_closer(question, varied, scan) for scan in list(scans)]
@@ -76,7 +167,7 @@ def compare(
 
 
 def _scan(question: rods.Question, varied: str, values: Array, mode: Any, accuracy: float = 1e-9) -> Scan:
-    load = {"mean": question.mean, "amplitude": question.amplitude, "frequency": question.frequency} | {varied: values}
+    load: dict[str, Any] = _load(question) | {varied: values}
     rate = rods.growth(question.rod, **load, mode=mode, accuracy=accuracy, unless_below=question.tolerance)
     modes = np.broadcast_to(mode, values.shape).astype(np.int64)
     return Scan(values, rate.low - question.tolerance, rate.high - question.tolerance, modes)
