@@ -121,7 +121,7 @@ def _stated(old: Any, new: Any, where: str) -> Iterator[Finding]:
         after, most = after[order], most[order]
     size = np.maximum(abs(before), abs(after))
     for at in map(tuple, np.argwhere(_apart(before, after, least + most + ROUNDING * size))[:3]):
-        numbers = f"was {before[at]!r} +- {least[at]:.2g}, is {after[at]!r} +- {most[at]:.2g}"
+        numbers = f"was {before[at].item()!r} +- {least[at]:.2g}, is {after[at].item()!r} +- {most[at]:.2g}"
         yield Finding(False, f"{where}{list(map(int, at)) or ''}", numbers)
     coarser = np.argwhere((most > COARSER * least + FINE * size) & (least < np.inf))
     for at in map(tuple, coarser[:1]):
@@ -215,13 +215,15 @@ def safe_box(v: Any) -> Any:
 
 
 def rod(v: Any) -> Any:
-    """Return the verdict on a rod; with coupled modes its error is that of the growth rate, else of a discriminant."""
-    coupled = hasattr(v, "convergence")
-    error = v.error if coupled else growth_error(v, v.rod.damping_rate)
-    found = fields("status", "unstable_modes", "fastest_mode")(v) | {"growth": number(v.growth_rate, error)}
-    return found | (
-        {"resonances": [str(r) for r in v.resonances if r.growth_rate > v.growth_tolerance]} if coupled else {}
-    )
+    """Return the verdict on a rod: its error is that of the growth rate with coupled modes, else of a discriminant."""
+    found = fields("status", "unstable_modes", "fastest_mode")(v)
+    if hasattr(v, "convergence"):
+        names = [str(r) for r in v.resonances if r.growth_rate > v.growth_tolerance]
+        return found | {"growth": number(v.growth_rate, v.error), "resonances": names}
+    modes = [m for m in v.mode_verdicts[:8] if math.isfinite(m.discriminant)]
+    errors = [m.error * max(1.0, abs(m.discriminant)) for m in modes]
+    found["growth"] = number(v.growth_rate, growth_error(v, v.rod.damping_rate))
+    return found | {"discriminants": number([m.discriminant for m in modes], errors)}
 
 
 def kicked(v: Any) -> Any:

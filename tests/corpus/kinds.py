@@ -26,7 +26,18 @@ from . import questions as q
 
 ROOT = Path(__file__).parents[2]
 
-NOT_KEPT = {"version", "note", "statement", "assumptions", "method", "cost", "seconds", "boxes", "modes_checked"}
+NOT_KEPT = {
+    "version",
+    "note",
+    "statement",
+    "assumptions",
+    "method",
+    "cost",
+    "seconds",
+    "wall_time_s",
+    "boxes",
+    "modes_checked",
+}
 """Names in the JSON of the terminal whose values are no answers: texts, work done, choices of a method."""
 
 
