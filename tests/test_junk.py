@@ -150,7 +150,10 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (ROD.lock_up, {"friction": 0.3, "far_force": 0.1}),
     (ROD.lock_up(0.3).force, {"distance": 10.0}),
     (ROD.lock_up(0.3).pushed_length, {"force": 0.1}),
-    (ROD.stability, {"load": LOAD, "modes": (6, 7), "growth_tolerance": 0.0, "friction": 0.1, "kick": 0.05}),
+    (
+        ROD.stability,
+        {"load": LOAD, "modes": (6, 7), "growth_tolerance": 0.0, "friction": 0.1, "kick": 0.05, "progress": None},
+    ),
     (ROD.stability, {"load": LOAD}),
     (CLAMPED.stability, {"load": WAVE, "modes": range(1, 9), "growth_tolerance": 0.1, "friction": None, "kick": None}),
     (CLAMPED.modal_system, {"load": WAVE, "modes": (1, 2, 3)}),
