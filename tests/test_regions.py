@@ -300,7 +300,7 @@ def test_the_sine_of_an_inclination_is_enclosed(angle: float) -> None:
         ({"max_boxes": 0}, ValueError, "max_boxes must be 1 or more"),
         ({"progress": 3}, TypeError, "progress must be a function"),
         ({"rod": {"lenth": 3.0}}, ValueError, "must name parameters of a rod"),
-        ({"rod": {"ends": "clamped"}}, ValueError, "no number"),
+        ({"rod": {"ends": "clamped"}}, ValueError, "not a number"),
         ({"rod": {"wall_thickness": 1e-4}}, ValueError, "give inner_radius"),
         ({"rod": {"radius": 1e-3, "diameter": 2e-3}}, ValueError, "once"),
         ({"rod": {"radius": (1e-3, 5e-3)}}, ValueError, "channel_radius must exceed"),

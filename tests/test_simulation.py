@@ -298,7 +298,7 @@ def test_growth_rate_refuses_what_it_cannot_fit() -> None:
         run(friction=0.0, frames=10).growth_rate(7)
     with pytest.raises(ValueError, match="needs three forcing periods"):
         run(friction=0.0, duration=0.1).growth_rate(7)
-    with pytest.raises(ValueError, match=r"modes\[0\] must be at most 30, got 31; 60 segments show"):
+    with pytest.raises(ValueError, match=r"modes\[0\] must be at most 30, got 31; 60 segments resolve"):
         run().mode_amplitudes([31])
 
 
