@@ -155,7 +155,10 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"load": LOAD, "modes": (6, 7), "growth_tolerance": 0.0, "friction": 0.1, "kick": 0.05, "progress": None},
     ),
     (ROD.stability, {"load": LOAD}),
-    (CLAMPED.stability, {"load": WAVE, "modes": range(1, 9), "growth_tolerance": 0.1, "friction": None, "kick": None}),
+    (
+        CLAMPED.stability,
+        {"load": WAVE, "modes": range(1, 9), "growth_tolerance": 0.1, "friction": None, "kick": None, "progress": None},
+    ),
     (CLAMPED.modal_system, {"load": WAVE, "modes": (1, 2, 3)}),
     (CLAMPED.modes_needed, {"load": WAVE, "growth_tolerance": 0.1}),
     (CLAMPED.stability(WAVE, range(1, 9)).time_to_grow, {"factor": 10.0}),
