@@ -351,7 +351,14 @@ def test_help_teaches_real_rods(capsys: pytest.CaptureFixture[str]) -> None:
     for command, words in (
         (
             "check",
-            ("examples/wire.toml", "--wave held", 'ends = "clamped-hinged"', "catalogue = ", "bore = ", "--force record"),
+            (
+                "examples/wire.toml",
+                "--wave held",
+                'ends = "clamped-hinged"',
+                "catalogue = ",
+                "bore = ",
+                "--force record",
+            ),
         ),
         ("ranges", ("examples/wire.toml", "--wave held", "--force record.csv")),
         ("map", ("examples/wire.toml", "--wave free")),

@@ -563,7 +563,7 @@ def test_compiling_that_takes_long_is_told_once_in_a_process(tmp_path: Path) -> 
 
 @needs_jit
 def test_a_command_says_that_it_compiles(tmp_path: Path) -> None:
-    call = ["map", "--rod", "nitinol", "--mean", "0:1Fcr", "--amplitude", "0.2Fcr", "--frequency", "20:200"]
+    call = ["map", "--rod", "nitinol", "--mean", "0:1Fcr", "--amplitude", "0.2Fcr", "--frequency", "20:200rad/s"]
     small = [*call, "--points", "30x30", "--paper-criterion", "leapfrog", "--out", str(tmp_path / "map.npz")]
     command = f"from floquetrod.cli import main; main({small!r})"
     assert python(command, tmp_path).stderr == "floquetrod: compiling, once; this takes some seconds\n"
