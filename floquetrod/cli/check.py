@@ -239,7 +239,7 @@ def _margins(asked: _Question, result: RodVerdict) -> verdicts.Margins | None:
     """Return the margins, None where they are not wanted; the verdict is said while the search takes its time."""
     if not asked.searched(result):
         return None
-    with Waiting(f"{result.status}; searching the margins", "hundredths") as progress:
+    with Waiting(f"{result.status}; searching the margins", "percent") as progress:
         return verdicts.search(result, progress)
 
 
