@@ -120,7 +120,7 @@ def test_a_summary_that_exits_fails_its_run_alone(options: dict[str, Any]) -> No
     found = fr.ensemble(PROBLEM, over, summary=exits_at_150, **options)
     assert found.status.values.tolist() == [1, 2, 1]
     assert found.reason.values[1] == "SystemExit: 3"
-    with pytest.raises(ValueError, match="of that with frequency = 150 it raised SystemExit: 3"):
+    with pytest.raises(ValueError, match="for that with frequency = 150 it raised SystemExit: 3"):
         fr.ensemble(PROBLEM, {"frequency": [150.0]}, summary=exits_at_150, **options)
 
 

@@ -369,7 +369,7 @@ def test_the_tool_prints_a_table() -> None:
     text, _ = process.communicate(timeout=120)
     assert process.returncode == 0, text
     last = text.splitlines()[-1].split()
-    assert last[:4] == ["verdicts", "2", "1,002", "0"]
+    assert last[:4] == ["verdicts", "2", "2,002", "0"]
 
 
 def test_ctrl_c_prints_what_was_found_so_far() -> None:

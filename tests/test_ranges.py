@@ -326,3 +326,9 @@ def test_margins_in_every_direction(mean: float, amplitude: float, omega: float)
 def test_bad_questions(call: object, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         call()  # type: ignore[operator]
+
+
+def test_tongues_thinner_than_rounding_end_a_search() -> None:
+    """Far below the modes' frequencies ends of tongues are neighbouring doubles, between which no place is left."""
+    rod = fr.Rod.nitinol()
+    assert rod.critical_amplitude(0.3, 0.1) == pytest.approx(1.389778981186, rel=1e-11)

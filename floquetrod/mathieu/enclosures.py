@@ -35,7 +35,8 @@ def divided(b: Floats, low: Floats, high: Floats, least: Floats, counts: Counted
     places, owners = [low, high], [every, every]
     while which.size:
         middle, h = 0.5 * (x1 + x2), 0.5 * (x2 - x1)
-        open_ = (x2 - x1 > least[which]) & (_within(b[which], middle, h, counts) > 0)
+        open_ = (x2 - x1 > least[which]) & (x1 < middle) & (middle < x2)
+        open_ &= _within(b[which], middle, h, counts) > 0
         which, x1, middle, x2 = which[open_], x1[open_], middle[open_], x2[open_]
         places.append(middle)
         owners.append(which)
@@ -61,7 +62,7 @@ def parts_above(
         over, under = bottom > target[which], top <= target[which]
         found.append(Parts(which[over], x1[over], x2[over]))
         left = ~(over | under)
-        fine = left & (x2 - x1 <= least[which])
+        fine = left & ((x2 - x1 <= least[which]) | (middle <= x1) | (middle >= x2))
         found.append(_cut(b, above, growth, Parts(which[fine], x1[fine], x2[fine])))
         left &= ~fine
         which, x1, middle, x2 = which[left], x1[left], middle[left], x2[left]
@@ -94,8 +95,9 @@ def _within(b: Floats, alpha: Floats, radius: Floats, counts: Counted) -> Ints:
 
 def enclosed(b: Floats, alpha: Floats, h: Floats, excess: Floats, counts: Counted) -> tuple[Floats, Floats]:
     """Return between what log X lies within h of alpha, where it is ``excess``; without bounds near a boundary."""
-    bottom, top = np.full(b.size, -np.inf), np.full(b.size, np.inf)
-    clear = np.flatnonzero(_within(b, alpha, 2.0 * h, counts) == 0)
+    single = h == 0.0  # ends of a tongue that is thinner than rounding
+    bottom, top = np.where(single, excess, -np.inf), np.where(single, excess, np.inf)
+    clear = np.flatnonzero(~single & (_within(b, alpha, 2.0 * h, counts) == 0))
     total = _sum_of_inverses(b[clear], alpha[clear], 2.0 * h[clear], counts)
     bottom[clear] = excess[clear] - 2.0 * math.log(2.0) * h[clear] * total
     top[clear] = excess[clear] + h[clear] * total

@@ -433,7 +433,7 @@ class Simulation(RecordedMotion):
 
     @property
     def named_mode(self) -> int | None:
-        """The dominant mode; None for a rod that has left the wall in most of the last quarter: it has no such mode."""
+        """The dominant mode, or None for a rod that was off the wall during most of the last quarter of the run."""
         return None if self.left_wall > _MOSTLY_ON else self.dominant_mode
 
     @property
