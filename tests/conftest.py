@@ -40,7 +40,9 @@ settings.register_profile("default", deadline=None, print_blob=True, max_example
 settings.register_profile(
     "interpreted", deadline=None, print_blob=True, max_examples=10, suppress_health_check=[HealthCheck.too_slow]
 )
-settings.load_profile("interpreted" if os.environ.get("NUMBA_DISABLE_JIT", "0") == "1" else "default")
+JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") != "1"
+needs_jit = pytest.mark.skipif(not JIT, reason="nothing is compiled with NUMBA_DISABLE_JIT=1")
+settings.load_profile("default" if JIT else "interpreted")
 
 
 def pytest_configure(config: pytest.Config) -> None:

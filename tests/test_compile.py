@@ -21,14 +21,13 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from conftest import needs_jit
 from floquetrod._util import compilation, interrupt, kernel_cache
 from floquetrod.cli import common
 from floquetrod.kernels import mathieu_counts, powers
 from floquetrod.simulation import integration
 
 ROOT = Path(__file__).parents[1]
-JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") != "1"
-needs_jit = pytest.mark.skipif(not JIT, reason="nothing is compiled with NUMBA_DISABLE_JIT=1")
 
 TELL = "import logging, sys; logging.basicConfig(level='INFO', stream=sys.stdout, format='%(message)s')\n"
 SMALL = """

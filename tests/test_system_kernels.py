@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from conftest import depth
+from conftest import depth, needs_jit
 from floquetrod._util import compilation
 from floquetrod.kernels import system_even, system_maps, system_series
 from floquetrod.kernels.system_even import half_period_map, pair_numbers
@@ -316,6 +316,7 @@ def test_small_work_is_done_without_the_compiler_to_the_same_bits(
         np.testing.assert_array_equal(one, other)
 
 
+@needs_jit
 def test_machine_code_that_loads_sooner_than_python_answers_is_taken(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
