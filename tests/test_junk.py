@@ -448,6 +448,12 @@ def test_arrays_that_broadcast_beyond_memory_are_refused() -> None:
     assert fr.mathieu.is_stable(np.empty((0, 10**9)), 0.3).shape == (0, 10**9)
 
 
+@pytest.mark.parametrize("seconds", [np.array([]), np.ones(2), math.nan, 0.0, "soon", None])
+def test_a_margin_in_no_time_is_refused(seconds: object) -> None:
+    with pytest.raises((TypeError, ValueError), match="seconds must"):
+        ROD.stability(LOAD).margin("mean", seconds=seconds)  # type: ignore[arg-type]
+
+
 def test_the_table_has_every_public_function_and_every_argument() -> None:
     elsewhere = {"simulate", "ensemble", "Explorer"}  # runs of a rod, refused in test_ensemble.py, and a window
     results = {

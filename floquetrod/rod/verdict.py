@@ -182,7 +182,7 @@ class RodVerdict(Verdict):
             For another quantity, and for ``seconds`` that are not greater than zero.
         """
         validate.choice("quantity", quantity, _WAYS)
-        if seconds != math.inf:
+        if not (isinstance(seconds, float) and seconds == math.inf):
             seconds = validate.positive("seconds", seconds, "leave it out to search everything")
         validate.progress(progress)
         here: float = getattr(self.load, quantity)
