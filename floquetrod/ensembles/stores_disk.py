@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import warnings
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -19,7 +20,7 @@ from floquetrod.ensembles.stores import Layout, MemoryStore, require_same
 from floquetrod.simulation.checkpoints import CheckpointWarning
 
 
-class DiskStore(MemoryStore):
+class DiskStore(MemoryStore, ABC):
     """Results in memory that are saved to a disk.
 
     While it is open for a part, a lock keeps every other from filling the same runs; it ends with the process.
@@ -82,17 +83,17 @@ class DiskStore(MemoryStore):
             return False
         return True
 
+    @abstractmethod
     def _locked(self, chunks: range) -> Lock:
         """Return a lock of these chunks; BlockingIOError when another holds one of some of them."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _refresh(self, chunks: range) -> None:
         """Take over what others have written of these chunks."""
-        raise NotImplementedError
 
+    @abstractmethod
     def _write(self, chunks: Iterable[int]) -> None:
         """Write chunks of results."""
-        raise NotImplementedError
 
 
 def _warn(text: str) -> None:
