@@ -372,6 +372,18 @@ def test_the_tool_prints_a_table() -> None:
     assert last[:4] == ["verdicts", "2", "2,002", "0"]
 
 
+@pytest.mark.skipif(shutil.which("false") is None, reason="there is no command that fails at once")
+def test_an_attack_that_cannot_begin_is_a_failure(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "executable", shutil.which("false"))  # as Python ends where a module is missing
+    campaign = Campaign(["verdicts"], 1)
+    campaign.one("verdicts", 3)
+    line = "python -m fuzz --only verdicts --seed 3 --case 0  # ended with status 1"
+    assert campaign.tallies["verdicts"].failures == [line]
+    assert line in capsys.readouterr().out
+
+
 def test_ctrl_c_prints_what_was_found_so_far() -> None:
     process = tool("--only", "verdicts", "--seed", "3", "--seeds", "1000", "--cases", "1")
     assert process.stdout is not None

@@ -123,7 +123,8 @@ class Campaign:
                 print(failure, flush=True)
         status = process.wait()
         alarm.cancel()
-        if status not in (0, 1) and not self.stopped:
+        told = status == 1 and len(tally.failures) > before[2]  # without a failure 1 is Python's own, of an exception
+        if status != 0 and not told and not self.stopped:
             line = f"python -m fuzz --only {attack} --seed {seed} --case {cases}  # ended with status {status}"
             tally.add(Tally(attack, 1, 0, 0.0, [line]))
             print(line, flush=True)
