@@ -448,6 +448,13 @@ def test_arrays_that_broadcast_beyond_memory_are_refused() -> None:
     assert fr.mathieu.is_stable(np.empty((0, 10**9)), 0.3).shape == (0, 10**9)
 
 
+@pytest.mark.parametrize("names", ["speeds", "noises"])
+@pytest.mark.parametrize("junk", [[Raising()], tree(30)])
+def test_pairs_that_raise_or_hold_one_list_a_billion_times_are_refused(names: str, junk: Any) -> None:
+    with pytest.raises((TypeError, ValueError), match=names):
+        fr.Perturbation(**{names: junk})
+
+
 @pytest.mark.parametrize("seconds", [np.array([]), np.ones(2), math.nan, 0.0, "soon", None])
 def test_a_margin_in_no_time_is_refused(seconds: object) -> None:
     with pytest.raises((TypeError, ValueError), match="seconds must"):

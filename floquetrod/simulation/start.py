@@ -48,7 +48,10 @@ class Perturbation:
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
         speeds = tuple(
-            (_mode(f"speeds: mode {mode!r}", mode), _speed(f"speeds: speed of mode {mode!r}", speed))
+            (
+                _mode(f"speeds: mode {validate.short(mode)}", mode),
+                _speed(f"speeds: speed of mode {validate.short(mode)}", speed),
+            )
             for mode, speed in _pairs("speeds", self.speeds, "((8, 0.05),)")
         )
         noises = tuple(
@@ -159,7 +162,7 @@ def _pairs(name: str, values: Any, example: str) -> list[tuple[Any, Any]]:
     for value in validate.sequence(name, values, example):
         try:
             first, second = value
-        except (TypeError, ValueError):
+        except Exception:  # no pair, or whatever an object raises when asked for its parts
             message = f"{name} must be a sequence of pairs such as {example}, got {validate.short(value)} in it"
             raise TypeError(message) from None
         pairs.append((first, second))
