@@ -9,6 +9,7 @@ tongue is wider than the part of it that outgrows the damping, about four times 
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
@@ -234,13 +235,13 @@ def _with_extrema(
     values: Callable[[Floats], Floats], places: Floats, found: Floats, level: float
 ) -> tuple[Floats, Floats]:
     """Return places and values with others about the extrema that may lie beyond the level, in the same order."""
-    begin = places[0]
+    begin, nearest = places[0], math.log(max(level, sys.float_info.min))
     for _ in range(_ROUNDS):
         inner, left, right = found[1:-1], found[:-2], found[2:]
         below = (inner > 0.0) & (inner <= level) & (inner >= left) & (inner > right)
         above = (inner > level) & (inner <= left) & (inner < right)
         at = np.flatnonzero(below | above) + 1
-        at = at[np.argsort(np.abs(np.log(found[at] / level)), kind="stable")[:_MOST_EXTREMA]]
+        at = at[np.argsort(np.abs(np.log(found[at]) - nearest), kind="stable")[:_MOST_EXTREMA]]
         if not at.size:
             break
         more = np.linspace(places[at - 1], places[at + 1], _CLOSER + 2)[1:-1].ravel()

@@ -122,6 +122,8 @@ class Campaign:
             for failure in failures:
                 print(failure, flush=True)
         status = process.wait()
+        if process.stdout is not None:
+            process.stdout.close()
         alarm.cancel()
         told = status == 1 and len(tally.failures) > before[2]  # without a failure 1 is Python's own, of an exception
         if status != 0 and not told and not self.stopped:
