@@ -1,4 +1,4 @@
-"""Settings of the whole suite: how deeply it looks, random numbers fresh in every run yet repeatable, `--bite`."""
+"""Settings of the whole suite: how deeply it looks, random numbers that can be drawn again, `--bite`."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ import pytest
 from hypothesis import HealthCheck, is_hypothesis_test, settings
 
 SEED = "FLOQUETROD_TEST_SEED"
+QUICK_SEED = 104031710  # of `make test`; any other does
 BITES: dict[str, tuple[int, ...]] = {}
 """Examples checked and discarded, of each property."""
 
@@ -26,7 +27,10 @@ LEAST_SHARE = 0.3
 """Share of the examples drawn that a property has to be true of, rather than discard (a choice)."""
 
 DEEP = os.environ.get("FLOQUETROD_TEST_DEPTH") == "deep"
-"""Whether to draw as many examples as `make slow` does; `make test` draws others in every run, but fewer."""
+"""Whether to look as deeply as `make slow` does: at many examples, fresh in every run.
+
+`make test` draws few and always the same, so that one tree either passes or fails; `make slow` and `make fuzz` search.
+"""
 
 
 def depth(deep: int, quick: int) -> int:
@@ -34,11 +38,16 @@ def depth(deep: int, quick: int) -> int:
     return deep if DEEP else quick
 
 
-# Fresh examples in every run (no derandomize): the suite is meant to go on looking.  No deadline: nothing is timed.
-settings.register_profile("default", deadline=None, print_blob=True, max_examples=depth(100, 25))
+# No deadline: nothing is timed.
+settings.register_profile("default", deadline=None, print_blob=True, derandomize=not DEEP, max_examples=depth(100, 25))
 # Without the compiler an example costs about a hundred times more.
 settings.register_profile(
-    "interpreted", deadline=None, print_blob=True, max_examples=10, suppress_health_check=[HealthCheck.too_slow]
+    "interpreted",
+    deadline=None,
+    print_blob=True,
+    derandomize=not DEEP,
+    max_examples=10,
+    suppress_health_check=[HealthCheck.too_slow],
 )
 JIT = os.environ.get("NUMBA_DISABLE_JIT", "0") != "1"
 needs_jit = pytest.mark.skipif(not JIT, reason="nothing is compiled with NUMBA_DISABLE_JIT=1")
@@ -50,7 +59,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
     A run in the background inherits that Ctrl-C is ignored, and so would all that its tests start and interrupt.
     """
-    os.environ.setdefault(SEED, str(secrets.randbits(63)))
+    os.environ.setdefault(SEED, str(secrets.randbits(63) if DEEP else QUICK_SEED))
     if signal.getsignal(signal.SIGINT) is signal.SIG_IGN and threading.current_thread() is threading.main_thread():
         signal.signal(signal.SIGINT, signal.default_int_handler)
 

@@ -32,8 +32,8 @@ _AGAIN = 3.0  # seconds until it is sent once more
 ANSWERED = 60.0
 """Seconds within which a forked process has to answer a question that takes far less."""
 
-QUIET = {"Explorer", "simulate", "compare", "Chart.save", "Simulation.save"}
-"""Calls that write or draw, or say how long they took: not for many threads at once."""
+QUIET = {"Explorer", "simulate", "compare", "Bands.to_csv", "Chart.save", "Simulation.save"}
+"""Calls that write or draw, or say how long they took: not for many threads or processes at once."""
 
 
 def check(rng: np.random.Generator) -> Found:
