@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import math
 import os
 import re
@@ -187,13 +188,11 @@ def test_kills_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generato
     assert any("leaves .run.ckpt.abc.part" in line for line in found)
 
 
-def test_kills_of_stores_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    counts = [60, 40]
-    monkeypatch.setattr(kills, "_count", lambda place: counts.pop(0))
-    monkeypatch.setattr(runs, "fill", lambda place: {}["runs"])
-    wrong = kills.stopped_and_killed(tmp_path / "runs.npz", [0.0, 0.0, 0.0])
+def test_kills_of_two_that_share_a_file_can_fail() -> None:
+    counts, work = [60, 40], functools.partial({}.pop, "runs")
+    wrong = kills.stopped_and_killed(work, "is in use", lambda: counts.pop(0), [0.0, 0.0, 0.0])
     assert "a second process: KeyError" in wrong[0]
-    assert wrong[1] == "of 60 runs 40 are left"
+    assert wrong[1] == "of 60 40 are left"
 
 
 def test_disks_under_ensembles_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -52,6 +52,39 @@ def test_full_disks_lose_nothing(tmp_path: Path, rng: np.random.Generator, count
     assert set(found["left"]) <= {"run.ckpt"}, found
 
 
+def test_a_checkpoint_in_use_is_refused_and_left_alone(tmp_path: Path) -> None:
+    """As by a second process, or the same command typed twice; the first run notices nothing."""
+    path, expected, refused = tmp_path / "run.ckpt", run(), []
+
+    def another(done: int, total: int) -> None:
+        if not refused:
+            with pytest.raises(ValueError, match=r"run\.ckpt is in use by another sim.*give another path") as caught:
+                run(checkpoint=path)
+            refused.append(caught)
+            raise KeyboardInterrupt
+
+    assert not run(checkpoint=path, progress=another).complete
+    with pytest.raises(MemoryError):
+        run(checkpoint=path, progress=_out_of_memory)
+    assert run(checkpoint=path) == expected
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def _out_of_memory(done: int, total: int) -> None:
+    """End a run without asking."""
+    raise MemoryError
+
+
+def test_a_file_system_without_locks_costs_a_warning(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def no_locks(path: Path) -> None:
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr(checkpoints, "lock_beside", no_locks)
+    with pytest.warns(fr.CheckpointWarning, match=r"cannot be locked \(No locks available\): make sure") as caught:
+        assert run(checkpoint=tmp_path / "run.ckpt").complete
+    assert caught[0].filename.endswith("test_simulation.py")
+
+
 class Disk:
     """A disk whose saves fail while it is full."""
 

@@ -72,6 +72,15 @@ class Lock:
             self._handle = None
 
 
+def lock_beside(path: Path) -> Lock:
+    """Return a lock for whoever writes a file that every save replaces: one on a hidden file beside it, links followed.
+
+    Raises what `Lock` does.
+    """
+    target = Path(os.path.realpath(path))
+    return Lock(target.with_name(f".{target.name}.lock"), range(1), remove=True)
+
+
 _held: weakref.WeakSet[Lock] = weakref.WeakSet()
 
 

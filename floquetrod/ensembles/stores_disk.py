@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
@@ -13,7 +12,7 @@ import numpy as np
 
 from floquetrod._util import files
 from floquetrod._util.calling import level_of_caller
-from floquetrod._util.locks import Lock
+from floquetrod._util.locks import Lock, lock_beside
 from floquetrod.ensembles.axes import Study
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs
 from floquetrod.ensembles.stores import Layout, MemoryStore, require_same
@@ -117,9 +116,8 @@ class NpzStore(DiskStore):
             self._take_over(found)
 
     def _locked(self, chunks: range) -> Lock:
-        """Return a lock of the whole store, which is that of a file beside it."""
-        target = Path(os.path.realpath(self.path))
-        return Lock(target.with_name(f".{target.name}.lock"), range(1), remove=True)
+        """Return a lock of the whole store."""
+        return lock_beside(self.path)
 
     def _refresh(self, chunks: range) -> None:
         """Take over a file that is not the one last read or written here; ValueError for one of another study."""

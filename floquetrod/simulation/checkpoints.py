@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import files
 from floquetrod._util.calling import level_of_caller
+from floquetrod._util.locks import Lock, lock_beside
 from floquetrod._util.version import __version__
 from floquetrod.kernels import rod_motion
 from floquetrod.simulation.mesh import ENERGIES
@@ -98,7 +99,7 @@ def frame_shapes(segments: int) -> dict[str, tuple[int, ...]]:
 
 
 class Checkpoint:
-    """The file of one run.
+    """The file of one run, and a context in which no other run may use it, which ends with the process at the latest.
 
     Parameters
     ----------
@@ -113,6 +114,26 @@ class Checkpoint:
         self.path = files.writable(path)
         self._identity = dict(identity)
         self._due = 0.0
+        self._lock: Lock | None = None
+
+    def __enter__(self) -> Checkpoint:
+        """Keep others from the file; ValueError when another run uses it."""
+        try:
+            self._lock = lock_beside(self.path)
+        except BlockingIOError:
+            raise ValueError(
+                f"checkpoint {self.path} is in use by another simulation, in another process or another thread of this "
+                "one; wait until that ends, or give another path"
+            ) from None
+        except OSError as error:  # not every file system has locks
+            _warn(f"checkpoint {self.path} cannot be locked ({_cause(error)}): make sure that no other run uses it")
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        """Let others use the file."""
+        if self._lock is not None:
+            self._lock.release()
+            self._lock = None
 
     def exists(self) -> bool:
         """Return whether there is something to continue from."""
@@ -127,12 +148,10 @@ class Checkpoint:
         now = time.monotonic()
         if now < self._due:
             return
-        with suppress(CheckpointWarning):  # raised where warnings are errors: the run is worth more
-            try:
-                self._save(state())
-            except (OSError, ValueError, MemoryError) as error:
-                text = f"checkpoint {self.path} cannot be written ({_cause(error)}); the run continues, and tries again"
-                warnings.warn(CheckpointWarning(text), stacklevel=level_of_caller())
+        try:
+            self._save(state())
+        except (OSError, ValueError, MemoryError) as error:
+            _warn(f"checkpoint {self.path} cannot be written ({_cause(error)}); the run continues, and tries again")
         took = time.monotonic() - now
         self._due = now + took + _SECONDS_BETWEEN * max(1.0, took / _QUICK_SAVE)
 
@@ -200,6 +219,12 @@ class Checkpoint:
                 None,
             )
         return "", RunState(rod, before, frames, files.entry(meta, "seconds", float))
+
+
+def _warn(text: str) -> None:
+    """Warn the caller of the package of what must not end the run."""
+    with suppress(CheckpointWarning):  # raised where warnings are errors: the run is worth more
+        warnings.warn(CheckpointWarning(text), stacklevel=level_of_caller())
 
 
 def _cause(error: BaseException) -> str:

@@ -6,6 +6,7 @@ import json
 import math
 import warnings
 from collections.abc import Mapping
+from contextlib import nullcontext
 from dataclasses import KW_ONLY, asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -217,8 +218,8 @@ class SimulationProblem:
         SimulationDiverged
             When the rod leaves the range of the model; its ``simulation`` holds the frames before.
         ValueError
-            Before anything is computed, for a checkpoint that cannot be written, is damaged, belongs to another run, or
-            cannot be continued to the bit here (docs/theory/simulator.md says when).
+            Before anything is computed, for a checkpoint that cannot be written, is damaged, belongs to another run, is
+            in use by one under way, or cannot be continued to the bit here (docs/theory/simulator.md says when).
         """
         place = None if checkpoint is None else validate.path("checkpoint", checkpoint)
         validate.progress(progress)
@@ -230,8 +231,9 @@ class SimulationProblem:
         steps = self.time_steps
         velocities = self.perturbation.velocities(self.segments)
         early = EarlyEnd(self.friction, self._frames_in_a_period) if self.stop_early else None
-        started = Integration(self.mesh, self.driving, self.friction, steps, velocities, self._result, early, file)
-        return started.run(progress)
+        with file or nullcontext():
+            started = Integration(self.mesh, self.driving, self.friction, steps, velocities, self._result, early, file)
+            return started.run(progress)
 
     def as_dict(self) -> dict[str, Any]:
         """Return the parameters as plain data, for files: what JSON gives back as it was."""

@@ -6,7 +6,9 @@ import os
 import signal
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray
@@ -22,8 +24,32 @@ _LATEST = 0.25  # seconds: longer than a run takes
 
 
 def check(rng: np.random.Generator) -> Found:
-    """Kill runs with checkpoints, or processes that fill the store of an ensemble."""
-    return checkpoint(rng) if rng.random() < 0.6 else _store(rng)
+    """Kill runs with checkpoints, one of them or two of one file, or processes that fill the store of an ensemble."""
+    what = rng.random()
+    return checkpoint(rng) if what < 0.4 else _shared_checkpoint(rng) if what < 0.6 else _store(rng)
+
+
+def _shared_checkpoint(rng: np.random.Generator) -> Found:
+    """Simulate with one checkpoint in two processes of which one is stopped, goes on and is killed."""
+    moments = rng.uniform(0.0, _LATEST, 3).tolist()
+    expected = runs.reference()
+    with tempfile.TemporaryDirectory(prefix="fuzz") as name:
+        path = Path(name) / "run.ckpt"
+        wrong = stopped_and_killed(lambda: runs.simulate(path), "is in use by another", lambda: _frames(path), moments)
+        done, found = apart.answer(lambda: runs.simulate(path))
+        if not done:
+            wrong.append(f"does not go on: {found}")
+        elif different := runs.differences(expected, found):
+            wrong.append(f"goes on to another {', '.join(different)}")
+    return Found(3, [f"a shared checkpoint, at {moments} s: {line}" for line in wrong])
+
+
+def _frames(path: Path) -> int:
+    """Return how many frames a checkpoint holds."""
+    if not path.exists():
+        return 0
+    with np.load(path) as held:
+        return len(held["positions"])
 
 
 def _store(rng: np.random.Generator) -> Found:
@@ -32,7 +58,9 @@ def _store(rng: np.random.Generator) -> Found:
     runs.filled(False)
     with tempfile.TemporaryDirectory(prefix="fuzz") as name:
         place = Path(name) / kind
-        wrong = stopped_and_killed(place, moments)
+        wrong = stopped_and_killed(
+            lambda: runs.fill(place), "is being filled by another process", lambda: _count(place), moments
+        )
         done, found = apart.answer(lambda: runs.fill(place))
         if not done:
             wrong.append(f"does not go on: {found}")
@@ -41,21 +69,24 @@ def _store(rng: np.random.Generator) -> Found:
     return Found(3, [f"{kind}, at {moments} s: {line}" for line in wrong])
 
 
-def stopped_and_killed(place: Path, moments: list[float]) -> list[str]:
-    """Return what is wrong about a store that one process fills while another that began to is stopped."""
-    process, pipe = apart.start(lambda: runs.fill(place))
+def stopped_and_killed(work: Callable[[], Any], busy: str, count: Callable[[], int], moments: list[float]) -> list[str]:
+    """Return what is wrong about a file that one process writes while another that began to is stopped.
+
+    ``busy`` is what the second is refused with, ``count`` how much the file holds.
+    """
+    process, pipe = apart.start(work)
     time.sleep(moments[0])
     os.kill(process, signal.SIGSTOP)
-    done, found = apart.answer(lambda: runs.fill(place))
-    wrong = [] if done or "is being filled by another process" in found else [f"a second process: {found}"]
-    before = _count(place)
+    done, found = apart.answer(work)
+    wrong = [] if done or busy in found else [f"a second process: {found}"]
+    before = count()
     os.kill(process, signal.SIGCONT)
     time.sleep(moments[1])
     os.kill(process, signal.SIGKILL)
     apart.finish(process, pipe)
-    apart.kill_after(lambda: runs.fill(place), moments[2])
-    after = _count(place)
-    return wrong if after >= before else [*wrong, f"of {before} runs {after} are left"]
+    apart.kill_after(work, moments[2])
+    after = count()
+    return wrong if after >= before else [*wrong, f"of {before} {after} are left"]
 
 
 def _count(place: Path) -> int:
