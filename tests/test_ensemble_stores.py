@@ -19,6 +19,7 @@ import floquetrod as fr
 from ensemble_cases import OVER, PROBLEM, Stopped, assert_same, depth, script
 from floquetrod.ensembles import Runs, stores, stores_disk, stores_zarr, workers
 from floquetrod.simulation import checkpoints
+from floquetrod.simulation.arithmetic import arithmetic
 
 KINDS = ("runs.npz", "runs.zarr")
 
@@ -82,7 +83,7 @@ def test_a_store_of_another_study_is_refused(kind: str, changed: dict[str, Any],
 @pytest.mark.parametrize("kind", KINDS)
 def test_another_version_is_refused(kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     fr.ensemble(PROBLEM, {"seed": [1]}, store=tmp_path / kind)
-    other = checkpoints.arithmetic() | {"numba": "7.5"}
+    other = arithmetic() | {"numba": "7.5"}
     monkeypatch.setattr(stores, "arithmetic", lambda: other)
     with pytest.raises(ValueError, match=r"was made with numba .*; continue it where that is installed"):
         fr.ensemble(PROBLEM, {"seed": [1]}, store=tmp_path / kind)
@@ -210,7 +211,7 @@ def unlocked(*arguments: Any, **options: Any) -> None:
 
 def test_without_locks_a_finished_file_is_taken_over(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     place, whole = tmp_path / "runs.npz", fr.ensemble(PROBLEM, OVER)
-    monkeypatch.setattr(stores_disk, "Lock", unlocked)
+    monkeypatch.setattr(stores_disk, "lock_beside", unlocked)
 
     def finish(done: int, total: int) -> None:
         if done == 5:

@@ -221,7 +221,7 @@ def test_a_path_where_nothing_can_be_written_is_refused_before_the_run(
         run(checkpoint=5)
 
 
-@pytest.mark.parametrize("name", ["floquetrod", "sources", "numba", "llvmlite", "numpy", "machine"])
+@pytest.mark.parametrize("name", ["simulator", "numba", "llvmlite", "numpy", "machine"])
 def test_what_another_version_or_machine_wrote_is_refused_with_a_remedy(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:

@@ -6,17 +6,13 @@ import dataclasses
 import inspect
 import multiprocessing
 import pickle
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from types import FrameType
-from typing import Any
 
 import pytest
 
 import floquetrod as fr
 from floquetrod._util import files
-from floquetrod.simulation import checkpoints
 from floquetrod.simulation.time_steps import TimeSteps
 
 ROD = fr.Rod.nitinol()
@@ -105,24 +101,3 @@ def test_a_checkpoint_of_an_older_format_is_refused_with_a_remedy(tmp_path: Path
     files.write_npz(path, {**meta, "format": "floquetrod checkpoint 2"}, arrays, compress=False)
     with pytest.raises(ValueError, match=r"its format is 'floquetrod checkpoint 2'.*; give another path, or remove it"):
         PROBLEM.run(checkpoint=path)
-
-
-def test_the_sources_that_compute_are_those_that_a_checkpoint_digests() -> None:
-    """Of the package, no function of another file is called to set up a problem and to run it."""
-    package = Path(fr.__file__).parent
-    called: set[Path] = set()
-
-    def note(frame: FrameType, event: str, argument: Any) -> None:
-        path = Path(frame.f_code.co_filename)
-        if event == "call" and package in path.parents:
-            called.add(path)
-
-    sys.setprofile(note)
-    try:
-        rod, load = fr.Rod.nitinol(), fr.AxialLoad(0.3, 0.3, 150.0)
-        for friction in (0.0, 0.1):
-            fr.SimulationProblem(rod, load, duration=1e-3, segments=60, frames=3, friction=friction).run()
-    finally:
-        sys.setprofile(None)
-    assert package / "simulation/integration.py" in called
-    assert called <= set(checkpoints.computing_sources())

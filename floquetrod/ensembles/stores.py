@@ -23,7 +23,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.version import __version__
 from floquetrod.ensembles.axes import Study
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable
-from floquetrod.simulation.checkpoints import arithmetic
+from floquetrod.simulation.arithmetic import arithmetic
 
 _RUNS_IN_A_CHUNK = 256  # at most (a choice)
 _SECONDS_BETWEEN = 1.0  # of wall time, between saves (a choice)

@@ -1,15 +1,11 @@
-"""Checkpoints: files from which a simulation continues to the bit, and what those bits depend on."""
+"""Checkpoints: files from which a simulation continues to the bit."""
 
 from __future__ import annotations
 
-import functools
-import hashlib
-import platform
 import time
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
-from importlib import metadata
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -21,6 +17,7 @@ from floquetrod._util.calling import level_of_caller
 from floquetrod._util.locks import Lock, lock_beside
 from floquetrod._util.version import __version__
 from floquetrod.kernels import rod_motion
+from floquetrod.simulation.arithmetic import arithmetic
 from floquetrod.simulation.mesh import ENERGIES
 from floquetrod.simulation.result import RecordedMotion
 from floquetrod.simulation.time_steps import TimeSteps
@@ -28,9 +25,6 @@ from floquetrod.simulation.time_steps import TimeSteps
 _FORMAT = "floquetrod checkpoint 4"
 _SECONDS_BETWEEN = 5.0  # of wall time, between saves (a choice)
 _QUICK_SAVE = 0.25  # s: after one that takes longer, the next is put off as many times longer (a choice)
-_PACKAGE = Path(__file__).parents[1]
-_COMPUTING = ("_util", "kernels", "rod", "simulation")
-"""Packages whose sources determine the bits of a run; a test follows every function that one calls."""
 
 
 class CheckpointWarning(UserWarning):
@@ -210,7 +204,7 @@ class Checkpoint:
         steps = int(rod["clock"][0]) - int(before["clock"][0])
         if not 0 <= steps <= expected.most_steps:
             raise ValueError("its states do not follow one another")
-        # The sources are the same, but a processor or a system's library may differ in a last digit.
+        # The arithmetic is the same, but a processor or a system's library may differ in a last digit.
         repeated = before.copy()
         expected.advance(repeated, steps)
         if repeated.tobytes() != rod.tobytes():
@@ -230,28 +224,3 @@ def _warn(text: str) -> None:
 def _cause(error: BaseException) -> str:
     """Return why a save failed, in a few words."""
     return getattr(error, "strerror", None) or str(error) or type(error).__name__
-
-
-def computing_sources() -> Iterator[Path]:
-    """Yield the files whose code determines the bits of a run, in a fixed order."""
-    for package in _COMPUTING:
-        yield from sorted((_PACKAGE / package).rglob("*.py"))
-
-
-@functools.cache
-def arithmetic() -> dict[str, str]:
-    """Return what the bits of a run depend on, other than its problem and the processor's own arithmetic."""
-    import numba
-
-    digest = hashlib.sha256()
-    for path in computing_sources():
-        content = path.read_bytes()
-        digest.update(f"{path.relative_to(_PACKAGE).as_posix()} {len(content)}\n".encode() + content)
-    return {
-        "floquetrod": __version__,
-        "sources": digest.hexdigest()[:16],
-        "numba": numba.__version__,
-        "llvmlite": metadata.version("llvmlite"),
-        "numpy": np.__version__,
-        "machine": f"{platform.system()} {platform.machine()}",
-    }

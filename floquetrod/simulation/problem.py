@@ -228,12 +228,16 @@ class SimulationProblem:
             remedy = f"take {self._growing.least_segments} or more, or leave segments out for {self._fair_segments()}"
             warnings.warn(f"{wrong}; {remedy}", ResolutionWarning, stacklevel=level_of_caller())
         file = None if place is None else Checkpoint(place, self.as_dict() | {"time_steps": asdict(self.time_steps)})
-        steps = self.time_steps
+        with file or nullcontext():
+            return self._integration(file).run(progress)
+
+    def _integration(self, file: Checkpoint | None = None) -> Integration[Simulation]:
+        """Return the run at its start, or where its checkpoint has come to."""
         velocities = self.perturbation.velocities(self.segments)
         early = EarlyEnd(self.friction, self._frames_in_a_period) if self.stop_early else None
-        with file or nullcontext():
-            started = Integration(self.mesh, self.driving, self.friction, steps, velocities, self._result, early, file)
-            return started.run(progress)
+        return Integration(
+            self.mesh, self.driving, self.friction, self.time_steps, velocities, self._result, early, file
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Return the parameters as plain data, for files: what JSON gives back as it was."""
