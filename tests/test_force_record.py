@@ -473,6 +473,37 @@ def test_units_written_in_headings_are_known() -> None:
     assert {"N", "kN", "lbf"} <= units.units_of("force").keys()
 
 
+@pytest.mark.parametrize(
+    ("heading", "size"),
+    [
+        ("time_s,force_lbf", 4.4482216152605),
+        ("Time,Force LBF", 4.4482216152605),
+        ("time,force_lb", 4.4482216152605),
+        ("TIME_MS,F_LBS", 4.4482216152605),
+        ("t,lbf", 4.4482216152605),
+        ("s,kN", 1e3),
+        ("time,FORCE_KN", 1e3),
+        ("time,force_mN", 1e-3),
+    ],
+)
+def test_units_in_headings_may_be_the_last_or_the_only_word_in_any_case(
+    heading: str, size: float, tmp_path: Path
+) -> None:
+    path = tmp_path / "force.csv"
+    path.write_text("\n".join([heading, *(f"{t},{f}" for t, f in pairs())]), encoding="utf-8")
+    record, plain = fr.ForceRecord.from_csv(path), fr.ForceRecord(*np.array(pairs(), dtype=float).T)
+    assert record.force_unit_named
+    assert record.mean == pytest.approx(size * plain.mean, rel=1e-12)
+
+
+@pytest.mark.parametrize("heading", ["t,force (%)", "t,force (pounds)", "t,force (none)"])
+def test_what_is_no_unit_of_force_in_brackets_is_refused(heading: str, tmp_path: Path) -> None:
+    path = tmp_path / "force.csv"
+    path.write_text("\n".join([heading, *(f"{t},{f}" for t, f in pairs())]), encoding="utf-8")
+    with pytest.raises(ValueError, match=r"force_unit must be given, one of N, kN"):
+        fr.ForceRecord.from_csv(path)
+
+
 def _clock(seconds: float, date: str = "", zone: str = "") -> str:
     """Return a time of day that many seconds after 23:59:59.5, as loggers write it."""
     late = 86399.5 + seconds
@@ -557,7 +588,10 @@ WELL = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=60.0, inclination="
         (WELL, 2.0, "t,F", {}, "in kN .*; give force_unit, N or kN"),
         (WELL, 2.0, "t,F [kN]", {}, ""),
         (WELL, 2.0, "t,F", {"force_unit": "N"}, ""),
-        (WELL, 2000.0, "t,F", {}, ""),
+        (WELL, 2000.0, "t,F", {}, "in lbf .*; give force_unit, N or lbf"),
+        (WELL, 2000.0, "t,F", {"force_unit": "N"}, ""),
+        (WELL, 2000.0, "t,F_lbf", {}, ""),
+        (WELL, 80.0, "t,F", {}, "in kN .*, in lbf .*; give force_unit, N, kN or lbf"),
         (fr.Rod.nitinol(), 200.0, "t,F", {}, "in mN .*; give force_unit, N or mN"),
         (fr.Rod.nitinol(), 0.05, "t,F", {}, ""),
     ],
@@ -570,7 +604,7 @@ def test_a_record_without_a_unit_is_doubted_where_another_would_matter(
     f = size * (1.0 + np.sin(150.0 * t)) + 1e-4 * size * np.random.default_rng(1).standard_normal(t.size)
     path.write_text("\n".join([heading, *(f"{a:.4f},{b:.9g}" for a, b in zip(t, f, strict=True))]), encoding="utf-8")
     record = fr.ForceRecord.from_csv(path, **options)
-    assert record.force_unit_named is ("[" in heading or bool(options))
+    assert record.force_unit_named is (heading != "t,F" or bool(options))
     found = list(suspicions_of_record(rod, record)) if not record.force_unit_named else []
     assert len(found) == bool(words)
     assert not words or re.search(words, found[0])

@@ -177,14 +177,14 @@ def read_values(options: argparse.Namespace, rod: fr.Rod, like: Load) -> dict[Qu
     return {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
 
 
-def warn_of_hertz(name: str, text: str | None, rod: fr.Rod, loads: Iterable[Load], tolerance: float = 0.0) -> None:
-    """Warn where a frequency typed without a unit would, in Hz, change the verdict on one of the loads.
+def warn_of_hertz(name: str, text: str | None, rod: fr.Rod, loads: Iterable[Load], tolerance: float = 0.0) -> bool:
+    """Warn where a frequency typed without a unit would, in Hz, change the verdict on one of the loads; tell whether.
 
     ``name`` is what gave it.  Verdicts are those without friction.  Where modes are coupled, and a verdict takes its
     time, a single load is suspected as in `floquetrod.rod.plausibility`.
     """
     if text is None or units.unit_of(text.rpartition(":")[2]) != "":
-        return
+        return False
     loads = list(loads)
     for load in loads:
         reading = ""
@@ -195,7 +195,8 @@ def warn_of_hertz(name: str, text: str | None, rod: fr.Rod, loads: Iterable[Load
         if reading:
             at = "" if len(loads) == 1 else f", under mean {load.mean:.4g} N and amplitude {load.amplitude:.4g} N"
             say(f"floquetrod: warning: {name} {text} is taken in rad/s: {reading}{at}; write {_with_unit(text)}")
-            return
+            return True
+    return False
 
 
 def _with_unit(text: str) -> str:

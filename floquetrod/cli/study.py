@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,7 +16,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.cli.common import is_pipe, named_rod
-from floquetrod.cli.loads import LOAD_OPTIONS, read_kind, read_load, read_record, warn_of_hertz
+from floquetrod.cli.loads import LOAD_OPTIONS, corners, read_kind, read_load, read_record, warn_of_hertz
 from floquetrod.cli.starts import read_perturbation
 from floquetrod.ensembles.axes import LAYOUTS, names_of
 from floquetrod.rod.data import INSTEAD
@@ -102,6 +102,7 @@ def read_study(path: Path) -> Study:
     for key, value in tables["over"].items():
         with _naming(path, "over"):
             over[key], shown[key] = _varied(key, value, rod)
+    _warn_of_hertz(path, tables, rod, load, over)
     with _naming(path, "ensemble"):
         options = _options(tables.get("ensemble", {}))
     return Study(problem, over, options, shown)
@@ -156,10 +157,29 @@ def _load(path: Path, table: Mapping[str, Any], rod: fr.Rod) -> Any:
     texts = {key: None if given[key] is None else str(given[key]) for key in _LOAD if key not in (*KINDS, "force")}
     force = None if given["force"] is None else str(path.parent / str(given["force"]))
     options = argparse.Namespace(**given | texts | {"force": force})
-    load = read_load(options, rod, read_kind(options, read_record(options, rod)))
-    if given["frequency"] is not None:
-        warn_of_hertz(f"study file {path}: frequency", str(given["frequency"]), rod, [load])
-    return load
+    return read_load(options, rod, read_kind(options, read_record(options, rod)))
+
+
+def _warn_of_hertz(path: Path, tables: Mapping[str, Any], rod: fr.Rod, load: Any, over: Mapping[str, Any]) -> None:
+    """Warn of the first frequency without a unit whose reading in Hz would change a verdict.
+
+    Verdicts are those on the study's own rod, at both ends of what is varied of the load.
+    """
+    given = tables["over"].get("frequency", tables["load"].get("frequency"))
+    if isinstance(given, dict):
+        given = [number for key, number in given.items() if key not in (*_WORDS, "deviation")]
+    typed = [str(number) for number in (given if isinstance(given, list) else [given])]
+    forces: Any = {name: _ends(over.get(name), getattr(load, name)) for name in ("mean", "amplitude")}
+    for text in [text for text in typed if units.unit_of(text) == ""][:_READ_IN_HERTZ]:
+        with suppress(ValueError):  # an impossible load is refused where the runs are made
+            loads = list(corners({**forces, "frequency": [float(text)]}, load))
+            if warn_of_hertz(f"study file {path}: frequency", text, rod, loads):
+                return
+
+
+def _ends(varied: Any, own: float) -> list[float]:
+    """Return the least and the largest value of what is varied, its own value where it is not or has a distribution."""
+    return [float(np.min(varied)), float(np.max(varied))] if isinstance(varied, list | np.ndarray) else [own]
 
 
 def _settings(table: Mapping[str, Any], rod: fr.Rod) -> dict[str, Any]:
@@ -234,6 +254,7 @@ def _varied(key: str, given: Any, rod: fr.Rod) -> tuple[Any, Unit]:
     return (np.linspace if spacing == "linear" else np.geomspace)(first, last, steps), unit
 
 
+_READ_IN_HERTZ = 100  # frequencies of a list that are; longer ones are not typed (a choice)
 _WORDS = ("steps", "spacing", "distribution")
 
 

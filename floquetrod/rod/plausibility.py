@@ -175,20 +175,26 @@ def suspicions_of_load(rod: Any, load: Any) -> Iterator[str]:
 def suspicions_of_record(rod: Any, record: Any) -> Iterator[str]:
     """Yield the suspicion that a record without a unit of force is not in N: in another unit it would matter.
 
-    In kN or mN it would be about the critical force, and in N it is far from it.
+    In kN or mN it would be about the critical force, and in N it is far from it.  Pounds are so near to newtons that
+    both may be plausible; they are as usual for strings as newtons, so that the file has to say which.
     """
     share = (abs(record.mean) + record.amplitude) / rod.critical_force
-    usual = {"kN": rod.critical_force > _THICK_STRING, "mN": rod.critical_force < 1e-2 * _THICK_STRING}
-    for unit, is_usual in usual.items():
-        other = share * units_of("force")[unit]
-        if is_usual and not _MATTERS[0] < share < _MATTERS[1] and _MATTERS[0] < other < _MATTERS[1]:
-            yield (
-                f"the record names no unit of force: taken in N, its {record.mean:.4g} +- {record.amplitude:.4g} N are "
-                f"{share:.2g} of the critical force, in {unit} {other:.2g}; give force_unit, N or {unit}"
-            )
+    is_string, is_far = rod.critical_force > _THICK_STRING, not _matters(share)
+    usual = {"kN": is_string and is_far, "mN": rod.critical_force < 1e-2 * _THICK_STRING and is_far, "lbf": is_string}
+    others = {unit: share * units_of("force")[unit] for unit, is_usual in usual.items() if is_usual}
+    others = {unit: other for unit, other in others.items() if _matters(other)}
+    if others:
+        yield (
+            f"the record names no unit of force: taken in N, its {record.mean:.4g} +- {record.amplitude:.4g} N are "
+            f"{share:.2g} of the critical force, in "
+            + ", in ".join(f"{unit} {other:.2g}" for unit, other in others.items())
+            + f"; give force_unit, {', '.join(['N', *others][:-1])} or {list(others)[-1]}"
+        )
 
 
-_MATTERS = 0.02, 20.0  # critical forces between which a force is plausible (a choice)
+def _matters(share: float) -> bool:
+    """Return whether a force of so many critical forces is plausible (the limits are choices)."""
+    return 0.02 < share < 20.0
 
 
 def may_be_hertz(rod: Any, load: Any) -> bool:

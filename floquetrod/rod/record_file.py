@@ -263,10 +263,11 @@ def _column(
 
 
 def _place(name: str, wanted: str | None, headings: Sequence[str] | None, many: int) -> int:
-    """Return the place of the column with a heading, or with the usual one."""
+    """Return the place of the column with a heading, or with the usual one, or one that is a unit and nothing else."""
     listed = headings or ()
     if wanted is None:
         found = [i for i, text in enumerate(listed) if _plain(text, name).casefold() in _DEFAULTS[name]]
+        found = found or [i for i, text in enumerate(listed) if _is_unit(text, name)]
         if not found and many == 2:
             others = [_plain(text, other).casefold() in _DEFAULTS[other] for other in _DEFAULTS for text in listed]
             if not any(others):
@@ -284,13 +285,23 @@ def _place(name: str, wanted: str | None, headings: Sequence[str] | None, many: 
 
 
 def _parts(heading: str, name: str) -> tuple[str, str | None]:
-    """Return the name and the unit of a heading, None without one; a last word counts where it is a unit."""
+    """Return the name and the unit of a heading, None without one; a last or only word counts where it is a unit."""
+    if _is_unit(heading, name):
+        return "", heading
     if match := _BRACKETS.fullmatch(heading):
         return match[1], match[2] or match[3] or ""
     match = _LAST_WORD.fullmatch(heading)
-    if match and any(unit == match[2] for unit in units.units_of(name)):
+    if match and _is_unit(match[2], name):
         return match[1], match[2]
     return heading, None
+
+
+def _is_unit(word: str, name: str) -> bool:
+    """Return whether a word is a unit of time or of force, in any case; percent are of nothing known here."""
+    try:
+        return bool(word) and word != "%" and bool(units.unit(word, "", name))
+    except ValueError:
+        return False
 
 
 def _plain(heading: str, name: str) -> str:
@@ -304,12 +315,11 @@ def _size(name: str, heading: str, unit: str | None) -> float:
     written = _parts(heading, name)[1]
     if written is None:
         return 1.0
-    try:
-        return units.unit(written or "none", "", name).size
-    except ValueError:
+    if not _is_unit(written, name):
         raise ValueError(
             f"{name}_unit must be given, one of {', '.join(units.units_of(name))}: the heading {heading!r} names none"
-        ) from None
+        )
+    return units.unit(written, "", name).size
 
 
 def column_argument(name: str, value: Any) -> str | int | None:
