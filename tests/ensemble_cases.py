@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import xarray
 
+import conftest
 import floquetrod as fr
 from floquetrod.ensembles.runs import Runs, require_runs
 
@@ -21,6 +22,8 @@ ROOT = Path(__file__).parents[1]
 LOAD = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
 PROBLEM = fr.SimulationProblem(fr.Rod.nitinol(), LOAD, duration=0.01, segments=60, frames=5)
 OVER = {"frequency": [120.0, 150.0], "kick": [0.01, 0.05, 0.1], "seed": range(5)}  # 30 runs
+SEEDS = conftest.depth(100, 40)
+"""Of ensembles long enough to be killed."""
 
 
 def assert_same(one: Any, other: Any) -> None:
@@ -103,7 +106,7 @@ def killed_again_and_again(place: Path, times: int, seed: int, how: str) -> int:
     """Kill a process that fills a store so many times, at random moments; return the runs it had then."""
     rng = np.random.default_rng(seed)
     for _ in range(times):
-        body = f"fr.ensemble(PROBLEM, {{**OVER, 'seed': range(100)}}, store=sys.argv[1], {how})"
+        body = f"fr.ensemble(PROBLEM, {{**OVER, 'seed': range(SEEDS)}}, store=sys.argv[1], {how})"
         with script(body, place, stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL) as process:
             while not place.exists() and process.poll() is None:
                 time.sleep(0.01)

@@ -97,9 +97,9 @@ def test_check_tells_all_a_user_needs(tmp_path: Path, capsys: pytest.CaptureFixt
 
 
 def test_json_says_what_the_library_does(capsys: pytest.CaptureFixture[str]) -> None:
-    found = answer(capsys, "check", "--rod", WELL, *SHAKE, "--wave", "held", "--axial-damping", "0.5", "--mean-at", "0")
-    rod = fr.Rod.from_toml(WELL)
-    load = wave_of(load_of(rod, 0.5, 0.3, 4.0), axial_damping=0.5, mean_at=0.0)
+    found = answer(capsys, "check", "--rod", WIRE, *PUSH, "--wave", "held", "--axial-damping", "0.5", "--mean-at", "0")
+    rod = fr.Rod.from_toml(WIRE)
+    load = wave_of(load_of(rod, 0.3, 0.2, 20.0), axial_damping=0.5, mean_at=0.0)
     result = rod.stability(load)
     assert not isinstance(result, fr.RodStability)
     assert found["status"] == result.status == "unstable"
@@ -154,7 +154,7 @@ def test_a_measured_force(record: str, tmp_path: Path, capsys: pytest.CaptureFix
     pyplot.close("all")  # of other tests
     fit = tmp_path / "fit.svg"
     given = ["check", "--rod", "nitinol", "--force", record, "--mean", "0.2Fcr"]
-    text = said(capsys, *given, "--plot-force", str(fit))
+    text = said(capsys, *given, "--no-margins", "--plot-force", str(fit))
     measured = fr.ForceRecord.from_csv(record)
     assert f"amplitude {measured.amplitude:.6g} N" in text
     assert "          waveform of 2 harmonics\n" in text

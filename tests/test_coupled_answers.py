@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.floquet.systems import resonances
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
@@ -132,8 +133,17 @@ def test_a_tolerance_divides_loads_by_their_growth(kind: str) -> None:
 # --- margins and ranges against scans ---
 
 
-@pytest.mark.parametrize("quantity", ["mean", "amplitude", "frequency"])
-@pytest.mark.parametrize("kind", ["sine", "wave"])
+@pytest.mark.parametrize(
+    ("kind", "quantity"),
+    [
+        ("sine", "mean"),
+        ("wave", "amplitude"),
+        ("sine", "frequency"),
+        pytest.param("wave", "mean", marks=pytest.mark.slow),
+        pytest.param("sine", "amplitude", marks=pytest.mark.slow),
+        pytest.param("wave", "frequency", marks=pytest.mark.slow),
+    ],
+)
 def test_margins_are_where_a_scan_changes(kind: str, quantity: str) -> None:
     found = verdict(kind)
     here = getattr(found.load, quantity)
@@ -147,16 +157,22 @@ def test_margins_are_where_a_scan_changes(kind: str, quantity: str) -> None:
         assert stable.tolist() == [False, False, False, True]
 
 
+BOUNDS = {"mean": (0.0, 1.2 * UNIT), "amplitude": (0.0, 0.8 * UNIT), "frequency": (1.5 * SWING, 3.5 * SWING)}
+
+
 @pytest.mark.parametrize(
-    ("quantity", "bounds"),
+    ("kind", "quantity"),
     [
-        ("mean", (0.0, 1.2 * UNIT)),
-        ("amplitude", (0.0, 0.8 * UNIT)),
-        ("frequency", (1.5 * SWING, 3.5 * SWING)),
+        ("driven", "mean"),
+        ("sine", "amplitude"),
+        ("sine", "frequency"),
+        pytest.param("sine", "mean", marks=pytest.mark.slow),
+        pytest.param("driven", "amplitude", marks=pytest.mark.slow),
+        pytest.param("driven", "frequency", marks=pytest.mark.slow),
     ],
 )
-@pytest.mark.parametrize("kind", ["sine", "driven"])
-def test_ranges_are_those_of_a_scan(kind: str, quantity: str, bounds: tuple[float, float]) -> None:
+def test_ranges_are_those_of_a_scan(kind: str, quantity: str) -> None:
+    bounds = BOUNDS[quantity]
     given = {"mean": MEAN, "amplitude": AMPLITUDE, "frequency": FREQUENCY}
     fixed = {name: value for name, value in given.items() if name != quantity}
     search = {"mean": "stable_mean_forces", "amplitude": "stable_amplitudes", "frequency": "stable_frequencies"}
@@ -171,7 +187,7 @@ def test_ranges_are_those_of_a_scan(kind: str, quantity: str, bounds: tuple[floa
     assert called[-1][0] == called[-1][1] > 0
     assert found.resolution == pytest.approx((bounds[1] - bounds[0]) / 256.0)
     assert len(found) > 0
-    values = np.linspace(*bounds, 611)
+    values = np.linspace(*bounds, depth(611, 307))
     stable = scan(quantity, values, kind, tolerance=0.01)
     said = np.array([value in found for value in values.tolist()])
     differ = np.flatnonzero(stable != said)
@@ -228,7 +244,7 @@ def test_a_margin_ends_where_the_stable_range_does(case: str) -> None:
     assert 0.0 < margin.searched[0] < frequency
 
 
-@pytest.mark.parametrize("quantity", ["mean", "amplitude", "frequency"])
+@pytest.mark.parametrize("quantity", ["mean", pytest.param("amplitude", marks=pytest.mark.slow), "frequency"])
 def test_margins_stay_within_ranges(quantity: Any) -> None:
     # The stable range about a load ends where its margin does, within what both say they may miss.
     rod, at = ROD.replace(damping_rate=0.1), {"mean": MEAN, "amplitude": 0.02 * UNIT, "frequency": 1.4 * SWING}
@@ -248,6 +264,7 @@ def test_margins_stay_within_ranges(quantity: Any) -> None:
         assert inside[0].high == bounds[1]
 
 
+@pytest.mark.slow
 def test_a_band_that_fewer_modes_have_elsewhere_ends_a_margin() -> None:
     # 0.0007 N wide, and shifted by 0.0006 N where fewer than all modes are asked.
     rod = fr.Rod(

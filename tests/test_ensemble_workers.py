@@ -18,7 +18,17 @@ import pytest
 import xarray
 
 import floquetrod as fr
-from ensemble_cases import OVER, PROBLEM, assert_same, depth, exits_at_150, killed_again_and_again, kills_at_150, script
+from ensemble_cases import (
+    OVER,
+    PROBLEM,
+    SEEDS,
+    assert_same,
+    depth,
+    exits_at_150,
+    killed_again_and_again,
+    kills_at_150,
+    script,
+)
 from floquetrod.ensembles import axes, workers
 from floquetrod.ensembles.stores import Outcome
 
@@ -75,7 +85,7 @@ def test_workers_that_are_killed_are_replaced() -> None:
     assert len(pids) > 2
 
 
-@pytest.mark.parametrize("which", [0, 1])
+@pytest.mark.parametrize("which", [0, pytest.param(1, marks=pytest.mark.slow)])
 def test_workers_that_are_killed_while_they_start_are_replaced(which: int, monkeypatch: pytest.MonkeyPatch) -> None:
     started, pools = workers._Pool.started, []
 
@@ -278,7 +288,7 @@ def test_a_script_without_a_guard_is_told_of_it(tmp_path: Path) -> None:
 def test_a_killed_parent_loses_little_and_repeats_nothing(how: str, tmp_path: Path) -> None:
     place = tmp_path / "runs.zarr"
     had, made = killed_again_and_again(place, 2, 5, how), []
-    over = {**OVER, "seed": range(100)}
+    over = {**OVER, "seed": range(SEEDS)}
     found = fr.ensemble(PROBLEM, over, store=place, progress=lambda done, total: made.append(done))
-    assert len(made) == 600 - had
+    assert len(made) == 6 * SEEDS - had
     assert_same(found, fr.ensemble(PROBLEM, over))

@@ -359,7 +359,7 @@ def test_counts_agree_with_multipliers(system: fr.HillSystem) -> None:
 def test_the_bound_of_the_map_covers_its_error(digits: int, rng: np.random.Generator) -> None:
     """Where x' = f(t) x, f of mean zero, has the multiplier 1 exactly, what is not 1 is error."""
     context = mpmath.MPContext()
-    for _ in range(20):
+    for _ in range(depth(20, 6)):
         count = int(rng.integers(1, 4))
         waves = rng.normal(size=2 * count) * 10.0 ** rng.uniform(-2.0, 0.7)
         context.dps = 2 * digits + 40
@@ -392,7 +392,7 @@ def test_nothing_grows_exactly_and_nothing_is_said_to(name: str) -> None:
 
 
 def test_stated_errors_cover_exponents_that_are_known(rng: np.random.Generator) -> None:
-    wrong = [line for _ in range(8) for line in neutral.disagreements(rng)]
+    wrong = [line for _ in range(depth(8, 3)) for line in neutral.disagreements(rng)]
     assert not wrong, "\n".join(wrong)
 
 

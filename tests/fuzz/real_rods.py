@@ -15,7 +15,7 @@ from fuzz.core import Found, limit
 from fuzz.rods import decades
 
 CASES = 1000
-QUICK = 5
+QUICK = 2
 
 SHARE = 0.1
 """Share of the cases that finite differences are asked about, which takes a second or two each."""
