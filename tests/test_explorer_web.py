@@ -157,6 +157,26 @@ def test_no_page_makes_a_picture_larger_than_a_screen() -> None:
     talked(talk)
 
 
+def test_a_page_has_a_title_and_is_told_which_sizes_it_did_not_ask_for() -> None:
+    """The script of the page fits the picture to the screen where a size is the figure's own, "forward"."""
+    told: list[dict[str, Any]] = []
+
+    async def talk(pages: Pages, connect: Callable[[str], Awaitable[Any]], address: str) -> None:
+        socket = await connect("one")
+        await socket.write_message('{"type": "resize", "width": 370, "height": 960}')
+        await socket.write_message('{"type": "refresh"}')
+        await socket.write_message('{"type": "send_image_mode"}')
+        while not told or told[-1]["type"] != "image_mode":
+            message = await socket.read_message()
+            told.extend([json.loads(message)] if isinstance(message, str) else [])
+
+    talked(talk)
+    assert "pages" in [each["label"] for each in told if each["type"] == "figure_label"]
+    sizes = [(each["size"][0], each["forward"]) for each in told if each["type"] == "resize"]
+    assert [forward for _, forward in sizes] == [True, False]
+    assert sizes[1][0] == 370
+
+
 @given(st.floats(1.0, 1e300) | st.sampled_from([0.0, -1.0]), st.floats(1.0, 1e300), st.floats(*web._RATIOS))
 def test_bounded_sizes(width: float, height: float, ratio: float) -> None:
     across, up = web.bounded(width, height, ratio)
@@ -340,6 +360,41 @@ def test_a_slider_moved_in_a_browser() -> None:
         out, _ = process.communicate(timeout=60)
         assert process.returncode == 0
         assert out.splitlines()[-1].startswith(f"floquetrod check --rod nitinol --mean {mean[1]}Fcr ")
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(CHROMIUM is None, reason="needs chromium")
+def test_on_a_phone_the_picture_fits_and_a_finger_moves_a_slider() -> None:
+    playwright = pytest.importorskip("playwright.sync_api")
+    load = ("--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150rad/s")
+    with explorer("--rod", "nitinol", *load) as (_, address), playwright.sync_playwright() as driver:
+        arguments = ["--no-sandbox", "--disable-gpu", "--disable-background-networking"]
+        browser = driver.chromium.launch(executable_path=CHROMIUM, args=arguments)
+        page = browser.new_page(viewport={"width": 390, "height": 844}, has_touch=True)
+        errors: list[str] = []
+        page.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+        page.goto(address)
+
+        def waited(holds: Callable[[], bool]) -> None:
+            until = time.monotonic() + 60.0
+            while not holds() and time.monotonic() < until:
+                time.sleep(0.2)
+            assert holds()
+
+        waited(lambda: "--mean 0.2Fcr" in page.inner_text("#command"))
+        waited(lambda: page.locator("canvas").first.bounding_box()["width"] < 390)
+        assert page.evaluate("document.documentElement.scrollWidth") <= 390
+        box = page.locator("canvas").first.bounding_box()
+        slider = box["y"] + 0.819 * box["height"]
+        page.evaluate(f"window.scrollTo(0, {slider - 400})")
+        up, finger = page.evaluate("window.scrollY"), page.context.new_cdp_session(page)
+        for kind, across in (("touchStart", 0.2), ("touchMove", 0.25), ("touchMove", 0.3), ("touchEnd", None)):
+            points = [] if across is None else [{"x": box["x"] + across * box["width"], "y": slider - up}]
+            finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+            page.wait_for_timeout(100)  # movements that follow each other at once count as one
+        waited(lambda: "--mean 0.2Fcr" not in page.inner_text("#command"))
+        browser.close()
+        assert not errors
 
 
 @pytest.mark.slow

@@ -130,11 +130,11 @@ class Window:
             ax.set_position(place)
         for row, slider in enumerate(self.sliders.values()):
             slider.ax.set_position(
-                (0.26, 0.235 - 0.055 * row, 0.58, 0.03) if wide else (0.06, 0.175 - 0.045 * row, 0.7, 0.012)
+                (0.26, 0.235 - 0.055 * row, 0.58, 0.03) if wide else (0.06, 0.169 - 0.045 * row, 0.7, 0.024)
             )
             slider.label.set(
                 x=-0.02 if wide else 0.0,
-                y=0.5 if wide else 1.2,
+                y=0.5 if wide else 0.9,
                 ha="right" if wide else "left",
                 va="center" if wide else "bottom",
             )

@@ -36,6 +36,7 @@ _PAGE = """<!DOCTYPE html>
     <meta charset="utf-8">
     <meta name="viewport" content="width=device-width, initial-scale=1">
     <title>{title}</title>
+    <link rel="icon" href="data:,">
     <link rel="stylesheet" href="_static/css/page.css">
     <link rel="stylesheet" href="_static/css/boilerplate.css">
     <link rel="stylesheet" href="_static/css/fbm.css">
@@ -66,12 +67,23 @@ document.addEventListener("DOMContentLoaded", function () {
   const figure = new mpl.figure(1, socket, function (figure, format) {
     window.open("download." + format + "?page=" + page, "_blank", "noopener");
   }, document.getElementById("figure"));
-  const fit = function () {
+  const fit = function () {  // the picture follows the size of what it is in
     const place = document.getElementById("figure").getBoundingClientRect();
-    const width = Math.min(1100, Math.floor(place.width));
-    figure.request_resize(width, width < 700 ? Math.round(2.6 * width) : Math.round(width * 7 / 11));
+    const width = Math.min(1100, Math.floor(place.width) - 2);
+    const height = width < 700 ? Math.round(2.6 * width) : Math.round(width * 7 / 11);
+    Object.assign(figure.canvas_div.style, {width: width + "px", height: height + "px"});
   };
-  socket.addEventListener("open", fit);
+  const handle_resize = figure.handle_resize;
+  figure.handle_resize = function (figure, message) {  // the figure's own size, when the page opens, does not count
+    if (message.forward) { fit(); } else { handle_resize(figure, message); }
+  };
+  figure.canvas_div.style.touchAction = "pan-y";  // a finger moved sideways moves a slider
+  const names = {pointerdown: "mousedown", pointermove: "mousemove", pointerup: "mouseup"};
+  for (const [touched, name] of Object.entries(names)) {
+    figure.canvas_div.addEventListener(touched, function (event) {
+      if (event.pointerType === "touch") { figure.canvas_div.dispatchEvent(new MouseEvent(name, event)); }
+    });
+  }
   let waiting = null;
   window.addEventListener("resize", function () {
     clearTimeout(waiting);
@@ -166,8 +178,8 @@ class Page:
         from matplotlib.backends.backend_webagg_core import FigureCanvasWebAggCore
 
         self.figure = shown.figure
-        self.figure.set_label(title)
         manager: Any = FigureCanvasWebAggCore.new_manager(self.figure, 1)
+        manager.set_window_title(title)
         self._manager = manager
         self._size, self._ratio = (math.inf, math.inf), 1.0
         canvas: Any = self._manager.canvas
