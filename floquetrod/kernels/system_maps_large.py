@@ -13,6 +13,8 @@ from floquetrod.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_b
 
 Floats = NDArray[np.float64]
 
+_FINEST = 1e-13  # error of a segment for each equation: below it the bounds of rounding in products outweigh it
+
 
 def large_seconds(stiffness: Floats, harmonics: NDArray[np.complex128], period: float) -> float:
     """Return about how long the map takes and its eigenvalues, in seconds: measured on one core of 2024."""
@@ -37,7 +39,7 @@ def period_map_large(
     doubt : float
         Error of K in the 2-norm.
     accuracy : float
-        The error aimed at per segment, in balanced coordinates.
+        The error aimed at per segment, in balanced coordinates; no less than 1e-13 for each equation.
 
     Returns
     -------
@@ -48,6 +50,7 @@ def period_map_large(
         ``doubt`` estimated.  Infinite where the period holds too many waves.
     """
     n, omega = len(stiffness), 2.0 * math.pi / period
+    accuracy = max(accuracy, n * _FINEST)
     if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):
         s, slack = stiffness.diagonal().copy(), 2.0 * ROUNDING
     else:
@@ -81,9 +84,10 @@ def period_map_large(
     ends = np.cumsum((norms[orders - 1] @ powers)[::-1])[::-1] * 2.0 * h / slow
     most = max(int((ends > 0.1 * noise).sum()) - 1, 0)
     noise += slack * bound * bound / slow * h + (float(ends[most + 1]) if most < order else 0.0)
-    noise += LEVELS * ROUNDING * float(norms.sum()) / slow * h
+    dropped = max(ROUNDING * float(norms.sum()), 0.1 * accuracy * slow / (h * LEVELS))
+    noise += LEVELS * dropped / slow * h
     stop = stop_rule(n, h * h * size, h * h * norms, 1, omega * h, (slow * h, fast * h), max(accuracy, noise))
-    blocks = [split(matrix, ROUNDING * norm_bound(matrix)) for matrix in matrices]
+    blocks = [split(matrix, dropped / len(matrices)) for matrix in matrices]
     maps, errors = [], []
     for segment in range(segments):
         place = orders * (2 * segment + 1) % (2 * segments) / segments  # of the centre, in half turns
