@@ -36,10 +36,7 @@ for axes, ends in zip(panels, kinds, strict=True):
     peaks = np.flatnonzero((growth[1:-1] > growth[:-2]) & (growth[1:-1] >= growth[2:])) + 1
     for peak in peaks[growth[peaks] > 0.5]:
         verdict = held.stability(fr.AxialLoad.hertz(mean, amplitude, hertz[peak]))
-        if not isinstance(verdict, fr.CoupledRodStability):
-            name = str(verdict.fastest_mode)
-        else:
-            name = "+".join(map(str, verdict.resonances[0].modes))
+        name = "+".join(map(str, verdict.resonances[0].modes))
         axes.annotate(
             name, (hertz[peak], growth[peak]), (0, 2), textcoords="offset points", ha="center", fontsize="small"
         )

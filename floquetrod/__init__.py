@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from floquetrod.plane import Bands as Bands
     from floquetrod.plane import Chart as Chart
     from floquetrod.rod.assumptions import UniformForceWarning as UniformForceWarning
-    from floquetrod.rod.coupled_stability import CoupledRodStability as CoupledRodStability
     from floquetrod.rod.friction import FrictionalRodStability as FrictionalRodStability
     from floquetrod.rod.load import AxialLoad as AxialLoad
     from floquetrod.rod.load import AxialWave as AxialWave
@@ -50,9 +49,10 @@ if TYPE_CHECKING:
     from floquetrod.rod.record import ForceRecord as ForceRecord
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.safe_box import SafeBox as SafeBox
-    from floquetrod.rod.stability import RodStability as RodStability
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
     from floquetrod.rod.uncertainty import probability_of_instability as probability_of_instability
+    from floquetrod.rod.verdict import CoupledRodStability as CoupledRodStability
+    from floquetrod.rod.verdict import RodStability as RodStability
     from floquetrod.simulation.checkpoints import CheckpointWarning as CheckpointWarning
     from floquetrod.simulation.integration import SimulationDiverged as SimulationDiverged
     from floquetrod.simulation.problem import Simulation as Simulation
@@ -70,7 +70,7 @@ _WHERE = {
     "chart": "systems.charts",
     "CheckpointWarning": "simulation.checkpoints",
     "Comparison": "floquet.comparison",
-    "CoupledRodStability": "rod.coupled_stability",
+    "CoupledRodStability": "rod.verdict",
     "Explorer": "explorer",
     "ForceRecord": "rod.record",
     "FrictionalMathieu": "equations",
@@ -90,7 +90,7 @@ _WHERE = {
     "Rod": "rod.rod",
     "SafeBox": "rod.safe_box",
     "FrictionalRodStability": "rod.friction",
-    "RodStability": "rod.stability",
+    "RodStability": "rod.verdict",
     "Simulation": "simulation.problem",
     "SimulationDiverged": "simulation.integration",
     "SimulationProblem": "simulation.problem",

@@ -349,9 +349,9 @@ def test_where_more_modes_are_needed_fewer_than_the_first_are_not_asked(monkeypa
     """What decays with the modes that may grow fastest is asked again with all that may grow, and no third time."""
     asked: list[int] = []
 
-    def trial(rod: fr.Rod, load: Any, count: int) -> Any:
+    def trial(model: Any, load: Any, count: int) -> Any:
         asked.append(count)
-        modes = coupled_stability.CoupledModes(rod.coupled_numbers, load, count)
+        modes = model.in_modes(count)
         whole = SimpleNamespace(status="stable", growth_rate=0.0, exponents=(-1.0 + 0.0j,), note="")
         return coupled_stability._Trial(modes, None, whole, -1.0, -1.0)  # type: ignore[arg-type]
 
@@ -360,8 +360,8 @@ def test_where_more_modes_are_needed_fewer_than_the_first_are_not_asked(monkeypa
     unit = rod.critical_force
     load = fr.AxialWave(0.5 * unit, 0.3 * unit, 25.0, axial_damping=0.5)
     calls: list[tuple[int, int]] = []
-    found = coupled_stability._trials(rod, load, None, 0.0, lambda *of: calls.append(of))
-    needed = rod.coupled_numbers.modes_needed(coupled_stability.Loads.single(load), load, 0.0)
+    found = coupled_stability._trials(rod.modes_under(load), load, None, 0.0, lambda *of: calls.append(of))
+    needed, _ = rod.modes_needed(load)
     assert asked == [one.modes.count for one in found]
     assert len(asked) == 2
     assert asked[1] >= max(needed, 1.1 * asked[0])

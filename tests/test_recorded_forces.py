@@ -90,7 +90,7 @@ def test_a_verdict_tells_of_the_forces_within_the_noise() -> None:
     calls: list[tuple[int, int]] = []
     load = fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5))
     verdict = ROD.stability(recorded(load, np.random.default_rng(8)), progress=lambda *of: calls.append(of))
-    assert isinstance(verdict, fr.CoupledRodStability)
+    assert isinstance(verdict, fr.RodStability)
     trials = len(verdict.convergence)
     assert calls == [(done, trials + 20) for done in range(1, trials + 21)]
 
@@ -133,7 +133,7 @@ def test_the_modes_named_are_those_whose_own_equations_grow() -> None:
         verdict = rod.stability(load)
         rates = {}
         for mode in range(1, 16):
-            (unit,) = rod.independent_modes(fr.AxialLoad(load.mean, 1.0, load.frequency), [mode]).equations
+            (unit,) = rod.modal_system(fr.AxialLoad(load.mean, 1.0, load.frequency), [mode]).equations
             z = unit.alpha * load.amplitude * load.harmonics
             own = fr.stability(fr.Hill(unit.beta, cosines=tuple(z.real), sines=tuple(-z.imag)))
             if own.status == "unstable" and own.growth_rate * load.frequency > 1e-6:

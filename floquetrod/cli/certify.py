@@ -39,8 +39,8 @@ from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.proof.region import RegionProof, Side
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.constants import HAIRLINE_GROWTH
+from floquetrod.rod.intervals import QUANTITIES
 from floquetrod.rod.load import KINDS
-from floquetrod.rod.ranges import QUANTITIES
 from floquetrod.rod.rod_box import DIAMETERS
 from floquetrod.rod.safe_box import SafeBox
 from floquetrod.units import Unit

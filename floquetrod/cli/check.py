@@ -39,7 +39,7 @@ from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.verdict import Status
 from floquetrod.plotting import charts
 from floquetrod.rod.load import KINDS, Load
-from floquetrod.rod.verdict import RodVerdict
+from floquetrod.rod.verdict import RodStability
 from floquetrod.units import Unit
 
 _HELP = """\
@@ -189,11 +189,11 @@ class _Question(NamedTuple):
     margins: bool | None
     plot: Path | None
 
-    def searched(self, result: RodVerdict) -> bool:
+    def searched(self, result: RodStability) -> bool:
         """Return whether margins are to be searched: where that was asked for, else where it takes some seconds."""
         if self.margins is not None:
             return self.margins
-        return isinstance(result, fr.RodStability) or result.modes_checked <= _QUICK
+        return self.rod.modes_under(self.load).prompt or result.modes_checked <= _QUICK
 
 
 def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
@@ -215,7 +215,7 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
     with Waiting("deciding stability", "verdicts") as progress:
         result = rod.stability(judged, modes=asked.modes, growth_tolerance=asked.tolerance, progress=progress)
     margins = _margins(asked, result)
-    if isinstance(result, fr.RodStability):
+    if asked.rod.modes_under(load).prompt:
         return result.status, independent.record(result, margins), independent.report(result, shown, margins)
     record, lines = coupled.record(result, margins), coupled.report(result, shown, margins)
     if asked.force is not None:
@@ -235,7 +235,7 @@ def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
     return result.status, record, lines
 
 
-def _margins(asked: _Question, result: RodVerdict) -> verdicts.Margins | None:
+def _margins(asked: _Question, result: RodStability) -> verdicts.Margins | None:
     """Return the margins, None where they are not wanted; the verdict is said while the search takes its time."""
     if not asked.searched(result):
         return None
@@ -243,13 +243,13 @@ def _margins(asked: _Question, result: RodVerdict) -> verdicts.Margins | None:
         return verdicts.search(result, progress)
 
 
-def _sine(asked: _Question) -> RodVerdict:
+def _sine(asked: _Question) -> RodStability:
     """Return the verdict on the load without its higher harmonics."""
     sine: Load = replace(asked.load, waveform="sine")
     return asked.rod.stability(sine, growth_tolerance=asked.tolerance)
 
 
-def _growing(verdict: RodVerdict) -> str:
+def _growing(verdict: RodStability) -> str:
     return f", {verdict.growth_rate:.6g} 1/s" if verdict.growth_rate > 0.0 else ""
 
 
@@ -283,7 +283,7 @@ def _draw_record(record: fr.ForceRecord | None, path: Path | None) -> None:
 def _require_shape(asked: _Question, path: Path) -> None:
     """Raise ValueError where there is no shape to draw, or no file to write it to."""
     check_out(path, charts.FIGURES, "--plot")
-    if asked.rod.coupled_numbers.has_mathieu_modes(asked.load):
+    if asked.rod.modes_under(asked.load).prompt:
         raise ValueError(
             f"--plot draws the shape in which coupled modes grow, got {str(path)!r} for independent ones, which "
             "grow as sines; floquetrod map draws where they do"

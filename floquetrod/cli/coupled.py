@@ -10,13 +10,13 @@ from floquetrod.cli.common import number, resonance_record
 from floquetrod.units import Unit
 
 if TYPE_CHECKING:
-    from floquetrod.rod.coupled_stability import CoupledRodStability
+    from floquetrod.rod.verdict import RodStability
 
 _ROWS = 10
 """Resonances listed; the others, which grow more slowly, are in the JSON."""
 
 
-def report(result: CoupledRodStability, shown: dict[str, Unit], margins: verdicts.Margins | None) -> list[str]:
+def report(result: RodStability, shown: dict[str, Unit], margins: verdicts.Margins | None) -> list[str]:
     """Return the lines, the verdict first; quantities of the load in the units ``shown``.
 
     ``margins`` where they were searched.
@@ -43,7 +43,7 @@ def report(result: CoupledRodStability, shown: dict[str, Unit], margins: verdict
     return lines
 
 
-def _headline(result: CoupledRodStability) -> str:
+def _headline(result: RodStability) -> str:
     if result.status == "unstable":
         growing = [r for r in result.resonances if r.growth_rate > result.growth_tolerance]
         name = str(growing[0]) if growing else f"grows at {result.growth_rate:.6g} 1/s"
@@ -53,7 +53,7 @@ def _headline(result: CoupledRodStability) -> str:
     return "STABLE"
 
 
-def record(result: CoupledRodStability, margins: verdicts.Margins | None) -> dict[str, Any]:
+def record(result: RodStability, margins: verdicts.Margins | None) -> dict[str, Any]:
     """Return the same as numbers for JSON."""
     return {
         **verdicts.verdict_record(result, margins),

@@ -16,8 +16,8 @@ from floquetrod import units
 from floquetrod.cli.common import LARGEST, read_quantity, read_range, require_file
 from floquetrod.cli.waiting import Waiting, say
 from floquetrod.rod.axial import AxialResonance
+from floquetrod.rod.data import RodData
 from floquetrod.rod.load import KINDS, Load, Quantity, kind
-from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.plausibility import may_be_hertz, verdicts_in_hertz, warn_of_load
 from floquetrod.units import Unit
 
@@ -188,7 +188,7 @@ def warn_of_hertz(name: str, text: str | None, rod: fr.Rod, loads: Iterable[Load
     loads = list(loads)
     for load in loads:
         reading = ""
-        if rod.coupled_numbers.has_mathieu_modes(load):
+        if rod.modes_under(load).prompt:
             reading = _in_hertz(rod, load, tolerance)
         elif len(loads) == 1 and may_be_hertz(rod, load):
             reading = "below all but the narrowest resonances of this rod, which as many Hz are not"
@@ -221,7 +221,7 @@ def _in_hertz(rod: fr.Rod, load: Load, tolerance: float) -> str:
     return f"at {load.frequency:.4g} rad/s {words[0]}, at {load.frequency:.4g} Hz {words[1]}" if words else ""
 
 
-def describe_load(load: Load, shown: dict[str, Unit], rod: ModalRod) -> str:
+def describe_load(load: Load, shown: dict[str, Unit], rod: RodData) -> str:
     """Return the load in the units asked for, each quantity followed by its value in a second unit."""
     return ", ".join(
         [
@@ -232,11 +232,13 @@ def describe_load(load: Load, shown: dict[str, Unit], rod: ModalRod) -> str:
     )
 
 
-def describe_kind(load: Load, shown: dict[str, Unit], rod: ModalRod) -> list[str]:
+def describe_kind(load: Load, shown: dict[str, Unit], rod: RodData) -> list[str]:
     """Return lines about what varies along the rod, and about the waveform."""
     lines = [load.departures] if load.departures else []
     if rod.weight_along > 0.0 and load.mean_at is not None:
-        upper, lower = (shown["mean"].show(load.mean + rod.coupled_numbers.added_mean(load, x)) for x in (0.0, 1.0))
+        upper, lower = (
+            shown["mean"].show(load.mean + load.added_mean(rod.weight_along, rod.length, x)) for x in (0.0, 1.0)
+        )
         lines.append(f"mean force {upper} at the upper end, {lower} at the lower")
     if not load.is_uniform:
         found = rod.axial_response(load)
@@ -249,12 +251,12 @@ def describe_kind(load: Load, shown: dict[str, Unit], rod: ModalRod) -> list[str
     return lines
 
 
-def _resonance(found: AxialResonance, shown: Unit, rod: ModalRod) -> str:
+def _resonance(found: AxialResonance, shown: Unit, rod: RodData) -> str:
     of = f" of harmonic {found.harmonic}" if found.harmonic > 1 else ""
     return f"{_both(found.frequency, shown, rod)}{of}"
 
 
-def _both(value: float, shown: Unit, rod: ModalRod) -> str:
+def _both(value: float, shown: Unit, rod: RodData) -> str:
     kind = units.kind_of(shown.name) or ""
     other = {"Fcr": "N", "rad/s": "Hz", "1/s": "Hz"}.get(shown.name, "Fcr" if kind == "force" else "rad/s")
     return f"{shown.show(value)} ({units.unit(other, other, kind, rod.critical_force).show(value, 4)})"

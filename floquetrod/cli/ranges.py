@@ -32,7 +32,7 @@ from floquetrod.cli.loads import (
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.constants import HAIRLINE_GROWTH
-from floquetrod.rod.ranges import Cause
+from floquetrod.rod.intervals import Cause
 
 _HELP = """\
 List the stable and unstable intervals of one quantity of the load: give a range for it, and values for the others.
@@ -87,7 +87,7 @@ def _ranges(options: argparse.Namespace) -> Answer:
         "amplitude": rod.stable_amplitudes,
         "frequency": rod.stable_frequencies,
     }
-    counted = "modes" if rod.coupled_numbers.has_mathieu_modes(like) else "loads"
+    counted = rod.modes_under(like).counted
     with Waiting(f"searching along the {varied[0]}", counted) as progress:
         found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance, like=like, progress=progress)
     with Waiting("finding the fastest growth and the damping required", "unstable parts") as progress:
@@ -133,9 +133,9 @@ def _ranges(options: argparse.Namespace) -> Answer:
         ],
         "ends_are": "[mode, tongue], a resonance of coupled modes, 'axial resonance' next to what is not computed, "
         "'unnamed', or null at an end of the search",
-        "required_damping_is": "that of the load whose growth is worst"
-        if found.searched.has_coupled_modes
-        else "sampled over the band; null where no damping suffices",
+        "required_damping_is": "sampled over the band; null where no damping suffices"
+        if found.searched.model.prompt
+        else "that of the load whose growth is worst",
         "version": fr.__version__,
     }
     return Answer(json.dumps(record, indent=2, allow_nan=False))

@@ -10,8 +10,7 @@ from floquetrod.cli.common import number
 from floquetrod.cli.loads import describe_kind, describe_load
 from floquetrod.rod.friction import CriticalKick
 from floquetrod.rod.load import with_waves
-from floquetrod.rod.stability import growth_of_modes
-from floquetrod.rod.verdict import RodVerdict
+from floquetrod.rod.verdict import RodStability
 from floquetrod.simulation.growth import GrowthFit
 from floquetrod.simulation.result import BUCKLED_ANGLE
 from floquetrod.units import Unit
@@ -41,7 +40,7 @@ class Found(NamedTuple):
     run: fr.Simulation
     growth: GrowthFit | None
     not_fitted: str
-    linear: RodVerdict | None
+    linear: RodStability | None
     predicted: float | None
     with_wave: float | None
     needed: CriticalKick | None
@@ -61,7 +60,8 @@ def found(run: fr.Simulation, theory: bool) -> Found:
         linear = rod.stability(problem.load)
     except ValueError as error:
         return bare._replace(no_theory=f"none: {error}")
-    independent = rod.coupled_numbers.has_mathieu_modes(problem.load)
+    model = rod.modes_under(problem.load)
+    independent = model.prompt
     mode = run.named_mode
     if problem.friction > 0.0:
         if not independent:
@@ -71,7 +71,7 @@ def found(run: fr.Simulation, theory: bool) -> Found:
         return bare._replace(linear=linear, needed=rod.critical_kick(problem.load, friction=problem.friction))
     predicted = linear.growth_rate
     if independent and mode is not None:
-        predicted = float(growth_of_modes(rod, problem.load, [mode])[0])
+        (predicted,) = model.growth_of_modes(problem.load, [mode])
     comparable = not independent or mode == linear.fastest_mode
     return bare._replace(
         linear=linear, predicted=predicted, with_wave=_with_wave(run) if comparable else None, no_theory=""

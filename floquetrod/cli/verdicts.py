@@ -8,11 +8,11 @@ from typing import Any
 from floquetrod.cli.common import number
 from floquetrod.cli.loads import describe_kind, describe_load
 from floquetrod.rod.load import Progress, Quantity
-from floquetrod.rod.verdict import MARGIN_SECONDS, Margin, RodVerdict
+from floquetrod.rod.verdict import MARGIN_SECONDS, Margin, RodStability
 from floquetrod.units import Unit
 
 
-def subject(result: RodVerdict, shown: dict[str, Unit]) -> list[str]:
+def subject(result: RodStability, shown: dict[str, Unit]) -> list[str]:
     """Return lines about the rod and the load, and what is taken for granted where that is more than the study does."""
     rod, load = result.rod, result.load
     lines = [f"rod       critical force {rod.critical_force:.4g} N, critical mode {rod.critical_mode:.3g}"]
@@ -32,7 +32,7 @@ def subject(result: RodVerdict, shown: dict[str, Unit]) -> list[str]:
 Margins = dict[Quantity, Margin]
 
 
-def margins(result: RodVerdict, found: Margins, shown: dict[str, Unit], enough: str) -> list[str]:
+def margins(result: RodStability, found: Margins, shown: dict[str, Unit], enough: str) -> list[str]:
     """Return how far the load is from a change of the verdict, in the units asked for, and the damping it would take.
 
     ``enough`` says which damping rates are, with {} for the least.
@@ -51,7 +51,7 @@ def margins(result: RodVerdict, found: Margins, shown: dict[str, Unit], enough: 
     return lines
 
 
-def search(result: RodVerdict, progress: Progress) -> Margins:
+def search(result: RodStability, progress: Progress) -> Margins:
     """Return the margins, and let the verdict find the damping that stabilises; report hundredths of all four."""
     found: Margins = {}
     for i, quantity in enumerate(_WORDS):
@@ -83,7 +83,7 @@ _REACH: dict[Quantity, str] = {
 }
 
 
-def verdict_record(result: RodVerdict, found: Margins | None) -> dict[str, Any]:
+def verdict_record(result: RodStability, found: Margins | None) -> dict[str, Any]:
     """Return status, growth and, where margins were searched, those and damping for JSON."""
     return {
         "status": result.status,
@@ -97,7 +97,7 @@ def verdict_record(result: RodVerdict, found: Margins | None) -> dict[str, Any]:
     }
 
 
-def _margins_record(result: RodVerdict, margins: Margins) -> dict[str, Any]:
+def _margins_record(result: RodStability, margins: Margins) -> dict[str, Any]:
     names = {"mean": ("mean_force", "N"), "amplitude": ("amplitude", "N"), "frequency": ("frequency", "rad_per_s")}
     found: dict[str, Any] = {}
     for quantity, margin in margins.items():
@@ -111,7 +111,7 @@ def _margins_record(result: RodVerdict, margins: Margins) -> dict[str, Any]:
     return {**found, "damping_to_stabilise_per_s": number(result.damping_to_stabilise)}
 
 
-def subject_record(result: RodVerdict) -> dict[str, Any]:
+def subject_record(result: RodStability) -> dict[str, Any]:
     """Return the rod, what is taken for granted, and the numbers of the load for JSON."""
     rod, load = result.rod, result.load
     return {

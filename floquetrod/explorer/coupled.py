@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from floquetrod.explorer.background import Parts, Stale
 from floquetrod.explorer.words import MARGINS, verdict_words
 from floquetrod.plotting.explorer_panels import UNKNOWN, LineView, MapView, ShapeView
-from floquetrod.rod.coupled import CoupledLoads
-from floquetrod.rod.coupled_stability import CoupledRodStability, classify_coupled
 from floquetrod.rod.load import Load, Loads
 from floquetrod.rod.rod import Rod
+from floquetrod.rod.verdict import RodStability
 
 _MAP = 32, 24  # columns and rows of the map in the end
 _COARSENINGS = (8, 4, 2, 1)  # cells side by side that are one at first
@@ -49,7 +48,7 @@ class CoupledModes:
     def in_time(self, load: Load, stale: Stale) -> Iterator[Parts]:
         """Yield the verdict, growth over the frequency, the shape that grows, an ever finer map, the margins."""
         try:
-            verdict = classify_coupled(self.rod, load, None, 0.0)
+            verdict = self.rod.modes_under(load).verdict(load)
         except ValueError as error:  # too many modes, or a resonance of axial waves
             yield {"verdict": f"no verdict: {str(error).partition(';')[0]}", "shape": None}
             yield from self._line(load, stale, _LINE)
@@ -129,7 +128,7 @@ class CoupledModes:
 def _judged(rod: Rod, like: Load, loads: Loads) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
     """Return statuses and growth rates in 1/s; -1 and NaN of loads that cannot be judged."""
     try:
-        found = CoupledLoads(rod.coupled_numbers, like, loads).answers()
+        found = rod.modes_under(like).answers(loads)
     except ValueError:  # a resonance of axial waves, or too many modes
         if loads.size == 1:
             return np.array([-1], dtype=np.int8), np.array([np.nan])
@@ -151,6 +150,6 @@ def _in_portions(wanted: NDArray[np.int64], found: Callable[[NDArray[np.int64]],
         size = int(np.clip(size * _AT_ONCE / max(taken, 1e-3), max(1, size // 2), 2 * size))
 
 
-def _shape(verdict: CoupledRodStability) -> ShapeView:
+def _shape(verdict: RodStability) -> ShapeView:
     name = str(verdict.resonances[0]) if verdict.resonances else "the slowest to decay"
     return ShapeView(*verdict.shape, name, verdict.growth_rate)

@@ -67,7 +67,7 @@ class Explorer:
         scale.require(self.load)
         self._options = options
         limits = _rounded(scale.limits(self.load), self._units)
-        independent = rod.coupled_numbers.has_mathieu_modes(self.load)
+        independent = rod.modes_under(self.load).prompt
         self._shown: IndependentModes | CoupledModes = (
             IndependentModes(rod, limits) if independent else CoupledModes(rod, limits)
         )

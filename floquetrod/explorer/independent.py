@@ -16,8 +16,8 @@ from floquetrod.plane import Bands, Chart, Progress
 from floquetrod.plotting.explorer_panels import MapView, ModesView, RatesView, straightened
 from floquetrod.rod.load import AxialLoad, Load
 from floquetrod.rod.map import stability_map
+from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.rod import Rod
-from floquetrod.rod.stability import classify_modes
 
 _ACCURACY = 1.0 / 1000.0  # of bands: a third of a pixel
 _POINTS = 240, 180  # columns and rows of the map at most
@@ -61,7 +61,7 @@ class IndependentModes:
         """Return what follows a slider."""
         rate, mode = self.rod.fastest(load.mean, load.amplitude, load.frequency, like=load)
         status = "unstable" if rate > 0.0 else "stable"
-        system = self.rod.independent_modes(load, self.numbers.tolist())
+        system = ModalSystem(self.rod.mode_constants, load, tuple(self.numbers.tolist()))
         growth = mathieu.growth_rate(system.alpha, system.beta, system.damping) * load.frequency
         parts: Parts = {"verdict": verdict_words(status, float(rate), f"mode {mode} grows"), "details": ""}
         if self.chart is None or self._amplitude != load.amplitude:
@@ -74,7 +74,7 @@ class IndependentModes:
 
     def in_time(self, load: Load, stale: Stale) -> Iterator[Parts]:
         """Yield what takes longer: the whole verdict, the bands between curves, and how far the verdict reaches."""
-        verdict = classify_modes(self.rod, self.rod.independent_modes(load), 0.0)
+        verdict = self.rod.modes_under(load).verdict(load)
         words = f"mode {verdict.fastest_mode} grows"
         yield {"verdict": verdict_words(verdict.status, verdict.growth_rate, words)}
         chart = self.chart

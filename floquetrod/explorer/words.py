@@ -6,10 +6,10 @@ import math
 from collections.abc import Callable, Mapping
 
 from floquetrod.rod.load import Load
-from floquetrod.rod.verdict import Margin, RodVerdict
+from floquetrod.rod.verdict import Margin, RodStability
 from floquetrod.units import Unit
 
-MARGINS: dict[str, Callable[[RodVerdict], Margin]] = {
+MARGINS: dict[str, Callable[[RodStability], Margin]] = {
     "frequency": lambda verdict: verdict.frequency_margin,
     "mean": lambda verdict: verdict.mean_force_margin,
     "amplitude": lambda verdict: verdict.amplitude_margin,

@@ -21,6 +21,7 @@ from floquetrod.floquet.proof import certify
 from floquetrod.floquet.verdict import Stability
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.load import AxialLoad
+from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.rod import Rod
 from floquetrod.rod.tongues import unstable_loads
 
@@ -126,7 +127,8 @@ def f3_a() -> Claim:
     by_test = first_failure(0.2, 85.0, LEAPFROG, 0.6)
     load = AxialLoad(0.0, 0.2 * UNIT, 85.0)
     last = ROD.modes_needed(AxialLoad(0.6 * UNIT, 0.2 * UNIT, 85.0))[0]
-    bands = unstable_loads("mean", ROD.independent_modes(load, range(1, last + 1)), 0.0, (0.0, 0.6 * UNIT)).intervals
+    system = ModalSystem(ROD.mode_constants, load, tuple(range(1, last + 1)))
+    bands = unstable_loads("mean", system, 0.0, (0.0, 0.6 * UNIT)).intervals
     main = min(band for band in bands if band.low <= by_test * UNIT < band.high)  # in which the test fails further on
     below = sum(band.high < main.low for band in bands)
     thin = np.linspace(0.0, 0.99 * main.low, 4501)

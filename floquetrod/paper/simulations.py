@@ -19,7 +19,6 @@ from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.ensembles.runs import PENDING
 from floquetrod.rod.load import AxialLoad
 from floquetrod.rod.rod import Rod
-from floquetrod.rod.stability import growth_of_modes
 from floquetrod.simulation.integration import Progress
 from floquetrod.simulation.problem import Simulation, SimulationProblem
 from floquetrod.simulation.start import Perturbation
@@ -109,8 +108,8 @@ def figure_4(seed: int = 1, speed: float = 1e-3, duration: float = 3.0) -> list[
     for frequency, means in FIGURE_4.items():
         for mean in means:
             load = _load(mean, 0.2, frequency)
-            modes = ROD.independent_modes(load).modes
-            rates = zip(modes, growth_of_modes(ROD, load, modes), strict=True)
+            linear = ROD.stability(load)
+            rates = zip(linear.modes, linear.mode_growth_rates.tolist(), strict=True)
             grow = tuple(mode for mode, rate in rates if rate * duration > np.log(100.0))
             problem = SimulationProblem(ROD, load, duration=duration, perturbation=kick, stop_early=True)
             trials.append(Trial(problem, mean, f"random, seed {seed}", grow))

@@ -10,11 +10,10 @@ if TYPE_CHECKING:
     from floquetrod.rod.axial import AxialGap, AxialResonance, AxialResponse
     from floquetrod.rod.buckling import BucklingForce
     from floquetrod.rod.friction import CriticalKick
+    from floquetrod.rod.intervals import BucklingWarning, StabilityInterval, UnstableBand
     from floquetrod.rod.mode_friction import ModeFriction
     from floquetrod.rod.modes import ModalSystem, ModalSystems
     from floquetrod.rod.parts import Channel, Ends, Fluids, Material, Section
-    from floquetrod.rod.ranges import BucklingWarning, StabilityInterval
-    from floquetrod.rod.unstable_bands import UnstableBand
     from floquetrod.rod.verdict import Margin
 
 __all__ = [
@@ -59,11 +58,11 @@ __getattr__ = names_of(
             "Material",
             "Section",
         ),
-        "rod.ranges": (
+        "rod.intervals": (
             "BucklingWarning",
             "StabilityInterval",
+            "UnstableBand",
         ),
-        "rod.unstable_bands": ("UnstableBand",),
         "rod.verdict": ("Margin",),
     },
 )

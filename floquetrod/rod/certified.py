@@ -13,8 +13,8 @@ from floquetrod.kernels import regions as kernels
 from floquetrod.plane import Axis
 from floquetrod.plane.chart import CELLS
 from floquetrod.rod.constants import MOST_MODES
+from floquetrod.rod.data import RodData
 from floquetrod.rod.load import QUANTITIES, Load, Progress, Quantity
-from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.rod_box import RodBox
 
 _FIRST = 16  # cells along a side of the first blocks (a choice)
@@ -24,7 +24,7 @@ _CHUNK = 64  # boxes a thread takes at a time (a choice: some milliseconds)
 
 
 def certified_cells(
-    rod: ModalRod,
+    rod: RodData,
     like: Load,
     axes: Mapping[Quantity, Axis],
     fixed: tuple[Quantity, float],

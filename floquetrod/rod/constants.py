@@ -50,7 +50,7 @@ class ModeConstants(NamedTuple):
         return 2.0 * math.sqrt(self.rigidity * self.mass_per_length) * self.pendulum_frequency
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
-        """Return how many modes decide a verdict and a bound in 1/s on all others; see `ModalRod.modes_needed`."""
+        """Return how many modes decide a verdict and a bound in 1/s on all others; see `Rod.modes_needed`."""
         self.require_in_reach(Loads.single(load))
         a, b, stiffness, d = kernels.mode_family(*self[:4], load.mean, load.amplitude, load.frequency)
         c = self.damping_rate / load.frequency

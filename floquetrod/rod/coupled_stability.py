@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from dataclasses import dataclass, field
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,19 +12,18 @@ from numpy.typing import NDArray
 from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.references import references, united
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.assumptions import assumptions
-from floquetrod.rod.axial import AxialResponse
-from floquetrod.rod.coupled import MOST_COUPLED, CoupledModes
+from floquetrod.rod.coupled import MOST_COUPLED, rod_numbers
 from floquetrod.rod.load import Load, Loads, Progress, Quantity
-from floquetrod.rod.modal import ModalRod
+from floquetrod.rod.mode_model import ModeModel
+from floquetrod.rod.mode_systems import ModeSystems
 from floquetrod.rod.modes import ModalSystems
 from floquetrod.rod.sampled import first_change
-from floquetrod.rod.verdict import Edge, RodVerdict
+from floquetrod.rod.verdict import Edge, Evidence, RodStability, Shape
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4.3 where it falls as n^-2 (an estimate)
 _LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter (a choice)
@@ -32,71 +31,49 @@ _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them d
 _SHAPE_POINTS, _SHAPE_INSTANTS = 12, 48  # for each mode, and in a period
 
 
-class Shape(NamedTuple):
-    """The fastest growing solution along the rod, freed of its growth; its largest deflection is 1.
+@dataclass(frozen=True)
+class ModesTogether(Evidence):
+    """Coupled modes, as many as two numbers of them agree upon.
 
     Attributes
     ----------
-    s : ndarray
-        Position in m from the upper end.
-    deflection : ndarray
-        At the instant of largest deflection.
-    envelope : ndarray
-        Largest deflection over a period, at each position.
-    """
-
-    s: NDArray[np.float64]
-    deflection: NDArray[np.float64]
-    envelope: NDArray[np.float64]
-
-
-@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
-class CoupledRodStability(RodVerdict):
-    """Verdict on a rod whose modes are coupled, in 1/s and s.
-
-    Modes are numbered as those of the rod without axial force, which have the same ends.
-
-    Attributes
-    ----------
-    rod : Rod
-    coupled : CoupledModes
-        The functions along the rod in which its motion is written, and its kind of load.
+    model : ModeModel
+        What the modes are under this load.
+    coupled : ModeSystems
+        The coordinates in which the motion is written.
     system : HillSystem
         The equations of motion, in seconds.
     whole : SystemStability
         Verdict on them.
     convergence : tuple of (int, float)
         Numbers of modes and the growth rate in 1/s with each; the last one is the answer.
-    resonances : tuple of Resonance
-        What grows, the fastest first: "direct resonance of mode 7, order 1", or a combination of two modes; named by a
-        heuristic, see `SystemStability`.
-    growth_tolerance : float
-        Growth in 1/s up to which a mode counts as stable.
-    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
-        As in every `Verdict`.  ``error`` is that of the growth rate in 1/s: that of the multipliers and an estimate of
-        what the modes left out would change.
+    named : tuple of Resonance
+        What grows, the fastest first.
     """
 
-    coupled: CoupledModes
-    system: HillSystem
-    whole: SystemStability
+    kind: ClassVar[str] = "coupled modes"
+
+    model: ModeModel = field(compare=False)
+    coupled: ModeSystems = field(compare=False)
+    system: HillSystem = field(compare=False)
+    whole: SystemStability = field(compare=False)
     convergence: tuple[tuple[int, float], ...]
-    resonances: tuple[Resonance, ...]
+    named: tuple[Resonance, ...]
+
+    @property
+    def resonances(self) -> tuple[Resonance, ...]:
+        """What grows, the fastest first."""
+        return self.named
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
-        return united(references(("rod", "model")), self.whole.references)
+        """What to cite for the methods used."""
+        return self.whole.references
 
     @property
     def load(self) -> Load:
         """The load."""
         return self.coupled.like
-
-    @cached_property
-    def axial(self) -> AxialResponse:
-        """How large the vibration becomes along the rod, where, and the nearest axial resonances."""
-        return self.rod.axial_response(self.load)
 
     @property
     def modes(self) -> tuple[int, ...]:
@@ -104,39 +81,19 @@ class CoupledRodStability(RodVerdict):
         return tuple(range(1, self.coupled.count + 1))
 
     @property
-    def modes_checked(self) -> int:
-        """Number of modes looked at; `cutoff` says why that many."""
-        return self.coupled.count
-
-    @property
     def cutoff(self) -> str:
         """Why these modes and no others."""
         if len(self.convergence) == 1:
-            return f"{self.modes_checked} coupled modes, as requested"
+            return f"{self.coupled.count} coupled modes, as requested"
         (fewer, first), (last, final) = self.convergence[-2:]
         change = abs(final - first)
         known = f"growth differs by {change:.1g} 1/s" if math.isfinite(change) else "growth could not be compared"
         return f"{last} coupled modes; with {fewer} {known}"
 
-    @property
-    def unstable_modes(self) -> tuple[int, ...]:
-        """Modes that take part in what grows faster than the tolerance."""
-        if self.status != "unstable":
-            return ()
-        growing = [r for r in self.resonances if r.growth_rate > self.growth_tolerance]
-        return tuple(sorted({mode for resonance in growing for mode in resonance.modes}))
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return the damping rate in 1/s at which this load no longer makes the rod grow faster than the tolerance.
 
-    @property
-    def fastest_mode(self) -> int | None:
-        """Mode that grows fastest, the lower one of a combination; None when none grows or none could be named."""
-        return min(self.resonances[0].modes) if self.resonances and self.growth_rate > 0.0 else None
-
-    @cached_property
-    def damping_to_stabilise(self) -> float:
-        """Damping rate in 1/s at which this load no longer makes the rod grow faster than the tolerance.
-
-        The rate meant is the rod's whole ``damping_rate``, whatever it is now.  Found to ten digits, and tried at two,
-        four and eight times as much.  Infinite when the mean force alone buckles the rod: damping only slows that down.
+        Found to ten digits, and tried at two, four and eight times as much.
         """
         if float(np.linalg.eigvalsh(self.system.stiffness)[0]) <= 0.0:
             return math.inf
@@ -144,12 +101,10 @@ class CoupledRodStability(RodVerdict):
 
         def excess(rate: float) -> float:
             """Return the growth beyond the tolerance at a damping rate; below zero where everything decays."""
-            constants = self.coupled.numbers.constants._replace(damping_rate=rate)
-            modes = replace(self.coupled, numbers=self.coupled.numbers._replace(constants=constants))
-            growth = float(modes.growth_without_decay(loads)[0])
-            return -1.0 if math.isnan(growth) else growth - rate - self.growth_tolerance
+            growth = float(self.coupled.damped(rate).growth_without_decay(loads)[0])
+            return -1.0 if math.isnan(growth) else growth - rate - verdict.growth_tolerance
 
-        return least_damping(excess, self.growth_rate, self.load.frequency)
+        return least_damping(excess, verdict.growth_rate, self.load.frequency)
 
     @cached_property
     def shape(self) -> Shape:
@@ -158,7 +113,7 @@ class CoupledRodStability(RodVerdict):
 
         system = self.system
         undamped, _ = system.undamped or (system, 0.0)  # the factor of damping changes no shape
-        first, n, period = undamped.as_periodic_system(), self.coupled.size, self.period
+        first, n, period = undamped.as_periodic_system(), self.coupled.size, self.whole.period
         maps = period_maps(first.mean[None], first.harmonics[None], np.array([period]), 0.0, 1e-10, paired=True)
         values, vectors = np.linalg.eig(maps.matrix[0])
         fastest = int(np.abs(values).argmax())
@@ -176,28 +131,22 @@ class CoupledRodStability(RodVerdict):
         path = solve_ivp(slope, (0.0, period), start, method="DOP853", t_eval=times, rtol=1e-8, atol=1e-12).y[:n]
         path = path * np.exp(-rate * times)
         x = np.linspace(0.0, 1.0, _SHAPE_POINTS * self.coupled.size + 1)
-        moving = self.coupled.basis.shapes(x).T @ path  # complex: its real part at any phase is a solution
+        moving = self.coupled.shapes(x).T @ path  # complex: its real part at any phase is a solution
         envelope = np.abs(moving).max(axis=1)
         size = float(envelope.max())
         at, instant = np.unravel_index(np.abs(moving).argmax(), moving.shape)
         turned = moving[:, instant] * np.exp(-1j * np.angle(moving[at, instant]))
-        return Shape(x * self.rod.length, turned.real / size, envelope / size)
+        return Shape(x * self.model.rod.length, turned.real / size, envelope / size)
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw the `shape` along the rod; return the axes."""
-        from floquetrod.plotting.rod import draw_shape
-
-        return draw_shape(self, ax)
-
-    def _edge(self, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
+    def edge(self, verdict: RodStability, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
         """Return where the verdict first changes, with as many modes as the piece needs."""
         if varied == "frequency":
-            piece = self.coupled.numbers.up_to_resonance(self.load, piece)
+            piece = rod_numbers(self.model.rod).up_to_resonance(self.load, piece)
             if piece[0] == piece[1]:
                 return Edge(None, piece[0], 0.0)
-        begins = None if piece[0] == getattr(self.load, varied) else self.stable
+        begins = None if piece[0] == getattr(self.load, varied) else verdict.stable
         try:
-            modes = self._modes_for(varied, piece)
+            modes = self._modes_for(varied, piece, verdict.margin_tolerance)
         except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
             return Edge(None, piece[0], 0.0)
         return Edge(
@@ -206,47 +155,52 @@ class CoupledRodStability(RodVerdict):
                 modes,
                 self.load,
                 piece,
-                self.margin_tolerance,
+                verdict.margin_tolerance,
                 begins_stable=begins,
                 most_seconds=seconds,
             )
         )
 
-    def _modes_for(self, varied: Quantity, piece: tuple[float, float]) -> CoupledModes:
+    def _modes_for(self, varied: Quantity, piece: tuple[float, float], tolerance: float) -> ModeSystems:
         """Return as many modes as all loads of a piece need, and not fewer than here, or as many as were asked for."""
         if len(self.convergence) == 1:
             return self.coupled
-        numbers, loads = self.coupled.numbers, Loads.along(self.load, varied, np.linspace(*piece, 33))
-        needed = numbers.modes_needed(loads, self.load, self.margin_tolerance)
-        return replace(self.coupled, count=max(needed, self.coupled.count))
+        loads = Loads.along(self.load, varied, np.linspace(*piece, 33))
+        needed = self.model.count_for(loads, tolerance)
+        return self.model.in_modes(max(needed, self.coupled.count))
 
-    def _sentence(self) -> str:
-        wave = "" if self.load.is_uniform or not self.load.amplitude else f"; {self.axial.in_words}"
-        if self.status != "unstable" or not self.resonances:
-            slow = f": growth {self.growth_rate:.6g} 1/s" if self.growth_rate > 0.0 else ""
-            return f"{self.status}{slow}{wave}"
-        growth = f"{self.growth_rate:.6g} 1/s, tenfold in {self.time_to_grow():.3g} s"
+    def sentence(self, verdict: RodStability) -> str:
+        """Return status, growth, what grows, and how large the vibration becomes."""
+        wave = "" if self.load.is_uniform or not self.load.amplitude else f"; {verdict.axial.in_words}"
+        if verdict.status != "unstable" or not self.resonances:
+            slow = f": growth {verdict.growth_rate:.6g} 1/s" if verdict.growth_rate > 0.0 else ""
+            return f"{verdict.status}{slow}{wave}"
+        growth = f"{verdict.growth_rate:.6g} 1/s, tenfold in {verdict.time_to_grow():.3g} s"
         return f"unstable: {self.resonances[0]}; {growth}{wave}"
 
 
 def classify_coupled(
-    rod: ModalRod, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None = None
-) -> CoupledRodStability:
+    model: ModeModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None = None
+) -> RodStability:
     """Classify a rod with as many modes as two numbers of them agree upon, or with ``count`` of them.
 
     ``progress`` is called with the numbers of trials made and, as far as is known by then, to make.
     """
-    found = _trials(rod, load, count, growth_tolerance, progress)
+    model = model.under(load)
+    found = _trials(model, load, count, growth_tolerance, progress)
     final = found[-1]
     status, error, note = final.concluded(found[-2] if len(found) > 1 else None, growth_tolerance)
     whole = final.whole
-    return CoupledRodStability(
-        rod=rod,
-        coupled=final.modes,
-        system=final.system,
-        whole=whole,
-        convergence=tuple((trial.modes.count, trial.whole.growth_rate) for trial in found),
-        resonances=final.modes.named(final.system, whole.resonances),
+    return RodStability(
+        rod=model.rod,
+        evidence=ModesTogether(
+            model,
+            final.modes,
+            final.system,
+            whole,
+            tuple((trial.modes.count, trial.whole.growth_rate) for trial in found),
+            final.modes.named(final.system, whole.resonances),
+        ),
         growth_tolerance=growth_tolerance,
         status=status,
         growth_rate=whole.growth_rate,
@@ -255,27 +209,27 @@ def classify_coupled(
         error=error,
         cost=whole.cost,
         note=note,
-        assumptions=assumptions(rod, load),
+        assumptions=assumptions(model.rod, load),
     )
 
 
 def _trials(
-    rod: ModalRod, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
+    model: ModeModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
 ) -> list[_Trial]:
     """Return the trials made, the fewest modes first."""
     found: list[_Trial] = []
 
     def add(modes: int, place: int, known: int) -> None:
-        found.insert(place, _Trial.of(rod, load, modes))
+        found.insert(place, _Trial.of(model, load, modes))
         if progress is not None:
             progress(len(found), max(known, len(found)))
 
     if count is not None:
         add(count, 0, 1)
         return found
-    last = _modes_to_begin_with(rod, load, growth_tolerance)
+    last = _modes_to_begin_with(model, load, growth_tolerance)
     add(last, 0, 2)
-    needed = _more_needed(rod, load, found[-1], growth_tolerance)
+    needed = _more_needed(model, load, found[-1], growth_tolerance)
     if needed:
         add(needed, 1, 2)
     else:
@@ -285,13 +239,13 @@ def _trials(
         if len(found) == 2 + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
             break
         add(larger, len(found), 2)
-    needed = _more_needed(rod, load, found[-1], growth_tolerance)
+    needed = _more_needed(model, load, found[-1], growth_tolerance)
     if needed:
         add(needed, len(found), 2)
     return found
 
 
-def _more_needed(rod: ModalRod, load: Load, trial: _Trial, growth_tolerance: float) -> int:
+def _more_needed(model: ModeModel, load: Load, trial: _Trial, growth_tolerance: float) -> int:
     """Return how many modes to take where those left out may grow faster than what was found, else 0.
 
     So many more that both trials tell how the growth depends on their number.
@@ -300,35 +254,35 @@ def _more_needed(rod: ModalRod, load: Load, trial: _Trial, growth_tolerance: flo
     if count >= MOST_COUPLED:
         return 0
     slowest = max(growth_tolerance, 0.5 * trial.whole.growth_rate)
-    needed = rod.coupled_numbers.modes_needed(Loads.single(load), load, slowest)
+    needed = model.count_for(Loads.single(load), slowest)
     return min(max(needed, count + max(2, count // 9)), MOST_COUPLED) if needed > count else 0
 
 
-def _modes_to_begin_with(rod: ModalRod, load: Load, growth_tolerance: float) -> int:
+def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) -> int:
     """Return how many modes to take; of long strings only those that may grow a quarter as fast as the fastest."""
-    numbers, loads = rod.coupled_numbers, Loads.single(load)
+    numbers, loads = rod_numbers(model.rod), Loads.single(load)
     numbers.require_few(loads, load, growth_tolerance)
     uniform = numbers.largest_uniform(loads, load)
     every, _ = numbers.constants.modes_needed(uniform, growth_tolerance)
     if every <= _LONG:
-        return numbers.modes_needed(loads, load, growth_tolerance)
+        return model.count_for(loads, growth_tolerance)
     fastest = float(ModalSystems(numbers.constants, Loads.single(uniform)).fastest(1)[0][0])
-    return numbers.modes_needed(loads, load, max(growth_tolerance, 0.25 * fastest))
+    return model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
 
 
 class _Trial(NamedTuple):
     """The verdict with one number of modes, and between what the rate of the fastest solution lies, in 1/s."""
 
-    modes: CoupledModes
+    modes: ModeSystems
     system: HillSystem
     whole: SystemStability
     least: float
     most: float
 
     @classmethod
-    def of(cls, rod: ModalRod, load: Load, count: int) -> _Trial:
+    def of(cls, model: ModeModel, load: Load, count: int) -> _Trial:
         """Return the verdict with ``count`` modes."""
-        modes = CoupledModes(rod.coupled_numbers, load, count)
+        modes = model.in_modes(count)
         system = modes.system(Loads.single(load))
         whole = stability(system)
         rates = np.array([exponent.real for exponent in whole.exponents])

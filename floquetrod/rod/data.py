@@ -15,12 +15,13 @@ from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import TellsAttributes, tells_arguments
 from floquetrod.rod import formulas
+from floquetrod.rod.axial import AxialResponse, axial_response
 from floquetrod.rod.beam import wavenumbers
 from floquetrod.rod.buckling import BucklingForce, buckling_forces
 from floquetrod.rod.catalogue import pipe_in_a_hole
 from floquetrod.rod.constants import MOST_MODES, ModeConstants
 from floquetrod.rod.files import read_rod
-from floquetrod.rod.load import Load, require_load
+from floquetrod.rod.load import AnyLoad, Load, require_load
 from floquetrod.rod.lock_up import LockUp
 from floquetrod.rod.parts import (
     MEANT,
@@ -390,6 +391,32 @@ class RodData(TellsAttributes):
     def wave_ratio(self, load: Load) -> float:
         """Return omega L / (2 pi c_0), the length in axial waves; far below 1 the force is uniform along the rod."""
         return require_load("load", load).frequency * self.length / (2.0 * math.pi) / self.wave_speed
+
+    def axial_response(self, load: AnyLoad) -> AxialResponse:
+        """Return how large the vibration of a load becomes along the rod, where, and the nearest axial resonances.
+
+        Parameters
+        ----------
+        load : AxialLoad, AxialWave or ForceRecord
+
+        Returns
+        -------
+        AxialResponse
+            Its ``largest`` in N at ``position`` (m from the upper end), ``factor`` times the vibration at the driven
+            end; its ``resonances`` in rad/s, by the formulas of `AxialWave`: cos(omega L / c_0) = 0 with the far end
+            held, sin(omega L / c_0) = 0 free, cos(omega L / (2 c_0)) = 0 driven.  The force of an `AxialLoad` is
+            uniform and has none.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> tubing = RodData.catalogue("2.00x0.156 CT90", bore="4.778in", length=600.0)
+        >>> response = tubing.axial_response(fr.AxialWave(0.0, "2kN", "15Hz"))
+        >>> round(response.factor, 1), [round(r.hertz, 2) for r in response.resonances]
+        (60.3, [14.98, 19.26])
+        """
+        load = require_load("load", load)
+        return axial_response(load, self.wave_speed, self.length, self.critical_force)
 
     def wavenumber(self, mode: Any) -> Any:
         """Return the wavenumber in 1/m of free motion in a mode without axial force: m pi / L where ends are hinged.

@@ -11,17 +11,13 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
-from floquetrod._util.compilation import over_chunks
-from floquetrod.kernels.rod_samples import samples_stable_fill
 from floquetrod.rod import formulas, parts
-from floquetrod.rod.constants import NEGLIGIBLE_GROWTH, are_in_reach, at_once, extent
 from floquetrod.rod.load import LIMITS, Load, Loads
+from floquetrod.rod.mode_model import ModeModel
 from floquetrod.rod.rod import Rod
 
 Floats = NDArray[np.float64]
 
-_AT_ONCE = 1 << 17  # samples held at a time (a choice: some 10 MB)
-_COUPLED_AT_ONCE = 1 << 8  # of coupled modes, which take milliseconds each (a choice)
 _EXAMPLE = "a pair (low, high) or a frozen distribution such as scipy.stats.norm(3.1, 0.02)"
 
 
@@ -35,20 +31,16 @@ class Sampling:
     growth_tolerance: float
     workers: int | None
 
-    @property
-    def example(self) -> Rod:
-        """One of the rods, which has weight along it if any of them has."""
-        return self.rod.replace(inclination=0.5) if "inclination" in self.parameters else self.rod
-
     @cached_property
-    def are_coupled(self) -> bool:
-        """Whether the modes of some of the rods depend on each other."""
-        return not self.example.coupled_numbers.has_mathieu_modes(self.load)
+    def model(self) -> ModeModel:
+        """The modes of one of the rods, which has weight along it if any of them has."""
+        rod = self.rod.replace(inclination=0.5) if "inclination" in self.parameters else self.rod
+        return rod.modes_under(self.load)
 
     @property
     def at_once(self) -> int:
         """How many samples are judged at a time."""
-        return _COUPLED_AT_ONCE if self.are_coupled else _AT_ONCE
+        return self.model.samples_at_once
 
     def verdicts(self, levels: Floats) -> NDArray[np.int8]:
         """Return 1, 0 or -1, stable, unstable or undecided, at levels of probability (quantities, samples)."""
@@ -59,28 +51,13 @@ class Sampling:
         loads = [np.broadcast_to(values.get(name, getattr(self.load, name)), levels.shape[1:]) for name in LIMITS]
         rods: dict[str, Any] = {name: values.get(name, known) for name, known in self.rod.parameters.items()}
         self._require(self._exist(rods, loads), values)
-        if self.are_coupled:
-            found = self.rod.verdicts(
-                *loads, growth_tolerance=self.growth_tolerance, like=self.load, workers=self.workers
-            )
-            return np.asarray(found)
-        mean, amplitude, frequency = loads
-        w2, mass, rigidity, swing, damping = formulas.mode_parameters(rods, np.sin)
-        constants = (w2, mass, rigidity, np.sqrt(swing), damping)
-        extents = extent(*constants[:4], np.maximum(0.0, mean + amplitude), np.abs(mean) + amplitude)
-        self._require(are_in_reach(constants, extents, frequency), values)
-        modes, fastest = extents
-        out = np.empty(levels.shape[1], dtype=np.bool_)
-        over_chunks(
-            samples_stable_fill,
-            [*loads, *(np.broadcast_to(np.asarray(part, dtype=np.float64), out.shape) for part in constants)],
-            out,
+        return self.model.sample_status(
+            rods,
+            Loads.of(*loads),
             self.growth_tolerance,
-            NEGLIGIBLE_GROWTH,
-            workers=self.workers,
-            chunk=at_once(float(np.max(modes)), float(np.max(fastest / frequency))),
+            self.workers,
+            lambda good: self._require(good, values),
         )
-        return out.view(np.int8)
 
     def _exist(self, rods: Mapping[str, Any], loads: list[Floats]) -> NDArray[np.bool_]:
         """Return which samples are a rod under a load."""

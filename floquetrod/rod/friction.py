@@ -18,7 +18,7 @@ from floquetrod.friction.inputs import growth_without_friction
 from floquetrod.rod.data import RodData
 from floquetrod.rod.mode_friction import ModeFriction, kicks_of, mode_friction
 from floquetrod.rod.modes import GrowingModes, ModalSystems
-from floquetrod.rod.stability import RodStability
+from floquetrod.rod.verdict import RodStability
 
 _AT_ONCE = 4096  # loads whose modes are held at once (a choice: some megabytes)
 

@@ -11,13 +11,12 @@ from floquetrod._util import validate
 from floquetrod._util.calling import tells_arguments
 from floquetrod._util.version import __version__
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.plane import Axis, BandSource, Chart, Progress, axis_values, fill_rows
+from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
 from floquetrod.rod.assumptions import warn_unless_uniform
-from floquetrod.rod.bands import ExactRodBands
-from floquetrod.rod.certified import certified_cells
+from floquetrod.rod.axial import require_off_resonance
 from floquetrod.rod.load import LIMITS, AnyLoad, Quantity, kind, require_load
-from floquetrod.rod.modal import refusal
 from floquetrod.rod.mode_friction import friction_and_kick
+from floquetrod.rod.mode_model import ModeModel
 from floquetrod.rod.plane import LoadPlane
 from floquetrod.rod.rod import Rod
 
@@ -27,9 +26,6 @@ _AXES: dict[Quantity, tuple[str, str, str]] = {
     "amplitude": ("amplitude", r"\Delta F", "N"),
 }
 """Quantities of a load, the one drawn to the right first."""
-
-_COUPLED_AT_ONCE = 2000
-"""Points of coupled modes computed between two reports of progress: some seconds (a choice)."""
 
 
 @tells_arguments()
@@ -120,11 +116,11 @@ def stability_map(
     value = validate.finite(fixed[0], given[fixed[0]])
     most = {fixed[0]: value, across: float(x.values[-1]), up: float(y.values[-1])}
     warn_unless_uniform(rod, kind(like).with_numbers(most["mean"], most["amplitude"], most["frequency"]))
+    model = rod.modes_under(like)
     if validate.flag("certified", certified):
-        _require_provable(rod, like, tolerance, criterion=criterion, friction=rubbing)
-
+        _require_provable(model, tolerance, criterion=criterion, friction=rubbing)
     if fixed[0] == "frequency":
-        rod.coupled_numbers.require_off_resonance(kind(like), value)
+        require_off_resonance(model.like, rod.wave_speed, rod.length, value)
     plane = LoadPlane(rod, across, up, fixed[0], value, tolerance, criterion, friction, kick, like, workers)
 
     def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
@@ -133,8 +129,7 @@ def stability_map(
         return (plane.verdicts(x.values, values),)
 
     kinds = (np.int8, np.float64, np.int64)[: 3 if growth else 1]
-    independent = rod.coupled_numbers.has_mathieu_modes(kind(like))
-    at_once = None if independent else max(1, _COUPLED_AT_ONCE // x.values.size)
+    at_once = None if model.loads_at_once is None else max(1, model.loads_at_once // x.values.size)
     verdicts, *rest = fill_rows(rows, y.values, x.values.size, kinds, progress, at_once)
     name, _, unit = _AXES[fixed[0]]
     fixed_values: list[list[Any]] = [[name, value, unit], ["critical force", rod.critical_force, "N"]]
@@ -147,27 +142,37 @@ def stability_map(
     rate, mode = rest if growth else (None, None)
     words = "" if criterion is None else str(criterion)
     undecided = int((verdicts == -1).sum())
-    source: BandSource = plane.traced(x, y, verdicts)
-    if independent and rubbing is None and criterion is None:
-        source = ExactRodBands(rod.mode_constants, across, up, x.ends, y.ends, value, tolerance)
+    plain = rubbing is None and criterion is None
+    source = model.bands(across, up, x, y, value, tolerance) if plain else None
     cells = None
     if certified:
-        cells = certified_cells(rod, kind(like), {across: x, up: y}, (fixed[0], value), tolerance, workers, progress)
+        cells = model.certified_cells({across: x, up: y}, (fixed[0], value), tolerance, workers, progress)
     return Chart(
-        x, y, verdicts == 1, rate, mode, "1/s", subject, tolerance, words, undecided, __version__, source, cells
+        x,
+        y,
+        verdicts == 1,
+        rate,
+        mode,
+        "1/s",
+        subject,
+        tolerance,
+        words,
+        undecided,
+        __version__,
+        source or plane.traced(x, y, verdicts),
+        cells,
     )
 
 
-def _require_provable(rod: Rod, like: AnyLoad | None, tolerance: float, **others: Any) -> None:
+def _require_provable(model: ModeModel, tolerance: float, **others: Any) -> None:
     """Raise ValueError for a map whose cells cannot be proved."""
     given = [name for name, value in others.items() if value is not None]
     if given:
         raise ValueError(
             f"certified is about stability for all time without friction; leave out either it or {given[0]}"
         )
-    if not rod.coupled_numbers.has_mathieu_modes(kind(like)):
-        raise refusal(rod, "certified", kind(like))
-    if tolerance == 0.0 and rod.damping_rate == 0.0:
+    model.require("certified")
+    if tolerance == 0.0 and model.rod.damping_rate == 0.0:
         raise ValueError(
             "certified needs a growth_tolerance above 0, 1e-6 1/s say, or a rod with damping: without, tongues too "
             "thin to matter are everywhere, and no cell is stable"

@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import shaped
-from floquetrod.floquet.verdict import tolerated
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, TracedBands
 from floquetrod.plane.judging import VERTEX
-from floquetrod.rod.coupled import CoupledLoads
-from floquetrod.rod.load import AnyLoad, Loads, Quantity, kind
+from floquetrod.rod.load import AnyLoad, Loads, Quantity
 from floquetrod.rod.rod import Rod
 
 _MOST_FAST, _MOST_SLOW = 100_000, 4000
@@ -62,14 +60,11 @@ class LoadPlane:
 
     def with_growth(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[Any, Any, Any]:
         """Return verdicts, growth rates in 1/s and the numbers of the fastest modes."""
-        like = kind(self.like)
-        if self.criterion is not None or self.rod.coupled_numbers.has_mathieu_modes(like):
+        if self.criterion is not None:
             return self.verdicts(x, y), *self.fastest(x, y)
-        loads = Loads.of(*self._load(x, y))  # one computation gives all
-        status, rate = CoupledLoads(self.rod.coupled_numbers, like, loads).answers(self.workers)
-        status[tolerated(rate, self.growth_tolerance)] = 1
-        found = status, rate, np.where(rate > 0.0, -1, 0)
-        return shaped(found[0], loads.shape), shaped(found[1], loads.shape), shaped(found[2], loads.shape)
+        loads = Loads.of(*self._load(x, y))
+        found = self.rod.modes_under(self.like).answers(loads, self.growth_tolerance, self.workers)
+        return shaped(found.status, loads.shape), shaped(found.growth, loads.shape), shaped(found.mode, loads.shape)
 
     def fastest(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[Any, Any]:
         """Return the growth rate in 1/s and the number of the fastest mode."""

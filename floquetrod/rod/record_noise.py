@@ -3,27 +3,25 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import TypeVar
 
 import numpy as np
 
-from floquetrod.rod.coupled import CoupledLoads
-from floquetrod.rod.load import LIMITS, AxialLoad, Loads, Progress
-from floquetrod.rod.modal import ModalRod
+from floquetrod.rod.load import LIMITS, AxialLoad, Loads, Progress, shifted
+from floquetrod.rod.mode_model import ModeModel
 from floquetrod.rod.record import ForceRecord
-from floquetrod.rod.verdict import RodVerdict
+from floquetrod.rod.verdict import RodStability
 
 NOISE_DRAWS = 20
 """Forces drawn (a choice)."""
 
 _ERRORS = 2.0  # standard errors by which they depart from the fit, and which enter the error of growth (a choice)
 
-AnyVerdict = TypeVar("AnyVerdict", bound=RodVerdict)
 
-
-def with_noise(rod: ModalRod, verdict: AnyVerdict, record: ForceRecord, progress: Progress | None = None) -> AnyVerdict:
+def with_noise(
+    model: ModeModel, verdict: RodStability, record: ForceRecord, progress: Progress | None = None
+) -> RodStability:
     """Return a verdict on the fit of a record with the error that its noise makes.
 
     Twenty forces are drawn, the same ones in every call, whose mean, frequency and harmonics, their sizes and phases,
@@ -35,8 +33,9 @@ def with_noise(rod: ModalRod, verdict: AnyVerdict, record: ForceRecord, progress
         return verdict
     changes, others = [], 0
     for done, load in enumerate(_drawn(record), start=1):
-        one = CoupledLoads(rod.coupled_numbers, load, Loads.single(load), verdict.growth_tolerance)
-        status, growth = (column[0] for column in one.answers())
+        status, growth, _ = (
+            column[0] for column in model.under(load).answers(Loads.single(load), verdict.growth_tolerance)
+        )
         others += bool(status != (verdict.status == "stable"))
         changes.append(float(growth) - verdict.growth_rate)
         if progress is not None:
@@ -51,6 +50,26 @@ def with_noise(rod: ModalRod, verdict: AnyVerdict, record: ForceRecord, progress
         error=verdict.error + noise,
         note="; ".join(filter(None, [verdict.note, note])),
     )
+
+
+def classify_record(
+    model: ModeModel,
+    record: ForceRecord,
+    modes: Iterable[int] | None,
+    growth_tolerance: float,
+    progress: Progress | None,
+) -> RodStability:
+    """Return the verdict on a record: that on its fit, with what its noise leaves open."""
+    trials = 0
+
+    def of_the_fit(done: int, total: int) -> None:
+        nonlocal trials
+        trials = done
+        if progress is not None:
+            progress(done, total + NOISE_DRAWS)
+
+    fitted = model.verdict(record.load, modes, growth_tolerance, of_the_fit)
+    return with_noise(model, fitted, record, shifted(progress, trials, trials))
 
 
 def _drawn(record: ForceRecord) -> Iterator[AxialLoad]:

@@ -23,9 +23,9 @@ from floquetrod.floquet.proof.region import (
 )
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.assumptions import IMMERSED, SHAPE, WALL, warn_unless_uniform
-from floquetrod.rod.constants import HAIRLINE_GROWTH, MOST_MODES, NEGLIGIBLE_GROWTH
-from floquetrod.rod.load import QUANTITIES, AnyLoad, Load, Loads, Progress, Quantity, kind
-from floquetrod.rod.modal import ModalRod
+from floquetrod.rod.constants import MOST_MODES, NEGLIGIBLE_GROWTH
+from floquetrod.rod.data import RodData
+from floquetrod.rod.load import QUANTITIES, Load, Loads, Progress, Quantity
 from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.rod_box import RodBox, RodExample
 from floquetrod.rod.tongues import gaps, unstable_loads
@@ -38,21 +38,19 @@ _LEAST_GROWTH = 1e-9  # in 1/s: growth that an example is searched with where le
 
 
 def certify_rods(
-    rod: ModalRod,
-    mean: Any,
-    amplitude: Any,
-    frequency: Any,
-    growth_tolerance: float = HAIRLINE_GROWTH,
-    parameters: Mapping[str, Any] | None = None,
-    like: AnyLoad | None = None,
-    max_boxes: int = MAX_BOXES,
-    progress: Progress | None = None,
+    rod: RodData,
+    like: Load,
+    sides: tuple[Any, Any, Any],
+    growth_tolerance: float,
+    parameters: Mapping[str, Any] | None,
+    max_boxes: int,
+    progress: Progress | None,
 ) -> RegionProof:
-    """Return what `Rod.certify` does."""
+    """Return what `Rod.certify` does; ``sides`` are those of mean force, amplitude and frequency."""
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     max_boxes = validate.integer("max_boxes", max_boxes, 1)
     validate.progress(progress)
-    box = RodBox.of(rod, kind(like), mean, amplitude, frequency, parameters)
+    box = RodBox.of(rod, like, *sides, parameters)
     warn_unless_uniform(rod, box.like.with_numbers(*(box.loads[name].high for name in QUANTITIES)))
     require_in_reach(box)
     return prove(box, tolerance, max_boxes, progress)
@@ -160,7 +158,7 @@ class _Proving:
             self.candidates.clear()
         return len(self.examples) == 2
 
-    def _keep(self, load: Load, rod: ModalRod, status: str) -> bool:
+    def _keep(self, load: Load, rod: RodData, status: str) -> bool:
         """Keep a load on a rod as an example if it is proved to have this status; return whether it was."""
         example = self._point(load, rod)
         if example is not None and example.status == status:
@@ -168,7 +166,7 @@ class _Proving:
             return True
         return False
 
-    def _point(self, load: Load, rod: ModalRod) -> RodExample | None:
+    def _point(self, load: Load, rod: RodData) -> RodExample | None:
         """Return what is proved of one load on one rod, None where nothing is."""
         box = self.box.point(load, rod).kernel_box()
         modes, bound = modes_of_box(box, self.tolerance, NEGLIGIBLE_GROWTH, MOST_MODES)
@@ -192,7 +190,7 @@ class _Proving:
                     return
                 self._search_line(part, rod, quantity, load)
 
-    def _search_line(self, part: RodBox, rod: ModalRod, quantity: Quantity, load: Load) -> None:
+    def _search_line(self, part: RodBox, rod: RodData, quantity: Quantity, load: Load) -> None:
         """Look for examples along one quantity of the load: in the middle of the widest parts that grow, or do not."""
         side = part.loads[quantity]
         bounds = (side.low, side.high)
@@ -290,7 +288,7 @@ def _lines(part: RodBox, *, middle_only: bool) -> Iterator[tuple[Quantity, Load]
             yield quantity, part.like.with_numbers(**numbers)
 
 
-def _rate(rod: ModalRod, load: Load, mode: int) -> str:
+def _rate(rod: RodData, load: Load, mode: int) -> str:
     """Return the growth of a mode as it is computed, for a statement; nothing where it is too slow for doubles."""
     system = ModalSystem(rod.mode_constants, load, (mode,))
     rate = float(mathieu.growth_rate(system.alpha, system.beta, system.damping)[0]) * system.frequency

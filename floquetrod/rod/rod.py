@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
@@ -12,28 +12,33 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import level_of_caller, tells_arguments
+from floquetrod.equations import HillSystem
+from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.constants import HAIRLINE_GROWTH
-from floquetrod.rod.coupled import CoupledLoads, chosen_count
-from floquetrod.rod.load import AnyLoad, Loads, Progress, kind, load_bounds, require_load, shifted
-from floquetrod.rod.modal import refusal
+from floquetrod.rod.coupling import coupling
+from floquetrod.rod.data import RodData
+from floquetrod.rod.independent import IndependentModel
+from floquetrod.rod.load import QUANTITIES, AnyLoad, Loads, Progress, Quantity, kind, load_bounds, require_load
 from floquetrod.rod.mode_friction import friction_and_kick
+from floquetrod.rod.mode_model import ModeModel
+from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.plausibility import warn_of_hertz, warn_of_load
-from floquetrod.rod.proved import ProvedRod
 from floquetrod.rod.record import ForceRecord
-from floquetrod.rod.stability import RodStability, classify_modes
 
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
-    from floquetrod.rod.coupled_stability import CoupledRodStability
+    from floquetrod.floquet.proof.region import RegionProof
     from floquetrod.rod.friction import CriticalKick, FrictionalRodStability
     from floquetrod.rod.ranges import StabilityIntervals
+    from floquetrod.rod.safe_box import SafeBox
+    from floquetrod.rod.verdict import RodStability
 
 
 @dataclass(frozen=True, init=False, repr=False)
-class Rod(ProvedRod):
+class Rod(RodData):
     """A straight elastic rod or tube of circular section on the floor of a straight circular channel.
 
     Parameters
@@ -86,9 +91,8 @@ class Rod(ProvedRod):
 
     Notes
     -----
-    Eq. (1) of DOI 10.1115/1.4031710, with the inertia, weight and bending stiffness of a tube in fluids.  Parts,
-    properties are those of `floquetrod.rod.data.RodData`, modal systems those of `floquetrod.rod.modal.ModalRod`,
-    proofs those of `floquetrod.rod.proved.ProvedRod`.
+    Eq. (1) of DOI 10.1115/1.4031710, with the inertia, weight and bending stiffness of a tube in fluids.  Its parts,
+    and what follows from them, are those of `floquetrod.rod.data.RodData`, the data sheet.
 
     Examples
     --------
@@ -103,6 +107,84 @@ class Rod(ProvedRod):
     (11941, 39.158)
     """
 
+    # --- modes ---
+
+    def modes_under(self, load: AnyLoad | None = None) -> ModeModel:
+        """Return what the modes are under any load of the kind of ``load``: the one place where that is chosen.
+
+        >>> import floquetrod as fr
+        >>> rod = Rod.nitinol().replace(ends="clamped")
+        >>> type(rod.modes_under()).__name__, rod.modes_under().coupling
+        ('CoupledModel', ('clamped-clamped ends',))
+        """
+        like = kind(load)
+        if not coupling(self.end_conditions, self.weight_along, like):
+            return IndependentModel(self, like)
+        # Loaded where it is needed: a rod with hinged ends answers without.
+        from floquetrod.rod.coupled_model import CoupledModel
+
+        return CoupledModel(self, like)
+
+    def modal_system(self, load: AnyLoad, modes: Iterable[int] | None = None) -> ModalSystem | HillSystem:
+        """Return the equations of the rod's modes under a load.
+
+        Parameters
+        ----------
+        load : AxialLoad, AxialWave or ForceRecord
+        modes : iterable of int, optional
+            Mode numbers, 1 to 20,000; by default all that can matter, see `modes_needed`.  Of coupled modes 1 to n.
+
+        Returns
+        -------
+        ModalSystem or HillSystem
+            Independent equations where the ends are hinged and the force is a sine, uniform along the rod.  Otherwise
+            one system in seconds, its coordinates those of beam functions and a few polynomials, see
+            `floquetrod.rod.beam`.
+
+        Raises
+        ------
+        ValueError
+            For numbers that are no modes, and for loads that need more than 20,000 modes or too large coefficients.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> rod = Rod.nitinol()
+        >>> load = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
+        >>> system = rod.modal_system(load, modes=(6, 7))
+        >>> round(system.equations[1].alpha, 4), system.damping
+        (0.0513, 0.0)
+        >>> rod.replace(ends="clamped").modal_system(load).structure
+        'hamiltonian'
+        """
+        load = require_load("load", load)
+        return self.modes_under(load).equations(load, modes)
+
+    def modal_systems(self, mean: Any, amplitude: Any, frequency: Any, *, like: AnyLoad | None = None) -> ModalSystems:
+        """Return the modal systems over arrays of loads (N, N, rad/s) that broadcast; all else is that of ``like``.
+
+        Raises ValueError where modes are coupled, and for loads that need more than 20,000 modes, or too large
+        coefficients.
+        """
+        return self.modes_under(like).systems(Loads.of(mean, amplitude, frequency))
+
+    def modes_needed(self, load: AnyLoad, growth_tolerance: float = 0.0) -> tuple[int, float]:
+        """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
+
+        High modes sit in resonance tongues that grow, but exponentially slowly: the bound is that of
+        `floquetrod.kernels.rod_modes.modes_left_out`, and M is the least for which it is below 1e-12 per second (or
+        ``growth_tolerance``, if larger).  M grows like the length of the rod.
+
+        M never falls as mean force, amplitude or frequency rise, so it serves every load below in each of them: at
+        fixed q and mode a larger mean lowers a, a larger amplitude raises q, and both raise every factor of the bound;
+        a, q and c^2 go like 1 / omega^2, so a higher frequency leaves fewer evanescent factors q / (a - k^2 - q), each
+        larger, before a rate that in 1/s does not depend on it.
+        """
+        load, tolerance = require_load("load", load), validate.tolerance("growth_tolerance", growth_tolerance)
+        return self.modes_under(load).modes_needed(load, tolerance)
+
+    # --- verdicts ---
+
     @overload
     def stability(
         self,
@@ -113,7 +195,7 @@ class Rod(ProvedRod):
         friction: float | None = None,
         kick: None = None,
         progress: Progress | None = None,
-    ) -> RodStability | CoupledRodStability: ...
+    ) -> RodStability: ...
 
     @overload
     def stability(
@@ -137,7 +219,7 @@ class Rod(ProvedRod):
         friction: float | None = None,
         kick: float | None = None,
         progress: Progress | None = None,
-    ) -> RodStability | CoupledRodStability | FrictionalRodStability:
+    ) -> RodStability | FrictionalRodStability:
         """Return the verdict on the rod under a load: stable when every mode is.
 
         Parameters
@@ -161,9 +243,9 @@ class Rod(ProvedRod):
 
         Returns
         -------
-        RodStability, CoupledRodStability or FrictionalRodStability
-            The second where modes are coupled: by ends that are not hinged, by a force that varies along the rod, or
-            where it is no pure sine; the third where a kick is given.
+        RodStability or FrictionalRodStability
+            The second where a kick is given.  Modes are coupled by ends that are not hinged, by a force that varies
+            along the rod, or where it is no pure sine.
 
         Warns
         -----
@@ -186,27 +268,17 @@ class Rod(ProvedRod):
         validate.progress(progress)
         warn_unless_uniform(self, load)
         warn_of_load(self, source if isinstance(source, ForceRecord) and not source.force_unit_named else load)
-        if not self.coupled_numbers.has_mathieu_modes(load):
-            if friction is not None:
-                raise refusal(self, "friction", load)
-            from floquetrod.rod.coupled_stability import classify_coupled
-            from floquetrod.rod.record_noise import NOISE_DRAWS, with_noise
+        model = self.modes_under(load)
+        if friction is not None:
+            model.require("friction")
+        if isinstance(source, ForceRecord):
+            from floquetrod.rod.record_noise import classify_record
 
-            count = None if modes is None else chosen_count(modes)
-            if not isinstance(source, ForceRecord):
-                return classify_coupled(self, load, count, growth_tolerance, progress)
-            fitted = classify_coupled(self, load, count, growth_tolerance, shifted(progress, 0, NOISE_DRAWS))
-            trials = len(fitted.convergence)
-            return with_noise(self, fitted, source, shifted(progress, trials, trials))
-        # The growth rate is that of all modes, tolerated or not.
-        linear = classify_modes(self, self.independent_modes(load, modes), growth_tolerance)
-        if linear.stable and modes is None:
+            return classify_record(model, source, modes, growth_tolerance, progress)
+        linear = model.verdict(load, modes, growth_tolerance, progress)
+        if linear.stable and modes is None and model.prompt:
             warn_of_hertz(self, load, growth_tolerance)
-        if rubbing is None:
-            return linear
-        from floquetrod.rod.friction import classify_kick
-
-        return classify_kick(linear, *rubbing)
+        return linear if rubbing is None else model.with_kick(linear, *rubbing)
 
     @tells_arguments()
     def critical_kick(self, load: AnyLoad, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
@@ -227,10 +299,8 @@ class Rod(ProvedRod):
         from floquetrod.rod.friction import critical_kick
 
         friction = friction_coefficient(friction)
-        linear = self.stability(load, growth_tolerance=growth_tolerance)
-        if not isinstance(linear, RodStability):
-            raise refusal(self, "friction", linear.load)
-        return critical_kick(linear, friction)
+        self.modes_under(require_load("load", load)).require("friction")
+        return critical_kick(self.stability(load, growth_tolerance=growth_tolerance), friction)
 
     @tells_arguments()
     def critical_kicks(
@@ -245,13 +315,11 @@ class Rod(ProvedRod):
         workers: int | None = None,
     ) -> CriticalKick:
         """Return what `critical_kick` does over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
-        from floquetrod.rod.friction import CriticalKick, critical_kicks
-
         friction = friction_coefficient(friction)
         tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-        systems = self.modal_systems(mean, amplitude, frequency, like=like)
-        found = critical_kicks(self, systems, friction, tolerance, workers)
-        return CriticalKick(*(shaped(part, systems.loads.shape) for part in found))
+        loads = Loads.of(mean, amplitude, frequency)
+        found = self.modes_under(like).critical_kicks(loads, friction, tolerance, workers)
+        return found._replace(**{name: shaped(part, loads.shape) for name, part in found._asdict().items()})
 
     @tells_arguments()
     def stable_mean_forces(
@@ -298,7 +366,7 @@ class Rod(ProvedRod):
         load = kind(like).with_numbers(high, amplitude, frequency)
         from floquetrod.rod.ranges import stability_intervals
 
-        return stability_intervals("mean", self, load, (low, high), growth_tolerance, progress)
+        return stability_intervals(self.modes_under(load), "mean", load, (low, high), growth_tolerance, progress)
 
     @tells_arguments()
     def stable_amplitudes(
@@ -321,7 +389,7 @@ class Rod(ProvedRod):
         load = kind(like).with_numbers(mean, high, frequency)
         from floquetrod.rod.ranges import stability_intervals
 
-        return stability_intervals("amplitude", self, load, (low, high), growth_tolerance, progress)
+        return stability_intervals(self.modes_under(load), "amplitude", load, (low, high), growth_tolerance, progress)
 
     @tells_arguments()
     def stable_frequencies(
@@ -346,7 +414,8 @@ class Rod(ProvedRod):
         fastest = slowest.varied("frequency", high)
         from floquetrod.rod.ranges import stability_intervals
 
-        return stability_intervals("frequency", self, fastest, (low, high), growth_tolerance, progress)
+        model = self.modes_under(fastest)
+        return stability_intervals(model, "frequency", fastest, (low, high), growth_tolerance, progress)
 
     @tells_arguments()
     def critical_mean_force(
@@ -366,7 +435,7 @@ class Rod(ProvedRod):
         load = kind(like).with_numbers(1.5 * self.critical_force, amplitude, frequency)
         from floquetrod.rod.ranges import first_unstable
 
-        return first_unstable("mean", self, load, growth_tolerance)
+        return first_unstable(self.modes_under(load), "mean", load, growth_tolerance)
 
     @tells_arguments()
     def critical_amplitude(
@@ -385,7 +454,7 @@ class Rod(ProvedRod):
         load = kind(like).with_numbers(mean, self.critical_force, frequency)
         from floquetrod.rod.ranges import first_unstable
 
-        return first_unstable("amplitude", self, load, growth_tolerance)
+        return first_unstable(self.modes_under(load), "amplitude", load, growth_tolerance)
 
     @tells_arguments()
     def is_stable(
@@ -459,24 +528,14 @@ class Rod(ProvedRod):
         if criterion is not None:
             validate.instance("criterion", criterion, FiniteTimeCriterion)
             criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if rubbing is None else rubbing[0])
-        found: Any
-        if not self.coupled_numbers.has_mathieu_modes(kind(like)):
-            for name, given in (("friction", rubbing), ("criterion", criterion)):
-                if given is not None:
-                    raise refusal(self, name, kind(like))
-            loads = Loads.of(mean, amplitude, frequency)
-            found = CoupledLoads(self.coupled_numbers, kind(like), loads, tolerance).answers(workers).status
-            return shaped(found, loads.shape)
-        systems = self.modal_systems(mean, amplitude, frequency, like=like)
+        model, loads = self.modes_under(like), Loads.of(mean, amplitude, frequency)
         if rubbing is not None:
-            from floquetrod.rod.friction import kicked_loads
-
-            found = kicked_loads(self, systems, *rubbing, tolerance, workers)
+            found = model.kicked(loads, *rubbing, tolerance, workers)
         elif criterion is not None:
-            found = systems.pass_test(criterion, workers).astype(np.int8)
+            found = model.passing(loads, criterion, workers)
         else:
-            found = systems.are_stable(tolerance, workers).view(np.int8)
-        return shaped(found, systems.loads.shape)
+            found = model.status(loads, tolerance, workers)
+        return shaped(found, loads.shape)
 
     @tells_arguments()
     def growth_rate(
@@ -496,11 +555,118 @@ class Rod(ProvedRod):
 
         Where modes are coupled their number is -1: `stability` names them.
         """
-        if not self.coupled_numbers.has_mathieu_modes(kind(like)):
-            loads = Loads.of(mean, amplitude, frequency)
-            growth = CoupledLoads(self.coupled_numbers, kind(like), loads).answers(workers).growth
-            mode = np.where(growth > 0.0, -1, 0)
-            return shaped(growth, loads.shape), shaped(mode, loads.shape)
-        systems = self.modal_systems(mean, amplitude, frequency, like=like)
-        growth, mode = systems.fastest(workers)
-        return shaped(growth, systems.loads.shape), shaped(mode, systems.loads.shape)
+        loads = Loads.of(mean, amplitude, frequency)
+        growth, mode = self.modes_under(like).fastest(loads, workers)
+        return shaped(growth, loads.shape), shaped(mode, loads.shape)
+
+    # --- proofs ---
+
+    def certify(
+        self,
+        mean: Any,
+        amplitude: Any,
+        frequency: Any,
+        *,
+        growth_tolerance: float = HAIRLINE_GROWTH,
+        rod: Mapping[str, Any] | None = None,
+        like: AnyLoad | None = None,
+        max_boxes: int = MAX_BOXES,
+        progress: Progress | None = None,
+    ) -> RegionProof:
+        """Prove every load of a box stable or unstable, on this rod or on every rod within tolerances.
+
+        Interval arithmetic, rounded outwards, over boxes that are halved until they are decided; all modes, those
+        beyond a number by a bound (docs/theory/regions.md).
+
+        Parameters
+        ----------
+        mean : float or (low, high)
+            F_ave in N: a number, or both ends of what it may be.
+        amplitude : float or (low, high)
+            dF in N, 0 or more: a number, or both ends of what it may be.
+        frequency : float or (low, high)
+            omega in rad/s, greater than 0: a number, or both ends of what it may be.
+        growth_tolerance : float
+            Growth rate in 1/s up to which a mode counts as stable.  Without damping no box of positive size can be
+            proved stable with 0: thin tongues are everywhere.
+        rod : mapping, optional
+            Parameters of the rod that vary, by name, each a number or (low, high) in SI units:
+            ``{"length": (3.05, 3.15)}``; diameters may be given in place of radii.
+        like : AxialLoad, optional
+            What everything else of the load is taken from: ``AxialLoad(0, 0, 1, mean_at=None)`` neglects the weight
+            along an inclined rod.
+        max_boxes : int
+            Parts of the box to look at before it is given up.
+        progress : callable, optional
+            Called with the numbers of parts looked at and of those allowed.
+
+        Returns
+        -------
+        RegionProof
+            "stable": under every load of the box, on every rod, no mode grows faster than the tolerance; "unstable":
+            under every one some mode does; "mixed": with a proved example of each; "undecided": with the share of the
+            box that was proved.
+
+        Raises
+        ------
+        ValueError
+            For a box whose ends do not increase, that reaches zero frequency, or that holds what is no rod; for modes
+            that are coupled; for loads that need more than 20,000 modes.
+        TypeError
+            For what is no number.
+
+        Examples
+        --------
+        >>> rod = Rod.nitinol().replace(damping_rate=0.5)
+        >>> rod.certify(mean=(0.56, 0.59), amplitude=(0.32, 0.35), frequency=(149.0, 151.0)).status
+        'stable'
+        """
+        sides = mean, amplitude, frequency
+        return self.modes_under(like).certify(sides, growth_tolerance, rod, max_boxes, progress)
+
+    def largest_safe_box(
+        self,
+        around: AnyLoad,
+        *,
+        vary: Iterable[Quantity] = QUANTITIES,
+        growth_tolerance: float = HAIRLINE_GROWTH,
+        rod: Mapping[str, Any] | None = None,
+        accuracy: float = 0.01,
+        progress: Progress | None = None,
+    ) -> SafeBox:
+        """Return a box of loads about a working point that is proved safe, and cannot be widened on any one side.
+
+        First the widest window of the same relative width in each quantity; then each side alone is moved outwards,
+        in turn, as far as the proof goes.  Forces are searched up to a critical force away, frequencies from half to
+        twice.
+
+        Parameters
+        ----------
+        around : AxialLoad
+            The working point.
+        vary : iterable of "mean", "amplitude", "frequency"
+            Quantities that may vary.
+        growth_tolerance : float
+            Growth rate in 1/s up to which a mode counts as stable.
+        rod : mapping, optional
+            Tolerances of the rod, as in `certify`: the box is safe for every rod within them.
+        accuracy : float
+            How closely sides are found, as a share of the width of the box, 1e-4 to 0.5.
+        progress : callable, optional
+            Called with the numbers of sides moved and of those to move at most.
+
+        Raises
+        ------
+        ValueError
+            Where the load itself is not proved stable, on every rod within the tolerances; and as `certify` does.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> rod = Rod.nitinol().replace(damping_rate=0.5)
+        >>> safe = rod.largest_safe_box(fr.AxialLoad(0.577, 0.339, 150.0), vary=("mean", "frequency"), accuracy=0.1)
+        >>> safe.proof.status
+        'stable'
+        """
+        load = require_load("around", around)
+        return self.modes_under(load).largest_safe_box(load, vary, growth_tolerance, rod, accuracy, progress)

@@ -13,8 +13,9 @@ from floquetrod._util import validate
 from floquetrod._util.interval import PI, Interval
 from floquetrod.floquet.proof.region import Side, side_ends
 from floquetrod.rod import formulas
+from floquetrod.rod.coupling import coupling, refusal
+from floquetrod.rod.data import RodData
 from floquetrod.rod.load import LIMITS, QUANTITIES, Load, Quantity, load_number
-from floquetrod.rod.modal import ModalRod, refusal
 
 """What a box of loads has sides of, in the order of the kernels."""
 
@@ -37,7 +38,7 @@ class RodExample(NamedTuple):
 
     status: str
     load: Load
-    rod: ModalRod
+    rod: RodData
     statement: str
 
 
@@ -47,7 +48,7 @@ class RodBox:
 
     Attributes
     ----------
-    rod : ModalRod
+    rod : RodData
         Gives the parameters that do not vary.
     like : Load
         Gives everything of the loads but their numbers.
@@ -57,22 +58,23 @@ class RodBox:
         Parameters of the rod that were given, in SI units.
     """
 
-    rod: ModalRod
+    rod: RodData
     like: Load
     loads: Mapping[Quantity, Interval]
     parameters: Mapping[str, Interval]
 
     @classmethod
     def of(
-        cls, rod: ModalRod, like: Load, mean: Any, amplitude: Any, frequency: Any, parameters: Mapping[str, Any] | None
+        cls, rod: RodData, like: Load, mean: Any, amplitude: Any, frequency: Any, parameters: Mapping[str, Any] | None
     ) -> RodBox:
         """Return the box that the arguments of `Rod.certify` describe; ValueError and TypeError where they do not."""
         given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
         loads = {name: _load_side(name, value) for name, value in given.items()}
         box = cls(rod, like.with_numbers(0.0, 0.0, 1.0), loads, _rod_sides(rod, parameters))
         for each in box._extreme_rods():
-            if not each.coupled_numbers.has_mathieu_modes(box.like):
-                raise refusal(each, "certify", box.like)
+            coupled_by = coupling(each.end_conditions, each.weight_along, box.like)
+            if coupled_by:
+                raise refusal("certify", coupled_by)
         return box
 
     @property
@@ -112,22 +114,22 @@ class RodBox:
         sizes = ((side.width, max(abs(side.low), abs(side.high))) for side in found)
         return float(sum(width / size for width, size in sizes if size > 0.0))
 
-    def point(self, load: Load, rod: ModalRod) -> RodBox:
+    def point(self, load: Load, rod: RodData) -> RodBox:
         """Return the box of one load on one of the rods."""
         return RodBox(rod, load, {name: Interval.of(getattr(load, name)) for name in QUANTITIES}, {})
 
-    def middle_rod(self) -> ModalRod:
+    def middle_rod(self) -> RodData:
         """Return the rod in the middle of the box."""
         return self.rod.replace(**{name: side.middle for name, side in self.parameters.items()})
 
-    def corner_rods(self) -> Iterator[ModalRod]:
+    def corner_rods(self) -> Iterator[RodData]:
         """Yield the rod in the middle, and those whose varied parameters are all low, or all high."""
         yield self.middle_rod()
         if self.varied_parameters:
             for end in ("low", "high"):
                 yield self.rod.replace(**{name: getattr(side, end) for name, side in self.parameters.items()})
 
-    def _extreme_rods(self) -> Iterator[ModalRod]:
+    def _extreme_rods(self) -> Iterator[RodData]:
         """Yield rods of the box, those most likely to be none: too thick for the channel, or floating."""
         ends = {name: {"low": side.low, "high": side.high} for name, side in self.parameters.items()}
         radii = [name for name in ("radius", "inner_radius") if name in ends]
@@ -143,7 +145,7 @@ def _load_side(name: Quantity, value: Any) -> Interval:
     return Interval(*side_ends(name, value, lambda word, number: load_number(name, number, word)))
 
 
-def _rod_sides(rod: ModalRod, given: Mapping[str, Any] | None) -> dict[str, Interval]:
+def _rod_sides(rod: RodData, given: Mapping[str, Any] | None) -> dict[str, Interval]:
     """Return the sides of a box of rods."""
     if given is None:
         return {}

@@ -17,12 +17,13 @@ from floquetrod._util.content import NoTruthValue
 from floquetrod._util.interval import Interval
 from floquetrod.floquet.proof.region import RegionProof, Side
 from floquetrod.rod.assumptions import warn_unless_uniform
-from floquetrod.rod.load import KINDS, LIMITS, QUANTITIES, AnyLoad, Load, Progress, Quantity, require_load
-from floquetrod.rod.modal import ModalRod
-from floquetrod.rod.ranges import QUANTITIES as NAMES
+from floquetrod.rod.data import RodData
+from floquetrod.rod.intervals import QUANTITIES as NAMES
+from floquetrod.rod.load import KINDS, LIMITS, QUANTITIES, Load, Loads, Progress, Quantity
+from floquetrod.rod.modes import ModalSystems
 from floquetrod.rod.region import is_proved_stable, prove, require_in_reach
 from floquetrod.rod.rod_box import RodBox
-from floquetrod.rod.stability import classify_modes
+from floquetrod.rod.verdict import RodStability
 
 _BOXES = 200  # parts of a box looked at before it counts as not safe, in a search of many (a choice)
 _ROUNDS = 8  # times that every side is moved, at most (a choice: two or three are usual)
@@ -116,16 +117,16 @@ class SafeBox(NoTruthValue):
 
 
 def largest_safe_box(
-    rod: ModalRod,
-    around: AnyLoad,
+    rod: RodData,
+    load: Load,
+    judge: Callable[[float], RodStability],
     vary: Iterable[Quantity],
     growth_tolerance: float,
     parameters: Mapping[str, Any] | None,
     accuracy: float,
     progress: Progress | None,
 ) -> SafeBox:
-    """Return what `Rod.largest_safe_box` does."""
-    load = require_load("around", around)
+    """Return what `Rod.largest_safe_box` does about a load, which ``judge`` gives its verdict with a tolerance."""
     chosen = _chosen(vary)
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     accuracy = validate.within("accuracy", accuracy, 1e-4, 0.5, "it is a share of the width of the box")
@@ -136,7 +137,7 @@ def largest_safe_box(
     proof = prove(box, tolerance)
     if not proof.stable:
         raise ValueError(f"around must be a load that is proved stable, got {load}: {proof!r}")
-    search = _Search(box, tolerance, accuracy, {name: _reach(rod, load, name, tolerance) for name in chosen}, progress)
+    search = _Search(box, tolerance, accuracy, {name: _reach(rod, judge(tolerance), name) for name in chosen}, progress)
     found = search.widest()
     ranges = tuple(
         SafeRange(name, found.loads[name].low, getattr(load, name), found.loads[name].high, LIMITS[name].unit)
@@ -153,14 +154,13 @@ def _chosen(vary: Iterable[Quantity]) -> tuple[Quantity, ...]:
     return tuple(name for name in QUANTITIES if name in given)
 
 
-def _reach(rod: ModalRod, load: Load, name: Quantity, tolerance: float) -> Interval:
+def _reach(rod: RodData, verdict: RodStability, name: Quantity) -> Interval:
     """Return how far one quantity may go alone on this rod: what is safe with others varying, too, lies within."""
-    value = getattr(load, name)
+    value = getattr(verdict.load, name)
     if name == "frequency":
         low, high = 0.5 * value, 2.0 * value
     else:
         low, high = value - rod.critical_force, value + rod.critical_force
-    verdict = classify_modes(rod, rod.independent_modes(load), tolerance)
     if verdict.stable:  # else the load lies in a hairline that only the proof resolves
         below, above = verdict.margin(name).searched
         low, high = max(low, value - below), min(high, value + above)
@@ -178,7 +178,7 @@ class _Search:
     progress: Progress | None
 
     @cached_property
-    def rods(self) -> tuple[ModalRod, ...]:
+    def rods(self) -> tuple[RodData, ...]:
         """The rod in the middle of the box, and those in some of its corners."""
         names = self.point.varied_parameters
         corners = islice(product(("low", "high"), repeat=len(names)), _CORNERS if names else 0)
@@ -249,7 +249,7 @@ class _Search:
         fixed = [side[:1] if side[0] == side[-1] else side for side in sides]
         loads = np.meshgrid(*fixed, indexing="ij")
         for rod in self.rods:
-            if not rod.modal_systems(*loads, like=box.like).are_stable(self.tolerance, 1).all():
+            if not ModalSystems(rod.mode_constants, Loads.of(*loads)).are_stable(self.tolerance, 1).all():
                 return False
         return is_proved_stable(box, self.tolerance, _BOXES)
 

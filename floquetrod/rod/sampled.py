@@ -21,8 +21,8 @@ from numpy.typing import NDArray
 from floquetrod._util.roots import bisected
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.result import Resonance
-from floquetrod.rod.coupled import CoupledModes
 from floquetrod.rod.load import Load, Loads, Progress, Quantity
+from floquetrod.rod.mode_systems import ModeSystems
 from floquetrod.systems.arrays import verdicts
 
 Floats = NDArray[np.float64]
@@ -53,7 +53,7 @@ class UnstablePart:
 
 def unstable_parts(
     varied: Quantity,
-    modes: CoupledModes,
+    modes: ModeSystems,
     load: Load,
     bounds: tuple[float, float],
     tolerance: float,
@@ -94,7 +94,7 @@ class Change(NamedTuple):
 
 def first_change(
     varied: Quantity,
-    modes: CoupledModes,
+    modes: ModeSystems,
     load: Load,
     piece: tuple[float, float],
     tolerance: float,
@@ -131,7 +131,7 @@ class _Search(NamedTuple):
     """What is asked along one quantity of a load: where coupled modes grow faster than a tolerance."""
 
     varied: Quantity
-    modes: CoupledModes
+    modes: ModeSystems
     load: Load
     tolerance: float
 
@@ -154,7 +154,7 @@ class _Search(NamedTuple):
 
         These few modes are asked at the places ``closer`` and about their extrema.
         """
-        level = self.modes.numbers.constants.damping_rate + self.tolerance
+        level = self.modes.damping_rate + self.tolerance
         at, growth = _with_extrema(self._growth_of_few, closer, self._growth_of_few(closer), level)
         grows = growth > level
         ends = np.flatnonzero(np.diff(grows)) + 1
@@ -216,7 +216,7 @@ class _Search(NamedTuple):
         def projected(matrix: Floats) -> Floats:
             return np.asarray(shapes.swapaxes(1, 2) @ matrix @ shapes)
 
-        rate = self.modes.numbers.constants.damping_rate
+        rate = self.modes.damping_rate
         return HillSystem(
             projected(every.stiffness),
             [projected(part) for part in every.cosines],
@@ -251,7 +251,7 @@ def _with_extrema(
     return places, found
 
 
-def _cause(varied: Quantity, modes: CoupledModes, load: Load, at: float) -> Resonance | Literal["unnamed"]:
+def _cause(varied: Quantity, modes: ModeSystems, load: Load, at: float) -> Resonance | Literal["unnamed"]:
     """Return the fastest resonance at a place, "unnamed" where there is no name for it."""
     named = modes.resonances(load.varied(varied, at))
     return named[0] if named else "unnamed"

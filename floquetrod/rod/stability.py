@@ -1,47 +1,42 @@
-"""The verdict on a rod: modes, rates, the damping that would stabilise it, and its margins."""
+"""The verdict on a rod whose modes are independent: that on each mode, and what follows from them."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.caching import cached_property
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.references import references, united
+from floquetrod.floquet.references import united
+from floquetrod.floquet.systems.result import Resonance
 from floquetrod.floquet.verdict import Cost, Stability, Status, tolerated
 from floquetrod.rod.assumptions import assumptions
+from floquetrod.rod.data import RodData
 from floquetrod.rod.load import Load, Quantity
-from floquetrod.rod.modal import ModalRod
 from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.tongues import gaps, unstable_loads
-from floquetrod.rod.verdict import Edge, RodVerdict
+from floquetrod.rod.verdict import Edge, Evidence, RodStability
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
-class RodStability(RodVerdict):
-    """Verdict on a rod under a load, in 1/s and s.
+@dataclass(frozen=True)
+class ModeVerdicts(Evidence):
+    """Independent modes, each with its own verdict.
 
     Attributes
     ----------
-    rod : Rod
     system : ModalSystem
-        The equations of its modes under the load; ``load``, ``modes`` and ``mode_equations`` are taken from it.
+        The equations of the modes under the load; ``load``, ``modes`` and ``mode_equations`` are taken from it.
     mode_verdicts : tuple of Stability
         Verdict on each of them.
     mode_growth_rates : ndarray
         Growth rate of each mode in 1/s.
-    growth_tolerance : float
-        Growth in 1/s up to which a mode counts as stable.
-    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
-        As in every `Verdict`.  Stable when no mode grows faster than the tolerance; the growth rate is that of the
-        fastest mode, within the tolerance or not; the exponents are those of all modes; ``error`` is the largest of a
-        mode's discriminant.
     """
+
+    kind: ClassVar[str] = "independent modes"
 
     system: ModalSystem
     mode_verdicts: tuple[Stability, ...]
@@ -49,8 +44,8 @@ class RodStability(RodVerdict):
 
     @property
     def references(self) -> tuple[str, ...]:
-        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
-        return united(references(("rod", "model")), *(verdict.references for verdict in self.mode_verdicts))
+        """What to cite for the methods used."""
+        return united(*(verdict.references for verdict in self.mode_verdicts))
 
     @property
     def load(self) -> Load:
@@ -78,53 +73,56 @@ class RodStability(RodVerdict):
         return self.system.cutoff
 
     @property
-    def modes_checked(self) -> int:
-        """Number of modes looked at; `cutoff` says why that many."""
-        return len(self.modes)
+    def resonances(self) -> tuple[Resonance, ...]:
+        """What grows, the fastest first: each mode by itself, the order that of its tongue."""
+        found = []
+        for i in np.argsort(-self.mode_growth_rates, kind="stable").tolist():
+            verdict = self.mode_verdicts[i]
+            if verdict.status == "unstable":
+                order = _order(verdict, self.mode_equations[i])
+                kind: Literal["direct", "buckling"] = "direct" if order else "buckling"
+                found.append(Resonance(kind, (self.modes[i],), order, float(self.mode_growth_rates[i])))
+        return tuple(found)
 
-    @property
-    def unstable_modes(self) -> tuple[int, ...]:
-        """Modes that grow faster than the tolerance."""
+    def unstable_modes(self, verdict: RodStability) -> tuple[int, ...]:
+        """Return the modes that grow faster than the tolerance, drifting ones too where that is zero."""
         found = zip(self.modes, self.mode_verdicts, self.mode_growth_rates, strict=True)
-        return tuple(m for m, v, rate in found if v.status == "unstable" and not tolerated(rate, self.growth_tolerance))
+        tolerance = verdict.growth_tolerance
+        return tuple(m for m, v, rate in found if v.status == "unstable" and not tolerated(rate, tolerance))
 
-    @property
-    def fastest_mode(self) -> int | None:
-        """Mode that grows fastest, None when none grows."""
-        return self.modes[int(self.mode_growth_rates.argmax())] if self.growth_rate > 0.0 else None
+    def fastest_mode(self, verdict: RodStability) -> int | None:
+        """Return the mode that grows fastest, None when none grows."""
+        return self.modes[int(self.mode_growth_rates.argmax())] if verdict.growth_rate > 0.0 else None
 
-    @cached_property
-    def damping_to_stabilise(self) -> float:
-        """Smallest damping rate in 1/s from which every larger one keeps all modes from growing.
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing.
 
-        The rate meant is the rod's whole ``damping_rate``, whatever it is now, so all modes that matter without damping
-        are looked at, or those the caller chose.  Infinite when the mean force alone buckles a mode: damping only slows
-        that down.
+        All modes that matter without damping are looked at, or those the caller chose.
         """
-        undamped = self.rod.replace(damping_rate=0.0)
+        undamped = verdict.rod.replace(damping_rate=0.0)
         return replace(self.system, modes=self._modes_for(undamped, self.load, 0.0)).damping_to_stabilise
 
-    def _modes_for(self, rod: ModalRod, load: Load, growth_tolerance: float) -> tuple[int, ...]:
+    def _modes_for(self, rod: RodData, load: Load, growth_tolerance: float) -> tuple[int, ...]:
         """Return the modes that matter for another rod or load; those the caller chose stay as they are."""
         if math.isinf(self.left_out_bound):
             return self.modes
-        last, _ = rod.modes_needed(load, growth_tolerance)
+        last, _ = rod.mode_constants.modes_needed(load, growth_tolerance)
         return tuple(range(1, max(last, self.modes[-1]) + 1))
 
-    def _edge(self, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
+    def edge(self, verdict: RodStability, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, which takes milliseconds."""
         low, high = sorted(piece)
-        tolerance = self.margin_tolerance
-        modes = self._modes_for(self.rod, self.load.varied(varied, high), tolerance)
-        start = piece[0] if self.stable else None  # nothing beyond the first unstable part matters
+        tolerance = verdict.margin_tolerance
+        modes = self._modes_for(verdict.rod, self.load.varied(varied, high), tolerance)
+        start = piece[0] if verdict.stable else None  # nothing beyond the first unstable part matters
         system = replace(self.system, modes=modes)
         found = unstable_loads(varied, system, tolerance, (low, high), union=True, nearest=start)
         stable = gaps(found.intervals, (low, high))
         if not stable:
-            at = piece[0] if self.stable else None
+            at = piece[0] if verdict.stable else None
         else:
             near, far = stable[0] if piece[0] == low else stable[-1][::-1]
-            if not self.stable:
+            if not verdict.stable:
                 at = near
             elif near != piece[0]:
                 at = piece[0]
@@ -133,7 +131,7 @@ class RodStability(RodVerdict):
         return Edge(at, piece[1] if at is None else at, found.resolution)
 
 
-def classify_modes(rod: ModalRod, system: ModalSystem, growth_tolerance: float) -> RodStability:
+def classify_modes(rod: RodData, system: ModalSystem, growth_tolerance: float) -> RodStability:
     """Classify every mode and put the verdicts together."""
     verdicts = tuple(stability(equation) for equation in system.equations)
     rates = np.array([verdict.growth_rate for verdict in verdicts]) * system.frequency
@@ -146,9 +144,7 @@ def classify_modes(rod: ModalRod, system: ModalSystem, growth_tolerance: float) 
     units = {verdict.cost.unit for verdict in verdicts}
     return RodStability(
         rod=rod,
-        system=system,
-        mode_verdicts=verdicts,
-        mode_growth_rates=rates,
+        evidence=ModeVerdicts(system, verdicts, rates),
         growth_tolerance=growth_tolerance,
         status=status,
         growth_rate=float(rates.max()),
@@ -161,6 +157,8 @@ def classify_modes(rod: ModalRod, system: ModalSystem, growth_tolerance: float) 
     )
 
 
-def growth_of_modes(rod: ModalRod, load: Load, modes: Iterable[int]) -> NDArray[np.float64]:
-    """Return the growth rates in 1/s of modes that are independent."""
-    return classify_modes(rod, rod.independent_modes(load, modes), 0.0).mode_growth_rates
+def _order(verdict: Stability, equation: Mathieu) -> int:
+    """Return the order of the resonance that a mode is in, 0 for buckling: its tongue, or the nearest where unknown."""
+    if verdict.interval is not None:
+        return verdict.interval.order
+    return max(1, round(2.0 * math.sqrt(-equation.beta))) if equation.beta < 0.0 else 0

@@ -15,8 +15,7 @@ from floquetrod._util.content import NoTruthValue
 from floquetrod.rod.assumptions import assumptions
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.distributions import Sampling, distributions
-from floquetrod.rod.load import LIMITS, AnyLoad, Progress, require_load
-from floquetrod.rod.modal import refusal
+from floquetrod.rod.load import AnyLoad, Progress, require_load
 from floquetrod.rod.rod import Rod
 
 Floats = NDArray[np.float64]
@@ -223,10 +222,7 @@ def probability_of_instability(
     workers = validate.workers(workers)
     validate.progress(progress)
     sampling = Sampling(rod, load, distributions(parameters), tolerance, workers)
-    if sampling.are_coupled:
-        for name in parameters:
-            if name not in LIMITS:
-                raise refusal(sampling.example, f"{name} in parameters", load)
+    sampling.model.require_varied(parameters)
 
     from scipy.stats import binomtest
 

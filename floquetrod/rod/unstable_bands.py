@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import mathieu
-from floquetrod.floquet.systems.result import Resonance
 from floquetrod.mathieu.tongues import damping_to_stabilise
-from floquetrod.rod.coupled import CoupledLoads
-from floquetrod.rod.coupled_stability import classify_coupled
-from floquetrod.rod.load import Load, Loads, Progress, Quantity
-from floquetrod.rod.modal import ModalRod
+from floquetrod.rod.data import RodData
+from floquetrod.rod.intervals import Named, Search, UnstableBand
+from floquetrod.rod.load import Loads, Progress
+from floquetrod.rod.mode_model import ModeModel
 from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.tongues import tongues_within
 
@@ -24,79 +23,33 @@ Ints = NDArray[np.int64]
 Values: TypeAlias = Callable[[Floats, Ints], Floats]
 """Values at places, one for each, in the intervals with the numbers given."""
 
-Named: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"]
-"""What grows: (mode, tongue), a resonance of coupled modes, or "unnamed" where that could not be told."""
-
 _SAMPLES = 17  # loads at which growth and damping are evaluated in each tongue of a band (a choice)
 _OF_OTHERS = 3  # at which the damping is, in each band, that modes which do not grow there require (a choice)
 _CLOSER = 9  # places in each step of a refinement: the interval then shrinks to a quarter (a choice)
 _STEPS, _FEWER_STEPS = 6, 3  # of a refinement: to 4^-6 of the distance of samples, or to 4^-3
 
 
-class UnstableBand(NamedTuple):
-    """A range of one quantity of the load, in N or rad/s, in which some mode grows, or may grow where undecided.
-
-    Attributes
-    ----------
-    low, high : float
-        Its ends: those of stability intervals, or of the search.
-    worst_growth : float
-        Largest growth rate in it, in 1/s; zero where none is seen to grow.
-    at : float
-        Where that is.
-    cause : (int, int), Resonance or "unnamed"
-        What grows there: (mode, tongue), where modes are coupled a resonance.
-    required_damping : float
-        The rod's total damping rate in 1/s above which every rate stabilises all of the band, infinite where
-        none does.  Where modes are coupled, that of the load ``at`` which growth is worst.
-    """
-
-    low: float
-    high: float
-    worst_growth: float
-    at: float
-    cause: Named
-    required_damping: float
-
-
 @dataclass(frozen=True)
-class Searched:
-    """What a search of stability intervals went through: one quantity of a load on a rod.
+class SearchedTongues:
+    """The tongues of independent modes along one quantity of a load.
 
     Attributes
     ----------
-    rod : ModalRod
-    varied : Quantity
-    load : Load
-        With the largest value of what is varied.
-    growth_tolerance : float
-        In 1/s.
+    rod : RodData
+    search : Search
     modes : int
         Modes looked at, 1 to this.
     """
 
-    rod: ModalRod
-    varied: Quantity
-    load: Load
-    growth_tolerance: float
+    rod: RodData
+    search: Search
     modes: int
 
-    @property
-    def has_coupled_modes(self) -> bool:
-        """Whether modes do not obey an equation of Mathieu's each."""
-        return not self.rod.coupled_numbers.has_mathieu_modes(self.load)
-
-    def unstable_bands(
-        self, bands: Sequence[tuple[float, float]], progress: Progress | None = None
-    ) -> tuple[UnstableBand, ...]:
+    def unstable_bands(self, bands: Sequence[tuple[float, float]]) -> tuple[UnstableBand, ...]:
         """Return what grows between the ends of bands, in increasing order, in which nothing is stable."""
-        if not bands:
-            return ()
-        return self._coupled(bands, progress) if self.has_coupled_modes else self._independent(bands)
-
-    def _independent(self, bands: Sequence[tuple[float, float]]) -> tuple[UnstableBand, ...]:
-        system = ModalSystem(self.rod.mode_constants, self.load, tuple(range(1, self.modes + 1)))
-        parts = tongues_within(self.varied, system, self.growth_tolerance, bands).intervals
+        varied, load, _, tolerance = self.search
+        system = ModalSystem(self.rod.mode_constants, load, tuple(range(1, self.modes + 1)))
+        parts = tongues_within(varied, system, tolerance, bands).intervals
         low, high = (np.array([part[side] for part in parts]) for side in (0, 1))
         mode = np.array([part.mode for part in parts], dtype=np.int64)
         found = _peaks(lambda x, i: self._growth(mode[i], x), low, high, _SAMPLES, _STEPS)
@@ -121,7 +74,7 @@ class Searched:
         found = _peaks(lambda x, i: self._damping(mode[i], x), low, high, _SAMPLES, 0)
         known = np.zeros(len(bands))
         np.maximum.at(known, band, found.value)
-        last, _ = self.rod.replace(damping_rate=0.0).modes_needed(self.load, 0.0)
+        last, _ = self.rod.replace(damping_rate=0.0).mode_constants.modes_needed(self.search.load, 0.0)
         other, index = np.divmod(np.arange(len(bands) * last), last)
         first, after = (np.array([ends[side] for ends in bands])[other] for side in (0, 1))
         # What asks for less damping than is known by now need not be known.
@@ -137,7 +90,7 @@ class Searched:
 
     def _coefficients(self, mode: Ints, values: Floats) -> tuple[Floats, Floats, Floats]:
         """Return alpha, beta and the frequency of modes, each at its own load."""
-        systems = ModalSystems(self.rod.mode_constants, Loads.along(self.load, self.varied, values))
+        systems = ModalSystems(self.rod.mode_constants, Loads.along(self.search.load, self.search.varied, values))
         return *systems.coefficients(mode), systems.loads.frequency
 
     def _growth(self, mode: Ints, values: Floats) -> Floats:
@@ -150,26 +103,29 @@ class Searched:
         alpha, beta, frequency = self._coefficients(mode, values)
         return np.asarray(damping_to_stabilise(alpha, beta, least / frequency) * frequency)
 
-    def _coupled(self, bands: Sequence[tuple[float, float]], progress: Progress | None) -> tuple[UnstableBand, ...]:
-        numbers = self.rod.coupled_numbers
 
-        def growth(values: Floats, _: Ints) -> Floats:
-            loads = Loads.along(self.load, self.varied, values)
-            rate = CoupledLoads(numbers, self.load, loads, self.growth_tolerance).answers(quick=True).growth
-            return np.asarray(np.where(np.isnan(rate), 0.0, rate))
+def sampled_bands(
+    model: ModeModel, search: Search, bands: Sequence[tuple[float, float]], progress: Progress | None
+) -> tuple[UnstableBand, ...]:
+    """Return what grows in bands where it is not known which modes do: sampled, each cause that of the worst load."""
+    varied, like, _, tolerance = search
 
-        low, high = (np.array([ends[side] for ends in bands]) for side in (0, 1))
-        found = _peaks(growth, low, high, _SAMPLES, _FEWER_STEPS)
-        rows = []
-        for ends, at, rate in zip(bands, found.at.tolist(), found.value.tolist(), strict=True):
-            load = self.load.varied(self.varied, at)
-            count = numbers.modes_needed(Loads.single(load), load, self.growth_tolerance)
-            worst = classify_coupled(self.rod, load, count, self.growth_tolerance)
-            cause: Named = worst.resonances[0] if worst.resonances else "unnamed"
-            rows.append(UnstableBand(*ends, rate, at, cause, worst.damping_to_stabilise))
-            if progress is not None:
-                progress(len(rows), len(bands))
-        return tuple(rows)
+    def growth(values: Floats, _: Ints) -> Floats:
+        rate = model.growth_estimate(Loads.along(like, varied, values), tolerance)
+        return np.asarray(np.where(np.isnan(rate), 0.0, rate))
+
+    low, high = (np.array([ends[side] for ends in bands]) for side in (0, 1))
+    found = _peaks(growth, low, high, _SAMPLES, _FEWER_STEPS)
+    rows = []
+    for ends, at, rate in zip(bands, found.at.tolist(), found.value.tolist(), strict=True):
+        load = like.varied(varied, at)
+        count = model.count_for(Loads.single(load), tolerance)
+        worst = model.verdict(load, range(1, count + 1), tolerance)
+        cause: Named = worst.resonances[0] if worst.resonances else "unnamed"
+        rows.append(UnstableBand(*ends, rate, at, cause, worst.damping_to_stabilise))
+        if progress is not None:
+            progress(len(rows), len(bands))
+    return tuple(rows)
 
 
 class _Peaks(NamedTuple):

@@ -1,20 +1,36 @@
-"""What every verdict on a rod has: the load, the modes that grow, and how far the load is from a change."""
+"""The verdict on a rod, whatever couples its modes: what grows, how fast, and how far the load is from a change."""
 
 from __future__ import annotations
 
 import math
-from abc import abstractmethod
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
-from floquetrod.floquet.verdict import Verdict
+from floquetrod.equations import HillSystem, Mathieu
+from floquetrod.floquet.references import references, united
+from floquetrod.floquet.systems.result import Resonance, SystemStability
+from floquetrod.floquet.verdict import Stability, Verdict
+from floquetrod.rod.axial import AxialResponse
 from floquetrod.rod.constants import HAIRLINE_GROWTH
+from floquetrod.rod.data import RodData
 from floquetrod.rod.load import Load, Progress, Quantity
-from floquetrod.rod.modal import ModalRod
+from floquetrod.rod.modes import ModalSystem
+
+if TYPE_CHECKING:
+    from floquetrod.rod.mode_systems import ModeSystems
+
+Floats = NDArray[np.float64]
+
+_TOLD_OF_ONE = ("mode_verdicts", "mode_growth_rates", "mode_equations", "whole", "convergence", "shape", "system")
+"""What is told of one kind of modes alone."""
 
 _SPANS = (1 / 32, 1 / 8, 0.5, 2.0, 8.0)
 """Reaches of the search for a margin: in critical forces, or as the factor less one by which a frequency changes."""
@@ -70,6 +86,24 @@ class Margin(_Distances):
         return min(self)
 
 
+class Shape(NamedTuple):
+    """The fastest growing solution along the rod, freed of its growth; its largest deflection is 1.
+
+    Attributes
+    ----------
+    s : ndarray
+        Position in m from the upper end.
+    deflection : ndarray
+        At the instant of largest deflection.
+    envelope : ndarray
+        Largest deflection over a period, at each position.
+    """
+
+    s: NDArray[np.float64]
+    deflection: NDArray[np.float64]
+    envelope: NDArray[np.float64]
+
+
 class Edge(NamedTuple):
     """Where the verdict changes on a way, None where it does not, up to where was searched, and how finely."""
 
@@ -78,22 +112,14 @@ class Edge(NamedTuple):
     resolution: float
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
-class RodVerdict(Verdict):
-    """Verdict on a rod under a load, in 1/s and s, whatever couples its modes.
+class Evidence(ABC):
+    """What a verdict rests on: the equations of the modes under the load, and what was found of them.
 
-    Attributes
-    ----------
-    rod : Rod
-    growth_tolerance : float
-        Growth in 1/s up to which a mode counts as stable.
-    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
-        As in every `Verdict`.  Stable when nothing grows faster than the tolerance; the growth rate is that of the
-        fastest solution, within the tolerance or not.
+    Every model of the modes has its own; a verdict asks it for what depends on the equations.
     """
 
-    rod: ModalRod
-    growth_tolerance: float
+    kind: ClassVar[str]
+    """Of which modes it is, in words."""
 
     @property
     @abstractmethod
@@ -102,13 +128,8 @@ class RodVerdict(Verdict):
 
     @property
     @abstractmethod
-    def references(self) -> tuple[str, ...]:
-        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
-
-    @property
-    @abstractmethod
-    def modes_checked(self) -> int:
-        """Number of modes looked at; `cutoff` says why that many."""
+    def modes(self) -> tuple[int, ...]:
+        """Modes looked at."""
 
     @property
     @abstractmethod
@@ -117,18 +138,196 @@ class RodVerdict(Verdict):
 
     @property
     @abstractmethod
+    def references(self) -> tuple[str, ...]:
+        """What to cite for the methods used."""
+
+    @property
+    @abstractmethod
+    def resonances(self) -> tuple[Resonance, ...]:
+        """What grows, the fastest first."""
+
+    def unstable_modes(self, verdict: RodStability) -> tuple[int, ...]:
+        """Return the modes that take part in what grows faster than the tolerance."""
+        if verdict.status != "unstable":
+            return ()
+        growing = [r for r in self.resonances if r.growth_rate > verdict.growth_tolerance]
+        return tuple(sorted({mode for resonance in growing for mode in resonance.modes}))
+
+    def fastest_mode(self, verdict: RodStability) -> int | None:
+        """Return the mode that grows fastest, the lower one of a combination; None when none grows, or is named."""
+        return min(self.resonances[0].modes) if self.resonances and verdict.growth_rate > 0.0 else None
+
+    @abstractmethod
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing."""
+
+    @abstractmethod
+    def edge(self, verdict: RodStability, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
+
+    def sentence(self, verdict: RodStability) -> str:
+        """Return status, growth and the modes that grow."""
+        if verdict.status == "stable":
+            slow = f", growth {verdict.growth_rate:.3g} 1/s within the tolerance" if verdict.growth_rate > 0.0 else ""
+            return f"stable{slow}"
+        if verdict.status == "undecided":
+            return "undecided"
+        names = ", ".join(map(str, verdict.unstable_modes))
+        some = f"modes {names} grow" if len(verdict.unstable_modes) > 1 else f"mode {names} grows"
+        return (
+            f"unstable: {some}; mode {verdict.fastest_mode} at {verdict.growth_rate:.6g} 1/s, tenfold in "
+            f"{verdict.time_to_grow():.3g} s"
+        )
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class RodStability(Verdict):
+    """Verdict on a rod under a load, in 1/s and s.
+
+    Attributes
+    ----------
+    rod : Rod
+    growth_tolerance : float
+        Growth in 1/s up to which a mode counts as stable.
+    evidence : Evidence
+        What the verdict rests on.
+    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
+        As in every `Verdict`.  Stable when nothing grows faster than the tolerance; the growth rate is that of the
+        fastest solution, within the tolerance or not; the exponents are those of all modes.  Where modes are
+        independent ``error`` is the largest of a mode's discriminant; where they are coupled that of the growth rate in
+        1/s, of the multipliers and, estimated, of the modes left out.
+
+    Modes are numbered as those of the rod without axial force, which have the same ends.  What is told of one kind of
+    modes alone, such as `mode_verdicts` or `shape`, raises an AttributeError that says so for the other.
+    """
+
+    rod: RodData
+    growth_tolerance: float
+    evidence: Evidence
+
+    @property
+    def load(self) -> Load:
+        """The load."""
+        return self.evidence.load
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        return united(references(("rod", "model")), self.evidence.references)
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Modes looked at."""
+        return self.evidence.modes
+
+    @property
+    def modes_checked(self) -> int:
+        """Number of modes looked at; `cutoff` says why that many."""
+        return len(self.modes)
+
+    @property
+    def cutoff(self) -> str:
+        """Why these modes and no others."""
+        return self.evidence.cutoff
+
+    @property
+    def resonances(self) -> tuple[Resonance, ...]:
+        """What grows, the fastest first: "direct resonance of mode 7, order 1", or a combination of two modes.
+
+        Where modes are coupled it is named by a heuristic, see `SystemStability`.
+        """
+        return self.evidence.resonances
+
+    @property
     def unstable_modes(self) -> tuple[int, ...]:
-        """Modes that grow faster than the tolerance."""
+        """Modes that grow, or take part in what grows, faster than the tolerance."""
+        return self.evidence.unstable_modes(self)
 
     @property
-    @abstractmethod
     def fastest_mode(self) -> int | None:
-        """Mode that grows fastest, None when none grows."""
+        """Mode that grows fastest, the lower one of a combination; None when none grows or none could be named."""
+        return self.evidence.fastest_mode(self)
+
+    @cached_property
+    def damping_to_stabilise(self) -> float:
+        """Smallest damping rate in 1/s from which every larger one keeps all modes from growing.
+
+        The rate meant is the rod's whole ``damping_rate``, whatever it is now.  Infinite when the mean force alone
+        buckles the rod: damping only slows that down.  Where modes are coupled it is that from which this load no
+        longer makes the rod grow faster than the tolerance, found to ten digits and tried at two, four and eight times
+        as much.
+        """
+        return self.evidence.damping_to_stabilise(self)
+
+    # --- told of one kind of modes alone ---
 
     @property
-    @abstractmethod
-    def damping_to_stabilise(self) -> float:
-        """Smallest damping rate in 1/s from which every larger one keeps all modes from growing."""
+    def system(self) -> ModalSystem | HillSystem:
+        """The equations: of independent modes a `ModalSystem`, of coupled ones a `HillSystem` in seconds."""
+        found: ModalSystem | HillSystem = self._told("system")
+        return found
+
+    @property
+    def mode_equations(self) -> tuple[Mathieu, ...]:
+        """Equation of each independent mode, in the time tau = omega t."""
+        return tuple(self._told("mode_equations"))
+
+    @property
+    def mode_verdicts(self) -> tuple[Stability, ...]:
+        """Verdict on each independent mode."""
+        return tuple(self._told("mode_verdicts"))
+
+    @property
+    def mode_growth_rates(self) -> Floats:
+        """Growth rate of each independent mode in 1/s."""
+        return np.asarray(self._told("mode_growth_rates"))
+
+    @property
+    def left_out_bound(self) -> float:
+        """Bound in 1/s on the growth of every mode but these, infinite where the modes were chosen by the caller."""
+        return float(self._told("left_out_bound"))
+
+    @property
+    def coupled(self) -> ModeSystems:
+        """The coordinates in which the motion of coupled modes is written, and their kind of load."""
+        found: ModeSystems = self._told("coupled")
+        return found
+
+    @property
+    def whole(self) -> SystemStability:
+        """Verdict on the system of coupled modes."""
+        found: SystemStability = self._told("whole")
+        return found
+
+    @property
+    def convergence(self) -> tuple[tuple[int, float], ...]:
+        """Numbers of coupled modes and the growth rate in 1/s with each; the last one is the answer."""
+        return tuple(self._told("convergence"))
+
+    @property
+    def shape(self) -> Shape:
+        """Where along the rod the fastest solution of coupled modes moves most, growing or not."""
+        found: Shape = self._told("shape")
+        return found
+
+    @property
+    def axial(self) -> AxialResponse:
+        """How large the vibration becomes along the rod, where, and the nearest axial resonances."""
+        return self.rod.axial_response(self.load)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the `shape` along the rod; return the axes."""
+        from floquetrod.plotting.rod import draw_shape
+
+        return draw_shape(self, ax)
+
+    def _told(self, name: str) -> Any:
+        """Return what the evidence tells by a name; AttributeError where it does not."""
+        known = dir(self.evidence)
+        if name in known:
+            return getattr(self.evidence, name)
+        told = ", ".join(each for each in _TOLD_OF_ONE if each in known)
+        raise AttributeError(f"{name} is not told of {self.evidence.kind}, which this verdict is on; look at {told}")
 
     def time_to_grow(self, factor: float = 10.0) -> float:
         """Return the time in s in which the fastest mode grows by ``factor``, infinite when none grows."""
@@ -219,27 +418,13 @@ class RodVerdict(Verdict):
         """Return what is found on a way after its next piece, which may be empty."""
         if piece[0] == piece[1]:
             return found
-        edge = self._edge(varied, piece, seconds)
+        edge = self.evidence.edge(self, varied, piece, seconds)
         return edge._replace(resolution=max(found.resolution, edge.resolution))
-
-    @abstractmethod
-    def _edge(self, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
-        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
-
-    def _sentence(self) -> str:
-        """Return status, growth and the modes that grow."""
-        if self.status == "stable":
-            slow = f", growth {self.growth_rate:.3g} 1/s within the tolerance" if self.growth_rate > 0.0 else ""
-            return f"stable{slow}"
-        if self.status == "undecided":
-            return "undecided"
-        names = ", ".join(map(str, self.unstable_modes))
-        some = f"modes {names} grow" if len(self.unstable_modes) > 1 else f"mode {names} grows"
-        return (
-            f"unstable: {some}; mode {self.fastest_mode} at {self.growth_rate:.6g} 1/s, tenfold in "
-            f"{self.time_to_grow():.3g} s"
-        )
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""
-        return f"<{self._sentence()}; {self.cutoff}>"
+        return f"<{self.evidence.sentence(self)}; {self.cutoff}>"
+
+
+CoupledRodStability = RodStability
+"""Another name of it, until version 0.2: verdicts on coupled modes had a class of their own."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.rod.load import Load
-from floquetrod.rod.modal import ModalRod
+from floquetrod.rod.rod import Rod
 from floquetrod.simulation.model_error import model_errors
 from floquetrod.simulation.result import RecordedMotion
 from floquetrod.simulation.start import SEGMENTS_TO_SEE
@@ -64,7 +64,7 @@ class GrowthFit(NamedTuple):
 
 def growth_of_motion(
     motion: RecordedMotion,
-    rod: ModalRod,
+    rod: Rod,
     load: Load,
     mode: int | None,
     duration: float,
@@ -87,12 +87,13 @@ def growth_of_motion(
     sizes = motion.largest_angle
     longest = _frames_up_to(_LINEAR_UP_TO[-1], sizes)
     nodes = motion.positions.shape[1]
-    if mode is None and rod.coupled_numbers.are_modes_apart(load):
+    apart = rod.modes_under(load).told_apart(range(1, (nodes - 1) // SEGMENTS_TO_SEE + 1)) if mode is None else ()
+    if apart:
         last_quarter = slice(longest - math.ceil(longest / 4), longest)
-        amplitudes = motion.mode_amplitudes(range(1, (nodes - 1) // SEGMENTS_TO_SEE + 1))[last_quarter]
+        amplitudes = motion.mode_amplitudes(apart)[last_quarter]
         power = np.sum(amplitudes**2, axis=0)
-        seen = 1 + np.flatnonzero(power >= _SEEN**2 * power.max())
-        every = [growth_of_motion(motion, rod, load, int(m), duration, frames, indentation) for m in seen]
+        seen = np.flatnonzero(power >= _SEEN**2 * power.max())
+        every = [growth_of_motion(motion, rod, load, apart[m], duration, frames, indentation) for m in seen]
         return max(every, key=lambda fit: fit.rate)
     segment = rod.length / (nodes - 1)
     if mode is None:

@@ -5,12 +5,9 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from floquetrod.equations import HillSystem
-from floquetrod.floquet.dispatch import stability
 from floquetrod.rod.assumptions import UNIFORM_UP_TO
-from floquetrod.rod.coupled import CoupledModes, RodNumbers
-from floquetrod.rod.load import AxialLoad, Load, Loads, with_waves
-from floquetrod.rod.modal import ModalRod
+from floquetrod.rod.load import AxialLoad, Load, with_waves
+from floquetrod.rod.rod import Rod
 
 _MORE = 1.25  # of the effect of segments, for what one wavenumber leaves out (a choice)
 _AT_THE_ENDS = 4.0  # times more where an end is clamped or free, and shapes change fast (measured: up to 3.5)
@@ -44,7 +41,7 @@ class ModelErrors(NamedTuple):
 
 
 def model_errors(
-    rod: ModalRod, load: Load, mode: int | None, wavenumber: float, segment: float, indentation: float, rate: float
+    rod: Rod, load: Load, mode: int | None, wavenumber: float, segment: float, indentation: float, rate: float
 ) -> ModelErrors:
     """Return the changes for motion of a wavenumber in 1/m, in a mode that is independent or, with None, in all modes.
 
@@ -58,17 +55,11 @@ def model_errors(
     if isinstance(load, AxialLoad) and rod.wave_ratio(load) > UNIFORM_UP_TO:
         # What an AxialLoad does to a rod of this length.
         load = with_waves(load)
-    numbers = rod.coupled_numbers
-    alone = mode if numbers.are_modes_apart(load) else None
-    count = alone or numbers.modes_needed(Loads.single(load), load, 0.25 * rate)
+    modes = rod.modes_under(load).showing(load, mode, 0.25 * rate)
 
     def growth(*, bending: float = 1.0, force: float = 1.0, weight: float = 1.0) -> float:
-        changed = _changed(numbers, bending, force, weight)
         pushed = load.with_numbers(force * load.mean, force * load.amplitude, load.frequency)
-        modes = CoupledModes(changed, load, count)
-        if alone is not None:
-            return stability(_last(modes.system(Loads.single(pushed)))).growth_rate
-        return float(modes.answers(Loads.single(pushed)).growth[0])
+        return modes.changed(bending, force, weight).growth_of(pushed, mode)
 
     plain = growth()
 
@@ -89,25 +80,4 @@ def model_errors(
         floor=change(weight=1.0 / (1.0 + indentation)),
         strain=2.0 * change(bending=longer**2, force=longer) + _STRAINED * strain * rate,
         large_angle=change(bending=1.0 + 9.0 / 8.0 * _ANGLE**2, weight=1.0 - 3.0 / 32.0 * _ANGLE**2),
-    )
-
-
-def _changed(numbers: RodNumbers, bending: float, force: float, weight: float) -> RodNumbers:
-    """Return a rod with the bending stiffness, the weight along and the weight across changed by factors."""
-    constants = numbers.constants
-    constants = constants._replace(
-        rigidity=bending * constants.rigidity, pendulum_frequency=math.sqrt(weight) * constants.pendulum_frequency
-    )
-    return numbers._replace(constants=constants, weight_along=force * numbers.weight_along)
-
-
-def _last(system: HillSystem) -> HillSystem:
-    """Return the last equation of a system whose equations are independent."""
-    damping = system.damping
-    return HillSystem(
-        system.stiffness[-1:, -1:],
-        [matrix[-1:, -1:] for matrix in system.cosines],
-        [matrix[-1:, -1:] for matrix in system.sines],
-        damping=None if damping is None else damping[-1:, -1:],
-        period=system.period,
     )

@@ -21,7 +21,6 @@ from floquetrod._util.version import __version__
 from floquetrod.rod.load import LIMITS, Load, load_from_dict, load_number, require_load
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.rod import Rod
-from floquetrod.rod.stability import growth_of_modes
 from floquetrod.simulation.checkpoints import Checkpoint
 from floquetrod.simulation.driving import LARGEST_STRAIN, MOST_HARMONICS, Driving, half_waves
 from floquetrod.simulation.growth import GrowthFit, growth_of_motion
@@ -502,9 +501,7 @@ class Simulation(RecordedMotion):
         problem, load, modes = self.problem, self.problem.load, self.leading_modes
         if problem.friction > 0.0 or problem.feed_speed is not None or problem.far_force is not None:
             return (0.0,) * len(modes)
-        if self.rod.coupled_numbers.has_mathieu_modes(load):
-            return tuple(map(float, growth_of_modes(self.rod, load, modes)))
-        return (self.rod.stability(load).growth_rate,) * len(modes)  # coupled modes grow together
+        return self.rod.modes_under(load).growth_of_modes(load, modes)
 
     def save(self, path: str | Path) -> Path:
         """Write everything to an npz file; an older file of that name stays whole until the new one is complete."""

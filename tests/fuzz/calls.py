@@ -42,7 +42,7 @@ VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem, fr.ForceRecor
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
-RESULTS += (fr.Bands, fr.SafeBox, fr.systems.FirstOrderTongue, fr.CoupledRodStability)
+RESULTS += (fr.Bands, fr.SafeBox, fr.systems.FirstOrderTongue)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
@@ -92,9 +92,9 @@ LEFT_OUT = {
     **{f"{kind}.varied": "for searches, whose arguments are checked there" for kind in ("AxialLoad", "AxialWave")},
     **{f"{kind}.kind_as_dict": "takes no argument" for kind in ("AxialLoad", "AxialWave")},
     **{f"{kind}.with_numbers": "for searches" for kind in ("AxialLoad", "AxialWave")},
-    "Rod.independent_modes": "for Rod.modal_system, whose arguments are checked there",
-    "CoupledRodStability": "constructed by Rod.stability",
-    "CoupledRodStability.plot": "its axes are an object of matplotlib",
+    "CoupledRodStability": "another name of RodStability",
+    "RodStability.plot": "its axes are an object of matplotlib",
+    **{f"{kind}.added_mean": "for the equations of a rod" for kind in ("AxialLoad", "AxialWave")},
     "Rod.critical_forces": "takes no argument",
     "Rod.nitinol": "takes no argument",
     "Chart.plot": "its axes are an object of matplotlib",
@@ -306,6 +306,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.replace": Call(ROD.replace, {"length": 3.0, "damping_rate": 1.0}),
         "Rod.wavenumber": Call(ROD.wavenumber, {"mode": 3}),
         "Rod.natural_frequency": Call(ROD.natural_frequency, {"mode": 3}),
+        "Rod.modes_under": Call(ROD.modes_under, {"load": LOAD}),
         "Rod.modal_system": Call(ROD.modal_system, {"load": LOAD, "modes": [1, 2]}),
         "Rod.wave_ratio": Call(ROD.wave_ratio, {"load": LOAD}),
         "Rod.modal_systems": Call(ROD.modal_systems, {**load, "like": LOAD}),

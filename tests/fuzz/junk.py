@@ -276,11 +276,7 @@ def _has_nan(value: Any, depth: int = 0) -> bool:
         return bool(np.isnan(np.ma.getdata(value)).any())
     if depth > 4 or isinstance(value, str | bytes):
         return False
-    if (
-        isinstance(value, SystemStability | fr.CoupledRodStability)
-        and value.status == "undecided"
-        and not value.exponents
-    ):
+    if isinstance(value, SystemStability | fr.RodStability) and value.status == "undecided" and not value.exponents:
         return False
     if isinstance(value, fr.mathieu.TransitionCurves):
         return _has_nan(value.even) or _has_nan(value.width)
