@@ -5,7 +5,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any, cast, overload
 
 import numpy as np
 
@@ -20,19 +20,29 @@ from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.coupling import coupling
 from floquetrod.rod.data import RodData
 from floquetrod.rod.independent import IndependentModel
-from floquetrod.rod.load import QUANTITIES, AnyLoad, Loads, Progress, Quantity, kind, load_bounds, require_load
+from floquetrod.rod.load import (
+    QUANTITIES,
+    AnyLoad,
+    Loads,
+    LoadSource,
+    Progress,
+    Quantity,
+    kind,
+    load_bounds,
+    require_load,
+)
 from floquetrod.rod.mode_friction import friction_and_kick
 from floquetrod.rod.mode_model import ModeModel
 from floquetrod.rod.modes import ModalSystem, ModalSystems
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.plausibility import warn_of_hertz, warn_of_load
-from floquetrod.rod.record import ForceRecord
 
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
     from floquetrod.rod.friction import CriticalKick, FrictionalRodStability
     from floquetrod.rod.ranges import StabilityIntervals
+    from floquetrod.rod.record import ForceRecord
     from floquetrod.rod.safe_box import SafeBox
     from floquetrod.rod.verdict import RodStability
 
@@ -262,19 +272,20 @@ class Rod(RodData):
         >>> rod.stability(load).unstable_modes
         (7,)
         """
-        source, load = load, require_load("load", load)
+        record = cast("ForceRecord", load) if isinstance(load, LoadSource) else None
+        load = require_load("load", load)
         rubbing = friction_and_kick(friction, kick)
         growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
         validate.progress(progress)
         warn_unless_uniform(self, load)
-        warn_of_load(self, source if isinstance(source, ForceRecord) and not source.force_unit_named else load)
+        warn_of_load(self, load if record is None or record.force_unit_named else record)
         model = self.modes_under(load)
         if friction is not None:
             model.require("friction")
-        if isinstance(source, ForceRecord):
+        if record is not None:
             from floquetrod.rod.record_noise import classify_record
 
-            return classify_record(model, source, modes, growth_tolerance, progress)
+            return classify_record(model, record, modes, growth_tolerance, progress)
         linear = model.verdict(load, modes, growth_tolerance, progress)
         if linear.stable and modes is None and model.prompt:
             warn_of_hertz(self, load, growth_tolerance)
