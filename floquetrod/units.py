@@ -8,6 +8,7 @@ import unicodedata
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
+from floquetrod._util.arguments import wrong_type, wrong_value
 from floquetrod._util.suggest import did_you_mean, short
 
 _POUNDS_PER_GALLON = 0.45359237 / 3.785411784e-3  # of US gallons, in kg/m^3
@@ -145,13 +146,13 @@ def units_of(kind: str, critical_force: float | None = None) -> dict[str, float]
 def unit(name: str, what: str, kind: str, critical_force: float | None = None) -> Unit:
     """Return a unit by its name, "" for the SI unit; ValueError, which begins with ``what``, for an unknown one."""
     if not isinstance(name, str):
-        raise TypeError(f"{what} must be the name of a unit of {kind}, got {short(name)}")
+        raise wrong_type(what, f"must be the name of a unit of {kind}, got {short(name)}")
     units = units_of(kind, critical_force)
     if name == "%":  # of what is known, which says in which unit to show it
         name = "Fcr" if "Fcr" in units else ""
     chosen = _known(name or next(iter(units)), units)
     if chosen is None:
-        raise ValueError(f"{what} must be a unit of {kind} ({', '.join(units)}), got {short(name)}{_hint(name, units)}")
+        raise wrong_value(what, f"must be a unit of {kind} ({', '.join(units)}), got {short(name)}{_hint(name, units)}")
     return Unit(chosen, units[chosen])
 
 
@@ -242,29 +243,29 @@ def quantity(
         try:
             number = float(value)
         except OverflowError:  # an integer of more than 308 digits, which a rod file may hold
-            raise ValueError(f"{name} must be finite, got an integer beyond 1e308") from None
+            raise wrong_value(name, "must be finite, got an integer beyond 1e308") from None
         return _bounded(number, name, units, least, largest, repr(value) if given is None else given)
     given = short(value) if given is None else given
     match = _NUMBER.fullmatch(value) if isinstance(value, str) else None
     if match is None or "," in match[2] or ":" in match[2]:
-        raise ValueError(f"{_wanted(name, kind, units)}, got {given}: {_why_no_number(value)}")
+        raise wrong_value(name, f"{_wanted(kind, units)}, got {given}: {_why_no_number(value)}")
     whole = {"force": critical_force, "ratio": 1.0}.get(kind) if nominal is None else nominal
     if match[2] == "%" and whole == 0.0:
-        raise ValueError(f"{name} must not be a percentage of zero, got {given}; give a number with its unit")
+        raise wrong_value(name, f"must not be a percentage of zero, got {given}; give a number with its unit")
     if match[2] == "%" and whole is not None:
         return _bounded(float(match[1]) * whole / 100.0, name, units, least, largest, given)
     unit = _known(match[2] or next(iter(units)), units)
     if unit is None:
-        raise ValueError(
-            f"{_wanted(name, kind, units)}, got {given}: unit {short(match[2])} is not understood"
-            f"{_hint(match[2], units)}"
+        raise wrong_value(
+            name,
+            f"{_wanted(kind, units)}, got {given}: unit {short(match[2])} is not understood{_hint(match[2], units)}",
         )
     return _bounded(float(match[1]) * units[unit], name, units, least, largest, given)
 
 
-def _wanted(name: str, kind: str, units: Iterable[str]) -> str:
+def _wanted(kind: str, units: Iterable[str]) -> str:
     accepted = f"a {kind} unit ({', '.join(units)}; none means {next(iter(units))})" if any(units) else "no unit"
-    return f"{name} must be a number with {accepted}"
+    return f"must be a number with {accepted}"
 
 
 def _why_no_number(value: Any) -> str:
@@ -288,14 +289,14 @@ def _hint(name: str, units: Iterable[str]) -> str:
 def _bounded(value: float, name: str, units: dict[str, float], least: float, largest: float, given: str) -> float:
     """Return ``value`` where it is finite and lies within bounds."""
     if not math.isfinite(value):
-        raise ValueError(f"{name} must be finite, got {given}")
+        raise wrong_value(name, f"must be finite, got {given}")
     if value <= 0.0 < least:
-        raise ValueError(f"{name} must be greater than zero, got {given}")
+        raise wrong_value(name, f"must be greater than zero, got {given}")
     if value < 0.0 == least:
-        raise ValueError(f"{name} must be zero or more, got {given}")
+        raise wrong_value(name, f"must be zero or more, got {given}")
     if not least <= value <= largest:
-        raise ValueError(
-            f"{name} must lie between {least:g} and {largest:g} {next(iter(units))}, got {given}; check its unit"
+        raise wrong_value(
+            name, f"must lie between {least:g} and {largest:g} {next(iter(units))}, got {given}; check its unit"
         )
     return value
 

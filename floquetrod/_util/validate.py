@@ -17,6 +17,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arguments import wrong_type as wrong_type
+from floquetrod._util.arguments import wrong_value as wrong_value
 from floquetrod._util.suggest import did_you_mean
 from floquetrod._util.suggest import short as short
 
@@ -53,13 +55,13 @@ def finite(name: str, value: Any, hint: str = "") -> float:
     if isinstance(value, bool | str | bytes | bytearray | np.ma.MaskedArray) or (
         isinstance(value, np.ndarray | np.generic) and (value.dtype.kind not in "iuf" or value.ndim > 0)
     ):
-        raise TypeError(f"{name} must be a real number, got {short(value)}{_remedy(hint)}")
+        raise wrong_type(name, f"must be a real number, got {short(value)}{_remedy(hint)}")
     try:
         number = float(value)
     except OverflowError:
-        raise ValueError(f"{name} must be finite, got a number beyond 1e308{_remedy(hint)}") from None
+        raise wrong_value(name, f"must be finite, got a number beyond 1e308{_remedy(hint)}") from None
     except Exception:  # whatever an object's own conversion raises
-        raise TypeError(f"{name} must be a single real number, got {short(value)}{_remedy(hint)}") from None
+        raise wrong_type(name, f"must be a single real number, got {short(value)}{_remedy(hint)}") from None
     if not math.isfinite(number):
         raise _outside(name, number, -math.inf, math.inf, hint)
     return number
@@ -114,15 +116,15 @@ def unrounded(name: str, value: Any, number: float) -> float:
 def integer(name: str, value: Any, least: int, most: int = _LARGEST_INTEGER, hint: str = "") -> int:
     """Return ``value`` as an int from ``least`` to ``most``."""
     if isinstance(value, bool):
-        raise TypeError(f"{name} must be an integer, got {value!r}{_remedy(hint)}")
+        raise wrong_type(name, f"must be an integer, got {value!r}{_remedy(hint)}")
     try:
         number = operator.index(value)
     except Exception:  # whatever an object's own conversion raises
-        raise TypeError(f"{name} must be an integer, got {short(value)}{_remedy(hint)}") from None
+        raise wrong_type(name, f"must be an integer, got {short(value)}{_remedy(hint)}") from None
     if number < least:
-        raise ValueError(f"{name} must be {least} or more, got {short(number)}{_remedy(hint)}")
+        raise wrong_value(name, f"must be {least} or more, got {short(number)}{_remedy(hint)}")
     if number > most:
-        raise ValueError(f"{name} must be at most {most}, got {short(number)}{_remedy(hint)}")
+        raise wrong_value(name, f"must be at most {most}, got {short(number)}{_remedy(hint)}")
     return number
 
 
@@ -133,10 +135,10 @@ def interval(name: str, value: Any, element: Callable[[str, Any], float] = finit
             raise TypeError
         low, high = value
     except Exception:  # whatever an object's own iterator raises
-        raise TypeError(f"{name} must be two numbers (low, high), got {short(value)}") from None
+        raise wrong_type(name, f"must be two numbers (low, high), got {short(value)}") from None
     ends = element(f"{name}[0]", low), element(f"{name}[1]", high)
     if not ends[0] < ends[1]:
-        raise ValueError(f"{name} must increase, got ({ends[0]:g}, {ends[1]:g}); give the lower end first")
+        raise wrong_value(name, f"must increase, got ({ends[0]:g}, {ends[1]:g}); give the lower end first")
     return ends
 
 
@@ -146,7 +148,7 @@ def interval(name: str, value: Any, element: Callable[[str, Any], float] = finit
 def sequence(name: str, values: Any, example: str = "(0.5, 0.1)") -> list[Any]:
     """Return a one-dimensional sequence as a list of no more than `MOST_NUMBERS`."""
     if isinstance(values, str | bytes | Mapping | Set | np.ma.MaskedArray) or not iterable(values):
-        raise TypeError(f"{name} must be a sequence of numbers such as {example}, got {short(values)}")
+        raise wrong_type(name, f"must be a sequence of numbers such as {example}, got {short(values)}")
     return listed(name, values, MOST_NUMBERS, "numbers")
 
 
@@ -163,7 +165,7 @@ def listed(name: str, values: Iterable[Any], most: int, what: str) -> list[Any]:
     """Return what is iterated over, no more than ``most``, as a list."""
     found = [] if _length(values) > most else list(islice(values, most + 1))
     if _length(values) > most or len(found) > most:
-        raise ValueError(f"{name} must hold at most {most} {what}, got more")
+        raise wrong_value(name, f"must hold at most {most} {what}, got more")
     return found
 
 
@@ -182,7 +184,7 @@ def modes(values: Any, name: str = "modes") -> tuple[int, ...]:
     """Return the mode numbers asked for, one at least, as a tuple."""
     chosen = integers(name, values, 1)
     if not chosen:
-        raise ValueError(f"{name} must name at least one mode, got none; leave it out to use all that matter")
+        raise wrong_value(name, "must name at least one mode, got none; leave it out to use all that matter")
     return chosen
 
 
@@ -195,7 +197,7 @@ def array(name: str, values: Any, *, least: float = -LARGEST, largest: float = L
         flat = [finite(_at(name, index), value) for index, value in np.ndenumerate(raw)]
         raw = np.array(flat, dtype=np.float64).reshape(raw.shape)
     elif raw.dtype.kind not in "iuf" and raw.size:
-        raise TypeError(f"{name} must hold real numbers, got {short(values)}")
+        raise wrong_type(name, f"must hold real numbers, got {short(values)}")
     if raw.dtype == np.float64:
         result = raw
     else:
@@ -205,9 +207,10 @@ def array(name: str, values: Any, *, least: float = -LARGEST, largest: float = L
     if result.size and not (result.min() >= least and result.max() <= largest):
         wrong = ~((result >= least) & (result <= largest))
         index = tuple(int(i) for i in np.argwhere(wrong)[0])
-        raise ValueError(
-            f"{name} must be finite and lie between {least:g} and {largest:g}, got {_at(name, index)} = "
-            f"{float(result[index])!r} ({int(wrong.sum())} of {result.size} values are outside); remove them first"
+        raise wrong_value(
+            name,
+            f"must be finite and lie between {least:g} and {largest:g}, got {_at(name, index)} = "
+            f"{float(result[index])!r} ({int(wrong.sum())} of {result.size} values are outside); remove them first",
         )
     return result
 
@@ -219,9 +222,9 @@ def integer_array(name: str, values: Any, least: int, most: int = MOST_NUMBERS, 
         if raw.dtype.kind == "O":  # names the entry that is none, or is too large
             for index, value in np.ndenumerate(raw):
                 integer(_at(name, index), value, least, most, hint)
-        raise TypeError(f"{name} must hold integers, got {short(values)}{_remedy(hint)}")
+        raise wrong_type(name, f"must hold integers, got {short(values)}{_remedy(hint)}")
     if raw.size and (raw.min() < least or raw.max() > most):
-        raise ValueError(f"{name} must lie between {least} and {most}, got {short(values)}{_remedy(hint)}")
+        raise wrong_value(name, f"must lie between {least} and {most}, got {short(values)}{_remedy(hint)}")
     return raw.astype(np.int64)
 
 
@@ -232,10 +235,10 @@ def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
     """Return ``value`` when it is one of ``allowed``."""
     options = tuple(allowed)
     if not isinstance(value, str):
-        raise TypeError(f"{name} must be one of {', '.join(map(repr, options))}, got {short(value)}")
+        raise wrong_type(name, f"must be one of {', '.join(map(repr, options))}, got {short(value)}")
     if value not in options:
-        raise ValueError(
-            f"{name} must be one of {', '.join(map(repr, options))}, got {short(value)}{did_you_mean(value, options)}"
+        raise wrong_value(
+            name, f"must be one of {', '.join(map(repr, options))}, got {short(value)}{did_you_mean(value, options)}"
         )
     return str(value)
 
@@ -243,20 +246,20 @@ def choice(name: str, value: Any, allowed: Iterable[str]) -> str:
 def flag(name: str, value: Any) -> bool:
     """Return ``value`` as a bool: only True and False are accepted."""
     if not isinstance(value, bool | np.bool_):
-        raise TypeError(f"{name} must be True or False, got {short(value)}")
+        raise wrong_type(name, f"must be True or False, got {short(value)}")
     return bool(value)
 
 
 def path(name: str, value: Any) -> Path:
     """Return the path of a file or folder."""
     if not isinstance(value, str | os.PathLike) or not isinstance(os.fspath(value), str):
-        raise TypeError(f"{name} must be a path such as 'result.npz', got {short(value)}")
+        raise wrong_type(name, f"must be a path such as 'result.npz', got {short(value)}")
     if not os.fspath(value):
-        raise ValueError(f"{name} must name a file, got {value!r}")
+        raise wrong_value(name, f"must name a file, got {value!r}")
     if "\0" in os.fspath(value):
-        raise ValueError(f"{name} must not hold a null byte, got {short(value)}")
+        raise wrong_value(name, f"must not hold a null byte, got {short(value)}")
     if len(os.fspath(value)) > _MOST_CHARACTERS:
-        raise ValueError(f"{name} must be a path of at most {_MOST_CHARACTERS} characters, got {short(value)}")
+        raise wrong_value(name, f"must be a path of at most {_MOST_CHARACTERS} characters, got {short(value)}")
     return Path(value)
 
 
@@ -264,14 +267,14 @@ def instance(name: str, value: Any, kind: type[T], hint: str = "") -> T:
     """Return ``value`` when it is a ``kind``."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
-        raise TypeError(f"{name} must be {article} {kind.__name__}, got {short(value)}{_remedy(hint)}")
+        raise wrong_type(name, f"must be {article} {kind.__name__}, got {short(value)}{_remedy(hint)}")
     return value
 
 
 def function(name: str, value: Any) -> Any:
     """Return ``value`` when it can be called."""
     if not callable(value):
-        raise TypeError(f"{name} must be a function, got {short(value)}")
+        raise wrong_type(name, f"must be a function, got {short(value)}")
     return value
 
 
@@ -292,14 +295,14 @@ def untyped(name: str, values: Any) -> NDArray[Any]:
     try:
         return np.asarray(values)
     except Exception:  # ragged, or whatever an object's own conversion raises
-        raise ValueError(f"{name} must be an array or nested lists of equal lengths, got {short(values)}") from None
+        raise wrong_value(name, f"must be an array or nested lists of equal lengths, got {short(values)}") from None
 
 
 def elements(name: str, count: int) -> None:
     """Raise ValueError for an array of more than `MOST_ELEMENTS`, before memory is taken for it."""
     if count > MOST_ELEMENTS:
-        raise ValueError(
-            f"{name} must have at most {MOST_ELEMENTS:,} elements, got {short(count)}; ask for one piece at a time"
+        raise wrong_value(
+            name, f"must have at most {MOST_ELEMENTS:,} elements, got {short(count)}; ask for one piece at a time"
         )
 
 
@@ -309,16 +312,17 @@ def _counted(name: str, values: Any, known: dict[int, int], depth: int = 0) -> i
     A list met again, of which ``known`` has the number, is not gone through again: nested lists may share their parts.
     """
     if isinstance(values, np.ma.MaskedArray):
-        raise TypeError(
-            f"{name} must not be a masked array: its mask would be lost; give {name}.compressed(), or "
-            f"{name}.filled(value) and mask the result"
+        raise wrong_type(
+            name,
+            f"must not be a masked array: its mask would be lost; give {name}.compressed(), or "
+            f"{name}.filled(value) and mask the result",
         )
     if isinstance(values, np.ndarray):
         return values.size
     if not isinstance(values, list | tuple):
         return 1 if isinstance(values, str | bytes) or hasattr(values, "__array__") else _length(values)
     if depth > _DEEPEST:
-        raise ValueError(f"{name} must not be nested deeper than {_DEEPEST} levels; does a list in it contain itself?")
+        raise wrong_value(name, f"must not be nested deeper than {_DEEPEST} levels; does a list in it contain itself?")
     if id(values) not in known:
         parts = (value for value in values if not isinstance(value, float | int))
         known[id(values)] = len(values) + sum(_counted(name, part, known, depth + 1) for part in parts)
@@ -349,7 +353,7 @@ def _outside(name: str, number: float, least: float, largest: float, hint: str) 
         wanted = "be zero or more"
     else:
         wanted = f"lie between {least:g} and {largest:g}"
-    return ValueError(f"{name} must {wanted}, got {number!r}{_remedy(hint)}")
+    return wrong_value(name, f"must {wanted}, got {number!r}{_remedy(hint)}")
 
 
 def _remedy(hint: str) -> str:

@@ -158,13 +158,19 @@ def study_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, s
     layout = validate.choice("layout", layout, LAYOUTS)
     seed = validate.integer("seed", seed, 0, 2**128 - 1)
     if not isinstance(over, Mapping):
-        raise TypeError(f"over must map names to values such as {{'friction': [0.1, 0.2]}}, got {validate.short(over)}")
+        raise validate.wrong_type(
+            "over", f"must map names to values such as {{'friction': [0.1, 0.2]}}, got {validate.short(over)}"
+        )
     if not over:
-        raise ValueError("over must name at least one quantity to vary, got none; problem.run() makes a single run")
+        raise validate.wrong_value(
+            "over", "must name at least one quantity to vary, got none; problem.run() makes a single run"
+        )
     known = [name for names in names_of(problem).values() for name in names]
     for name in over:
         if name not in known:
-            raise ValueError(f"over must name what can be varied, {', '.join(known)}; got {validate.short(name)}")
+            raise validate.wrong_value(
+                "over", f"must name what can be varied, {', '.join(known)}; got {validate.short(name)}"
+            )
     if "seed" in over and not problem.perturbation.noises:
         raise ValueError("over varies the seed, but nothing is random: give the problem a Perturbation.random")
     given = {name: _values(problem, name, value) for name, value in over.items() if quantile_function(value) is None}
@@ -175,7 +181,9 @@ def study_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, s
         lengths = {name: values.size for name, values in given.items()}
         if len(set(lengths.values())) > 1:
             listed = ", ".join(f"{name} has {length:,}" for name, length in lengths.items())
-            raise ValueError(f"over must hold as many values of each name where layout is 'list', got: {listed}")
+            raise validate.wrong_value(
+                "over", f"must hold as many values of each name where layout is 'list', got: {listed}"
+            )
     dim = {name: "run" if layout == "list" else "sample" if name in drawn else name for name in over}
     study = Study(problem, tuple(Axis(name, dim[name], given[name]) for name in over))
     runs = float(np.prod([float(length) for length in study.shape]))
@@ -189,13 +197,14 @@ def _values(problem: SimulationProblem, name: str, given: Any) -> NDArray[Any]:
     """Return the values given for a name, one-dimensional and not empty."""
     argument = f"over[{name!r}]"
     if isinstance(given, str | bytes | Mapping | set | frozenset) or not validate.iterable(given):
-        raise TypeError(
-            f"{argument} must be a sequence of numbers such as [0.1, 0.2], or a frozen distribution such as "
-            f"scipy.stats.uniform(0.1, 0.1), got {validate.short(given)}"
+        raise validate.wrong_type(
+            argument,
+            f"must be a sequence of numbers such as [0.1, 0.2], or a frozen distribution such as "
+            f"scipy.stats.uniform(0.1, 0.1), got {validate.short(given)}",
         )
     array = validate.array(argument, given, least=-_LARGEST, largest=_LARGEST)
     if array.ndim != 1 or not array.size:
-        raise ValueError(f"{argument} must have one dimension and at least one value, got shape {array.shape}")
+        raise validate.wrong_value(argument, f"must have one dimension and at least one value, got shape {array.shape}")
     if _kind(problem, name) is int:
         return validate.integer_array(argument, given, 0, 2**62)
     return array
@@ -228,7 +237,9 @@ def _samples(samples: Any, drawn: Mapping[str, Any], columns: Mapping[str, NDArr
     if samples is None and columns:
         return next(iter(columns.values())).size
     if samples is None:
-        raise ValueError(f"samples must say how often {', '.join(drawn)} is to be drawn; give samples=100, say")
+        raise validate.wrong_value(
+            "samples", f"must say how often {', '.join(drawn)} is to be drawn; give samples=100, say"
+        )
     return validate.integer("samples", samples, 1, _MOST_RUNS)
 
 

@@ -215,14 +215,14 @@ def _first_runs(job: tasks.Job, study: Study, pending: Sequence[int]) -> tuple[t
             outcome = tasks.outcome(job, run, simulation)
         except tasks.OWN_ERRORS as error:
             at = ", ".join(f"{name} = {value:g}" for name, value in study.values(run).items())
-            raise ValueError(
-                f"summary must return numbers for a run; for that with {at} it raised {reason_of(error)}"
+            raise validate.wrong_value(
+                "summary", f"must return numbers for a run; for that with {at} it raised {reason_of(error)}"
             ) from error
         names = tuple(outcome.summary)
         taken = {*RESULTS, *study.dims, *(axis.name for axis in study.axes), "reason", "time", "angle", "positions"}
         for name in names:
             if name in taken or not name.isidentifier():
-                raise ValueError(f"summary must use names that are not taken, got {name!r}")
+                raise validate.wrong_value("summary", f"must use names that are not taken, got {name!r}")
         return names, [*made, outcome]
     return (), made
 
@@ -240,9 +240,11 @@ def _store(
     if place.suffix == ".zarr":
         return stores_zarr.open_store(place, study, frames, chunk)
     if place.suffix != ".npz":
-        raise ValueError(f"store must end in .zarr or .npz, got {validate.short(str(place))}")
+        raise validate.wrong_value("store", f"must end in .zarr or .npz, got {validate.short(str(place))}")
     if parts > 1:
-        raise ValueError(f"part needs a store that many can write: one that ends in .zarr, got {str(place)!r}")
+        raise validate.wrong_value(
+            "part", f"needs a store that many can write: one that ends in .zarr, got {str(place)!r}"
+        )
     names, make = stores_disk.open_store(place, study, frames)
     return names, chunk, make
 
@@ -256,6 +258,8 @@ def _part(part: Any) -> tuple[int, int]:
             raise TypeError
         k, n = part
     except (TypeError, ValueError):
-        raise TypeError(f"part must be two integers (k, n), the k-th of n parts, got {validate.short(part)}") from None
+        raise validate.wrong_type(
+            "part", f"must be two integers (k, n), the k-th of n parts, got {validate.short(part)}"
+        ) from None
     n = validate.integer("part[1]", n, 1, _MOST_PARTS)
     return validate.integer("part[0]", k, 1, n, "parts are counted from 1"), n

@@ -50,21 +50,27 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     found = require_runs("runs", runs)
     confidence = validate.positive("confidence", confidence, "0.95, say")
     if confidence >= 1.0:
-        raise ValueError(f"confidence must be less than 1, got {confidence:g}; 0.95, say")
+        raise validate.wrong_value("confidence", f"must be less than 1, got {confidence:g}; 0.95, say")
     for needed in ("status", validate.choice("name", name, found.variables)):
         if needed not in found.variables:
-            raise ValueError(f"runs must hold {needed}, as fr.ensemble returns them; got {', '.join(found.variables)}")
+            raise validate.wrong_value(
+                "runs", f"must hold {needed}, as fr.ensemble returns them; got {', '.join(found.variables)}"
+            )
     dims = found.variables["status"].dims
     if found.variables[name].dims != dims:
-        raise ValueError(f"name must be a result of every run, got {name!r}, which has {found.variables[name].dims}")
+        raise validate.wrong_value(
+            "name", f"must be a result of every run, got {name!r}, which has {found.variables[name].dims}"
+        )
     averaged = [over] if isinstance(over, str) else validate.sequence("over", over, "('seed',)")
     places = tuple(sorted({dims.index(validate.choice("over", dim, dims)) for dim in averaged}))
     if not places:
-        raise ValueError(f"over must name at least one of {', '.join(dims)}, got none")
+        raise validate.wrong_value("over", f"must name at least one of {', '.join(dims)}, got none")
     status, values = found["status"], found[name]
     done = status == DONE
     if not np.isin(values[done], (0, 1)).all():
-        raise ValueError(f"name must be a result that is true or false, 1 or 0, got {name!r}; compare it with a number")
+        raise validate.wrong_value(
+            "name", f"must be a result that is true or false, 1 or 0, got {name!r}; compare it with a number"
+        )
     kept = tuple(dim for place, dim in enumerate(dims) if place not in places)
     counts = done.sum(axis=places)
     failed = (status == FAILED).sum(axis=places)

@@ -103,7 +103,9 @@ class Equation(TellsAttributes, ABC):
         Raises TypeError for a coefficient with jumps or slopes, which is no finite Fourier series.
         """
         if not self.is_smooth:
-            raise TypeError(f"equation must have a finite Fourier series to be a system, got {validate.short(self)}")
+            raise validate.wrong_type(
+                "equation", f"must have a finite Fourier series to be a system, got {validate.short(self)}"
+            )
         piece = self.pieces()[0]
         cosines = [[[-z.real]] for z in piece.harmonics]
         sines = [[[z.imag]] for z in piece.harmonics]
@@ -190,13 +192,16 @@ def require(value: Any, kinds: tuple[type, ...] = (Equation,), by: str = "", hin
         every = "an Equation, such as Mathieu, Meissner or Hill"
         names = every if kinds == (Equation,) else ", ".join(kind.__name__ for kind in kinds)
         names += f", {hint}" if hint else ""
-        raise TypeError(f"equation must be {names}{' for ' + by if by else ''}, got {validate.short(value)}")
+        raise validate.wrong_type(
+            "equation", f"must be {names}{' for ' + by if by else ''}, got {validate.short(value)}"
+        )
     if isinstance(value, Equation):
         shares = [piece.share for piece in value.pieces()]
         if not (all(isinstance(share, Fraction) and share > 0 for share in shares) and sum(shares) == 1):
-            raise ValueError(
-                f"equation must have pieces whose shares are positive Fractions that add up to 1, got {shares}; "
-                "Fraction(1, 10) is exact, 0.1 is not"
+            raise validate.wrong_value(
+                "equation",
+                f"must have pieces whose shares are positive Fractions that add up to 1, got {shares}; "
+                "Fraction(1, 10) is exact, 0.1 is not",
             )
 
 
@@ -204,7 +209,9 @@ def damping_rate(value: Any) -> float:
     """Return c, checked."""
     number = validate.nonnegative("damping", value, "growth of the free motion is not damping")
     if number > validate.LARGEST_DAMPING:
-        raise ValueError(f"damping must be at most {validate.LARGEST_DAMPING:g}, got {number!r}; check its unit")
+        raise validate.wrong_value(
+            "damping", f"must be at most {validate.LARGEST_DAMPING:g}, got {number!r}; check its unit"
+        )
     return validate.unrounded("damping", value, number)
 
 

@@ -117,12 +117,15 @@ def pipe(name: str) -> Pipe:
     ('2.00x0.156', 'CT90', '621 MPa', 'API Spec 5ST')
     """
     if not isinstance(name, str):
-        raise TypeError(f"name must be the size of a pipe such as '2.00x0.156 CT90', got {validate.short(name)}")
+        raise validate.wrong_type(
+            "name", f"must be the size of a pipe such as '2.00x0.156 CT90', got {validate.short(name)}"
+        )
     read = _NAME.fullmatch(name)
     if read is None:
-        raise ValueError(
-            "name must be an outer diameter and a wall thickness in inches, with or without a grade, such as "
-            f"'2.00x0.156 CT90', got {validate.short(name)}; the catalogue holds {_names(pipes())}"
+        raise validate.wrong_value(
+            "name",
+            "must be an outer diameter and a wall thickness in inches, with or without a grade, such as "
+            f"'2.00x0.156 CT90', got {validate.short(name)}; the catalogue holds {_names(pipes())}",
         )
     od = float(read["od"] or Fraction(read["parts"]) + int(read["whole"] or 0))
     wall = float(read["wall"])
@@ -133,17 +136,19 @@ def pipe(name: str) -> Pipe:
     nearest = sorted(pipes(), key=distance)
     found = nearest[0]
     if max(distance(found)) > _ALIKE:
-        raise ValueError(
-            f"name must be the size of a pipe of the catalogue, got {validate.short(name)}; the closest are "
-            f"{_names(nearest[:3])}; for another size give diameter and wall_thickness to Rod"
+        raise validate.wrong_value(
+            "name",
+            f"must be the size of a pipe of the catalogue, got {validate.short(name)}; the closest are "
+            f"{_names(nearest[:3])}; for another size give diameter and wall_thickness to Rod",
         )
     if not read["grade"]:
         return found
     grade = re.sub(r"[-\s]", "", read["grade"]).upper()
     if grade not in found.grades:
-        raise ValueError(
-            f"name must end in a grade of {found.name} {found.product} ({', '.join(found.grades)}) or in none, got "
-            f"{validate.short(name)}"
+        raise validate.wrong_value(
+            "name",
+            f"must end in a grade of {found.name} {found.product} ({', '.join(found.grades)}) or in none, got "
+            f"{validate.short(name)}",
         )
     return found._replace(grade=grade, yield_strength=(_COILED | _DRILL)[grade] * _KSI)
 
@@ -155,14 +160,17 @@ def pipe_in_a_hole(name: str, bore: float | str, length: float | str, changes: d
     hole = parameter("bore", bore, "m")
     for other in ("channel_radius", "channel_diameter"):
         if other in given:
-            raise ValueError(f"{other} must not be given with bore, got {validate.short(changes[other])}; drop it")
+            raise validate.wrong_value(
+                other, f"must not be given with bore, got {validate.short(changes[other])}; drop it"
+            )
     size = {}
     if not {"radius", "diameter"} & given.keys():
         size["diameter"] = found.diameter
         if hole <= found.diameter:
-            raise ValueError(
-                f"bore must exceed the outer diameter of the pipe, got {hole:g} m for {found.diameter:g} m; it is the "
-                'inner diameter of the hole in m, or a string with a unit such as "4.778in"'
+            raise validate.wrong_value(
+                "bore",
+                f"must exceed the outer diameter of the pipe, got {hole:g} m for {found.diameter:g} m; it is the "
+                'inner diameter of the hole in m, or a string with a unit such as "4.778in"',
             )
     if not {"inner_radius", "inner_diameter", "wall_thickness"} & given.keys():
         size["wall_thickness"] = found.wall_thickness

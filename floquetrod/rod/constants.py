@@ -58,9 +58,10 @@ class ModeConstants(NamedTuple):
         target = c + max(growth_tolerance, NEGLIGIBLE_GROWTH) / load.frequency
         last = kernels.modes_needed(a, b, stiffness, d, target, 1)
         if last > MOST_MODES:
-            raise ValueError(
-                f"load needs {last} modes, more than {MOST_MODES}: its frequency {load.frequency:g} rad/s or its "
-                f"forces are far beyond those of this rod; check the units"
+            raise validate.wrong_value(
+                "load",
+                f"needs {last} modes, more than {MOST_MODES}: its frequency {load.frequency:g} rad/s or its "
+                f"forces are far beyond those of this rod; check the units",
             )
         bound = kernels.modes_left_out(a, b, stiffness, d, last)
         return last, max(0.0, bound - c) * load.frequency
@@ -74,27 +75,31 @@ class ModeConstants(NamedTuple):
         modes, fastest = self._extent(loads)
         if modes > MOST_MODES:
             push = float(np.max(loads.mean, initial=-math.inf) + np.max(loads.amplitude, initial=0.0))
-            raise ValueError(
-                f"load needs more than {MOST_MODES} modes: mean and amplitude come to {push:g} N, far above the "
-                f"critical force {self.critical_force:g} N of this rod; check units and length"
+            raise validate.wrong_value(
+                "load",
+                f"needs more than {MOST_MODES} modes: mean and amplitude come to {push:g} N, far above the "
+                f"critical force {self.critical_force:g} N of this rod; check units and length",
             )
         least = fastest / _MOST_PER_CYCLE
         if slowest < least:
-            raise ValueError(
-                f"frequency must be at least {least:.3g} rad/s for this rod and load, got {slowest:g}: coefficients of "
-                f"its mode equations would exceed {validate.LARGEST:g}; check the units"
+            raise validate.wrong_value(
+                "frequency",
+                f"must be at least {least:.3g} rad/s for this rod and load, got {slowest:g}: coefficients of "
+                f"its mode equations would exceed {validate.LARGEST:g}; check the units",
             )
         most = float(highest_frequency(*self[:3]))
         highest = float(np.max(loads.frequency, initial=0.0))
         if highest > most:
-            raise ValueError(
-                f"frequency must be at most {most:.3g} rad/s for this rod, got {highest:g}: it sets "
-                f"off modes beyond {MOST_MODES}; check the units"
+            raise validate.wrong_value(
+                "frequency",
+                f"must be at most {most:.3g} rad/s for this rod, got {highest:g}: it sets "
+                f"off modes beyond {MOST_MODES}; check the units",
             )
         if self.damping_rate > _MOST_PER_CYCLE * slowest:
-            raise ValueError(
-                f"damping_rate must be at most {_MOST_PER_CYCLE:.3g} times the frequency, got "
-                f"{self.damping_rate:g} 1/s at {slowest:g} rad/s; check the units"
+            raise validate.wrong_value(
+                "damping_rate",
+                f"must be at most {_MOST_PER_CYCLE:.3g} times the frequency, got "
+                f"{self.damping_rate:g} 1/s at {slowest:g} rad/s; check the units",
             )
 
     def loads_at_once(self, loads: Loads) -> int:

@@ -123,7 +123,7 @@ class RodData(TellsAttributes):
         for name, given in (("radius", outer), ("length", length), ("channel_radius", hole)):
             if given is None:
                 other = next((f", or {other}" for other, instead in INSTEAD.items() if instead == name), "")
-                raise TypeError(f"{name} must be given, in m{other}")
+                raise validate.wrong_type(name, f"must be given, in m{other}")
         if wall_thickness is not None:
             others = {"inner_radius": inner_radius, "inner_diameter": inner_diameter}
             inner = inside_wall(outer, wall_thickness, others)
@@ -154,10 +154,11 @@ class RodData(TellsAttributes):
         for name, number in cleaned.items():
             object.__setattr__(self, name, number)
         if not formulas.sinks(self._own_mass, self._weighing):
-            raise ValueError(
-                f"fluid_outside must be lighter than the rod with what is inside, got {self.fluid_outside:g} kg/m^3 "
+            raise validate.wrong_value(
+                "fluid_outside",
+                f"must be lighter than the rod with what is inside, got {self.fluid_outside:g} kg/m^3 "
                 f"for density = {self.density:g} and fluid_inside = {self.fluid_inside:g}, a weight of "
-                f"{self.weight_per_length:.4g} N/m: this rod floats"
+                f"{self.weight_per_length:.4g} N/m: this rod floats",
             )
         warn_of_rod(self)
 
@@ -429,9 +430,10 @@ class RodData(TellsAttributes):
             return shaped(modes * self.end_conditions.first_wavenumber(self.length), modes.shape)
         wrong = (modes < 1.0) | (modes != np.floor(modes))
         if wrong.any():
-            raise ValueError(
-                f"mode must be a whole number from 1 on for a rod with {self.ends} ends, got {modes[wrong][0]:g}; "
-                "modes in between have a wavenumber with hinged ends only"
+            raise validate.wrong_value(
+                "mode",
+                f"must be a whole number from 1 on for a rod with {self.ends} ends, got {modes[wrong][0]:g}; "
+                "modes in between have a wavenumber with hinged ends only",
             )
         chosen = modes.astype(np.int64)
         waves = wavenumbers(self.end_conditions, int(chosen.max(initial=1))) / self.length

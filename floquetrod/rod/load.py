@@ -71,9 +71,10 @@ def load_number(quantity: Quantity, value: Any, name: str | None = None) -> floa
 def _in_si(quantity: Quantity, text: str, name: str) -> float:
     """Return a quantity of a load that is given with its unit, such as "24Hz" or "0.2kN"."""
     if KINDS[quantity] == "force" and text.strip().lower().endswith("fcr"):
-        raise ValueError(
-            f"{name} must have a unit of force such as N or kN, got {validate.short(text)}: a load does not contain "
-            f"the rod; give {name} as a number times rod.critical_force"
+        raise validate.wrong_value(
+            name,
+            f"must have a unit of force such as N or kN, got {validate.short(text)}: a load does not contain "
+            f"the rod; give {name} as a number times rod.critical_force",
         )
     return units.quantity(text, name, KINDS[quantity])
 
@@ -299,7 +300,7 @@ def require_load(name: str, value: Any) -> Load:
         return value.load
     if isinstance(value, Load):
         return value
-    raise TypeError(f"{name} must be an AxialLoad, AxialWave or ForceRecord, got {validate.short(value)}")
+    raise validate.wrong_type(name, f"must be an AxialLoad, AxialWave or ForceRecord, got {validate.short(value)}")
 
 
 def kind(like: AnyLoad | None) -> Load:
@@ -416,15 +417,18 @@ def _waveform(value: Any) -> Waveform:
     except ValueError:
         known = False
     if not known:
-        raise ValueError(
-            f"waveform must be 'sine' or a sequence of complex numbers h_1, h_2, ..., got {validate.short(value)}; a "
-            "square wave has -4i/pi, 0, -4i/(3 pi), 0, ..., of which give as many as matter"
+        raise validate.wrong_value(
+            "waveform",
+            f"must be 'sine' or a sequence of complex numbers h_1, h_2, ..., got {validate.short(value)}; a "
+            "square wave has -4i/pi, 0, -4i/(3 pi), 0, ..., of which give as many as matter",
         )
     if numbers.size > _MOST_HARMONICS:
-        raise ValueError(f"waveform must hold at most {_MOST_HARMONICS} harmonics, got {numbers.size}")
+        raise validate.wrong_value("waveform", f"must hold at most {_MOST_HARMONICS} harmonics, got {numbers.size}")
     if not np.isfinite(numbers).all() or np.abs(numbers).max() > 1e6:
-        raise ValueError(f"waveform must hold finite numbers up to 1e6, got {validate.short(value)}")
+        raise validate.wrong_value("waveform", f"must hold finite numbers up to 1e6, got {validate.short(value)}")
     last = np.flatnonzero(numbers)
     if not last.size:
-        raise ValueError("waveform must hold a harmonic other than zero; for a constant force set amplitude=0")
+        raise validate.wrong_value(
+            "waveform", "must hold a harmonic other than zero; for a constant force set amplitude=0"
+        )
     return tuple(complex(z) for z in numbers[: last[-1] + 1])

@@ -77,15 +77,17 @@ def friction_and_kick(friction: Any, kick: Any) -> tuple[float, float] | None:
         friction = friction_coefficient(friction)
     if kick is None:
         if friction:
-            raise ValueError(
-                f"kick must be given with friction, got friction = {friction:g} alone: friction holds every "
-                "undisturbed rod; give kick=0.05 (m/s), say, or compute the smallest kick with critical_kick"
+            raise validate.wrong_value(
+                "kick",
+                f"must be given with friction, got friction = {friction:g} alone: friction holds every "
+                "undisturbed rod; give kick=0.05 (m/s), say, or compute the smallest kick with critical_kick",
             )
         return None
     if friction is None:
-        raise ValueError(
-            f"friction must be given with a kick, got kick = {validate.short(kick)} alone: without friction an "
-            "unstable mode grows whatever the kick; give friction=0.1, say, or leave out both"
+        raise validate.wrong_value(
+            "friction",
+            f"must be given with a kick, got kick = {validate.short(kick)} alone: without friction an "
+            "unstable mode grows whatever the kick; give friction=0.1, say, or leave out both",
         )
     hint = "give the transverse velocity in m/s, 0.05 say; critical_kick computes the smallest that buckles"
     return friction, validate.within("kick", validate.positive("kick", kick, hint), 0.0, _LARGEST, "give it in m/s")

@@ -93,9 +93,10 @@ class ModalSystem:
         alpha, beta = self.alpha, self.beta
         for mode, size in zip(self.modes, np.maximum(abs(alpha), abs(beta)), strict=True):
             if size > validate.LARGEST:
-                raise ValueError(
-                    f"modes must have coefficients up to {validate.LARGEST:g}, got {size:.3g} for mode {mode} at "
-                    f"frequency {self.frequency:g} rad/s; leave out modes so high, or check the units"
+                raise validate.wrong_value(
+                    "modes",
+                    f"must have coefficients up to {validate.LARGEST:g}, got {size:.3g} for mode {mode} at "
+                    f"frequency {self.frequency:g} rad/s; leave out modes so high, or check the units",
                 )
         return tuple(Mathieu(a, b, self.damping) for a, b in zip(alpha.tolist(), beta.tolist(), strict=True))
 

@@ -76,15 +76,17 @@ def inside_wall(radius: Any, wall_thickness: Any, inner: dict[str, Any]) -> floa
     """Return the inner radius in m of a tube given by its outer radius and wall; ``inner`` must hold only None."""
     for name, value in inner.items():
         if value is not None:
-            raise ValueError(
-                f"wall_thickness must not be given with {name}, got {validate.short(wall_thickness)} and "
-                f"{validate.short(value)}; give one of them"
+            raise validate.wrong_value(
+                "wall_thickness",
+                f"must not be given with {name}, got {validate.short(wall_thickness)} and "
+                f"{validate.short(value)}; give one of them",
             )
     outer, wall = parameter("radius", radius, "m"), parameter("wall_thickness", wall_thickness, "m")
     if wall >= outer:
-        raise ValueError(
-            f"wall_thickness must be less than the outer radius, got wall_thickness = {wall:g} m and radius = "
-            f"{outer:g} m; leave it out for a solid rod"
+        raise validate.wrong_value(
+            "wall_thickness",
+            f"must be less than the outer radius, got wall_thickness = {wall:g} m and radius = "
+            f"{outer:g} m; leave it out for a solid rod",
         )
     return outer - wall
 
@@ -232,8 +234,8 @@ class Channel:
         hint = 'it is the angle from the vertical in radians: math.radians(60), or "60deg"'
         inclination = validate.finite("inclination", self.inclination, hint)
         if not _LEAST <= inclination <= 0.5 * math.pi:
-            raise ValueError(
-                f"inclination must be above 0 and at most pi/2 = 1.5708 (horizontal), got {inclination:g}; {hint}"
+            raise validate.wrong_value(
+                "inclination", f"must be above 0 and at most pi/2 = 1.5708 (horizontal), got {inclination:g}; {hint}"
             )
         object.__setattr__(self, "inclination", inclination)
 
@@ -250,10 +252,11 @@ class Channel:
     def clearance(self, section: Section) -> float:
         """Return R = channel radius - rod radius in m; ValueError where the section does not fit."""
         if not formulas.fits(section.radius, self.radius):
-            raise ValueError(
-                f"channel_radius must exceed the rod's radius, got channel_radius = {self.radius:g} m and "
+            raise validate.wrong_value(
+                "channel_radius",
+                f"must exceed the rod's radius, got channel_radius = {self.radius:g} m and "
                 f"radius = {section.radius:g} m, half the diameters {2.0 * self.radius:g} m and "
-                f"{2.0 * section.radius:g} m"
+                f"{2.0 * section.radius:g} m",
             )
         return float(formulas.clearance(section.radius, self.radius))
 
@@ -281,9 +284,10 @@ class Ends:
         """Return the ends that a word names: "clamped" for both, or "clamped-hinged", the upper end first."""
         parts = word.lower().replace(" ", "").split("-") if isinstance(word, str) else []
         if not 1 <= len(parts) <= 2 or not set(parts) <= set(CONDITIONS):
-            raise ValueError(
-                f"ends must be one of {', '.join(CONDITIONS)}, or two of them joined by a hyphen, the upper end first, "
-                f'such as "clamped-hinged"; got {validate.short(word)}{_meant(parts)}'
+            raise validate.wrong_value(
+                "ends",
+                f"must be one of {', '.join(CONDITIONS)}, or two of them joined by a hyphen, the upper end first, "
+                f'such as "clamped-hinged"; got {validate.short(word)}{_meant(parts)}',
             )
         return cls(parts[0], parts[-1])
 

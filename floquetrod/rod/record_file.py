@@ -220,7 +220,7 @@ class _Clock:
     def _day(self, date: str | None, time: float, cell: str) -> int:
         """Return the number of the day of a time, 0 for the first."""
         if self.last is not None and (date is None) != (self.first is None):
-            raise ValueError(f"time must have a date in every line or in none, got {cell!r}")
+            raise validate.wrong_value("time", f"must have a date in every line or in none, got {cell!r}")
         if date is None:
             if self.last is not None and time + 86400.0 * self.days < self.last - 43200.0:
                 self.days += 1
@@ -228,7 +228,7 @@ class _Clock:
         try:
             day = datetime.date.fromisoformat(date).toordinal()
         except ValueError:
-            raise ValueError(f"time must have dates such as 2024-01-31, got {cell!r}") from None
+            raise validate.wrong_value("time", f"must have dates such as 2024-01-31, got {cell!r}") from None
         self.first = day if self.first is None else self.first
         return day - self.first
 
@@ -251,10 +251,10 @@ def _column(
 ) -> _Column:
     """Return the column of an argument."""
     if isinstance(wanted, str) and headings is None:
-        raise ValueError(f"{name} must be the number of a column, got {wanted!r}: there are no headings")
+        raise validate.wrong_value(name, f"must be the number of a column, got {wanted!r}: there are no headings")
     if isinstance(wanted, int):
         if wanted >= many:
-            raise ValueError(f"{name} must be a column from 0 to {many - 1}, got {wanted}")
+            raise validate.wrong_value(name, f"must be a column from 0 to {many - 1}, got {wanted}")
         place = wanted
     else:
         place = _place(name, wanted, headings, many)
@@ -277,9 +277,10 @@ def _place(name: str, wanted: str | None, headings: Sequence[str] | None, many: 
         found = found or [i for i, text in enumerate(listed) if text.casefold() == wanted.strip().casefold()]
     if len(found) != 1:
         what = "a heading of one column" if headings else f"a column from 0 to {many - 1}"
-        raise ValueError(
-            f"{name} must be {what}, got {validate.short(wanted)}"
-            + (f"; the headings are {', '.join(map(repr, listed))}" if listed else "")
+        raise validate.wrong_value(
+            name,
+            f"must be {what}, got {validate.short(wanted)}"
+            + (f"; the headings are {', '.join(map(repr, listed))}" if listed else ""),
         )
     return found[0]
 

@@ -66,12 +66,16 @@ class DiscreteRod:
         rod, segments = self.rod, validate.integer("segments", self.segments, 8)
         ratio = validate.finite("poisson_ratio", self.poisson_ratio)
         if not -1.0 < ratio <= 0.5:
-            raise ValueError(f"poisson_ratio must be above -1 and at most 0.5, got {ratio!r}; metals have 0.25 to 0.45")
+            raise validate.wrong_value(
+                "poisson_ratio", f"must be above -1 and at most 0.5, got {ratio!r}; metals have 0.25 to 0.45"
+            )
         indentation = validate.positive(
             "indentation", self.indentation, "it is a part of the radial clearance R, such as 1e-4"
         )
         if indentation > 0.1:
-            raise ValueError(f"indentation must be at most 0.1 of the radial clearance R, got {indentation!r}")
+            raise validate.wrong_value(
+                "indentation", f"must be at most 0.1 of the radial clearance R, got {indentation!r}"
+            )
         damping = validate.nonnegative("contact_damping", self.contact_damping)
         least, most = (
             math.ceil(min(LEAST_SEGMENTS * rod.critical_mode, 1e18)),
@@ -84,17 +88,19 @@ class DiscreteRod:
                 "check the units"
             )
         if segments < least:
-            raise ValueError(
-                f"segments must be at least {least}, got {segments}: {LEAST_SEGMENTS} for every half wave of the "
-                f"critical mode {rod.critical_mode:.2f}"
+            raise validate.wrong_value(
+                "segments",
+                f"must be at least {least}, got {segments}: {LEAST_SEGMENTS} for every half wave of the "
+                f"critical mode {rod.critical_mode:.2f}",
             )
         if segments > most:
-            raise ValueError(
-                f"segments must be at most {most}, got {segments}: shorter ones than the radius {rod.radius:g} m are "
-                "no longer those of a slender rod"
+            raise validate.wrong_value(
+                "segments",
+                f"must be at most {most}, got {segments}: shorter ones than the radius {rod.radius:g} m are "
+                "no longer those of a slender rod",
             )
         if segments > MOST_SEGMENTS:
-            raise ValueError(f"segments must be at most {MOST_SEGMENTS:,}, got {segments:,}; take fewer")
+            raise validate.wrong_value("segments", f"must be at most {MOST_SEGMENTS:,}, got {segments:,}; take fewer")
         for name, value in (
             ("segments", segments),
             ("poisson_ratio", ratio),

@@ -72,7 +72,9 @@ class Perturbation:
         8
         """
         if not isinstance(speeds, Mapping):
-            raise TypeError(f"speeds must map modes to speeds in m/s such as {{8: 0.05}}, got {validate.short(speeds)}")
+            raise validate.wrong_type(
+                "speeds", f"must map modes to speeds in m/s such as {{8: 0.05}}, got {validate.short(speeds)}"
+            )
         return cls(speeds=tuple(speeds.items()))
 
     @classmethod
@@ -141,7 +143,7 @@ class Perturbation:
         """
         segments = validate.integer("segments", segments, 2)
         if segments > MOST_SEGMENTS:
-            raise ValueError(f"segments must be at most {MOST_SEGMENTS:,}, got {segments:,}; take fewer")
+            raise validate.wrong_value("segments", f"must be at most {MOST_SEGMENTS:,}, got {segments:,}; take fewer")
         if self.highest_mode * LEAST_SEGMENTS > segments:
             raise ValueError(
                 f"perturbation names mode {self.highest_mode}, which {segments} segments cannot resolve: it needs at "
@@ -173,7 +175,7 @@ def _mode(name: str, value: int) -> int:
     """Return the number of a mode that a simulated rod can carry."""
     mode = validate.integer(name, value, 1)
     if mode > _HIGHEST:
-        raise ValueError(f"{name} must be at most {_HIGHEST:,}, which takes {MOST_SEGMENTS:,} segments")
+        raise validate.wrong_value(name, f"must be at most {_HIGHEST:,}, which takes {MOST_SEGMENTS:,} segments")
     return mode
 
 
@@ -181,5 +183,5 @@ def _speed(name: str, value: float) -> float:
     """Return a speed of plausible size."""
     speed = validate.finite(name, value, "in m/s")
     if abs(speed) > _FASTEST:
-        raise ValueError(f"{name} must be at most {_FASTEST:g} m/s, got {speed:g}; check the units")
+        raise validate.wrong_value(name, f"must be at most {_FASTEST:g} m/s, got {speed:g}; check the units")
     return speed

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from floquetrod._util.arguments import wrong_value
 from floquetrod.simulation.mesh import DiscreteRod
 
 SAFETY = 0.9  # of the largest time step of the linearised rod (heuristic: large motion never came near the rest)
@@ -91,9 +92,10 @@ def time_steps(mesh: DiscreteRod, duration: float, frames: int, largest: float |
     """
     frame = 6 * 8 * (mesh.segments + 1)  # bytes
     if frames > _MOST_MEMORY // frame:
-        raise ValueError(
-            f"frames must be at most {_MOST_MEMORY // frame:,} with {mesh.segments} segments, got {frames:,} of "
-            f"{frame:,} bytes each; take fewer"
+        raise wrong_value(
+            "frames",
+            f"must be at most {_MOST_MEMORY // frame:,} with {mesh.segments} segments, got {frames:,} of "
+            f"{frame:,} bytes each; take fewer",
         )
     step, limit = _largest_step(mesh, largest, speed)
     steps, most = max(duration / step, frames - 1.0), _MOST_WORK / mesh.segments
@@ -106,9 +108,9 @@ def time_steps(mesh: DiscreteRod, duration: float, frames: int, largest: float |
         )
     between = duration / (frames - 1)
     if between < _SMALLEST_PART * step:
-        raise ValueError(
-            f"duration must be at least {(frames - 1) * _SMALLEST_PART * step:.4g} s with {frames} frames, got "
-            f"{duration:.4g} s"
+        raise wrong_value(
+            "duration",
+            f"must be at least {(frames - 1) * _SMALLEST_PART * step:.4g} s with {frames} frames, got {duration:.4g} s",
         )
     return TimeSteps.between_frames(duration, frames, math.ceil(between / step), limit)
 
@@ -121,11 +123,12 @@ def _largest_step(mesh: DiscreteRod, asked: float | None, speed: float) -> tuple
     if asked is None:
         return critical, limit
     if asked > critical:
-        raise ValueError(
-            f"time_step must be at most {critical:.4g} s, got {asked:.4g} s: a longer one is unstable, by "
-            f"{critical_time_step(mesh)[1]}; leave it out, or take fewer segments"
+        raise wrong_value(
+            "time_step",
+            f"must be at most {critical:.4g} s, got {asked:.4g} s: a longer one is unstable, by "
+            f"{critical_time_step(mesh)[1]}; leave it out, or take fewer segments",
         )
     if asked < _SMALLEST_PART * critical:
         least = _SMALLEST_PART * critical
-        raise ValueError(f"time_step must be at least {least:.4g} s, got {asked:.4g} s; leave it out")
+        raise wrong_value("time_step", f"must be at least {least:.4g} s, got {asked:.4g} s; leave it out")
     return asked, "choice"
