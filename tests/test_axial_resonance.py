@@ -16,7 +16,7 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli
 from floquetrod.cli import waiting
-from floquetrod.rod import axial, coupled, coupled_stability, ranges
+from floquetrod.rod import axial, coupled, coupled_stability, sampled_ranges
 from floquetrod.rod.coupled import CoupledModes, rod_numbers
 from floquetrod.rod.load import FAR_ENDS, Loads
 
@@ -219,9 +219,9 @@ def few(monkeypatch: pytest.MonkeyPatch) -> list[np.ndarray]:
         return answers(self, loads, *others, **named)
 
     monkeypatch.setattr(CoupledModes, "answers", heard)
-    monkeypatch.setattr(ranges, "SAMPLES", 17)
-    monkeypatch.setattr(ranges, "_LEAST_SAMPLES", 3)
-    monkeypatch.setattr(ranges, "_GROUPS", 4)
+    monkeypatch.setattr(sampled_ranges, "SAMPLES", 17)
+    monkeypatch.setattr(sampled_ranges, "_LEAST_SAMPLES", 3)
+    monkeypatch.setattr(sampled_ranges, "_GROUPS", 4)
     return asked
 
 
@@ -253,7 +253,7 @@ def test_pieces_of_a_search_join(few: list[np.ndarray], monkeypatch: pytest.Monk
     like = fr.AxialWave(0.0, 0.0, 1.0)
     ask = (0.3 * TUBING.critical_force, 0.2 * TUBING.critical_force, (0.3 * HELD, 0.34 * HELD))
     found = TUBING.stable_frequencies(*ask, like=like)
-    monkeypatch.setattr(ranges, "_GROUPS", 1)
+    monkeypatch.setattr(sampled_ranges, "_GROUPS", 1)
     whole = TUBING.stable_frequencies(*ask, like=like)
     assert [(p.low_end, p.high_end) for p in found].count((None, None)) == [
         (p.low_end, p.high_end) for p in whole
