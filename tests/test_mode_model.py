@@ -190,6 +190,17 @@ def test_the_probability_of_instability_is_the_share_of_the_range() -> None:
         fr.probability_of_instability(ROD, LOAD, {"length": (0.7, 0.8)}, samples=10)
 
 
+def test_the_terminal_prints_its_report() -> None:
+    """What `floquetrod check` prints, in the units asked for, and its JSON."""
+    found = ROD.stability(LOAD)
+    text = str(found.report({"frequency": "Hz"}))
+    assert text.startswith("UNSTABLE: sum resonance of modes 1 and 2, order 1\n")
+    assert f"growth    {found.growth_rate:.6g} 1/s" in text
+    numbers = found.as_dict()
+    assert (numbers["status"], numbers["unstable_modes"]) == ("unstable", [1, 2])
+    assert numbers["resonances"][0]["growth_rate_per_s"] == found.growth_rate
+
+
 def test_what_the_model_cannot_do_it_refuses() -> None:
     for question in (
         lambda: ROD.stability(LOAD, friction=0.1, kick=0.05),

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import json
 import re
-import textwrap
 from typing import Any
 
 import floquetrod as fr
@@ -15,7 +13,6 @@ from floquetrod.cli import system
 from floquetrod.cli.common import (
     LARGEST,
     ROD_OPTIONS,
-    Answer,
     add_rod,
     add_units,
     describe_command,
@@ -35,11 +32,11 @@ from floquetrod.cli.loads import (
     warn_of_hertz,
 )
 from floquetrod.cli.parser import whole_number
+from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting
-from floquetrod.floquet.proof.region import RegionProof, Side
+from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.constants import HAIRLINE_GROWTH
-from floquetrod.rod.intervals import QUANTITIES
 from floquetrod.rod.load import KINDS
 from floquetrod.rod.rod_box import DIAMETERS
 from floquetrod.rod.safe_box import SafeBox
@@ -137,7 +134,7 @@ def _certify(options: argparse.Namespace) -> Answer:
         load = like.with_numbers(**{name: value for name, (value,) in values.items()})
         with Waiting("searching the widest safe box", "sides moved") as progress:
             found = rod.largest_safe_box(load, growth_tolerance=tolerance, rod=tolerances, progress=progress)
-        return _answer(options, found.proof, _table(found, shown), found)
+        return _answer(options, found, found.proof, shown)
     box: dict[str, Any] = {name: tuple(ends) if len(ends) > 1 else ends[0] for name, ends in values.items()}
     with Waiting("proving", "boxes") as progress:
         proof = rod.certify(
@@ -148,14 +145,15 @@ def _certify(options: argparse.Namespace) -> Answer:
             max_boxes=options.max_boxes,
             progress=progress,
         )
-    return _answer(options, proof, _report(proof, shown), None)
+    return _answer(options, proof, proof, shown)
 
 
-def _answer(options: argparse.Namespace, proof: RegionProof, text: str, safe: SafeBox | None) -> Answer:
-    """Return the answer, as JSON where that is asked for."""
-    if options.json:
-        text = json.dumps(_record(proof, safe), indent=2, allow_nan=False)
-    return Answer(text, _STATUS[proof.status] if options.exit_code else 0)
+def _answer(
+    options: argparse.Namespace, found: RegionProof | SafeBox, proof: RegionProof, shown: dict[str, Unit]
+) -> Answer:
+    """Return the answer, and an exit status where that is asked for."""
+    status = _STATUS[proof.status] if options.exit_code else 0
+    return answer(options, lambda: found.report(names(shown)), found.as_dict, status)
 
 
 _VARY = "a parameter of the rod and its range, such as length=3.05:3.15, length=1% or length=±5mm"
@@ -204,83 +202,3 @@ def _about(own: float, tolerance: str, name: str, text: str) -> tuple[float, flo
 def _of_a_rod(value: str, name: str, text: str, own: float | None = None) -> float:
     kind = units.ROD_KINDS[name]
     return units.quantity(value, "--vary", kind, nominal=own, largest=LARGEST * LARGEST, given=repr(text))
-
-
-def _report(proof: RegionProof, shown: dict[str, Unit]) -> str:
-    """Return the lines of a proof."""
-    limit = f"{proof.growth_tolerance:g} 1/s"
-    heading = {
-        "stable": f"PROVED STABLE: under no load of the box does a mode grow faster than {limit}",
-        "unstable": f"PROVED UNSTABLE: under every load of the box a mode grows faster than {limit}",
-        "mixed": f"MIXED: under some loads of the box a mode grows faster than {limit}, under others none",
-        "undecided": "UNDECIDED",
-    }[proof.status]
-    lines = [heading, "", *(f"{'load' if i == 0 else '':9} {_side(s, shown)}" for i, s in enumerate(proof.box[:3]))]
-    lines += [f"{'rods' if i == 0 else '':9} {side}" for i, side in enumerate(proof.box[3:])]
-    if len(proof.box) > 3 and "Fcr" in (unit.name for unit in shown.values()):
-        lines.append(f"{'':9} Fcr is that of the rod as it is described, for every rod of the box")
-    for example in proof.examples:
-        numbers = ", ".join(f"{name} {shown[name].show(getattr(example.load, name))}" for name in KINDS)
-        sizes = "".join(
-            f", {s.name.replace('_', ' ')} {getattr(example.rod, s.name):g} {s.unit}" for s in proof.box[3:]
-        )
-        lines.append(f"{'example':9} {example.status}: {numbers}{sizes}: {example.statement}")
-    rest = "no higher mode grows"
-    if proof.left_out_bound > 0.0:
-        rest = f"every higher mode grows at less than {proof.left_out_bound:.1g} 1/s"
-    lines.append(f"{'modes':9} 1 to {proof.modes}: {rest}")
-    if proof.note:
-        lines.append(f"{'note':9} {proof.note}")
-    lines += _assumed(proof)
-    return "\n".join(lines)
-
-
-def _table(safe: SafeBox, shown: dict[str, Unit]) -> str:
-    """Return the table of a safe box, and what its proof assumes."""
-    return "\n".join([safe.table(**{name: shown[name].name for name in KINDS}), *_assumed(safe.proof)])
-
-
-def _assumed(proof: RegionProof) -> list[str]:
-    """Return lines about what a proof rests on."""
-    return textwrap.wrap(f"{'assumes':9} {'; '.join(proof.assumptions)}", 110, subsequent_indent=" " * 10)
-
-
-def _side(side: Side, shown: dict[str, Unit]) -> str:
-    """Return one side of a box of loads in the units asked for."""
-    unit = shown[side.name]
-    name = next(words for key, (words, _) in QUANTITIES.items() if key == side.name)
-    if side.low == side.high:
-        return f"{name} {unit.show(side.low)}"
-    return f"{name} {unit.of(side.low):.6g} to {unit.show(side.high)}"
-
-
-def _record(proof: RegionProof, safe: SafeBox | None) -> dict[str, Any]:
-    """Return the proof for JSON, in SI units."""
-    record: dict[str, Any] = {
-        "status": proof.status,
-        "box": [{"name": side.name, "low": side.low, "high": side.high, "unit": side.unit} for side in proof.box],
-        "growth_tolerance_per_s": proof.growth_tolerance,
-        "examples": [
-            {
-                "status": example.status,
-                "mean_N": example.load.mean,
-                "amplitude_N": example.load.amplitude,
-                "frequency_rad_per_s": example.load.frequency,
-                "rod": example.rod.as_dict(),
-                "statement": example.statement,
-            }
-            for example in proof.examples
-        ],
-        "modes": proof.modes,
-        "left_out_bound_per_s": proof.left_out_bound if proof.left_out_bound < float("inf") else None,
-        "boxes": proof.boxes,
-        "share_stable": proof.shares.stable,
-        "share_unstable": proof.shares.unstable,
-        "statement": proof.statement,
-        "note": proof.note,
-        "assumptions": list(proof.assumptions),
-        "version": fr.__version__,
-    }
-    if safe is not None:
-        record["safe"] = [each._asdict() for each in safe.ranges]
-    return record

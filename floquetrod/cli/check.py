@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import json
 import re
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import floquetrod as fr
-from floquetrod.cli import coupled, independent, kick, system, verdicts
+from floquetrod._util.report import Report
+from floquetrod.cli import system
 from floquetrod.cli.common import (
     ROD_OPTIONS,
-    Answer,
     add_friction,
     add_rod,
     add_units,
@@ -35,11 +35,12 @@ from floquetrod.cli.loads import (
     require_quantities,
     warn_of_hertz,
 )
+from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.verdict import Status
 from floquetrod.plotting import charts
-from floquetrod.rod.load import KINDS, Load
-from floquetrod.rod.verdict import RodStability
+from floquetrod.rod.load import KINDS, Load, Quantity
+from floquetrod.rod.verdict import QUICK, Margin, RodStability
 from floquetrod.units import Unit
 
 _HELP = """\
@@ -102,7 +103,6 @@ _OF_A_ROD = (
 )
 """Options that say nothing about a system."""
 
-_QUICK = 50  # coupled modes up to which margins take some seconds (a choice)
 _LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not fill the memory (a choice)
 
 
@@ -125,7 +125,7 @@ def add(check: argparse.ArgumentParser) -> None:
     check.add_argument(
         "--margins",
         action=argparse.BooleanOptionalAction,
-        help=f"search the margins and the damping that stabilises (default: up to {_QUICK} coupled modes)",
+        help=f"search the margins and the damping that stabilises (default: up to {QUICK} coupled modes)",
     )
     check.add_argument(
         "--plot",
@@ -142,8 +142,8 @@ def add(check: argparse.ArgumentParser) -> None:
 def _check(options: argparse.Namespace) -> Answer:
     if options.system is not None:
         system.require_alone(options, [name for name in _OF_A_ROD if getattr(options, name) is not None])
-        answer, status = system.judge(options)
-        return answer._replace(status=_STATUS[status] if options.exit_code else 0)
+        about_system, verdict = system.judge(options)
+        return about_system._replace(status=_STATUS[verdict] if options.exit_code else 0)
     if options.method is not None:
         raise ValueError(
             f"--method belongs to --system, got {options.method!r} with --rod: the methods for a rod follow from its "
@@ -162,19 +162,46 @@ def _check(options: argparse.Namespace) -> Answer:
         read_friction(options),
         read_units(options, rod),
         options.margins,
-        options.plot,
     )
     warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance)
-    if options.plot is not None:
-        _require_shape(question, options.plot)
+    for name, path in (("--plot", options.plot), ("--plot-force", options.plot_force)):
+        if path is not None:
+            check_out(path, charts.FIGURES, name)
     _draw_record(record, options.plot_force)
-    status, numbers, lines = _judged(question)
-    written = [str(path) for path in (options.plot, options.plot_force) if path is not None]
-    if written:
-        numbers["written"] = written
-        lines.append(f"written   {', '.join(written)}")
-    text = json.dumps(numbers, indent=2, allow_nan=False) if options.json else "\n".join(lines)
-    return Answer(text, _STATUS[status] if options.exit_code else 0)
+    result = _judged(question)
+    if options.plot is not None:
+        with Waiting(f"writing {options.plot}"):
+            charts.save_figure(result.plot(), options.plot)
+    said = _Said(result, _margins(question, result), *_sine_beside(question))
+    if said.margins is None and options.margins is None:
+        said = said._replace(not_searched=[("margins", _NOT_SEARCHED)])
+    if written := [str(path) for path in (options.plot, options.plot_force) if path is not None]:
+        said.lines.append(("written", ", ".join(written)))
+        said.numbers["written"] = written
+    status = _STATUS[result.status] if options.exit_code else 0
+    return answer(options, lambda: said.report(question.shown), said.record, status)
+
+
+class _Said(NamedTuple):
+    """A verdict, and what is said beside it."""
+
+    result: RodStability | fr.FrictionalRodStability
+    margins: dict[Quantity, Margin] | None
+    lines: list[tuple[str, str]]
+    numbers: dict[str, Any]
+    not_searched: Sequence[tuple[str, str]] = ()
+
+    def report(self, shown: dict[str, Unit]) -> Report:
+        """Return the report in units."""
+        said = self.result.report(names(shown), self.margins)
+        return said.with_lines(self.not_searched, before="checked").with_lines(self.lines)
+
+    def record(self) -> dict[str, Any]:
+        """Return the numbers."""
+        return self.result.as_dict(self.margins) | self.numbers
+
+
+_NOT_SEARCHED = "not searched, because this takes hundreds of verdicts; add --margins"
 
 
 class _Question(NamedTuple):
@@ -187,60 +214,49 @@ class _Question(NamedTuple):
     rubbing: tuple[float, float] | None
     shown: dict[str, Unit]
     margins: bool | None
-    plot: Path | None
-
-    def searched(self, result: RodStability) -> bool:
-        """Return whether margins are to be searched: where that was asked for, else where it takes some seconds."""
-        if self.margins is not None:
-            return self.margins
-        return self.rod.modes_under(self.load).prompt or result.modes_checked <= _QUICK
 
 
-def _judged(asked: _Question) -> tuple[Status, dict[str, Any], list[str]]:
-    """Return the verdict on a rod, the numbers for JSON, and the lines of the report."""
-    rod, load, shown = asked.rod, asked.load, asked.shown
+def _judged(asked: _Question) -> RodStability | fr.FrictionalRodStability:
+    """Return the verdict on a rod, with friction where that was asked for."""
     if asked.rubbing is not None:
         mu, speed = asked.rubbing
         with Waiting("deciding stability"):
-            verdict = rod.stability(load, modes=asked.modes, growth_tolerance=asked.tolerance, friction=mu, kick=speed)
-        linear, margins = verdict.linear, _margins(asked, verdict.linear)
-        record: dict[str, Any] = {
-            "with_friction": kick.record(verdict),
-            "without_friction": independent.record(linear, margins),
-        }
-        lines = [*kick.report(verdict, shown["kick"]), "", "without friction:"]
-        return verdict.status, record, [*lines, *independent.report(linear, shown, margins)]
+            return asked.rod.stability(
+                asked.load, modes=asked.modes, growth_tolerance=asked.tolerance, friction=mu, kick=speed
+            )
     # A record as it is, so that its noise counts; its fit where options say more about the load.
-    judged = asked.force if asked.force is not None and asked.is_whole else load
+    judged = asked.force if asked.force is not None and asked.is_whole else asked.load
     with Waiting("deciding stability", "verdicts") as progress:
-        result = rod.stability(judged, modes=asked.modes, growth_tolerance=asked.tolerance, progress=progress)
-    margins = _margins(asked, result)
-    if asked.rod.modes_under(load).prompt:
-        return result.status, independent.record(result, margins), independent.report(result, shown, margins)
-    record, lines = coupled.record(result, margins), coupled.report(result, shown, margins)
-    if asked.force is not None:
-        left_out = "" if asked.is_whole else "; the error leaves out its noise, because options change the load"
-        with Waiting("comparing with a sine"):
-            sine = _sine(asked)
-        record["force_record"] = _force_record(asked.force) | {"noise_in_error": asked.is_whole}
-        record["sine_of_the_same_amplitude"] = {
-            "status": sine.status,
-            "growth_rate_per_s": sine.growth_rate,
-        }
-        lines.append(f"sine      of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}")
-        lines.append(f"record    {repr(asked.force)[1:-1]}{left_out}")
-    if asked.plot is not None:
-        with Waiting(f"writing {asked.plot}"):
-            charts.save_figure(result.plot(), asked.plot)
-    return result.status, record, lines
+        return asked.rod.stability(judged, modes=asked.modes, growth_tolerance=asked.tolerance, progress=progress)
 
 
-def _margins(asked: _Question, result: RodStability) -> verdicts.Margins | None:
-    """Return the margins, None where they are not wanted; the verdict is said while the search takes its time."""
-    if not asked.searched(result):
+def _margins(asked: _Question, result: RodStability | fr.FrictionalRodStability) -> dict[Quantity, Margin] | None:
+    """Return the margins, where they were asked for, else where they take some seconds; None without.
+
+    The verdict is said while the search takes its time.
+    """
+    if not (result.has_quick_margins if asked.margins is None else asked.margins):
         return None
     with Waiting(f"{result.status}; searching the margins", "percent") as progress:
-        return verdicts.search(result, progress)
+        return result.margins(progress=progress)
+
+
+def _sine_beside(asked: _Question) -> tuple[list[tuple[str, str]], dict[str, Any]]:
+    """Return what a measured force adds: its fit, and the verdict on a sine of the same amplitude."""
+    if asked.force is None or asked.rubbing is not None:
+        return [], {}
+    with Waiting("comparing with a sine"):
+        sine = _sine(asked)
+    left_out = "" if asked.is_whole else "; the error leaves out its noise, because options change the load"
+    lines = [
+        ("sine", f"of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}"),
+        ("record", f"{repr(asked.force)[1:-1]}{left_out}"),
+    ]
+    numbers = {
+        "force_record": asked.force.as_dict() | {"noise_in_error": asked.is_whole},
+        "sine_of_the_same_amplitude": {"status": sine.status, "growth_rate_per_s": sine.growth_rate},
+    }
+    return lines, numbers
 
 
 def _sine(asked: _Question) -> RodStability:
@@ -253,21 +269,6 @@ def _growing(verdict: RodStability) -> str:
     return f", {verdict.growth_rate:.6g} 1/s" if verdict.growth_rate > 0.0 else ""
 
 
-def _force_record(record: fr.ForceRecord) -> dict[str, Any]:
-    """Return the fit of a measured force for JSON."""
-    return {
-        "mean_N": record.mean,
-        "mean_error_N": record.mean_error,
-        "amplitude_N": record.amplitude,
-        "frequency_rad_per_s": record.frequency,
-        "frequency_error_rad_per_s": record.frequency_error,
-        "harmonics_kept": list(record.kept),
-        "noise_N": record.noise,
-        "periods": record.periods,
-        "note": record.note,
-    }
-
-
 def _draw_record(record: fr.ForceRecord | None, path: Path | None) -> None:
     """Draw the fit of a measured force into a file, where one was asked for."""
     if path is None:
@@ -276,18 +277,7 @@ def _draw_record(record: fr.ForceRecord | None, path: Path | None) -> None:
         raise ValueError(
             f"--plot-force needs --force, got {str(path)!r} alone: it draws the measured force and its fit"
         )
-    check_out(path, charts.FIGURES, "--plot-force")
     charts.save_figure(record.plot()[0], path)
-
-
-def _require_shape(asked: _Question, path: Path) -> None:
-    """Raise ValueError where there is no shape to draw, or no file to write it to."""
-    check_out(path, charts.FIGURES, "--plot")
-    if asked.rod.modes_under(asked.load).prompt:
-        raise ValueError(
-            f"--plot draws the shape in which coupled modes grow, got {str(path)!r} for independent ones, which "
-            "grow as sines; floquetrod map draws where they do"
-        )
 
 
 def _modes(text: str | None) -> list[int] | None:

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import argparse
 import logging
-import math
 import re
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import floquetrod as fr
 from floquetrod import units
@@ -21,19 +20,11 @@ from floquetrod.cli.waiting import say
 from floquetrod.units import Unit
 
 if TYPE_CHECKING:
-    from floquetrod.floquet.systems.result import Resonance
     from floquetrod.rod.load import Quantity
 
 _TINY, LARGEST = 1e-9, 1e12  # what the library takes, in SI units: a typing error lies beyond
 
 _SHOWN = ("force", "frequency", "speed")  # kinds of quantity that --unit is for
-
-
-class Answer(NamedTuple):
-    """What a command prints, and its exit status."""
-
-    text: str
-    status: int = 0
 
 
 def describe_command(command: argparse.ArgumentParser, text: str, run: Any) -> None:
@@ -291,22 +282,6 @@ def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:
         writable(path)
     except ValueError as error:
         raise ValueError(f"{name}: {error}") from None
-
-
-def number(value: float) -> float | None:
-    """Return ``value``, or None where JSON has no number for it: infinite means never, or not within reach."""
-    return value if math.isfinite(value) else None
-
-
-def resonance_record(resonance: Resonance, growth: str) -> dict[str, Any]:
-    """Return a resonance for JSON, its growth rate under the name ``growth``."""
-    return {
-        "name": str(resonance),
-        "kind": resonance.kind,
-        "modes": list(resonance.modes),
-        "order": resonance.order,
-        growth: resonance.growth_rate,
-    }
 
 
 @contextmanager

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 
 import floquetrod as fr
-from floquetrod.cli.common import Answer, describe_command, number
+from floquetrod.cli.common import describe_command
 from floquetrod.cli.parser import real_number
+from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.waiting import Waiting
 
 _HELP = """\
@@ -33,27 +33,4 @@ def _compare(options: argparse.Namespace) -> Answer:
     equation = kind(options.alpha, options.beta, options.damping)
     with Waiting("asking every method"):
         comparison = fr.compare(equation)
-    if not options.json:
-        return Answer(repr(comparison))
-    rows = [
-        {
-            "method": r.method,
-            "status": r.status,
-            "growth_rate_per_tau": number(r.growth_rate),
-            "discriminant": number(r.discriminant),
-            "log_abs_discriminant": number(r.log_abs_discriminant),
-            "discriminant_relative_error": number(r.error),
-            "cost": str(r.cost),
-            "seconds": seconds,
-            "note": r.note,
-        }
-        for r, seconds in zip(comparison.results, comparison.seconds, strict=True)
-        if isinstance(r, fr.Stability)
-    ]
-    record = {
-        "agree": comparison.agree,
-        "disagreements": list(comparison.disagreements),
-        "methods": rows,
-        "version": fr.__version__,
-    }
-    return Answer(json.dumps(record, indent=2, allow_nan=False))
+    return answer(options, comparison.report, comparison.as_dict)

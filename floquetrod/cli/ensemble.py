@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import re
 import shlex
 import signal
@@ -19,8 +18,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.cli.common import Answer, describe_command, number, require_file, warnings_at_once
+from floquetrod._util.report import number
+from floquetrod.cli.common import describe_command, require_file, warnings_at_once
 from floquetrod.cli.parser import ratio, whole_number
+from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.study import Study, naming_study, read_study
 from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
@@ -132,13 +133,9 @@ def _ensemble(options: argparse.Namespace) -> Answer:
         "store": None if store is None else str(store),
         "continue": None if complete else _command(options),
         "seconds": time.monotonic() - started,
-        "version": fr.__version__,
     }
-    if options.json:
-        text = json.dumps(record, indent=2, allow_nan=False)
-    else:
-        text = "\n".join(_report(summary, record, study, options))
-    return Answer(text, 0 if complete else 130)
+    said = "\n".join(_report(summary, record, study, options))
+    return answer(options, lambda: said, lambda: record, 0 if complete else 130)
 
 
 def _part(options: argparse.Namespace) -> tuple[int, int] | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import webbrowser
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +10,6 @@ from pathlib import Path
 import floquetrod as fr
 from floquetrod.cli.common import (
     ROD_OPTIONS,
-    Answer,
     add_rod,
     add_units,
     check_out,
@@ -22,17 +20,18 @@ from floquetrod.cli.common import (
 from floquetrod.cli.loads import (
     RECORD_OPTIONS,
     add_kind,
-    describe_load,
     read_kind,
     read_load,
     read_record,
     warn_of_hertz,
 )
+from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.waiting import say
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
 from floquetrod.plotting.web import Shown, require_tornado, serve
 from floquetrod.rod.load import KINDS, Load
+from floquetrod.rod.reports import describe_load
 
 _HELP = """\
 Open a window with a slider for mean force, amplitude and frequency; map, modes, growth and verdict follow.
@@ -99,16 +98,15 @@ def _explore(options: argparse.Namespace) -> Answer:
     else:
         charts.show()
     load = explorer.load
-    if options.json:
-        record = {
-            "mean_N": load.mean,
-            "amplitude_N": load.amplitude,
-            "frequency_rad_per_s": load.frequency,
-            "command": explorer.command,
-        }
-        return Answer(json.dumps(record, indent=2, allow_nan=False))
+    record = {
+        "mean_N": load.mean,
+        "amplitude_N": load.amplitude,
+        "frequency_rad_per_s": load.frequency,
+        "command": explorer.command,
+    }
     where = f"written: {options.out}\n" if options.out is not None else ""
-    return Answer(f"{where}{describe_load(load, shown, rod)}\n{rod.stability(load)}\n{explorer.command}")
+    said = f"{where}{describe_load(load, shown, rod)}\n{rod.stability(load)}\n{explorer.command}"
+    return answer(options, lambda: said, lambda: record)
 
 
 def _given_load(options: argparse.Namespace, rod: fr.Rod) -> tuple[Load, bool]:

@@ -1,10 +1,9 @@
-"""The load in the terminal: its quantities, what kind of load it is, and how it is written in an answer."""
+"""The load in the terminal: its quantities, and what kind of load it is."""
 
 from __future__ import annotations
 
 import argparse
 import itertools
-import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -15,11 +14,8 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod.cli.common import LARGEST, read_quantity, read_range, require_file
 from floquetrod.cli.waiting import Waiting, say
-from floquetrod.rod.axial import AxialResonance
-from floquetrod.rod.data import RodData
 from floquetrod.rod.load import KINDS, Load, Quantity, kind
 from floquetrod.rod.plausibility import may_be_hertz, verdicts_in_hertz, warn_of_load
-from floquetrod.units import Unit
 
 _L = TypeVar("_L", bound=Load)
 
@@ -219,44 +215,3 @@ def _in_hertz(rod: fr.Rod, load: Load, tolerance: float) -> str:
         return ""
     words = {(1, 0): ("no mode grows", "one does"), (0, 1): ("a mode grows", "none does")}.get(verdicts)
     return f"at {load.frequency:.4g} rad/s {words[0]}, at {load.frequency:.4g} Hz {words[1]}" if words else ""
-
-
-def describe_load(load: Load, shown: dict[str, Unit], rod: RodData) -> str:
-    """Return the load in the units asked for, each quantity followed by its value in a second unit."""
-    return ", ".join(
-        [
-            f"mean {_both(load.mean, shown['mean'], rod)}",
-            f"amplitude {_both(load.amplitude, shown['amplitude'], rod)}",
-            _both(load.frequency, shown["frequency"], rod),
-        ]
-    )
-
-
-def describe_kind(load: Load, shown: dict[str, Unit], rod: RodData) -> list[str]:
-    """Return lines about what varies along the rod, and about the waveform."""
-    lines = [load.departures] if load.departures else []
-    if rod.weight_along > 0.0 and load.mean_at is not None:
-        upper, lower = (
-            shown["mean"].show(load.mean + load.added_mean(rod.weight_along, rod.length, x)) for x in (0.0, 1.0)
-        )
-        lines.append(f"mean force {upper} at the upper end, {lower} at the lower")
-    if not load.is_uniform:
-        found = rod.axial_response(load)
-        if math.isfinite(found.factor):
-            largest = _both(found.largest, shown["amplitude"], rod)
-            times = f"{found.factor:.3g} times the amplitude"
-            lines.append(f"vibration largest at {found.position:.4g} m: {largest}, {times}")
-        named = " and ".join(_resonance(r, shown["frequency"], rod) for r in found.resonances)
-        lines.append(f"axial resonance{'s' * (len(found.resonances) > 1)} nearby: {named}")
-    return lines
-
-
-def _resonance(found: AxialResonance, shown: Unit, rod: RodData) -> str:
-    of = f" of harmonic {found.harmonic}" if found.harmonic > 1 else ""
-    return f"{_both(found.frequency, shown, rod)}{of}"
-
-
-def _both(value: float, shown: Unit, rod: RodData) -> str:
-    kind = units.kind_of(shown.name) or ""
-    other = {"Fcr": "N", "rad/s": "Hz", "1/s": "Hz"}.get(shown.name, "Fcr" if kind == "force" else "rad/s")
-    return f"{shown.show(value)} ({units.unit(other, other, kind, rod.critical_force).show(value, 4)})"

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import argparse
-import json
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import Answer, add_coefficient, add_rod, describe_command, number, read_rod
+from floquetrod.cli.common import add_coefficient, add_rod, describe_command, read_rod
+from floquetrod.cli.report import Answer, answer
 
 _HELP = """\
 Say how far a string of this section, of any length, can be pushed down the channel before it locks up.
@@ -37,24 +37,7 @@ def _lock_up(options: argparse.Namespace) -> Answer:
     far = _force(options.far_force or "0", "--far-force", rod)
     push = None if options.push is None else _force(options.push, "--push", rod)
     found = rod.lock_up(options.friction, far)
-    pushed = None if push is None else float(found.pushed_length(push))
-    if options.json:
-        record = {
-            "length_m": number(found.length),
-            "friction": found.friction,
-            "far_force_N": found.far_force,
-            "critical_force_N": found.critical_force,
-            "push_N": push,
-            "pushed_length_m": None if pushed is None else number(pushed),
-            "assumptions": list(found.assumptions),
-            "version": fr.__version__,
-        }
-        return Answer(json.dumps(record, indent=2, allow_nan=False))
-    lines = [repr(found)[1:-1]]
-    if push is not None and pushed is not None:
-        length = f"{pushed:.4g} m" if number(pushed) is not None else "a string of any length"
-        lines.append(f"pushed    {push:.6g} N at the upper end pushes {length}")
-    return Answer("\n".join([*lines, f"assumed   {'; '.join(found.assumptions)}"]))
+    return answer(options, lambda: found.report(push), lambda: found.as_dict(push))
 
 
 def _force(text: str, name: str, rod: fr.Rod) -> float:

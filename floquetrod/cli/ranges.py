@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Callable
 from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import (
-    Answer,
     add_rod,
     add_units,
     describe_command,
-    number,
     read_rod,
     read_tolerance,
     read_units,
-    resonance_record,
 )
 from floquetrod.cli.loads import (
     add_kind,
@@ -29,10 +25,9 @@ from floquetrod.cli.loads import (
     require_quantities,
     warn_of_hertz,
 )
+from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.waiting import Waiting
-from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.constants import HAIRLINE_GROWTH
-from floquetrod.rod.intervals import Cause
 
 _HELP = """\
 List the stable and unstable intervals of one quantity of the load: give a range for it, and values for the others.
@@ -87,60 +82,8 @@ def _ranges(options: argparse.Namespace) -> Answer:
         "amplitude": rod.stable_amplitudes,
         "frequency": rod.stable_frequencies,
     }
-    counted = rod.modes_under(like).counted
-    with Waiting(f"searching along the {varied[0]}", counted) as progress:
+    with Waiting(f"searching along the {varied[0]}", "parts") as progress:
         found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance, like=like, progress=progress)
     with Waiting("finding the fastest growth and the damping required", "unstable parts") as progress:
         found.find_unstable(progress)
-    if not options.json:
-        return Answer(found.table(*shown[varied[0]]))
-    unit = "N" if found.unit == "N" else "rad_per_s"
-    record = {
-        "quantity": found.quantity,
-        f"searched_{unit}": list(found.bounds),
-        "growth_tolerance_per_s": found.growth_tolerance,
-        "modes_checked": found.modes,
-        "tongues_left_out": found.hairlines,
-        f"parts_missed_up_to_{unit}": found.resolution,
-        "stable": [
-            {
-                f"low_{unit}": part.low,
-                f"high_{unit}": part.high,
-                "low_end": _end(part.low_end),
-                "high_end": _end(part.high_end),
-            }
-            for part in found
-        ],
-        "unstable": [
-            {
-                f"low_{unit}": band.low,
-                f"high_{unit}": band.high,
-                "worst_growth_rate_per_s": band.worst_growth,
-                f"worst_at_{unit}": band.at,
-                "cause": _end(band.cause),
-                "required_damping_rate_per_s": number(band.required_damping),
-            }
-            for band in found.unstable
-        ],
-        "not_computed": [
-            {
-                f"low_{unit}": gap.low,
-                f"high_{unit}": gap.high,
-                f"axial_resonance_{unit}": gap.resonance.frequency,
-                "harmonic": gap.resonance.harmonic,
-            }
-            for gap in found.not_computed
-        ],
-        "ends_are": "[mode, tongue], a resonance of coupled modes, 'axial resonance' next to what is not computed, "
-        "'unnamed', or null at an end of the search",
-        "required_damping_is": "sampled over the band; null where no damping suffices"
-        if found.searched.model.prompt
-        else "that of the load whose growth is worst",
-        "version": fr.__version__,
-    }
-    return Answer(json.dumps(record, indent=2, allow_nan=False))
-
-
-def _end(end: Cause) -> Any:
-    """Return what closes an interval for JSON."""
-    return resonance_record(end, "growth_rate_per_s") if isinstance(end, Resonance) else end
+    return answer(options, lambda: found.report(*shown[varied[0]]), found.as_dict)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from pathlib import Path
 from typing import Any
 
-from floquetrod.cli.common import Answer, describe_command
+from floquetrod.cli.common import describe_command
+from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.waiting import say
 
 _HELP = """\
@@ -46,11 +46,9 @@ def _reproduce(options: argparse.Namespace) -> Answer:
     result = reproduce(options.out, detail=detail, simulations=options.simulations, progress=_progress())
     status = 1 if result.lost else 0
     written = [str(path) for path in result.written]
-    if options.json:
-        record = {"written": written, "claims": {claim.id: verdict(claim) for claim in result.claims}}
-        return Answer(json.dumps(record, indent=2, allow_nan=False), status)
+    record = {"written": written, "claims": {claim.id: verdict(claim) for claim in result.claims}}
     lines = [f"{claim.id:<7} {verdict(claim):<8} {claim.computed}" for claim in result.claims]
-    return Answer("\n".join([*lines, "", f"written: {', '.join(written)}"]), status)
+    return answer(options, lambda: "\n".join([*lines, "", f"written: {', '.join(written)}"]), lambda: record, status)
 
 
 def _progress() -> Any:

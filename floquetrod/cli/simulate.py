@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import os
 import tempfile
@@ -14,9 +13,7 @@ from pathlib import Path
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.files import writable
-from floquetrod.cli import simulated
 from floquetrod.cli.common import (
-    Answer,
     add_coefficient,
     add_rod,
     add_units,
@@ -35,6 +32,7 @@ from floquetrod.cli.loads import (
     warn_of_hertz,
 )
 from floquetrod.cli.parser import whole_number
+from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.starts import read_perturbation
 from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.rod.load import Load
@@ -158,15 +156,30 @@ def _simulate(options: argparse.Namespace) -> Answer:
         raise ValueError("; ".join([f"{error}{where}", *missed])) from None
     written, missed = _write_all(run, options.out)
     with Waiting("comparing with theory"):
-        found = simulated.found(run, options.theory)
-    record = simulated.record(found) | {
+        found = run.findings(theory=options.theory)
+    files = {
         "written": written,
         "not_written": missed,
         "checkpoint": None if options.checkpoint is None else str(options.checkpoint),
-        "version": fr.__version__,
     }
-    text = json.dumps(record, indent=2, allow_nan=False) if options.json else simulated.report(found, record, shown)
-    return Answer(text, 2 if missed else 0 if run.complete else 130)
+    return answer(
+        options,
+        lambda: found.report(names(shown)).with_lines(_left(run, written, missed, options)),
+        lambda: found.as_dict() | files,
+        2 if missed else 0 if run.complete else 130,
+    )
+
+
+def _left(
+    run: fr.Simulation, written: list[str], missed: list[str], options: argparse.Namespace
+) -> list[tuple[str, str]]:
+    """Return lines about what the run left behind."""
+    nothing = "nothing" if missed else "nothing: name files with --out"
+    lines = [("written", ", ".join(written) or nothing), *(("not", what) for what in missed)]
+    if not run.complete:
+        resume = "; the same command continues from the checkpoint" if options.checkpoint else ""
+        lines.append(("kept", f"{run.time.size} of {run.problem.frames} frames{resume}"))
+    return lines
 
 
 class _Forewarning:

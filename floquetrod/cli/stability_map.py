@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 import re
 from pathlib import Path
 from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import (
-    Answer,
     add_friction,
     add_rod,
     add_units,
@@ -32,6 +30,7 @@ from floquetrod.cli.loads import (
     require_quantities,
     warn_of_hertz,
 )
+from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.waiting import Waiting
 from floquetrod.rod.load import KINDS, Quantity
 
@@ -155,18 +154,15 @@ def _map(options: argparse.Namespace) -> Answer:
                 charts.save_figure(axes, path)
     written = [str(path) for path in paths]
     share = float(chart.stable.mean())
-    if options.json:
-        record = {
-            "written": written,
-            "points": int(chart.stable.size),
-            "stable_share": share,
-            "bands": len(chart.bands) if bands else None,
-            "tongues_left_out": chart.bands.hairlines if bands else None,
-            "version": fr.__version__,
-        }
-        return Answer(json.dumps(record, indent=2, allow_nan=False))
+    record = {
+        "written": written,
+        "points": int(chart.stable.size),
+        "stable_share": share,
+        "bands": len(chart.bands) if bands else None,
+        "tongues_left_out": chart.bands.hairlines if bands else None,
+    }
     lines = [drawn.caption, *([drawn.bands.caption] if bands else []), f"written: {', '.join(written)}"]
-    return Answer("\n".join(lines))
+    return answer(options, lambda: "\n".join(lines), lambda: record)
 
 
 def _points(text: str) -> tuple[int, int]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 import time
 from dataclasses import dataclass, field
 from itertools import combinations
+from typing import Any
 
 from floquetrod._util.calling import tells_arguments
 from floquetrod._util.content import NoTruthValue
+from floquetrod._util.report import Report, Reported, Table
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.dispatch import family_of, run
 from floquetrod.floquet.references import united
@@ -16,7 +18,7 @@ from floquetrod.floquet.verdict import Stability
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(NoTruthValue):
+class Comparison(Reported, NoTruthValue):
     """Results of several methods for one equation or system.
 
     Attributes
@@ -58,8 +60,8 @@ class Comparison(NoTruthValue):
         """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return united(*(result.references for result in self.results))
 
-    def __repr__(self) -> str:
-        """Return the table."""
+    def report(self) -> Report:
+        """Return the table of methods, and whether they agree."""
         what, unit = ("discriminant", "tau") if isinstance(self.equation, Equation) else ("structure", "unit time")
         head = ("method", "verdict", f"growth per {unit}", what, "error", "cost", "ms")
         rows = [
@@ -74,18 +76,31 @@ class Comparison(NoTruthValue):
             )
             for r, seconds in zip(self.results, self.seconds, strict=True)
         ]
-        widths = [max(len(row[i]) for row in (head, *rows)) for i in range(len(head))]
-        lines = [repr(self.equation)]
-        lines += [
-            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)) for row in (head, *rows)
-        ]
-        lines += [f"  {r.method}: {r.note}" for r in self.results if r.note]
+        widths = [str(max(len(row[i]) for row in (head, *rows))) for i in range(len(head))]
+        rest = "\n".join([*(f"  {r.method}: {r.note}" for r in self.results if r.note), *self._agreement()])
+        return Report(repr(self.equation), (), Table(list(zip(head, widths, strict=True)), rows, rest))
+
+    def _agreement(self) -> list[str]:
         if self.agree:
             undecided = [r.method for r in self.results if r.status == "undecided"]
-            lines.append("all methods agree" + (f"; undecided: {', '.join(undecided)}" if undecided else ""))
-        else:
-            lines += [f"{one} and {other} disagree ({notes})" for one, other, notes in self.disagreements]
-        return "\n".join(line.rstrip() for line in lines)
+            return ["all methods agree" + (f"; undecided: {', '.join(undecided)}" if undecided else "")]
+        return [f"{one} and {other} disagree ({notes})" for one, other, notes in self.disagreements]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the results as numbers for JSON, with the seconds that each took."""
+        return {
+            "agree": self.agree,
+            "disagreements": list(self.disagreements),
+            "methods": [
+                {**result.as_dict(), "seconds": seconds}
+                for result, seconds in zip(self.results, self.seconds, strict=True)
+            ],
+        }
+
+    def __repr__(self) -> str:
+        """Return the table."""
+        report = self.report()
+        return f"{report.headline}\n{report.table}"
 
 
 @tells_arguments()

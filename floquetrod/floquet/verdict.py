@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
 
 from floquetrod._util.content import NoTruthValue
+from floquetrod._util.report import Report, Reported, number
 from floquetrod.equations import Equation
 from floquetrod.floquet.references import references
 
@@ -114,7 +115,7 @@ class Verdict(Answer):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Stability(Verdict):
+class Stability(Reported, Verdict):
     """Verdict on one scalar equation, per unit tau.
 
     Attributes
@@ -146,6 +147,37 @@ class Stability(Verdict):
         """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return references(("equation", self.method))
 
+    def report(self) -> Report:
+        """Return the verdict in lines: growth, discriminant, method."""
+        where = "" if self.interval is None else f": {self.interval}"
+        lines = [("equation", repr(self.equation))]
+        if self.growth_rate > 0.0:
+            lines.append(("growth", f"{self.growth_rate:.6g} per unit tau"))
+        lines.append(("trace", f"discriminant {self._size} +- {self.error:.1g} relative"))
+        lines.append(("method", f"{self.method}, {self.cost}"))
+        return Report(self.status.upper() + where, lines + ([("note", self.note)] if self.note else []))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the verdict as numbers for JSON, units in the keys; None for what is infinite or not known."""
+        return {
+            "method": self.method,
+            "status": self.status,
+            "growth_rate_per_tau": number(self.growth_rate),
+            "discriminant": number(self.discriminant),
+            "log_abs_discriminant": number(self.log_abs_discriminant),
+            "discriminant_relative_error": number(self.error),
+            "interval": None if self.interval is None else str(self.interval),
+            "cost": str(self.cost),
+            "note": self.note,
+        }
+
+    @property
+    def _size(self) -> str:
+        """The discriminant, as a power of e where it is beyond a double's range."""
+        if math.isinf(self.discriminant):
+            return f"{'-' if self.discriminant < 0.0 else ''}exp({self.log_abs_discriminant:.10g})"
+        return f"{self.discriminant:.10g}"
+
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""
         verdict: str = self.status
@@ -155,10 +187,7 @@ class Stability(Verdict):
             verdict += f": growth {self.growth_rate:.3g} per unit tau cannot be told from none"
         if self.interval is not None:
             verdict += f", {self.interval}"
-        size = f"{self.discriminant:.10g}"
-        if math.isinf(self.discriminant):
-            size = f"{'-' if self.discriminant < 0.0 else ''}exp({self.log_abs_discriminant:.10g})"
-        text = f"{verdict}; discriminant {size} +- {self.error:.1g} relative; {self.method}, {self.cost}"
+        text = f"{verdict}; discriminant {self._size} +- {self.error:.1g} relative; {self.method}, {self.cost}"
         return f"<{text}; {self.note}>" if self.note else f"<{text}>"
 
 

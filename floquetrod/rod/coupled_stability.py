@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
+from floquetrod._util.report import number
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems.damping import least_damping
@@ -29,6 +30,7 @@ _LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4
 _LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter (a choice)
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
 _SHAPE_POINTS, _SHAPE_INSTANTS = 12, 48  # for each mode, and in a period
+_LISTED = 10  # resonances in a report, the fastest
 
 
 @dataclass(frozen=True)
@@ -137,6 +139,50 @@ class ModesTogether(Evidence):
         at, instant = np.unravel_index(np.abs(moving).argmax(), moving.shape)
         turned = moving[:, instant] * np.exp(-1j * np.angle(moving[at, instant]))
         return Shape(x * self.model.rod.length, turned.real / size, envelope / size)
+
+    def growth_of(self, verdict: RodStability, mode: int) -> float:
+        """Return the growth rate of the rod in 1/s: where modes are coupled, none of them has one of its own."""
+        return verdict.growth_rate
+
+    def is_fastest(self, verdict: RodStability, mode: int | None) -> bool:
+        """Return that the growth rate is that of any mode: all take part in it."""
+        return True
+
+    def headline(self, verdict: RodStability) -> str:
+        """Return the resonance that grows fastest, and how many more do."""
+        if verdict.status == "undecided":
+            return "the error of the growth rate is too large to decide whether the rod is stable"
+        if verdict.status != "unstable":
+            return ""
+        growing = [r for r in self.resonances if r.growth_rate > verdict.growth_tolerance]
+        name = str(growing[0]) if growing else f"grows at {verdict.growth_rate:.6g} 1/s"
+        return name + (f", and {len(growing) - 1} more" if len(growing) > 1 else "")
+
+    def named_lines(self, verdict: RodStability) -> list[tuple[str, str]]:
+        """Return the fastest resonances by name."""
+        lines = [
+            ("" if i else "grows", f"{resonance}, {resonance.growth_rate:.6g} 1/s")
+            for i, resonance in enumerate(self.resonances[:_LISTED])
+        ]
+        more = len(self.resonances) - _LISTED
+        return lines + ([("", f"and {more} more, which grow more slowly (the JSON lists them)")] if more > 0 else [])
+
+    def method(self, verdict: RodStability) -> str:
+        """Return the method, and how good the growth rate is."""
+        return f"{self.whole.method}, {verdict.cost}; growth good to {verdict.error:.0e} 1/s"
+
+    def numbers(self, verdict: RodStability) -> dict[str, Any]:
+        """Return error, numbers of modes tried, resonances and the kind of load."""
+        return {
+            "growth_rate_error_per_s": number(verdict.error),
+            "convergence": [{"modes": modes, "growth_rate_per_s": number(rate)} for modes, rate in self.convergence],
+            "resonances": [resonance.as_dict("growth_rate_per_s") for resonance in self.resonances],
+            "load": self.load.kind_as_dict(),
+            "structure": self.whole.structure,
+            "method": self.whole.method,
+            "cost": str(verdict.cost),
+            "note": verdict.note,
+        }
 
     def edge(self, verdict: RodStability, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
         """Return where the verdict first changes, with as many modes as the piece needs."""

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
+from floquetrod._util.report import Report, Reported, Table, number
 from floquetrod.equations import FrictionalMathieu, Mathieu
 from floquetrod.floquet.verdict import Status, Verdict
 from floquetrod.friction.critical_kicks import CriticalKickBounds, known_bounds
 from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, known_fate, known_fates
 from floquetrod.friction.inputs import growth_without_friction
 from floquetrod.rod.data import RodData
+from floquetrod.rod.load import Progress, Quantity
 from floquetrod.rod.mode_friction import ModeFriction, kicks_of, mode_friction
 from floquetrod.rod.modes import GrowingModes, ModalSystems
-from floquetrod.rod.verdict import RodStability
+from floquetrod.rod.reports import shown_in
+from floquetrod.rod.verdict import MARGIN_SECONDS, Margin, RodStability
+from floquetrod.units import Unit
 
 _AT_ONCE = 4096  # loads whose modes are held at once (a choice: some megabytes)
 
@@ -41,9 +46,25 @@ class CriticalKick(NamedTuple):
     mode: Any
     none_up_to: Any
 
+    def needed(self, shown: Unit) -> str:
+        """Return the smallest kick found, of one load, in a sentence."""
+        if math.isinf(self.kick):
+            return "no kick buckles the rod: no mode grows even without friction"
+        if self.mode is None:
+            return "the smallest kick that buckles the rod could not be decided"
+        return f"{shown.show(self.kick)} is the smallest found to buckle the rod, into mode {self.mode}"
+
+    def proved(self, shown: Unit) -> str:
+        """Return what is proved of kicks, of one load, in a sentence; "" where nothing needs proof."""
+        if not math.isfinite(self.none_up_to):
+            return ""
+        if self.none_up_to == 0.0:
+            return "nothing for any kick, however small"
+        return f"no kick up to {shown.show(self.none_up_to)} buckles the rod"
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class FrictionalRodStability(Verdict):
+class FrictionalRodStability(Reported, Verdict):
     """Verdict on a rod with friction, every mode of which is kicked alike, in 1/s and s.
 
     Attributes
@@ -96,6 +117,88 @@ class FrictionalRodStability(Verdict):
         ratio = _bounds(growing, np.full(growing.load.size, math.inf), None).smallest_found
         kicks = kicks_of(rod, self.friction, load.amplitude, load.frequency, ratio)
         return dict(zip(growing.mode.tolist(), kicks.tolist(), strict=True))
+
+    @property
+    def has_quick_margins(self) -> bool:
+        """Whether the margins of ``linear`` take some seconds at most."""
+        return self.linear.has_quick_margins
+
+    def margins(self, seconds: float = MARGIN_SECONDS, progress: Progress | None = None) -> dict[Quantity, Margin]:
+        """Return the margins of ``linear``, see `RodStability.margins`."""
+        return self.linear.margins(seconds, progress)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw what ``linear`` does."""
+        return self.linear.plot(ax)
+
+    def report(
+        self, units: Mapping[str, str] | None = None, margins: Mapping[Quantity, Margin] | None = None
+    ) -> Report:
+        """Return the verdict in lines and a table of the modes that grow without friction, and then that of `linear`.
+
+        Parameters
+        ----------
+        units : mapping, optional
+            In which to show mean, amplitude, frequency and kick: ``{"mean": "Fcr", "kick": "mm/s"}``.
+        margins : mapping, optional
+            Those of ``linear``, which its ``margins`` returns.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
+        shown = shown_in(units, self.linear.rod.critical_force)["kick"]
+        known, inside = self.critical_kick, self.in_modes
+        slides = shown.show(inside.v_a, 3)
+        lines = [
+            ("friction", f"mu {self.friction:g}: gamma {inside.gamma:.4g}; the rod slides axially at {slides}"),
+            ("kick", f"{shown.show(self.kick)} in each mode: eps {inside.epsilon:.4g}"),
+            ("needed", known.needed(shown)),
+        ]
+        proved = known.proved(shown)
+        lines += [("proved", proved)] if proved else []
+        modes = ", ".join(map(str, self.unstable_modes))
+        grows = f": the kick destabilises mode{'s' * (len(self.unstable_modes) > 1)} {modes}" if modes else ""
+        without = self.linear.report(units, margins)
+        without = replace(without, headline=f"without friction:\n{without.headline}")
+        return Report(self.status.upper() + grows, lines, self._table(shown), without)
+
+    def _table(self, shown: Unit) -> Table | None:
+        """Return the modes that grow without friction, None where none does."""
+        rows = [
+            (str(mode), f"{shown.of(self.critical_kicks[mode]):.6g}", f"{fate.status}: {fate.reason}")
+            for mode, fate in zip(self.modes, self.fates, strict=True)
+        ]
+        columns = [("mode", ">4"), (f"kick needed {shown.name}", ">16"), ("this kick", "")]
+        return Table(columns, rows) if rows else None
+
+    def as_dict(self, margins: Mapping[Quantity, Margin] | None = None) -> dict[str, Any]:
+        """Return the verdicts with and without friction as numbers for JSON, units in the keys.
+
+        None is what is infinite or not known; ``margins`` are those of ``linear``.
+        """
+        inside, known = self.in_modes, self.critical_kick
+        return {
+            "with_friction": {
+                "status": self.status,
+                "unstable_modes": list(self.unstable_modes),
+                "mu": self.friction,
+                "mu_theta": inside.mu_theta,
+                "kick_m_per_s": self.kick,
+                "axial_velocity_m_per_s": inside.v_a,
+                "gamma": inside.gamma,
+                "epsilon": inside.epsilon,
+                "critical_kick_m_per_s": number(known.kick),
+                "critical_mode": known.mode,
+                "no_kick_buckles_up_to_m_per_s": number(known.none_up_to),
+                "modes": [
+                    {"mode": mode, "critical_kick_m_per_s": number(self.critical_kicks[mode]), "fate": fate.status}
+                    for mode, fate in zip(self.modes, self.fates, strict=True)
+                ],
+            },
+            "without_friction": self.linear.as_dict(margins),
+        }
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""

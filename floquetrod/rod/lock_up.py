@@ -11,12 +11,13 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
+from floquetrod._util.report import Report, Reported, number
 
 _LARGEST = 1e15  # of forces in N and distances in m (a choice)
 
 
 @dataclass(frozen=True, repr=False)
-class LockUp:
+class LockUp(Reported):
     """Friction of a string that is pushed down a channel from its upper end, and the length at which it locks up.
 
     With xi the distance from the far end, where the compression is F_0, and F_p the critical force,
@@ -88,6 +89,30 @@ class LockUp:
         forces = validate.array("force", force, least=-_LARGEST, largest=_LARGEST)
         scaled = [self._length(f) for f in (forces.ravel() / self.critical_force).tolist()]
         return shaped(self.critical_force * np.array(scaled), forces.shape)
+
+    def report(self, push: float | None = None) -> Report:
+        """Return the length in words, with what is taken for granted; also what a ``push`` in N can push."""
+        lines = [("assumed", "; ".join(self.assumptions))]
+        if push is not None:
+            reach = number(self.pushed_length(push))
+            length = "a string of any length" if reach is None else f"{reach:.4g} m"
+            lines.insert(0, ("pushed", f"{push:.6g} N at the upper end pushes {length}"))
+        return Report(repr(self)[1:-1], lines)
+
+    def as_dict(self, push: float | None = None) -> dict[str, Any]:
+        """Return everything as numbers for JSON, units in the keys; None for a length that is infinite.
+
+        Also the length that a ``push`` in N can push.
+        """
+        return {
+            "length_m": number(self.length),
+            "friction": self.friction,
+            "far_force_N": self.far_force,
+            "critical_force_N": self.critical_force,
+            "push_N": push,
+            "pushed_length_m": None if push is None else number(float(self.pushed_length(push))),
+            "assumptions": list(self.assumptions),
+        }
 
     @property
     def assumptions(self) -> tuple[str, ...]:

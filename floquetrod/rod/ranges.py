@@ -12,6 +12,8 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
+from floquetrod._util.report import Report, Reported, Table
+from floquetrod._util.report import number as finite
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.axial import AxialGap, between
@@ -28,7 +30,7 @@ class Searched(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class StabilityIntervals(NoTruthValue):
+class StabilityIntervals(Reported, NoTruthValue):
     """All stability intervals of one quantity of the load within bounds.
 
     Attributes
@@ -136,7 +138,7 @@ class StabilityIntervals(NoTruthValue):
 
     def __repr__(self) -> str:
         """Return the stability intervals as a table; `table` also says what happens between them."""
-        return self._table(self.unit, 1.0, ())
+        return str(self._report(self.unit, 1.0, ()))
 
     def table(self, unit: str | None = None, size: float | None = None) -> str:
         """Return what is stable and what is not, in order, in another unit: "Hz", "rpm", "kN", "Fcr".
@@ -144,6 +146,10 @@ class StabilityIntervals(NoTruthValue):
         ``size`` is that of a unit of one's own in `unit`.  Behind unstable bands stand what grows fastest in it, how
         fast and where, and the damping required.  ValueError for units that are unknown.
         """
+        return str(self.report(unit, size))
+
+    def report(self, unit: str | None = None, size: float | None = None) -> Report:
+        """Return the `table`, whose text is ``str(report)``; a notebook shows it as a table."""
         wanted = self.unit if unit is None else unit
         if not isinstance(wanted, str):
             raise TypeError(f"unit must be a word such as 'Hz', got {validate.short(unit)}")
@@ -151,21 +157,23 @@ class StabilityIntervals(NoTruthValue):
             model, search = self.searched
             wanted, size = units.unit(wanted, "unit", KINDS[search.varied], model.rod.critical_force)
         size = validate.positive("size", size, "give it in the unit of the intervals")
-        return self._table(wanted, size, self.unstable)
+        return self._report(wanted, size, self.unstable)
 
-    def _table(self, unit: str, size: float, unstable: tuple[UnstableBand, ...]) -> str:
+    def _repr_html_(self) -> str:
+        """Return the stability intervals as a small table for a notebook."""
+        return self._report(self.unit, 1.0, self.__dict__.get("unstable", ()))._repr_html_()
+
+    def _report(self, unit: str, size: float, unstable: tuple[UnstableBand, ...]) -> Report:
         low, high = (value / size for value in self.bounds)
-        lines = [f"stable {self.quantity} in {unit}, between {low:.6g} and {high:.6g}"]
-        rows = [(part.low, part.high, f"{_end(part.low_end)} ... {_end(part.high_end)}") for part in self.intervals]
-        rows += _unstable_rows(unstable, size) if unstable else ()
-        lines += [f"  {low / size:12.9g} to {high / size:12.9g}   {text}" for low, high, text in sorted(rows)]
-        if not self.intervals:
-            lines.append("  none")
-        lines += [
-            f"  {gap.low / size:12.9g} to {gap.high / size:12.9g}   not computed: axial resonance at "
-            f"{gap.resonance.frequency / size:.6g}"
-            for gap in self.not_computed
-        ]
+        parts = [(part.low, part.high, f"{_end(part.low_end)} ... {_end(part.high_end)}") for part in self.intervals]
+        parts += _unstable_rows(unstable, size) if unstable else ()
+        rows = [(f"  {low / size:12.9g} to {high / size:12.9g}", f" {text}") for low, high, text in sorted(parts)]
+        rows += [] if self.intervals else [("  none", "")]
+        for gap in self.not_computed:
+            at = gap.resonance.frequency / size
+            ends = f"  {gap.low / size:12.9g} to {gap.high / size:12.9g}"
+            rows.append((ends, f" not computed: axial resonance at {at:.6g}"))
+        lines = []
         if unstable:
             what = self.searched.model.damping_of
             lines += [
@@ -174,7 +182,55 @@ class StabilityIntervals(NoTruthValue):
             ]
         if self.resolution:
             lines.append(f"  (unstable parts narrower than {self.resolution / size:.2g} {unit} may have been missed)")
-        return "\n".join([*lines, f"  ({self.note})"])
+        rest = "\n".join([*lines, f"  ({self.note})"])
+        headline = f"stable {self.quantity} in {unit}, between {low:.6g} and {high:.6g}"
+        return Report(headline, (), Table([("", ""), ("", "")], rows, rest))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the stability intervals and `unstable` as numbers for JSON, units in the keys; None for infinite."""
+        unit = "N" if self.unit == "N" else "rad_per_s"
+        return {
+            "quantity": self.quantity,
+            f"searched_{unit}": list(self.bounds),
+            "growth_tolerance_per_s": self.growth_tolerance,
+            "modes_checked": self.modes,
+            "tongues_left_out": self.hairlines,
+            f"parts_missed_up_to_{unit}": self.resolution,
+            "stable": [
+                {
+                    f"low_{unit}": part.low,
+                    f"high_{unit}": part.high,
+                    "low_end": _end_for_json(part.low_end),
+                    "high_end": _end_for_json(part.high_end),
+                }
+                for part in self.intervals
+            ],
+            "unstable": [
+                {
+                    f"low_{unit}": band.low,
+                    f"high_{unit}": band.high,
+                    "worst_growth_rate_per_s": band.worst_growth,
+                    f"worst_at_{unit}": band.at,
+                    "cause": _end_for_json(band.cause),
+                    "required_damping_rate_per_s": finite(band.required_damping),
+                }
+                for band in self.unstable
+            ],
+            "not_computed": [
+                {
+                    f"low_{unit}": gap.low,
+                    f"high_{unit}": gap.high,
+                    f"axial_resonance_{unit}": gap.resonance.frequency,
+                    "harmonic": gap.resonance.harmonic,
+                }
+                for gap in self.not_computed
+            ],
+            "ends_are": "[mode, tongue], a resonance of coupled modes, 'axial resonance' next to what is not computed, "
+            "'unnamed', or null at an end of the search",
+            "required_damping_is": "that of the load whose growth is worst"
+            if not self.searched.model.prompt
+            else "sampled over the band; null where no damping suffices",
+        }
 
 
 def stability_intervals(
@@ -232,6 +288,11 @@ def _rounded_up(damping: float) -> str:
     if math.isinf(damping):
         return "none"
     return f"{Context(prec=4, rounding=ROUND_CEILING).create_decimal_from_float(damping):.4g} 1/s"
+
+
+def _end_for_json(end: Cause) -> Any:
+    """Return what closes an interval for JSON."""
+    return end.as_dict("growth_rate_per_s") if isinstance(end, Resonance) else end
 
 
 def _end(end: Cause) -> str:

@@ -255,6 +255,20 @@ class ForceRecord(LoadSource, ByContent):
         whole, left = (2.0 * np.sqrt(found.power / self.time.size) for found in (record, residual))
         return frequency, whole, left
 
+    def as_dict(self) -> dict[str, Any]:
+        """Return the fit as numbers for JSON, units in the keys."""
+        return {
+            "mean_N": self.mean,
+            "mean_error_N": self.mean_error,
+            "amplitude_N": self.amplitude,
+            "frequency_rad_per_s": self.frequency,
+            "frequency_error_rad_per_s": self.frequency_error,
+            "harmonics_kept": list(self.kept),
+            "noise_N": self.noise,
+            "periods": self.periods,
+            "note": self.note,
+        }
+
     def __repr__(self) -> str:
         """Return the fit as a sentence."""
         kept = ", ".join(map(str, self.kept))

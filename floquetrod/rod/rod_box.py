@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from typing import Any, NamedTuple
@@ -16,6 +16,7 @@ from floquetrod.rod import formulas
 from floquetrod.rod.coupling import coupling, refusal
 from floquetrod.rod.data import RodData
 from floquetrod.rod.load import LIMITS, QUANTITIES, Load, Quantity, load_number
+from floquetrod.units import Unit
 
 """What a box of loads has sides of, in the order of the kernels."""
 
@@ -40,6 +41,23 @@ class RodExample(NamedTuple):
     load: Load
     rod: RodData
     statement: str
+
+    def where(self, shown: Mapping[str, Unit], sides: Sequence[Side]) -> str:
+        """Return the load in units, and of the rod the parameters that are ``sides`` of the box."""
+        numbers = [f"{name} {shown[name].show(getattr(self.load, name))}" for name in QUANTITIES]
+        sizes = [f"{s.name.replace('_', ' ')} {getattr(self.rod, s.name):g} {s.unit}" for s in sides]
+        return ", ".join(numbers + sizes)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it for JSON, units in the keys."""
+        return {
+            "status": self.status,
+            "mean_N": self.load.mean,
+            "amplitude_N": self.load.amplitude,
+            "frequency_rad_per_s": self.load.frequency,
+            "rod": self.rod.as_dict(),
+            "statement": self.statement,
+        }
 
 
 @dataclass(frozen=True)

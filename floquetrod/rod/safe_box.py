@@ -15,6 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.interval import Interval
+from floquetrod._util.report import Report, Reported, Table
 from floquetrod.floquet.proof.region import RegionProof, Side
 from floquetrod.rod.assumptions import warn_unless_uniform
 from floquetrod.rod.data import RodData
@@ -22,6 +23,7 @@ from floquetrod.rod.intervals import QUANTITIES as NAMES
 from floquetrod.rod.load import KINDS, LIMITS, QUANTITIES, Load, Loads, Progress, Quantity
 from floquetrod.rod.modes import ModalSystems
 from floquetrod.rod.region import is_proved_stable, prove, require_in_reach
+from floquetrod.rod.reports import shown_in
 from floquetrod.rod.rod_box import RodBox
 from floquetrod.rod.verdict import RodStability
 
@@ -43,7 +45,7 @@ class SafeRange(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class SafeBox(NoTruthValue):
+class SafeBox(Reported, NoTruthValue):
     """A box of loads that is proved safe.
 
     Attributes
@@ -94,22 +96,36 @@ class SafeBox(NoTruthValue):
 
         Ends are rounded inwards to six digits, so that what is printed is proved, too.
         """
-        rows = [("", "from", "now", "to", "unit")]
-        for low, now, high, unit, quantity in (
-            (each.low, each.value, each.high, each.unit, each.quantity) for each in self.in_units(**names)
-        ):
-            name = NAMES[quantity][0]
-            ends = ("fixed", _shown(now), "") if low == high else (_inward(low, up=True), _shown(now), _inward(high))
-            rows.append((name, *ends, unit))
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        lines = [
-            "  ".join(
-                [row[0].ljust(widths[0]), *(t.rjust(w) for t, w in zip(row[1:4], widths[1:4], strict=True)), row[4]]
-            )
-            for row in rows
-        ]
+        table = self._table(dict(names))
+        return f"{table}\n{self._proved}"
+
+    @property
+    def _proved(self) -> str:
         tolerances = "".join(f"; every rod of {side}" for side in self.rod_tolerances)
-        return "\n".join([*lines, f"proved: no mode grows faster than {self.growth_tolerance:g} 1/s{tolerances}"])
+        return f"proved: no mode grows faster than {self.growth_tolerance:g} 1/s{tolerances}"
+
+    def _table(self, names: Mapping[str, str]) -> Table:
+        rows = []
+        for quantity, low, now, high, unit in self.in_units(**names):
+            ends = ("fixed", _shown(now), "") if low == high else (_inward(low, up=True), _shown(now), _inward(high))
+            rows.append((NAMES[quantity][0], *ends, unit))
+        titles = ("", "from", "now", "to", "unit")
+        widths = [max(map(len, column)) for column in zip(titles, *rows, strict=True)]
+        layout = [f"<{widths[0]}", *(f">{width}" for width in widths[1:4]), ""]
+        return Table(list(zip(titles, layout, strict=True)), rows)
+
+    def report(self, units: Mapping[str, str] | None = None) -> Report:
+        """Return the `table` with what its proof assumes; its text is ``str(report)``, a notebook shows it as a table.
+
+        ``units`` in which to show mean, amplitude and frequency: ``{"mean": "Fcr", "frequency": "Hz"}``.
+        """
+        shown = shown_in(units, self.proof.subject.critical_force)
+        table = self._table({name: shown[name].name for name in QUANTITIES})
+        return Report(self._proved, (), table, Report("", self.proof.assumed))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the proof and the ranges for JSON, in SI units."""
+        return self.proof.as_dict() | {"safe": [each._asdict() for each in self.ranges]}
 
     def __repr__(self) -> str:
         """Return the table."""

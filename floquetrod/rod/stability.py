@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.report import Table, number
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.references import united
@@ -101,6 +102,72 @@ class ModeVerdicts(Evidence):
         """
         undamped = verdict.rod.replace(damping_rate=0.0)
         return replace(self.system, modes=self._modes_for(undamped, self.load, 0.0)).damping_to_stabilise
+
+    def growth_of(self, verdict: RodStability, mode: int) -> float:
+        """Return the growth rate of a mode in 1/s, looked at or not."""
+        return classify_modes(verdict.rod, replace(self.system, modes=(mode,)), 0.0).growth_rate
+
+    def plot(self, verdict: RodStability, ax: Any = None) -> Any:
+        """Raise ValueError: there is no shape to draw where modes are independent."""
+        raise ValueError(
+            "plot draws the shape in which coupled modes grow, and these modes are independent: each grows as a sine; "
+            "stability_map draws where they do"
+        )
+
+    has_exact_margins: ClassVar[bool] = True
+    enough: ClassVar[str] = "stable at any rate above {}"
+
+    def headline(self, verdict: RodStability) -> str:
+        """Return the modes that grow."""
+        if verdict.status != "unstable":
+            return ""
+        names = ", ".join(map(str, verdict.unstable_modes))
+        return f"modes {names} grow" if len(verdict.unstable_modes) > 1 else f"mode {names} grows"
+
+    def grows_in(self, verdict: RodStability) -> str:
+        """Return in which mode."""
+        return f" in mode {verdict.fastest_mode}"
+
+    def method(self, verdict: RodStability) -> str:
+        """Return the methods, and how good discriminants are."""
+        methods = ", ".join(sorted({verdict.method for verdict in self.mode_verdicts}))
+        return f"{methods}; discriminants good to {verdict.error:.0e} relative"
+
+    @property
+    def table(self) -> Table:
+        """The unstable modes and the five whose discriminants come nearest to the boundary, in order of mode."""
+        rows = list(zip(self.modes, self.mode_equations, self.mode_verdicts, self.mode_growth_rates, strict=True))
+        room = [-math.inf if v.status != "stable" else 2.0 - abs(v.discriminant) for v in self.mode_verdicts]
+        troubled = sum(verdict.status != "stable" for verdict in self.mode_verdicts)
+        chosen = sorted(sorted(range(len(rows)), key=room.__getitem__)[: max(5, troubled)])
+        return Table(
+            [("mode", ">4"), ("alpha", ">10"), ("beta", ">11"), ("where", "<21"), ("growth 1/s", ">10")],
+            [
+                (str(mode), f"{e.alpha:.5g}", f"{e.beta:.6g}", str(v.interval or v.status), f"{rate:.4g}")
+                for mode, e, v, rate in (rows[i] for i in chosen)
+            ],
+        )
+
+    def numbers(self, verdict: RodStability) -> dict[str, Any]:
+        """Return the bound on modes left out, and every mode."""
+        rows = zip(self.modes, self.mode_equations, self.mode_verdicts, self.mode_growth_rates, strict=True)
+        return {
+            "left_out_growth_bound_per_s": number(self.left_out_bound),
+            "modes": [
+                {
+                    "mode": mode,
+                    "alpha": equation.alpha,
+                    "beta": equation.beta,
+                    "status": each.status,
+                    "interval": str(each.interval) if each.interval else None,
+                    "growth_rate_per_s": float(rate),
+                    "discriminant": number(each.discriminant),
+                    "discriminant_relative_error": number(each.error),
+                    "method": each.method,
+                }
+                for mode, equation, each, rate in rows
+            ],
+        }
 
     def _modes_for(self, rod: RodData, load: Load, growth_tolerance: float) -> tuple[int, ...]:
         """Return the modes that matter for another rod or load; those the caller chose stay as they are."""

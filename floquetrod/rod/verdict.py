@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
+from floquetrod._util.report import Table
 from floquetrod.equations import HillSystem, Mathieu
 from floquetrod.floquet.references import references, united
 from floquetrod.floquet.systems.result import Resonance, SystemStability
@@ -23,6 +24,7 @@ from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.data import RodData
 from floquetrod.rod.load import Load, Progress, Quantity
 from floquetrod.rod.modes import ModalSystem
+from floquetrod.rod.reports import ReportedVerdict
 
 if TYPE_CHECKING:
     from floquetrod.rod.mode_systems import ModeSystems
@@ -47,6 +49,8 @@ _WAYS: dict[Quantity, Callable[[float, float], tuple[list[float], list[float]]]]
 """The ends of the pieces of a search for a margin, down and up, from where the load is and the critical force."""
 
 MARGIN_SECONDS = 10.0  # that a margin of coupled modes may take (a choice)
+
+QUICK = 50  # coupled modes up to which margins take some seconds (a choice)
 
 
 class _Distances(NamedTuple):
@@ -162,6 +166,53 @@ class Evidence(ABC):
         """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing."""
 
     @abstractmethod
+    def growth_of(self, verdict: RodStability, mode: int) -> float:
+        """Return the growth rate of a mode in 1/s, of the rod where it has none of its own."""
+
+    def is_fastest(self, verdict: RodStability, mode: int | None) -> bool:
+        """Return whether the growth rate of the rod is that of a mode."""
+        return mode == verdict.fastest_mode
+
+    def plot(self, verdict: RodStability, ax: Any = None) -> Any:
+        """Draw the shape in which the rod grows; return the axes."""
+        from floquetrod.plotting.rod import draw_shape
+
+        return draw_shape(verdict, ax)
+
+    # --- what a report says of it ---
+
+    has_exact_margins: ClassVar[bool] = False
+    """Whether margins are computed in milliseconds from boundaries; else they are found by sampling."""
+
+    enough: ClassVar[str] = "stable at every rate tried above {}"
+    """Which damping rates stabilise, with {} for the least."""
+
+    @abstractmethod
+    def headline(self, verdict: RodStability) -> str:
+        """Return what grows, or why that is not known; "" where there is nothing to say."""
+
+    def grows_in(self, verdict: RodStability) -> str:
+        """Return, to stand behind the growth rate, in which mode; "" where that is said elsewhere."""
+        return ""
+
+    @abstractmethod
+    def method(self, verdict: RodStability) -> str:
+        """Return how the verdict was found, and how good it is."""
+
+    def named_lines(self, verdict: RodStability) -> list[tuple[str, str]]:
+        """Return lines that name what grows."""
+        return []
+
+    @property
+    def table(self) -> Table | None:
+        """The modes nearest to trouble, where each has an equation of its own."""
+        return None
+
+    @abstractmethod
+    def numbers(self, verdict: RodStability) -> dict[str, Any]:
+        """Return what `RodStability.as_dict` has besides."""
+
+    @abstractmethod
     def edge(self, verdict: RodStability, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
 
@@ -181,7 +232,7 @@ class Evidence(ABC):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class RodStability(Verdict):
+class RodStability(Verdict, ReportedVerdict):
     """Verdict on a rod under a load, in 1/s and s.
 
     Attributes
@@ -315,11 +366,17 @@ class RodStability(Verdict):
         """How large the vibration becomes along the rod, where, and the nearest axial resonances."""
         return self.rod.axial_response(self.load)
 
-    def plot(self, ax: Any = None) -> Any:
-        """Draw the `shape` along the rod; return the axes."""
-        from floquetrod.plotting.rod import draw_shape
+    def growth_of(self, mode: int) -> float:
+        """Return the growth rate of a mode in 1/s, of the rod where modes are coupled."""
+        return self.evidence.growth_of(self, mode)
 
-        return draw_shape(self, ax)
+    def is_fastest(self, mode: int | None) -> bool:
+        """Return whether the growth rate is that of a mode; of coupled modes it is that of any."""
+        return self.evidence.is_fastest(self, mode)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the `shape` in which coupled modes grow along the rod; return the axes."""
+        return self.evidence.plot(self, ax)
 
     def _told(self, name: str) -> Any:
         """Return what the evidence tells by a name; AttributeError where it does not."""
@@ -403,6 +460,40 @@ class RodStability(Verdict):
         below, above = (math.inf if end.at is None else abs(end.at - here) for end in ends)
         searched = abs(ends[0].searched - here), abs(ends[1].searched - here)
         return Margin(below, above, max(end.resolution for end in ends), searched)
+
+    def margins(self, seconds: float = MARGIN_SECONDS, progress: Progress | None = None) -> dict[Quantity, Margin]:
+        """Return the `margin` of every quantity, and find the damping that stabilises.
+
+        Parameters
+        ----------
+        seconds : float
+            About how long each may take, as for `margin`.
+        progress : callable, optional
+            Called with the numbers of hundredths done and of all, 100.
+
+        Raises
+        ------
+        ValueError
+            For ``seconds`` that are not greater than zero.
+        """
+        validate.progress(progress)
+        found: dict[Quantity, Margin] = {}
+        for i, quantity in enumerate(_WAYS):
+
+            def told(done: int, parts: int, before: int = 25 * i) -> None:
+                if progress is not None:
+                    progress(before + 25 * done // parts, 100)
+
+            found[quantity] = self.margin(quantity, seconds=seconds, progress=told)
+        _ = self.damping_to_stabilise  # kept with the verdict
+        if progress is not None:
+            progress(100, 100)
+        return found
+
+    @property
+    def has_quick_margins(self) -> bool:
+        """Whether margins take some seconds at most: all but those of many coupled modes."""
+        return self.evidence.has_exact_margins or self.modes_checked <= QUICK
 
     @property
     def margin_tolerance(self) -> float:

@@ -17,12 +17,14 @@ from numpy.typing import NDArray
 from floquetrod._util import files, validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import level_of_caller
+from floquetrod._util.report import Report, Reported
 from floquetrod._util.version import __version__
 from floquetrod.rod.load import LIMITS, Load, load_from_dict, load_number, require_load
 from floquetrod.rod.parts import friction_coefficient
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.checkpoints import Checkpoint
 from floquetrod.simulation.driving import LARGEST_STRAIN, MOST_HARMONICS, Driving, half_waves
+from floquetrod.simulation.findings import Findings
 from floquetrod.simulation.growth import GrowthFit, growth_of_motion
 from floquetrod.simulation.integration import Integration, Progress
 from floquetrod.simulation.measures import axial_force, contact_force
@@ -292,20 +294,22 @@ class SimulationProblem:
         """Raise ValueError for a load that cannot be simulated, and for ends that are to do two things at once."""
         load = self.load
         if len(load.harmonics) > MOST_HARMONICS:
-            raise ValueError(
-                f"load must have at most {MOST_HARMONICS} harmonics to be simulated, got {len(load.harmonics)}; leave "
-                "out the highest"
+            raise validate.wrong_value(
+                "load",
+                f"must have at most {MOST_HARMONICS} harmonics to be simulated, got {len(load.harmonics)}; leave "
+                "out the highest",
             )
         lower = self.driving.far_end
         if self.feed_speed is not None and load.amplitude > 0.0 and lower != "driven":
-            raise ValueError(
-                f"feed_speed must not be given with a vibration of the upper end, got {self.feed_speed:g} m/s and an "
-                f"amplitude of {load.amplitude:g} N; an AxialLoad vibrates the lower end"
+            raise validate.wrong_value(
+                "feed_speed",
+                f"must not be given with a vibration of the upper end, got {self.feed_speed:g} m/s and an "
+                f"amplitude of {load.amplitude:g} N; an AxialLoad vibrates the lower end",
             )
         if self.far_force is not None and lower == "held":
-            raise ValueError(
-                f"far_force must not be given with a lower end that is held, got {self.far_force:g} N; "
-                'take far_end="free"'
+            raise validate.wrong_value(
+                "far_force",
+                f'must not be given with a lower end that is held, got {self.far_force:g} N; take far_end="free"',
             )
 
     def _require_small_strain(self) -> None:
@@ -323,7 +327,7 @@ _OF_THE_MESH = [part.name for part in fields(DiscreteRod) if part.name != "rod"]
 
 
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
-class Simulation(RecordedMotion):
+class Simulation(Reported, RecordedMotion):
     """The motion of a simulated rod.
 
     Attributes
@@ -390,10 +394,25 @@ class Simulation(RecordedMotion):
             mode = validate.integer("mode", mode, 1, self._most_modes, self._why_no_more)
         problem = self.problem
         if problem.friction > 0.0:
-            raise ValueError("growth_rate needs a frictionless run; with friction look at mode_amplitudes")
+            raise validate.wrong_value("growth_rate", "needs a frictionless run; with friction look at mode_amplitudes")
         return growth_of_motion(
             self, problem.rod, problem.load, mode, problem.duration, problem.frames, problem.indentation
         )
+
+    def findings(self, *, theory: bool = True) -> Findings:
+        """Return the growth that can be fitted and what theory says of the load: `Findings`, to be read as a report.
+
+        Without ``theory`` what was simulated alone; theory takes half a minute for coupled modes of a kilometre.
+        """
+        return Findings.of(self, theory=validate.flag("theory", theory))
+
+    def report(self, units: Mapping[str, str] | None = None) -> Report:
+        """Return what was simulated in lines, without theory; `findings` compares."""
+        return self.findings(theory=False).report(units)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what was simulated as numbers for JSON, without theory, units in the keys; `findings` compares."""
+        return self.findings(theory=False).as_dict()
 
     @cached_property
     def contact_force(self) -> NDArray[np.float64]:

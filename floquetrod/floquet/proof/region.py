@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+import textwrap
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
+from floquetrod import units as known
 from floquetrod._util import validate
 from floquetrod._util.compilation import compiled_for, runner
 from floquetrod._util.content import NoTruthValue
+from floquetrod._util.report import Report, Reported, number
 from floquetrod.floquet.references import references
 from floquetrod.kernels import regions as kernels
 from floquetrod.kernels.regions_boxes import DAMPING, tail_modes
@@ -19,6 +22,8 @@ from floquetrod.kernels.regions_boxes import DAMPING, tail_modes
 _MOST_AT_ONCE = 100_000  # parts that wait in one search: tens of megabytes (a choice)
 _STEPS = 2_000  # parts looked at between two reports of progress: some tens of milliseconds (a choice)
 _PATIENCE = 1000  # rows of the modes' Hill matrices judged by interpreted kernels before they are compiled (a choice)
+
+_NAMES = {"mean": "mean force"}
 
 RegionStatus: TypeAlias = Literal["stable", "unstable", "mixed", "undecided"]
 
@@ -33,8 +38,11 @@ class Side(NamedTuple):
 
     def __str__(self) -> str:
         """Return, say, "mean 0.5 to 0.6 N"."""
-        values = f"{self.low:.6g}" if self.low == self.high else f"{self.low:.6g} to {self.high:.6g}"
-        return f"{self.name.replace('_', ' ')} {values} {self.unit}".strip()
+        return f"{self.name.replace('_', ' ')} {self.values(known.Unit(self.unit, 1.0))}"
+
+    def values(self, unit: known.Unit) -> str:
+        """Return the ends in a unit."""
+        return f"{'' if self.low == self.high else f'{unit.of(self.low):.6g} to '}{unit.show(self.high)}"
 
 
 class Shares(NamedTuple):
@@ -45,7 +53,7 @@ class Shares(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class RegionProof(NoTruthValue):
+class RegionProof(Reported, NoTruthValue):
     """What is proved of every point of a box.
 
     Attributes
@@ -105,6 +113,88 @@ class RegionProof(NoTruthValue):
     def stable(self) -> bool | None:
         """True, False, or None when mixed or undecided."""
         return {"stable": True, "unstable": False}.get(self.status)
+
+    def report(self, units: Mapping[str, str] | None = None) -> Report:
+        """Return the proof in lines: the box, examples, modes and assumptions.
+
+        Parameters
+        ----------
+        units : mapping, optional
+            In which to show sides of the box: ``{"mean": "Fcr", "frequency": "Hz"}``.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
+        shown = self._shown({} if units is None else units)
+        loads, rods = (self.box[:3], self.box[3:]) if self._is_of_rods else ((), ())
+        lines = [
+            ("" if i else "load", f"{_NAMES.get(side.name, side.name)} {side.values(shown[side.name])}")
+            for i, side in enumerate(loads)
+        ]
+        lines += [("" if i else "rods", str(side)) for i, side in enumerate(rods)]
+        lines += [("" if i else "box", str(side)) for i, side in enumerate(() if self._is_of_rods else self.box)]
+        if rods and any(unit.name == "Fcr" for unit in shown.values()):
+            lines.append(("", "Fcr is that of the rod as it is described, for every rod of the box"))
+        for each in self.examples:
+            lines.append(("example", f"{each.status}: {each.where(shown, rods)}: {each.statement}"))
+        if self._is_of_rods:
+            rest = "no higher mode grows"
+            if self.left_out_bound > 0.0:
+                rest = f"every higher mode grows at less than {self.left_out_bound:.1g} 1/s"
+            lines.append(("modes", f"1 to {self.modes}: {rest}"))
+        lines += [("note", self.note)] if self.note else []
+        return Report(self._headline, [*lines, *self.assumed])
+
+    @property
+    def _is_of_rods(self) -> bool:
+        return not isinstance(self.subject, type)
+
+    def _shown(self, names: Mapping[str, str]) -> dict[str, known.Unit]:
+        """Return the unit to show each side in."""
+        critical = getattr(self.subject, "critical_force", None)
+        return {
+            side.name: known.unit(names[side.name], side.name, known.kind_of(side.unit) or "ratio", critical)
+            if side.name in names
+            else known.Unit(side.unit, 1.0)
+            for side in self.box
+        }
+
+    @property
+    def _headline(self) -> str:
+        limit = f"{self.growth_tolerance:g} {self.growth_unit}"
+        at, point, what = ("under", "load", "a mode") if self._is_of_rods else ("at", "point", "a solution")
+        return {
+            "stable": f"PROVED STABLE: {at} no {point} of the box does {what} grow faster than {limit}",
+            "unstable": f"PROVED UNSTABLE: {at} every {point} of the box {what} grows faster than {limit}",
+            "mixed": f"MIXED: {at} some {point}s of the box {what} grows faster than {limit}, {at} others none",
+            "undecided": "UNDECIDED",
+        }[self.status]
+
+    @property
+    def assumed(self) -> list[tuple[str, str]]:
+        """Lines about what the proof rests on."""
+        wrapped = textwrap.wrap("; ".join(self.assumptions), 100)
+        return [("" if i else "assumes", text) for i, text in enumerate(wrapped)]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the proof for JSON, in SI units; None for a bound that is infinite."""
+        per = "per_s" if self.growth_unit == "1/s" else "per_tau"
+        return {
+            "status": self.status,
+            "box": [side._asdict() for side in self.box],
+            f"growth_tolerance_{per}": self.growth_tolerance,
+            "examples": [example.as_dict() for example in self.examples],
+            "modes": self.modes,
+            f"left_out_bound_{per}": number(self.left_out_bound),
+            "boxes": self.boxes,
+            "share_stable": self.shares.stable,
+            "share_unstable": self.shares.unstable,
+            "statement": self.statement,
+            "note": self.note,
+            "assumptions": list(self.assumptions),
+        }
 
     def __repr__(self) -> str:
         """Return the proof as a sentence."""

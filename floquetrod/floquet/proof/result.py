@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from floquetrod._util.report import Report, Reported
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.references import references
 from floquetrod.floquet.verdict import Answer, Interval, Status
@@ -29,7 +30,7 @@ class Enclosure(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class Proof(Answer):
+class Proof(Reported, Answer):
     """A proved verdict, or why there is none.
 
     Attributes
@@ -62,6 +63,20 @@ class Proof(Answer):
     def references(self) -> tuple[str, ...]:
         """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return references(("equation" if isinstance(self.equation, Equation) else "system", "certify"))
+
+    def report(self) -> Report:
+        """Return what was proved, and the quantities that decided."""
+        head = "UNDECIDED" if self.status == "undecided" else f"PROVED {self.status.upper()}"
+        lines = [("" if i else "decided", str(each)) for i, each in enumerate(self.enclosures)]
+        return Report(f"{head}: {self.statement} ({self.digits} digits)", lines)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return what was proved for JSON."""
+        return {"status": self.status, "statement": self.statement, "digits": self.digits}
+
+    def where(self, _shown: Any = None, _sides: Any = ()) -> str:
+        """Return what it is a proof of, as `RegionProof` writes its examples."""
+        return repr(self.equation)
 
     def __repr__(self) -> str:
         """Return the proof as a sentence."""

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from floquetrod._util.caching import cached_property
+from floquetrod._util.report import Report, Reported, Table, number
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.matrices import Structure
 from floquetrod.floquet.references import references
 from floquetrod.floquet.systems.damping import damping_to_stabilise
 from floquetrod.floquet.verdict import Verdict, pace
+
+_LISTED = 40
+"""Multipliers in a report, the largest; all are among the numbers."""
 
 
 class Resonance(NamedTuple):
@@ -34,6 +38,16 @@ class Resonance(NamedTuple):
     order: int
     growth_rate: float
 
+    def as_dict(self, growth: str = "growth_rate") -> dict[str, Any]:
+        """Return it for JSON, the growth rate under the name ``growth``."""
+        return {
+            "name": str(self),
+            "kind": self.kind,
+            "modes": list(self.modes),
+            "order": self.order,
+            growth: self.growth_rate,
+        }
+
     def __str__(self) -> str:
         """Return, say, "sum resonance of modes 1 and 2, order 1"."""
         if self.kind == "buckling":
@@ -45,7 +59,7 @@ class Resonance(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
-class SystemStability(Verdict):
+class SystemStability(Reported, Verdict):
     """Verdict on a system of equations, per unit of its time.
 
     Attributes
@@ -114,6 +128,134 @@ class SystemStability(Verdict):
         if isinstance(self.system, PeriodicSystem) or math.isnan(self.growth_rate):
             return self.growth_rate
         return damping_to_stabilise(self.system, self.growth_rate)
+
+    @property
+    def largest_multiplier_less_1(self) -> float:
+        """By how much the largest multiplier's magnitude exceeds 1: 0 where all lie on the circle, NaN not known."""
+        rate = max((exponent.real for exponent in self.exponents), default=math.nan)
+        if self.status == "stable" and rate * self.period > -self.error:
+            return 0.0
+        return math.expm1(min(rate * self.period, 700.0)) if rate == rate else math.nan
+
+    @property
+    def opposite_signs_apart(self) -> float | None:
+        """Least angle in rad between multipliers of opposite Krein signs, which must meet before any can grow.
+
+        None where a multiplier's sign is not known, or all signs are alike.
+        """
+        if not self.exponents or not all(self.krein_signs):
+            return None
+        signed = list(zip(self.exponents, self.krein_signs, strict=True))
+        plus, minus = ([e.imag * self.period for e, sign in signed if sign == wanted] for wanted in (1, -1))
+        return min((abs(math.remainder(a - b, 2.0 * math.pi)) for a in plus for b in minus), default=None)
+
+    def report(self, *, damping: bool = False) -> Report:
+        """Return the verdict in lines and a table of multipliers; with the ``damping`` that stabilises, a search."""
+        system, count = self.system, self.system.harmonics.shape[-3]
+        form = "second order" if isinstance(system, HillSystem) else "first order"
+        varies = f"{count} harmonic{'' if count == 1 else 's'}" if count else "constant coefficients"
+        equations = f"{system.order} equation{'' if system.order == 1 else 's'} of {form}"
+        turns = f"period {self.period:.6g} (angular frequency {2.0 * math.pi / self.period:.6g})"
+        lines = [("system", f"{equations}, {self.structure}, {varies}, {turns}")]
+        if self.growth_rate > 0.0:
+            tenfold = math.log(10.0) / self.growth_rate
+            lines.append(("growth", f"{self.growth_rate:.6g} per unit time, tenfold in {tenfold:.4g}"))
+        if self.decay_rate > 0.0:
+            lines.append(("decay", f"{self.decay_rate:.6g} per unit time, the slowest motion"))
+        for i, resonance in enumerate(self.resonances):
+            nearest = "" if i else " (the nearest combination of frequencies)"
+            lines.append(("" if i else "named", f"{resonance}, growth {resonance.growth_rate:.6g}{nearest}"))
+        lines.append(("margin", self._margin))
+        lines += self._damping_lines() if damping else []
+        good = f"multipliers good to {self.error:.0e} relative"
+        lines.append(("method", f"{self.method}, {self.cost}; {good}"))
+        lines += [("note", self.note)] if self.note else []
+        return Report(self._headline, lines, self._table())
+
+    def _damping_lines(self) -> list[tuple[str, str]]:
+        """Return what uniform damping it takes, where it takes any."""
+        rate = self.damping_to_stabilise
+        if not rate > 0.0:
+            return []
+        if math.isinf(rate):
+            return [("damping", "no damping suffices: the mean stiffness alone is unstable")]
+        tried = ", as far as tried" if isinstance(self.system, HillSystem) else ""
+        return [("damping", f"stable at uniform rates above {rate:.6g} per unit time{tried}, added to what there is")]
+
+    @property
+    def _headline(self) -> str:
+        if self.status == "unstable":
+            return f"UNSTABLE: grows at {self.growth_rate:.6g} per unit time"
+        if self.status == "undecided":
+            return "UNDECIDED: a multiplier is too close to the unit circle, or two multipliers are too close together"
+        if self.largest_multiplier_less_1 < 0.0:
+            return "STABLE: every motion decays"
+        if self.strongly_stable:
+            return "STABLE, strongly: small changes of the coefficients leave every motion bounded"
+        return "STABLE: every motion stays bounded"
+
+    @property
+    def _margin(self) -> str:
+        largest = self.largest_multiplier_less_1
+        if largest == 0.0:
+            apart = self.opposite_signs_apart
+            text = "all multipliers lie on the unit circle"
+            return text if apart is None else f"{text}; those of opposite Krein signs are {apart:.4g} rad apart or more"
+        if math.isnan(largest):
+            return "unknown"
+        way = "outside" if largest > 0.0 else "inside"
+        return f"the largest multiplier lies {abs(largest):.4g} {way} the unit circle"
+
+    def _table(self) -> Table | None:
+        rows = []
+        found = list(zip(self.multipliers, self.multiplier_errors, self.krein_signs, strict=True))
+        for mu, error, sign in found[:_LISTED]:
+            written = f"{mu.real:+.9f} {mu.imag:+.9f}i" if abs(mu) < 1e4 else f"{mu.real:+.6e} {mu.imag:+.6e}i"
+            angle = f"{math.atan2(mu.imag, mu.real) / math.pi:+.6f}"
+            krein = {1: "+", -1: "-"}.get(sign, "")
+            rows.append((f"  {written}", f"{abs(mu):.9g}", angle, f"{error:.0e}", krein))
+        columns = [("  multiplier", "<31"), ("magnitude", "<13"), ("angle/pi", ">9"), ("error", ">8")]
+        more = len(found) - _LISTED
+        rest = f"  and {more} more, which decay faster (the JSON lists them)" if more > 0 else ""
+        return Table([*columns, ("Krein sign", ">5")], rows, rest) if rows else None
+
+    def as_dict(self, *, damping: bool = False) -> dict[str, Any]:
+        """Return the verdict as numbers for JSON; None for what is infinite or not known.
+
+        With the ``damping`` that stabilises, a search.
+        """
+        exponents = zip(self.exponents, self.exponent_errors, strict=True)
+        multipliers = zip(self.multipliers, self.multiplier_errors, self.krein_signs, strict=True)
+        return {
+            "status": self.status,
+            "strongly_stable": self.strongly_stable,
+            "growth_rate_per_unit_time": number(self.growth_rate),
+            "decay_rate_per_unit_time": self.decay_rate,
+            **({"damping_to_stabilise_per_unit_time": number(self.damping_to_stabilise)} if damping else {}),
+            "largest_multiplier_less_1": number(self.largest_multiplier_less_1),
+            "opposite_krein_signs_apart_rad": self.opposite_signs_apart,
+            "resonances": [resonance.as_dict() for resonance in self.resonances],
+            "multipliers": [
+                {
+                    "real": number(mu.real),
+                    "imag": number(mu.imag),
+                    "error": number(error),
+                    "exponent_real": exponent.real,
+                    "exponent_imag": exponent.imag,
+                    "exponent_error": number(exponent_error),
+                    "krein_sign": sign,
+                }
+                for (mu, error, sign), (exponent, exponent_error) in zip(multipliers, exponents, strict=True)
+            ],
+            "equations": self.system.order,
+            "structure": self.structure,
+            "harmonics": int(self.system.harmonics.shape[-3]),
+            "period": self.period,
+            "method": self.method,
+            "relative_error": number(self.error),
+            "cost": str(self.cost),
+            "note": self.note,
+        }
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""

@@ -1,0 +1,96 @@
+"""What a result says: a headline, lines with labels and a table, for the terminal, a notebook or a file."""
+
+from __future__ import annotations
+
+import math
+from abc import abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from html import escape
+from typing import Any, NamedTuple
+
+WIDTH = 8
+"""Width of the labels."""
+
+
+class Table(NamedTuple):
+    """Columns, each with its title and its alignment and least width as in ``">10"``, and rows of their texts."""
+
+    columns: Sequence[tuple[str, str]]
+    rows: Sequence[Sequence[str]]
+    rest: str = ""  # what is not in it
+
+    def __str__(self) -> str:
+        """Return the lines, the titles first."""
+        titles, layout = zip(*self.columns, strict=True)
+        rows = (titles, *self.rows) if any(titles) else self.rows
+        lines = ["  ".join(map(format, row, layout)).rstrip() for row in rows]
+        return "\n".join([*lines, *filter(None, [self.rest])])
+
+    def html(self) -> str:
+        """Return the table for a notebook."""
+        head = "".join(f"<th>{escape(title)}</th>" for title, _ in self.columns)
+        rows = (f"<tr>{''.join(f'<td>{escape(cell.strip())}</td>' for cell in row)}</tr>" for row in self.rows)
+        return f"<table><tr>{head}</tr>{''.join(rows)}</table>{escape(self.rest.strip())}"
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a result says.
+
+    Attributes
+    ----------
+    headline : str
+        The answer.
+    lines : sequence of (str, str)
+        Labels and texts; without a label a line goes on with what the one before it is about.
+    table : Table or None
+    rest : Report or None
+        What is to be read after it.
+    """
+
+    headline: str
+    lines: Sequence[tuple[str, str]] = ()
+    table: Table | None = None
+    rest: Report | None = None
+
+    def with_lines(self, lines: Sequence[tuple[str, str]], before: str | None = None) -> Report:
+        """Return the report with more lines, ``before`` the one with this label or after all of them."""
+        labels = [label for label, _ in self.lines]
+        place = labels.index(before) if before in labels else len(labels)
+        return replace(self, lines=[*self.lines[:place], *lines, *self.lines[place:]])
+
+    def __str__(self) -> str:
+        """Return the report as text."""
+        lines = "\n".join(f"{label:<{WIDTH}}  {text}" for label, text in self.lines)
+        table = "" if self.table is None else str(self.table)
+        head = "\n\n".join(filter(None, [self.headline, lines]))
+        rest = "" if self.rest is None else f"\n\n{self.rest}"
+        return ("\n\n" if lines else "\n").join(filter(None, [head, table])) + rest
+
+    def _repr_html_(self) -> str:
+        """Return the report as a small table for a notebook."""
+        rows = "".join(f"<tr><th>{escape(label)}</th><td>{escape(text)}</td></tr>" for label, text in self.lines)
+        parts = [
+            f"<p><strong>{escape(self.headline)}</strong></p>" if self.headline else "",
+            f"<table>{rows}</table>" if rows else "",
+        ]
+        parts += [] if self.table is None else [self.table.html()]
+        return "".join(parts) + ("" if self.rest is None else self.rest._repr_html_())
+
+
+class Reported:
+    """A result that says itself: `report` in lines and tables, which notebooks show, and ``as_dict()`` in numbers."""
+
+    @abstractmethod
+    def report(self) -> Report:
+        """Return what there is to say."""
+
+    def _repr_html_(self) -> str:
+        """Return the report as a small table for a notebook."""
+        return self.report()._repr_html_()
+
+
+def number(value: Any) -> float | None:
+    """Return ``value``, or None where JSON has no number for it: infinite means never, or not within reach."""
+    return value if math.isfinite(value) else None
