@@ -6,7 +6,7 @@ import argparse
 import logging
 import re
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from itertools import islice
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod._util.arguments import argument_of
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.cli.parser import ratio
 from floquetrod.cli.waiting import say
@@ -193,8 +194,7 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
         try:
             rod = fr.Rod.catalogue(options.rod, **changes)
         except ValueError as error:
-            message = re.sub(r"^(name|bore|length)\b", lambda key: f"--{_OPTIONS.get(key[1], key[1])}", str(error))
-            raise ValueError(message) from None
+            raise _as_option(error, {"name": "--rod", "bore": "--bore", "length": "--length"}) from None
     else:
         rod = _in_channel(named_rod("--rod", options.rod), changes)
     if options.damping_rate is not None:
@@ -202,9 +202,6 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
         rod = rod.replace(damping_rate=rate)
     return rod
 
-
-_OPTIONS = {"name": "rod"}
-"""Arguments of `floquetrod.Rod.catalogue` that an option of another name gives."""
 
 _SIZE = re.compile(r"""\s*\d[\d./ -]*(inch(es)?|in\.?|")?\s*[x\N{MULTIPLICATION SIGN}]""", re.ASCII | re.IGNORECASE)
 
@@ -221,11 +218,21 @@ def _in_channel(rod: fr.Rod, changes: dict[str, float]) -> fr.Rod:
     try:
         return rod.replace(**changes) if changes else rod
     except ValueError as error:
-        raise ValueError(re.sub(r"^(length\b|channel_(diameter|radius))", _replaced, str(error))) from None
+        hole = {f"channel_{size}": f"--bore, the channel {size}," for size in ("diameter", "radius")}
+        raise _as_option(error, hole | {"length": "--length"}) from None
 
 
-def _replaced(name: re.Match[str]) -> str:
-    return "--length" if name[1] == "length" else f"--bore, the {name[1].replace('_', ' ')},"
+def _as_option(error: ValueError, options: Mapping[str, str]) -> ValueError:
+    """Return an error with an option in place of the argument that it is about."""
+    about = argument_of(error)
+    if about is None or about.where or about.name not in options:
+        return error
+    return ValueError(about.named(options[about.name]))
+
+
+def option(name: str) -> str:
+    """Return the option that sets an argument, as it is typed."""
+    return f"--{name.replace('_', '-')}"
 
 
 def named_rod(name: str, text: str, folder: Path | None = None) -> fr.Rod:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import TypeVar
 
 import floquetrod as fr
 from floquetrod import units
+from floquetrod._util.arguments import argument_of
 from floquetrod.cli.common import LARGEST, read_quantity, read_range, require_file
 from floquetrod.cli.waiting import Waiting, say
 from floquetrod.rod.load import KINDS, Load, Quantity, kind
@@ -104,6 +104,7 @@ def read_record(options: argparse.Namespace, rod: fr.Rod) -> fr.ForceRecord | No
         None if text is None else int(text) if text.isdecimal() else text
         for text in (options.time_column, options.force_column)
     )
+    wanted = "--force must be a text file with columns of time and force"
     try:
         require_file("--force", Path(options.force), "a text file with columns of time and force")
         with Waiting(f"reading and fitting {options.force}"):
@@ -114,10 +115,21 @@ def read_record(options: argparse.Namespace, rod: fr.Rod) -> fr.ForceRecord | No
             warn_of_load(rod, record)
         return record
     except (ValueError, OSError) as error:
-        message = re.sub(r"\b(time|force)_unit (?=must|is)", r"--\1-unit ", str(error))
-        message = re.sub(r"\b(time|force) must be (?=a heading|a column|the number)", r"--\1-column must be ", message)
-        start = "" if message.startswith("--force") else "--force must be a text file with columns of time and force: "
-        raise ValueError(f"{start}{message}") from None
+        about = argument_of(error)
+        if about is None or about.name not in _OF_COLUMNS:
+            raise ValueError(
+                message if (message := str(error)).startswith("--force") else f"{wanted}: {error}"
+            ) from None
+        message = about.named(_OF_COLUMNS[about.name])
+        raise ValueError(f"{wanted}: {message}" if about.where else message) from None
+
+
+_OF_COLUMNS = {
+    "time": "--time-column",
+    "force": "--force-column",
+    **{f"{n}_unit": f"--{n}-unit" for n in ("time", "force")},
+}
+"""Options for the arguments of `floquetrod.ForceRecord.from_csv`."""
 
 
 def read_kind(options: argparse.Namespace, record: fr.ForceRecord | None) -> Load:

@@ -16,7 +16,8 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 import floquetrod as fr
-from floquetrod.cli.common import compiling_told
+from floquetrod._util.arguments import argument_of
+from floquetrod.cli.common import compiling_told, option
 from floquetrod.cli.completion import add_completion
 from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import say
@@ -60,8 +61,7 @@ def _run(argv: Sequence[str]) -> int:
         say(f"floquetrod: error: {what}")
         return 2
     except (ValueError, OSError) as error:
-        message = _naming_options(" ".join(str(error).split()), options)
-        say(f"floquetrod: error: {message}")
+        say(f"floquetrod: error: {' '.join(_naming_options(error, options).split())}")
         return 2
     except KeyboardInterrupt:
         say("floquetrod: interrupted")
@@ -144,24 +144,22 @@ _WORDS = {
 
 def _in_options(message: str, options: argparse.Namespace) -> str:
     """Return a message of the library with options in place of what its remedies name, where the command has them."""
-    for words, (name, option) in _WORDS.items():
+    for words, (name, typed) in _WORDS.items():
         if name in vars(options):
-            message = message.replace(words, option)
+            message = message.replace(words, typed)
     return message
 
 
-def _naming_options(message: str, options: argparse.Namespace) -> str:
-    """Return a message of the library with the option in place of the argument it begins with, and what was typed."""
-    message = _in_options(message, options)
-    match = re.match(r"(\w+)(?:\[\d+\])? (?=must|needs)", message)
-    name = match[1] if match else ""
-    if name not in vars(options):
-        name = _ARGUMENTS.get(name, name)
-    typed = vars(options).get(name)
-    if match is None or typed is None:
-        return message
-    message = f"--{name.replace('_', '-')} {message[match.end() :]}"
-    return message if str(typed) in message else f"{message}; it was given as {typed!r}"
+def _naming_options(error: Exception, options: argparse.Namespace) -> str:
+    """Return what an error says, with the option in place of the argument that it is about, and what was typed."""
+    about, given = argument_of(error), vars(options)
+    if about is None or about.where:
+        return _in_options(str(error), options)
+    name = about.name if about.name in given else _ARGUMENTS.get(about.name, about.name)
+    if given.get(name) is None:
+        return _in_options(str(error), options)
+    message = _in_options(about.named(option(name)), options)
+    return message if str(given[name]) in message else f"{message}; it was given as {given[name]!r}"
 
 
 def _is_quantity(value: object) -> bool:

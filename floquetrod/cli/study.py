@@ -14,6 +14,7 @@ import numpy as np
 import floquetrod as fr
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arguments import argument_of, wrong_value
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.cli.common import is_pipe, named_rod
 from floquetrod.cli.loads import LOAD_OPTIONS, corners, read_kind, read_load, read_record, warn_of_hertz
@@ -114,13 +115,14 @@ def naming_study(path: Path) -> Iterator[None]:
     try:
         yield
     except (TypeError, ValueError) as error:
+        about = argument_of(error)
         message = str(error)
-        found = re.match(r"over(?:\['(\w+)'\])? ", message)
-        if found is not None:
-            rest = message[found.end() :]
-            message = f"study file {path}: [over] {f'{found[1]} ' if found[1] else ''}{rest}"
-        elif message.partition(" ")[0] in _OPTIONS:
+        if about is not None and about.name == "over":
+            message = f"study file {path}: [over] {' '.join(filter(None, [about.place, about.problem]))}"
+        elif about is not None and about.name in _OPTIONS:
             message = f"study file {path}: [ensemble] {message}"
+        elif about is not None:
+            raise wrong_value(about.name, about.problem) from None
         raise ValueError(message) from None
 
 
@@ -131,7 +133,7 @@ def _naming(path: Path, table: str = "") -> Iterator[None]:
         yield
     except (TypeError, ValueError, OSError, ArithmeticError) as error:
         message = re.sub(r"--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), str(error))
-        table = table or _ARGUMENTS.get(message.partition(" ")[0], "")
+        table = table or _ARGUMENTS.get("" if (about := argument_of(error)) is None else about.name, "")
         raise ValueError(f"study file {path}: {f'[{table}] ' if table else ''}{message}") from None
 
 

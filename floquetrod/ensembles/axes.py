@@ -109,7 +109,7 @@ class Study:
                 return
             except ValueError as error:
                 first = first or error
-        raise ValueError(f"over makes only runs that are impossible, as far as tried; the first: {first}")
+        raise validate.wrong_value("over", f"makes only runs that are impossible, as far as tried; the first: {first}")
 
 
 def varied(problem: SimulationProblem, values: Mapping[str, float | int]) -> SimulationProblem:
@@ -172,7 +172,9 @@ def study_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, s
                 "over", f"must name what can be varied, {', '.join(known)}; got {validate.short(name)}"
             )
     if "seed" in over and not problem.perturbation.noises:
-        raise ValueError("over varies the seed, but nothing is random: give the problem a Perturbation.random")
+        raise validate.wrong_value(
+            "over", "varies the seed, but nothing is random: give the problem a Perturbation.random"
+        )
     given = {name: _values(problem, name, value) for name, value in over.items() if quantile_function(value) is None}
     drawn = {name: value for name, value in over.items() if name not in given}
     count = _samples(samples, drawn, given if layout == "list" else {})
@@ -188,7 +190,7 @@ def study_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, s
     study = Study(problem, tuple(Axis(name, dim[name], given[name]) for name in over))
     runs = float(np.prod([float(length) for length in study.shape]))
     if runs > _MOST_RUNS:
-        raise ValueError(f"over makes {runs:,.0f} runs, at most {_MOST_RUNS:,} are made; vary less")
+        raise validate.wrong_value("over", f"makes {runs:,.0f} runs, at most {_MOST_RUNS:,} are made; vary less")
     study.require_possible()
     return study
 
@@ -232,7 +234,9 @@ def _samples(samples: Any, drawn: Mapping[str, Any], columns: Mapping[str, NDArr
     """Return how many values are drawn, 0 for none; in a list, as many as ``columns`` have unless told."""
     if not drawn:
         if samples is not None:
-            raise ValueError(f"samples is for distributions, of which over has none, got {validate.short(samples)}")
+            raise validate.wrong_value(
+                "samples", f"is for distributions, of which over has none, got {validate.short(samples)}"
+            )
         return 0
     if samples is None and columns:
         return next(iter(columns.values())).size

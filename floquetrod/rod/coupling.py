@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from floquetrod._util.arguments import wrong_value
 from floquetrod.rod.load import Load
 from floquetrod.rod.parts import Ends
 
@@ -26,7 +27,8 @@ def coupling(ends: Ends, weight_along: float, load: Load) -> tuple[str, ...]:
 def refusal(name: str, found: tuple[str, ...]) -> ValueError:
     """Return the error for what independent modes are needed for, given what couples them, in words."""
     remedy = "; mean_at=None neglects the weight along the rod" if "weight along the rod" in found else ""
-    return ValueError(
-        f"{name} needs independent modes, those of hinged ends under a sine that is uniform along the rod, got "
-        f"{', '.join(found)}{remedy}"
+    return wrong_value(
+        name,
+        "needs independent modes, those of hinged ends under a sine that is uniform along the rod, got "
+        f"{', '.join(found)}{remedy}",
     )

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arguments import located
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.rod.parts import MEANT
 
@@ -41,7 +42,7 @@ def read_rod(path: str | Path, kind: type[T], instead: Mapping[str, str]) -> T:
     try:
         return rod_of(table, kind, instead)
     except (TypeError, ValueError) as error:
-        raise ValueError(f"rod file {path}: {error}") from None
+        raise located(f"rod file {path}", error) from None
 
 
 def rod_of(table: Mapping[str, Any], kind: type[T], instead: Mapping[str, str]) -> T:

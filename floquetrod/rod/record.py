@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arguments import located
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import tells_arguments
@@ -196,7 +197,7 @@ class ForceRecord(LoadSource, ByContent):
             found = read_columns(path, *wanted, time_unit, force_unit, delimiter)
             record = cls(found.time, found.force, harmonics, frequency)
         except (OSError, ValueError) as error:
-            raise ValueError(f"force record {path}: {error}") from None
+            raise located(f"force record {path}", error) from None
         object.__setattr__(record, "force_unit_named", found.has_unit)
         return record
 

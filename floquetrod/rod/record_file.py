@@ -210,7 +210,9 @@ class _Clock:
         if match is None:
             return None
         if self.unit is not None:
-            raise ValueError(f"time_unit is for numbers, got {self.unit!r} for times of day such as {cell!r}")
+            raise validate.wrong_value(
+                "time_unit", f"is for numbers, got {self.unit!r} for times of day such as {cell!r}"
+            )
         date, hours, minutes, seconds, zone = match.groups()
         time = 3600.0 * int(hours) + 60.0 * int(minutes) + float(seconds) - _offset(zone)
         time += 86400.0 * self._day(date, time, cell)
@@ -317,8 +319,9 @@ def _size(name: str, heading: str, unit: str | None) -> float:
     if written is None:
         return 1.0
     if not _is_unit(written, name):
-        raise ValueError(
-            f"{name}_unit must be given, one of {', '.join(units.units_of(name))}: the heading {heading!r} names none"
+        raise validate.wrong_value(
+            f"{name}_unit",
+            f"must be given, one of {', '.join(units.units_of(name))}: the heading {heading!r} names none",
         )
     return units.unit(written, "", name).size
 

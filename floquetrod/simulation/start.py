@@ -145,9 +145,10 @@ class Perturbation:
         if segments > MOST_SEGMENTS:
             raise validate.wrong_value("segments", f"must be at most {MOST_SEGMENTS:,}, got {segments:,}; take fewer")
         if self.highest_mode * LEAST_SEGMENTS > segments:
-            raise ValueError(
-                f"perturbation names mode {self.highest_mode}, which {segments} segments cannot resolve: it needs at "
-                f"least {LEAST_SEGMENTS * self.highest_mode}, {LEAST_SEGMENTS} for every half wave"
+            raise validate.wrong_value(
+                "perturbation",
+                f"names mode {self.highest_mode}, which {segments} segments cannot resolve: it needs at "
+                f"least {LEAST_SEGMENTS * self.highest_mode}, {LEAST_SEGMENTS} for every half wave",
             )
         place = np.arange(1, segments) * (math.pi / segments)
         total = np.zeros(segments + 1)
