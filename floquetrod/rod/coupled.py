@@ -135,7 +135,7 @@ class RodNumbers(NamedTuple):
 
     def added_mean(self, like: Load, x: Any) -> Any:
         """Return what the weight along the rod adds to the mean force at x = s / L, in N."""
-        return like.added_mean(self.weight_along, self.length, x)
+        return axial.added_mean(like, self.weight_along, self.length, x)
 
 
 @dataclass(frozen=True, eq=False)

@@ -184,10 +184,6 @@ class Load(TellsAttributes, ABC):
     def is_uniform(self) -> bool:
         """Whether the vibration is the same all along the rod."""
 
-    def added_mean(self, weight_along: float, length: float, x: Any) -> Any:
-        """Return what a weight in N/m along a rod of a length in m adds to the mean force at x = s / L, in N."""
-        return 0.0 * x if self.mean_at is None else weight_along * length * (x - self.mean_at)
-
     def varied(self, quantity: Quantity, value: float) -> Self:
         """Return the same load with one quantity changed."""
         numbers: dict[str, Any] = {quantity: value}

@@ -10,7 +10,7 @@ from floquetrod import units as known
 from floquetrod._util import validate
 from floquetrod._util.report import Report, Reported, number
 from floquetrod.floquet.verdict import Status
-from floquetrod.rod.axial import AxialResonance
+from floquetrod.rod.axial import AxialResonance, added_mean
 from floquetrod.rod.data import RodData
 from floquetrod.rod.load import Load, Quantity
 from floquetrod.units import Unit
@@ -67,7 +67,7 @@ def describe_kind(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[s
     lines = [load.departures] if load.departures else []
     if rod.weight_along > 0.0 and load.mean_at is not None:
         upper, lower = (
-            shown["mean"].show(load.mean + load.added_mean(rod.weight_along, rod.length, x)) for x in (0.0, 1.0)
+            shown["mean"].show(load.mean + added_mean(load, rod.weight_along, rod.length, x)) for x in (0.0, 1.0)
         )
         lines.append(f"mean force {upper} at the upper end, {lower} at the lower")
     if not load.is_uniform:

@@ -12,7 +12,7 @@ import numpy as np
 
 from floquetrod._util.calling import level_of_caller
 from floquetrod.friction.fate_of_kicks import UndecidedWarning
-from floquetrod.rod.axial import AxialGap, AxialResonanceError, axial_response, between, gaps, joined
+from floquetrod.rod.axial import AxialGap, AxialResonanceError, added_mean, axial_response, between, gaps, joined
 from floquetrod.rod.intervals import QUANTITIES, BucklingWarning, FoundIntervals, Search, StabilityInterval
 from floquetrod.rod.load import Load, Loads, Progress, Quantity, shifted
 from floquetrod.rod.mode_model import ModeModel
@@ -51,7 +51,7 @@ def _say_why_at_zero(model: ModeModel, varied: Quantity, modes: ModeSystems, loa
         )
         return
     along = model.rod.weight_along, model.rod.length
-    added = [float(load.added_mean(*along, x)) for x in (0.0, 1.0)]
+    added = [float(added_mean(load, *along, x)) for x in (0.0, 1.0)]
     alone = modes.static_answers(np.array([0.0, load.mean])).status
     if not any(added) or alone[1] != 0:
         return

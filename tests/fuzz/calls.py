@@ -94,7 +94,6 @@ LEFT_OUT = {
     **{f"{kind}.with_numbers": "for searches" for kind in ("AxialLoad", "AxialWave")},
     "CoupledRodStability": "another name of RodStability",
     "RodStability.plot": "its axes are an object of matplotlib",
-    **{f"{kind}.added_mean": "for the equations of a rod" for kind in ("AxialLoad", "AxialWave")},
     "Rod.critical_forces": "takes no argument",
     "Rod.nitinol": "takes no argument",
     "Chart.plot": "its axes are an object of matplotlib",
