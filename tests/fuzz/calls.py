@@ -208,10 +208,10 @@ def table() -> dict[str, Call]:
         "Bands.to_csv": Call(mapped.bands.to_csv, {"path": str(place / "bands.csv")}),
         "Chart.save": Call(chart.save, {"path": str(place / "again.npz")}),
         "Chart.load": Call(fr.Chart.load, {"path": str(place / "chart.npz")}),
-        "CoupledRodStability.margin": Call(
+        "RodStability.margin (coupled)": Call(
             CLAMPED.stability(TRAVELLING, range(1, 9)).margin, {"quantity": "frequency", "seconds": 0.1}
         ),
-        "CoupledRodStability.time_to_grow": Call(
+        "RodStability.time_to_grow (coupled)": Call(
             CLAMPED.stability(TRAVELLING, range(1, 9)).time_to_grow, {"factor": 10.0}
         ),
         "Rod.certify": Call(
