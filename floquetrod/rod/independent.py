@@ -42,6 +42,7 @@ class IndependentModel(ModeModel):
     counted: ClassVar[str] = "modes"
     samples_at_once: ClassVar[int] = 1 << 17  # (a choice: some 10 MB)
     damping_of: ClassVar[str] = "every sampled load of the band"
+    damping_found: ClassVar[str] = "sampled over the band; null where no damping suffices"
 
     def require(self, name: str) -> None:
         """Do nothing: independent modes are what all can be asked of."""

@@ -69,6 +69,8 @@ class ModeModel(ABC):
     samples_at_once: ClassVar[int] = 1 << 8
     damping_of: ClassVar[str] = "that load"
     """What the damping required by an unstable band stabilises."""
+    damping_found: ClassVar[str] = "that of the load whose growth is worst"
+    """How that damping is found."""
 
     def under(self, like: Load) -> Self:
         """Return the model under another kind of load that couples the modes no more than this one."""

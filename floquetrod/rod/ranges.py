@@ -227,9 +227,7 @@ class StabilityIntervals(Reported, NoTruthValue):
             ],
             "ends_are": "[mode, tongue], a resonance of coupled modes, 'axial resonance' next to what is not computed, "
             "'unnamed', or null at an end of the search",
-            "required_damping_is": "that of the load whose growth is worst"
-            if not self.searched.model.prompt
-            else "sampled over the band; null where no damping suffices",
+            "required_damping_is": self.searched.model.damping_found,
         }
 
 
