@@ -46,7 +46,7 @@ def python(program: str, cache: Path, **settings: str) -> subprocess.CompletedPr
     """Run a program with a cache of its own."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(cache), **settings}
     return subprocess.run(
-        [sys.executable, "-P", "-c", program], capture_output=True, text=True, env=environment, timeout=120, check=False
+        [sys.executable, "-P", "-c", program], capture_output=True, text=True, env=environment, timeout=600, check=False
     )
 
 
@@ -301,7 +301,7 @@ def interrupted(command: list[str], delay: float, cache: Path) -> tuple[str, str
         assert run.stdout.readline() == "ready\n"
         time.sleep(delay)
         run.send_signal(signal.SIGINT)
-        out, said = run.communicate(timeout=60)
+        out, said = run.communicate(timeout=600)
     return out, said, run.returncode
 
 

@@ -279,7 +279,7 @@ def test_a_script_without_a_guard_is_told_of_it(tmp_path: Path) -> None:
         "fr.ensemble(PROBLEM, {'friction': [0.1]}, workers=1)\n"
     )
     here = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, [Path(__file__).parents[1], Path(__file__).parent]))}
-    done = subprocess.run([sys.executable, file], env=here, capture_output=True, text=True, timeout=60)
+    done = subprocess.run([sys.executable, file], env=here, capture_output=True, text=True, timeout=600)
     assert done.returncode == 1
     assert "under 'if __name__ == \"__main__\":'" in done.stderr
 

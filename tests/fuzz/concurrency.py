@@ -25,11 +25,11 @@ from fuzz.core import Found, told
 CASES = 60
 QUICK = 8
 
-PROMPT = 60.0
+PROMPT = 300.0
 """Seconds within which Ctrl-C has to be answered: the pieces of work between are far shorter on the busiest machine."""
 _AGAIN = 3.0  # seconds until it is sent once more
 
-ANSWERED = 60.0
+ANSWERED = 300.0
 """Seconds within which a forked process has to answer a question that takes far less."""
 
 QUIET = {"Explorer", "simulate", "compare", "Bands.to_csv", "Chart.save", "Simulation.save"}
