@@ -14,12 +14,16 @@ import threading
 from dataclasses import replace
 from pathlib import Path
 
+import matplotlib as mpl
 import pytest
+from matplotlib import pyplot
 
 import floquetrod as fr
 from floquetrod import cli
 from floquetrod.cli import waiting
 from floquetrod.cli.main import _parser as parser
+
+mpl.use("Agg")
 
 ROOT = Path(__file__).parents[1]
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
@@ -298,7 +302,10 @@ def test_a_cold_verdict_loads_no_compiler() -> None:
     assert python("-m", "floquetrod", *CHECK[:-1]).returncode == 2
 
 
-LONG = ("ensemble_phase_diagram", "ensemble_probability", "helical_buckling", "systems_coupled", "uncertainty")
+LONG = (
+    "ensemble_phase_diagram", "ensemble_probability", "helical_buckling", "real_lengths", "simulation_tubing",
+    "systems_coupled", "uncertainty", "vibration_and_drag",
+)  # fmt: skip
 """Examples of many runs or verdicts, which `make slow` and `make docs` run."""
 
 
@@ -309,13 +316,20 @@ LONG = ("ensemble_phase_diagram", "ensemble_probability", "helical_buckling", "s
         for path in sorted((ROOT / "examples").glob("*.py"))
     ],
 )
-def test_examples_run(path: Path, tmp_path: Path) -> None:
-    code = f"import os, runpy, sys; sys.path.insert(0, {str(ROOT)!r}); os.chdir({str(tmp_path)!r})"
-    code += f"; sys.argv = [{str(path)!r}]"
-    run = python("-c", f"{code}; os.environ['MPLBACKEND'] = 'Agg'; runpy.run_path({str(path)!r})")
-    assert run.returncode == 0, run.stderr
-    assert run.stdout
-    assert not [line for line in run.stderr.splitlines() if "floquetrod is compiling, once" not in line]
+def test_examples_run(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "argv", [str(path)])
+    monkeypatch.setattr(pyplot, "show", lambda: None)  # no window, with a display either
+    pyplot.close("all")  # of other tests
+    try:
+        runpy.run_path(str(path))
+    finally:
+        pyplot.close("all")
+    captured = capsys.readouterr()
+    assert captured.out
+    assert not [line for line in captured.err.splitlines() if "floquetrod is compiling, once" not in line]
 
 
 def test_ranges(capsys: pytest.CaptureFixture[str]) -> None:
