@@ -202,7 +202,7 @@ def test_signs_found_all_at_once_are_those_found_one_by_one() -> None:
 
 
 def test_what_would_take_minutes_is_declined_at_once() -> None:
-    n = 1900
+    n = 1200
     matrix = np.diag(np.full(n - 1, 0.1), 1)
     matrix = matrix + matrix.T
     system = fr.HillSystem(np.diag(np.linspace(1.0, 1e4, n)), [matrix], [np.eye(n)], period=2.0)
