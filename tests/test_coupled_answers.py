@@ -98,7 +98,7 @@ def test_shapes_broadcast_and_scalars_stay_scalars() -> None:
         ROD.growth_rate([1.0, 2.0], [1.0, 2.0, 3.0], FREQUENCY)
 
 
-@pytest.mark.parametrize("kind", ["sine", "wave"])
+@pytest.mark.parametrize("kind", ["sine", pytest.param("wave", marks=pytest.mark.slow)])
 def test_maps_say_what_arrays_do(kind: str) -> None:
     like = KINDS[kind]
     means, frequencies = np.linspace(0.0, 0.8, 4) * UNIT, np.linspace(1.2, 3.5, 5) * SWING
@@ -116,7 +116,7 @@ def test_maps_say_what_arrays_do(kind: str) -> None:
 # --- tolerance ---
 
 
-@pytest.mark.parametrize("kind", ["sine", "harmonics", "wave"])
+@pytest.mark.parametrize("kind", ["sine", pytest.param("harmonics", marks=pytest.mark.slow), "wave"])
 def test_a_tolerance_divides_loads_by_their_growth(kind: str) -> None:
     rate, numbers = verdict(kind).growth_rate, (MEAN, AMPLITUDE, FREQUENCY)
     for tolerance, expected in ((0.99 * rate, "unstable"), (1.01 * rate, "stable")):

@@ -314,7 +314,8 @@ def test_concurrency_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Ge
     assert concurrency.threads(rng).failures
     elsewhere = {f"call {k}": calls.Call(os.getpid, {}) for k in range(6)}
     monkeypatch.setattr(concurrency, "table", lambda: elsewhere)
-    assert concurrency.forks(rng).failures
+    # In forks: every tenth time it would be in fresh processes, which take seconds.
+    assert concurrency.forks(np.random.default_rng(1)).failures
     monkeypatch.setattr(concurrency, "LONG", {"deaf": deaf})
     monkeypatch.setattr(concurrency, "PROMPT", 0.3)
     assert "does not hear" in concurrency.interrupts(rng).failures[0]
