@@ -104,7 +104,17 @@ def with_mistake(page: str, right: str, wrong: str) -> str:
     return text.replace(right, wrong)
 
 
-@pytest.mark.parametrize("page", sorted({page for page, _, _ in MISTAKES}))
+LONG = "theory/simulator.md"
+"""A page that derives a rod in space, for ten seconds; `make slow` and `make docs` execute it."""
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=[pytest.mark.slow] * (page == LONG))
+        for page in sorted({page for page, _, _ in MISTAKES})
+    ],
+)
 def test_a_page_executes_and_each_mistake_in_its_derivations_is_found(page: str) -> None:
     # What precedes a mistake is run once: before a cell is run, so is each wrong one in its place, and what follows it.
     text = (DOCS / page).read_text(encoding="utf-8")
