@@ -188,7 +188,7 @@ def test_kills_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generato
     assert any("leaves .run.ckpt.abc.part" in line for line in found)
 
 
-def test_kills_of_two_that_share_a_file_can_fail() -> None:
+def test_kills_of_stores_can_fail() -> None:
     counts, work = [60, 40], functools.partial({}.pop, "runs")
     wrong = kills.stopped_and_killed(work, "is in use", lambda: counts.pop(0), [0.0, 0.0, 0.0])
     assert "a second process: KeyError" in wrong[0]
