@@ -80,6 +80,16 @@ def test_legends_of_runs_hide_no_line(plot: str) -> None:
 
 
 @pytest.mark.parametrize("undecided", [0, 3])
+def test_the_legend_of_a_map_with_friction_says_what_the_kick_does(undecided: int) -> None:
+    load = {"mean": (0.0, 1.2 * FORCE, 3), "amplitude": 0.7 * FORCE, "frequency": (100.0, 200.0, 3)}
+    chart = fr.stability_map(ROD, **load, friction=0.1, kick=0.05).in_units(kick="mm/s")
+    words = ["a kick of 50 mm/s buckles it", "a kick of 50 mm/s does not"]
+    words[0] += " or undecided" if undecided else ""
+    ax = replace(chart, undecided=undecided).plot(bands=False)
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == words
+
+
+@pytest.mark.parametrize("undecided", [0, 3])
 @pytest.mark.parametrize("bands", [True, False])
 def test_the_legend_of_a_growth_map_says_what_darker_means(undecided: int, bands: bool) -> None:
     chart = fr.stability_map(

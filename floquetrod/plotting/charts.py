@@ -85,10 +85,17 @@ def areas(chart: Any) -> list[Any]:
             patch("undecided", undecided),
         ]
     if chart.growth_rate is None:
-        return colours("unstable or undecided" if chart.undecided else "unstable", "stable")
+        unstable, stable = _kicked(chart) or ("unstable", "stable")
+        return colours(f"{unstable} or undecided" if chart.undecided else unstable, stable)
     shades = palette.UNSEEN, palette.UNSTABLE, palette.FASTEST
     name = f"unstable{' or undecided' if chart.undecided else ''}, the darker the faster it grows"
     return [tuple(patch(name, {"facecolor": shade}) for shade in shades), colours(name, "stable")[1]]
+
+
+def _kicked(chart: Any) -> tuple[str, str] | None:
+    """Return what a kick does where friction holds the rod, None for a chart without friction."""
+    kick = next((units.with_unit(value, unit, 3) for name, value, unit in chart.subject["fixed"] if name == "kick"), "")
+    return (f"a kick of {kick} buckles it", f"a kick of {kick} does not") if kick else None
 
 
 def colours(unstable: str, stable: str) -> list[Any]:

@@ -111,6 +111,8 @@ def draw_intervals(ax: Any, intervals: list[Interval], upto: float) -> None:
 
 def draw_kicks(ax: Any, force: NDArray[np.float64], kicks: dict[int, NDArray[np.float64]], applied: float) -> None:
     """Draw the kick (mm/s) that each mode needs over the mean force (F_cr), numbered about where it needs least."""
+    from matplotlib.patheffects import withStroke
+
     ax.set_yscale("log")
     ax.set_xlim(force[0], force[-1])
     ax.set_ylim(10.0, 1000.0)
@@ -125,7 +127,8 @@ def draw_kicks(ax: Any, force: NDArray[np.float64], kicks: dict[int, NDArray[np.
             continue
         taken.append(here)
         where = {"xytext": (0, -6), "textcoords": "offset points", "ha": "center", "va": "center"}
-        ax.annotate(str(mode), (force[at], seen[at]), fontsize="x-small", **where)
+        clear = [withStroke(linewidth=2.0, foreground="white")]  # of lines that cross it
+        ax.annotate(str(mode), (force[at], seen[at]), fontsize="x-small", path_effects=clear, zorder=3.0, **where)
     ax.axhline(applied, color="0.4", linestyle="--", linewidth=0.9)
     ax.set_xlabel(r"$F_\mathrm{ave} / F_\mathrm{cr}$")
     ax.set_ylabel("critical kick $v_c$ / (mm/s)")
