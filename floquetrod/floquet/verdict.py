@@ -184,7 +184,7 @@ class Stability(Reported, Verdict):
         if self.status == "unstable":
             verdict += f": grows {pace(self.growth_rate)} per unit tau"
         elif self.status == "undecided":
-            verdict += f": growth {self.growth_rate:.3g} per unit tau cannot be told from none"
+            verdict += f": growth {self.growth_rate:.3g} per unit tau cannot be distinguished from none"
         if self.interval is not None:
             verdict += f", {self.interval}"
         text = f"{verdict}; discriminant {self._size} +- {self.error:.1g} relative; {self.method}, {self.cost}"

@@ -86,8 +86,8 @@ class ForceRecord(LoadSource, ByContent):
     that of the strongest frequency is chosen where its further harmonics pass a sharper test, one in 1000 records, and,
     where the record holds fewer than four such periods, are a tenth of all: those of a drift are less.
     Errors are those of least squares with white noise; about harmonics where the spectrum of the residual is
-    significantly higher than that, they grow with it.  What the sampling folds down from above half of its rate cannot
-    be told from the harmonics it falls on.
+    significantly higher than that, they grow with it.  Aliases of frequencies above half the sampling rate cannot be
+    distinguished from the harmonics that they coincide with.
 
     Examples
     --------

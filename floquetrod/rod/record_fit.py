@@ -69,7 +69,7 @@ class Samples:
 
     @property
     def highest(self) -> float:
-        """Largest frequency, in periods per record, that is told from its mirror image above half the sampling rate."""
+        """Largest frequency, in periods per record, that is distinct from its alias above half the sampling rate."""
         return max(0.0, 1.0 / self.interval - 1.0)
 
     @property

@@ -49,7 +49,7 @@ def is_stable(systems: System, *, workers: int | None = None, progress: Progress
     -------
     bool or ndarray of bool
         In the leading shape; a Python bool for a single system.  False where undecided: on a boundary to 60 digits, or
-        where multipliers cannot be told apart; `floquetrod.stability` says why, and goes on to 120 digits.
+        where multipliers cannot be distinguished; `floquetrod.stability` says why, and goes on to 120 digits.
 
     Examples
     --------

@@ -62,7 +62,7 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
         The parameters are taken as the exact binary numbers they are.
     digits : int
         Decimal digits of the excess X relative to max(1, abs(X)), 10 or more.  More are used internally, up to 20
-        times as many, while X cannot be told from zero.
+        times as many, while X cannot be distinguished from zero.
 
     Returns
     -------

@@ -79,7 +79,7 @@ def _mathieu(equation: Mathieu) -> Stability:
         interval=interval,
         undamped_status=status,
         cost=Cost(pivots + rows, "pivots"),
-        note="a pivot cannot be told from zero in double precision" if status == "undecided" else "",
+        note="a pivot cannot be distinguished from zero in double precision" if status == "undecided" else "",
     )
 
 
@@ -153,7 +153,7 @@ def _hill(equation: Equation) -> Stability:
     coarse = _central_exponent(mean, harmonics, turn, cut)
     fine = _central_exponent(mean, harmonics, turn, cut + 4)
     sign, excess, exponent = _excess_of_exponent(fine, turn, status)
-    note = "an eigenvalue cannot be told from zero in double precision" if status == "undecided" else ""
+    note = "an eigenvalue cannot be distinguished from zero in double precision" if status == "undecided" else ""
     # X responds to the square of the exponent near a boundary and to T times it far away.
     scale = math.pi / turn
     change = abs(fine - coarse) * scale * 2.0 * max(abs(fine * scale), 1.0) + abs(fine - coarse) ** 2 * scale**2

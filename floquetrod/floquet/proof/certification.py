@@ -243,7 +243,7 @@ def _by_closed_form(context: Any, problem: ExactProblem, halves: tuple[Fraction,
         if factors.minus > 0 or factors.plus < 0:
             statement = "the trace exceeds 2 in magnitude, so a solution grows"
             return _proof(problem, "unstable", None, context.dps, statement, *enclosures)
-        raise Unresolved("the trace cannot be told from 2 in magnitude")
+        raise Unresolved("the trace cannot be distinguished from 2 in magnitude")
     rate = rational(context, problem.damping) * pi(context)
     limit = (rate * cosh_sinhc(context, rate**2).sinhc) ** 2
     return _against_damping(context, problem, factors.minus - limit, -factors.plus - limit, None)
@@ -269,7 +269,7 @@ def _against_damping(context: Any, problem: ExactProblem, above: Any, below: Any
     if above > 0 or below > 0:
         statement = "freed of its damping a solution grows faster than the damping, so a solution grows"
         return _proof(problem, "unstable", interval, context.dps, statement, *enclosures)
-    raise Unresolved("growth and damping cannot be told apart")
+    raise Unresolved("growth equals the damping within the error")
 
 
 def _proof(

@@ -152,7 +152,7 @@ class Wide:
         """Return the reciprocals of real numbers that are not zero."""
         least = self.lower()
         if not (least > 0.0).all() or self.imaginary is not None:
-            raise Unresolved("a number cannot be told from zero")
+            raise Unresolved("a number cannot be distinguished from zero")
         real = np.asarray((1 << (2 * self.bits)) // self.real, dtype=object)
         with np.errstate(over="ignore"):
             return self._like(real, None, up(up(self.rad / least) / least + 2.0 ** (1 - self.bits)))

@@ -24,7 +24,7 @@ class Pivots(NamedTuple):
 
 def no_sign() -> Unresolved:
     """Return the exception for a pivot that may be zero."""
-    return Unresolved("a pivot of Hill's matrix cannot be told from zero")
+    return Unresolved("a pivot of Hill's matrix cannot be distinguished from zero")
 
 
 def closer(least: Any, pivot: Any) -> Any:

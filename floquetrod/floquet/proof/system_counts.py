@@ -28,7 +28,7 @@ from floquetrod.floquet.proof.system_problem import Arithmetic, Matrix, Oscillat
 Array = Any
 
 _GRID = 2.0**40
-_CLOSE = 1e-9  # in turns: closer multipliers are not told apart by a sample between (a choice)
+_CLOSE = 1e-9  # in turns: no sample between closer multipliers separates them (a choice)
 _MOST_BLOCKS = 2**11  # so that an angle plus a block's number is exact
 _TWO_PI_BELOW = 6.283185307179586
 

@@ -150,7 +150,7 @@ def oscillators(arithmetic: Arithmetic, system: SecondOrder, period: Fraction, *
     excess = None if plain else scaled(mass, 0) - arithmetic.exact(unit)
     defect = row_sum(excess) if excess is not None else 0.0
     if not defect < 0.5:
-        raise Unresolved("the mass matrix cannot be told from a singular one")
+        raise Unresolved("the mass matrix cannot be distinguished from a singular one")
     dissipation = system.damping.any() and not freed
     return Oscillators(
         excess,
@@ -167,7 +167,7 @@ def _congruence(mass: Array) -> Array:
     try:
         return np.linalg.inv(np.linalg.cholesky(mass))
     except np.linalg.LinAlgError:
-        raise Unresolved("the mass matrix cannot be told from one that is not positive definite") from None
+        raise Unresolved("the mass matrix cannot be distinguished from one that is not positive definite") from None
 
 
 def flow_of_oscillators(arithmetic: Arithmetic, system: Oscillators) -> Flow:

@@ -148,9 +148,9 @@ def _by_discs(discs: Discs, *, paired: bool) -> _Finding:
     part = max((part for part in parts if undecided[part].any()), key=len)
     where = f"close to {complex(discs.centres[part[0]]):.4g}"
     if len(part) == 1:
-        raise Unresolved(f"a multiplier {where} cannot be told from the unit circle")
+        raise Unresolved(f"a multiplier {where} cannot be distinguished from the unit circle")
     krein = ", nor do counts show their Krein signs to agree" if paired else ""
-    raise Unresolved(f"{len(part)} multipliers {where} cannot be told apart{krein},")
+    raise Unresolved(f"{len(part)} multipliers {where} cannot be distinguished{krein},")
 
 
 def _by_count(counts: Counts, order: int, *, damped: bool) -> _Finding | None:

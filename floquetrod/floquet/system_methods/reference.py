@@ -72,9 +72,9 @@ def reference(
     -------
     SystemStability
         The error of the map is a bound, of what the series leave out and what the arithmetic rounds; that of the
-        multipliers a bound for all maps within that error.  "undecided" where a multiplier cannot be told from the unit
-        circle, or several from each other, with all these digits, whose number is in ``note``, and where the work would
-        take more than about ten seconds.
+        multipliers a bound for all maps within that error.  "undecided" where a multiplier cannot be distinguished from
+        the unit circle, or several from each other, with all these digits, whose number is in ``note``, and where the
+        work would take more than about ten seconds.
 
     Examples
     --------

@@ -64,7 +64,7 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
     solutions, rows = _solutions(balanced, rtol, first.coefficient_error)
     cost = Cost(rows, "rows")
     if solutions is None:
-        note = f"needs Hill matrices of more than {_MOST_ROWS} rows, or its solutions cannot be told apart"
+        note = f"needs Hill matrices of more than {_MOST_ROWS} rows, or its solutions cannot be distinguished"
         return declined(system, "spectral", cost, note)
     logs = ladders.log_discs(solutions, damping * balanced.period)
     hamiltonian = freed is not None and first.structure == "hamiltonian"

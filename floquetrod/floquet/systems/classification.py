@@ -27,8 +27,8 @@ System = HillSystem | PeriodicSystem
 Krein = Callable[[NDArray[np.intp]], int]
 
 _EPS = 2.220446049250313e-16
-_MIXED = "{} multipliers near {} cannot be told apart, nor are their Krein signs known to be equal"
-_CLUSTER = "{} multipliers that cannot be told apart are within {:.1g} of the unit circle"
+_MIXED = "{} multipliers near {} cannot be distinguished, nor are their Krein signs known to be equal"
+_CLUSTER = "{} multipliers that cannot be distinguished are within {:.1g} of the unit circle"
 _EDGE = "a multiplier is within {:.1g} of {}"
 
 
@@ -198,7 +198,7 @@ class LogDiscs(NamedTuple):
     low, high : ndarray (N,)
         Bounds of their real parts.
     radii : ndarray (N,)
-        Radii of discs about the values; infinite where a multiplier cannot be told from 0.
+        Radii of discs about the values; infinite where a multiplier cannot be distinguished from 0.
     clusters : tuple of ndarray of int
         Indices of discs that touch.
     """
@@ -296,7 +296,7 @@ def _verdict(
         status, strongly = "undecided", None
         if system.is_constant:
             status = _without_variation(system) or "undecided"
-    reason = next((part.reason for part in parts if part.reason), "growth and damping cannot be told apart")
+    reason = next((part.reason for part in parts if part.reason), "growth equals the damping within the error")
     exponents = net / period
     order = np.lexsort((exponents.imag, -exponents.real))
     fastest = max(0.0, float(exponents.real.max(initial=0.0)))

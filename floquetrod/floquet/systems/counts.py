@@ -100,7 +100,7 @@ def _cut(system: HillSystem) -> int | None:
 
 
 def _certain_count(system: HillSystem, theta: float, cut: int) -> int | None:
-    """Return N(theta) of the infinite matrix, None where an eigenvalue cannot be told from 0.
+    """Return N(theta) of the infinite matrix, None where an eigenvalue cannot be distinguished from 0.
 
     In blocks [[H, C], [C*, T]] with T >= delta > 0, N is that of H - C T^-1 C* by Sylvester's law; it lies between
     those of H and of H - |C|^2 P / delta, P the projector on the harmonics that C couples.

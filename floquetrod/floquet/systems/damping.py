@@ -17,7 +17,7 @@ _PARTS = 2.0 ** np.arange(-12, 1)  # of the fastest frequency: damping rates tri
 _LEAST = 1e-6  # of the forcing's frequency: growth rates below it are taken as so large (a choice)
 _MOST_SECONDS = 60.0  # estimated for all maps (a choice)
 _MAPS = 40  # about as many as a search takes
-_ACCURACY = 1e-12  # of a map; growth over a period up to ten times as much cannot be told from none
+_ACCURACY = 1e-12  # of a map; growth over a period up to ten times as much cannot be distinguished from none
 _PRECISION = 1e-10  # relative, of the rate found
 _EPS = 2.220446049250313e-16
 
@@ -42,7 +42,7 @@ def least_damping(
     further : ndarray, optional
         Other rates to try.
     doubt : float
-        Growth rate that cannot be told from none.
+        Growth rate that cannot be distinguished from none.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def damping_to_stabilise(system: HillSystem, growth: float) -> float:
 
     ``growth`` is the growth rate without c, 0 where the system is stable.  Infinite where M^-1 times the mean of K has
     an eigenvalue of negative real part, along which strong damping only slows the growth; NaN where the search would
-    take more than about a minute, or growth cannot be told from none.
+    take more than about a minute, or growth cannot be distinguished from none.
     """
     n, period = system.order, float(system.period)
     mass = np.eye(n) if system.mass is None else system.mass

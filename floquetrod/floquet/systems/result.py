@@ -116,7 +116,7 @@ class SystemStability(Reported, Verdict):
         frequency down in 12 steps by halves.  Damping can destabilise: of a stable system it need not be 0.
 
         Infinite where the mean stiffness alone is unstable, which damping only slows down.  NaN where the search would
-        take more than about a minute, where growth is not known, or cannot be told from none at some rate.
+        take more than about a minute, where growth is not known, or cannot be distinguished from none at some rate.
 
         Examples
         --------
@@ -263,7 +263,7 @@ class SystemStability(Reported, Verdict):
         if self.status == "unstable":
             verdict += f": grows {pace(self.growth_rate)} per unit time"
         elif self.status == "undecided" and self.exponents:
-            verdict += f": growth {self.growth_rate:.3g} per unit time cannot be told from none"
+            verdict += f": growth {self.growth_rate:.3g} per unit time cannot be distinguished from none"
         if self.resonances:
             verdict += f", {self.resonances[0]}"
         size = f"{self.structure} system of {self.system.order}"
