@@ -14,7 +14,7 @@ _register: Any = xarray.register_dataset_accessor
 
 @_register("floquetrod")
 class EnsembleAccessor:
-    """What can be asked of the results of an ensemble."""
+    """Statistics of the results of an ensemble."""
 
     def __init__(self, dataset: Any) -> None:
         """Take the dataset."""

@@ -64,7 +64,7 @@ _FLAGS = {"flag_values": [PENDING, DONE, FAILED], "flag_meanings": "pending done
 
 
 class Outcome(NamedTuple):
-    """What came of a run: its number, status, reason, results by name, those of the summary, frames if asked for."""
+    """The outcome of a run: its number, status, reason, results by name, those of the summary, and frames if wanted."""
 
     run: int
     status: int
@@ -227,7 +227,7 @@ class MemoryStore:
         """Let others write again."""
 
     def pending(self, runs: range, *, retry_failed: bool) -> list[int]:
-        """Return the runs, of those, that are to be made: pending, and where asked for failed for what may pass."""
+        """Return those runs that have to be made: pending and, if wanted, failed for a reason that may pass."""
         status = self.values["status"][runs.start : runs.stop]
         found: list[int] = (np.flatnonzero(status != DONE) + runs.start).tolist()
         again = {run for run, reason in self.reasons.items() if retry_failed and may_pass(reason)}

@@ -176,7 +176,7 @@ class ZarrStore(DiskStore):
             replace(file, self._codec.encode(full.tobytes()))
 
     def _has_frames(self, run: int) -> bool:
-        """Return whether all frames of a run are there and can be read, as far as they are asked for."""
+        """Return whether all frames of a run that are wanted exist and can be read."""
         try:
             return all(self._codec.decode(file.read_bytes()) for file in self._frame_files(run).values())
         except (OSError, RuntimeError, ValueError):

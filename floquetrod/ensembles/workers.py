@@ -50,7 +50,7 @@ class TaskRunner:
 
     @property
     def room(self) -> int:
-        """Return how many tasks to hand over, two for every worker and two more, looked at again every second."""
+        """Return how many tasks to hand over, two for every worker and two more, checked again every second."""
         if time.monotonic() - self._counted > 1.0:
             count = _size_of(self.executor)
             self._room, self._counted = _WINDOW if count is None else 2 * count + 2, time.monotonic()
@@ -129,7 +129,7 @@ class OwnThreads(TaskRunner):
 
 
 class OwnProcesses(TaskRunner):
-    """Own processes, each in a pool of its own: when one dies, it is known in which task, and the others live on."""
+    """Own processes, each in its own pool: when one dies, its task is known, and the others go on."""
 
     def __init__(self, workers: int) -> None:
         """Start them."""
@@ -230,7 +230,7 @@ def _end_with(parent: Any) -> None:
 
 
 def require_executor(executor: Any, workers: Any) -> int | None:
-    """Return the number of own processes asked for, None for none; an error for what takes no tasks."""
+    """Return the number of own processes, None for none; an error for an object that accepts no tasks."""
     count = None if workers is None else validate.integer("workers", workers, 1, validate.MOST_THREADS)
     if executor is None:
         return count

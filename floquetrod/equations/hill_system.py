@@ -32,7 +32,7 @@ class EvenForm(NamedTuple):
         Instant about which the stiffness is even.
     error : ndarray (...)
         Bound on the rounding errors of the stiffness, in the 2-norm.
-    doubt : ndarray (...)
+    uncertainty : ndarray (...)
         Part by which the stiffness may be uneven: zero where its coefficients show its evenness exactly.
     """
 
@@ -40,7 +40,7 @@ class EvenForm(NamedTuple):
     amplitudes: Matrix
     start: NDArray[np.float64]
     error: NDArray[np.float64]
-    doubt: NDArray[np.float64]
+    uncertainty: NDArray[np.float64]
 
 
 @tells_arguments(frequency="period is 2 pi / frequency")
@@ -155,7 +155,7 @@ class HillSystem(matrices.FourierSystem):
         if self.damping is None and self.is_symmetric:
             return "hamiltonian"
         if self.damping is None:
-            return "reversible" if self.even_form is not None and not self.even_form.doubt.any() else "general"
+            return "reversible" if self.even_form is not None and not self.even_form.uncertainty.any() else "general"
         return "damped" if self.is_symmetric and _dissipative(self.damping) else "general"
 
     @cached_property
@@ -180,9 +180,9 @@ class HillSystem(matrices.FourierSystem):
         turned = _even_amplitudes(self.harmonics)
         if turned is None:
             return None
-        amplitudes, phase, doubt = turned
+        amplitudes, phase, uncertainty = turned
         stiffness = np.broadcast_to(self.stiffness, (*self.shape, self.order, self.order))
-        error, rounding = doubt, np.asarray(self._rounding)
+        error, rounding = uncertainty, np.asarray(self._rounding)
         if self.mass is not None:
             inverse = np.linalg.inv(np.linalg.cholesky(self.mass))
             stiffness = _congruence(inverse, stiffness)
@@ -193,7 +193,7 @@ class HillSystem(matrices.FourierSystem):
             rounding = rounding * norms(inverse) ** 2
         error = error * (norms(stiffness) + norms(amplitudes).sum(axis=-1)) + rounding
         start = np.broadcast_to(phase * np.asarray(self.period) / (2.0 * math.pi), self.shape)
-        return EvenForm(stiffness, amplitudes, start, error, doubt)
+        return EvenForm(stiffness, amplitudes, start, error, uncertainty)
 
     def as_periodic_system(self) -> PeriodicSystem:
         """Return the same system in first order, of mass 1: x = (u, u') with q = L u, M^-1 = L L^T.
@@ -307,9 +307,9 @@ def _dissipative(damping: Matrix | None) -> bool:
 def _even_amplitudes(
     harmonics: NDArray[np.complex128],
 ) -> tuple[Matrix, NDArray[np.float64], NDArray[np.float64]] | None:
-    """Return the amplitudes about an instant of evenness, its phase w t, and their relative doubt; None without one.
+    """Return the amplitudes about an instant of evenness, its phase w t, and their relative error; None without one.
 
-    The doubt is zero where the evenness is seen in the coefficients as they stand: no sines, or one sine alone.
+    The uncertainty is zero where the evenness is seen in the coefficients as they stand: no sines, or one sine alone.
     """
     shape, count = harmonics.shape[:-3], harmonics.shape[-3]
     if count == 0:
@@ -324,7 +324,7 @@ def _even_amplitudes(
     found = plain | alone
     if found.all():
         return result, phase, np.zeros(shape)
-    doubt = np.where(found, 0.0, 16.0 * _EPS * count)
+    uncertainty = np.where(found, 0.0, 16.0 * _EPS * count)
     flat = np.take_along_axis(harmonics.reshape(*shape, count, -1), first[..., None, None], axis=-2)[..., 0, :]
     largest = np.take_along_axis(flat, np.abs(flat).argmax(axis=-1)[..., None], axis=-1)[..., 0]
     slack = 8.0 * _EPS * orders[:, None, None] * np.abs(harmonics).max(axis=(-2, -1), keepdims=True)
@@ -334,7 +334,7 @@ def _even_amplitudes(
         even = (np.abs(turned.imag) <= slack).all(axis=(-3, -2, -1)) & ~found
         result[even], phase[even] = turned.real[even], angle[even]
         found = found | even
-    return (result, phase, doubt) if found.all() else None
+    return (result, phase, uncertainty) if found.all() else None
 
 
 def _congruence(left: Matrix, matrix: Matrix, name: str = "mass") -> Matrix:

@@ -115,7 +115,7 @@ class Solution(ByContent):
         return float(self.equation.period)
 
     def __repr__(self) -> str:
-        """Return what was solved."""
+        """Return the equation that was solved."""
         span = f"from {self.time[0]:g} to {self.time[-1]:g}"
         return (
             f"<solution of {type(self.equation).__name__} {span}, error {self.error:.1g}, {len(self.time) - 1} steps>"

@@ -33,7 +33,7 @@ may be, relative to the kick, and how long one of their ends must live."""
 
 
 class CriticalKickBounds(NamedTuple):
-    """The critical kick from both sides: what is proved of the smallest kick that escapes, and what was found.
+    """Two bounds of the critical kick: below which every kick is proved bounded, and the smallest found to escape.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ def known_bounds(
 
 
 class _Search:
-    """The search for the smallest kick that escapes, of many equations side by side; gamma = 1.
+    """The search for the smallest kick that escapes, for many equations at once; gamma = 1.
 
     Attributes
     ----------
@@ -178,7 +178,7 @@ class _Search:
         if not kicks.size:
             return
         findings = self.findings[which]
-        orbits = self.equations.follow(which, kicks, self.max_steps, self.workers, findings, patient=False)
+        orbits = self.equations.follow(which, kicks, self.max_steps, self.workers, findings, follow_slow=False)
         self.findings[which] = findings
         fate = orbits["fate"]
         escaped = (fate == kernels.GROWS) | (fate == kernels.MIXED)  # mixed: kicks that escape lie arbitrarily close
@@ -201,7 +201,7 @@ class _Search:
         self.tried, self.kind, self.life = (np.take_along_axis(part, order, axis=1) for part in whole)
 
     def try_the_floor(self) -> None:
-        """Try the kick just above the proved floor: the critical one where creeping outwards ends in escape."""
+        """Try the kick just above the proved floor: the critical one where slow outward motion ends in escape."""
         near = self.floor * (1.0 + _CLOSE)
         which = np.flatnonzero(near < self.top)
         self.look(which, near[which, None])

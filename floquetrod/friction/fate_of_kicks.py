@@ -181,7 +181,7 @@ def _ends_of_rows(
     rows = np.full((int(row[-1]) + 1, int(column.max()) + 1), math.nan)
     rows[row, column] = kicks
     equation = of[column == 0]
-    orbits = equations.follow(equation, rows, max_steps, workers, equations.no_findings()[equation], patient=True)
+    orbits = equations.follow(equation, rows, max_steps, workers, equations.no_findings()[equation], follow_slow=True)
     ends: NDArray[np.float64] = orbits["fate"][row, column]
     return ends
 
@@ -270,5 +270,5 @@ def _end(e: FrictionalMathieu, kick: float, rate: float, max_steps: int) -> NDAr
     code = kernels.run(one, cells, bases, orbit, math.inf, most, False, findings[0], none, workspace())
     if not (code < kernels.LIMIT or (code == kernels.LIMIT and most == max_steps)):
         kicks = np.array([[kick / e.gamma]])
-        orbit = equations.follow(np.zeros(1, dtype=np.int64), kicks, max_steps, 1, findings, patient=True)[0, 0]
+        orbit = equations.follow(np.zeros(1, dtype=np.int64), kicks, max_steps, 1, findings, follow_slow=True)[0, 0]
     return np.array([orbit["fate"], elapsed(orbit), orbit["reversals"], orbit["sticks"]])

@@ -25,7 +25,7 @@ SHORT = 4000
 """Cells of one orbit that are interpreted, in up to a second: cheaper than numba is to load (measured)."""
 
 _AT_ONCE = 100_000  # cells held at once (a choice: some 70 MB)
-_SAMPLES = 8  # of creeping outwards (heuristic)
+_SAMPLES = 8  # orbits of slow outward motion (heuristic)
 
 
 def arguments(alpha: Any, beta: Any, gamma: Any, damping: Any, **kicks: NDArray[np.float64]) -> tuple[Any, ...]:
@@ -50,7 +50,7 @@ def size_of(kick: Any) -> NDArray[np.float64]:
 
 
 def over_friction(kick: NDArray[np.float64], gamma: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return kick / gamma, all that matters of the two; the kick itself where there is no friction."""
+    """Return kick / gamma, on which alone the motion depends; the kick itself where there is no friction."""
     with np.errstate(over="ignore"):
         return kick / np.where(gamma > 0.0, gamma, 1.0)
 
@@ -92,12 +92,12 @@ class Prepared(NamedTuple):
         max_steps: int,
         workers: int | None,
         findings: Records,
-        patient: bool,
+        follow_slow: bool,
     ) -> Records:
-        """Return the orbits of rows of kicks, followed to their fates, one equation to a row; NaN is no kick.
+        """Return the orbits of rows of kicks, followed until decided, one equation per row; NaN stands for no kick.
 
-        ``findings``, a record for each row, are used and added to.  Slow creeping whose end depends on where it began
-        is followed when ``patient``, else its fate is `MIXED`.
+        ``findings``, a record for each row, are used and added to.  Slow outward motion whose fate depends on where it
+        began is followed when ``follow_slow``; otherwise its fate is `MIXED`.
         """
         alpha, beta = self.coefficients["alpha"][equation], self.coefficients["beta"][equation]
         kept = never_freed(alpha[:, None], beta[:, None], kicks)
@@ -111,7 +111,7 @@ class Prepared(NamedTuple):
             new = rows[findings["creeping"][rows] < 0.0]
             findings["creeping"][new] = self._creeping(equation[new], max_steps, workers, findings[new])
             fate[...] = np.where(slow, findings["creeping"][:, None], fate)
-            if patient:
+            if follow_slow:
                 self._creep_on(equation, kicks, orbits, max_steps, workers, findings)
         return orbits
 
@@ -138,7 +138,7 @@ class Prepared(NamedTuple):
     def _creeping(
         self, equation: NDArray[np.int64], max_steps: int, workers: int | None, findings: Records
     ) -> NDArray[np.float64]:
-        """Return the fate of orbits that creep outwards from where the largest force just frees them.
+        """Return the fate of orbits that move outwards slowly from where the largest force just releases them.
 
         They go from the relative excess d to d + (9/2) Q^2 / abs(alpha) d^2 + ..., so all pass through one step's
         length beginning at d = `SLOW`, anywhere in it.  Their fate is known where all fates sampled there agree.
@@ -167,7 +167,7 @@ class Prepared(NamedTuple):
         workers: int | None,
         findings: Records,
     ) -> None:
-        """Follow kicks whose creeping is of mixed fate to the end, if that takes no more periods than ``max_steps``."""
+        """Follow kicks to the end where slow outward motion has no common fate, within ``max_steps`` periods."""
         mixed = orbits["fate"] == kernels.MIXED
         outward = self._outward(equation)[:, None]
         excess = np.where(mixed, outward * np.abs(orbits["a"]) - 1.0, 1.0)
@@ -188,7 +188,7 @@ class Prepared(NamedTuple):
 
 
 def _quadratic(alpha: NDArray[np.float64], outward: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return by how much the square of the excess exceeds the next one, when creeping outwards."""
+    """Return by how much the square of the excess exceeds the next one, in slow outward motion."""
     return 4.5 * outward * outward / np.abs(alpha)
 
 

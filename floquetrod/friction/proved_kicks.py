@@ -63,7 +63,7 @@ def proved(prepared: Prepared) -> tuple[Floats, Floats]:
 
 
 def _no_kick_escapes_up_to(prepared: Prepared) -> Floats:
-    """Return a kick up to which none escapes: none of these stops first beyond ``safe``, where a stop is kept.
+    """Return a kick up to which none escapes: the first stop is within ``safe``, and none moves farther out from there.
 
     Up to the first stop A = kick S + F, S and F the motions from A' = 1 without friction and from rest with it; the
     kick g = -F' / S' stops at tau, at A = g S + F.  Both grow with tau until A is ``safe`` (docs/theory/friction.md);

@@ -150,7 +150,7 @@ def _settle(
 
 
 def _floor(pieces: _Pieces, widths: Floats) -> Floats:
-    """Return the width from which on every piece is no longer divided."""
+    """Return the width below which no piece is divided any further."""
     width = widths[pieces.which]
     place = np.maximum(np.abs(pieces.x[:, 1]), np.abs(pieces.x[:, 2]))
     least = _NARROWEST * np.minimum(width, place)

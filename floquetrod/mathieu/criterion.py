@@ -29,7 +29,7 @@ class FiniteTimeCriterion:
     Parameters
     ----------
     periods : int
-        Periods of 2 pi looked at.
+        Periods of 2 pi examined.
     limit : float
         Growth that counts as instability.
     by : {"exact", "leapfrog"}

@@ -96,7 +96,7 @@ class TongueCurves:
         return np.where(self.order[i] == 0, np.inf, place) if self.plane.along == "mean" else place
 
     def _ends(self, i: Ints, at: Floats, lower: Flags, upper: Flags) -> Floats:
-        """Return both ends in u, those asked for."""
+        """Return both ends in u of the tongues requested."""
         lines, order = self._lines(i, at), self.order[i]
         out = np.empty((order.size, 2))
         cost = _SEARCH if self.rate else _BISECTION

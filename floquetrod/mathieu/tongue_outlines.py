@@ -14,11 +14,11 @@ from floquetrod._util.roots import roots
 from floquetrod.mathieu.bands import Floats, Growth, Ints
 from floquetrod.mathieu.tongue_curves import Flags, TongueCurves
 
-_SAMPLES = 33  # lines of a range on which edges are looked at, where they may turn back (a choice)
-_RIDGES = 9  # lines on which it is asked whether growth exceeds the level anywhere (a choice)
+_SAMPLES = 33  # lines of a range on which edges are examined, where they may turn back (a choice)
+_RIDGES = 9  # lines on which growth is compared with the level (a choice)
 _GOLDEN = 0.3819660112501051
 _TURNS = 20  # golden sections: to 1e-4 of where they began, growth beside its largest value to 1e-8 (a choice)
-_LOOKS = 5  # lines of an outline on which growth is looked at first (a choice)
+_LOOKS = 5  # lines of an outline on which growth is examined first (a choice)
 _BESIDE = 1e-3  # share of an outline between its end and a look beside it (a choice)
 _SNAP = 1e-12  # of the window, up to which an edge that meets its end is put there
 _SAFE = 1.5  # departure of a chord's middle, in units of the accuracy; the middle becomes a vertex, which quarters it

@@ -35,7 +35,7 @@ class OutOfBudget(Exception):
 
 
 class Plane:
-    """A judge over shares of two axes, with a count of what was asked."""
+    """Verdicts at points given as shares of two axes, with a count of them."""
 
     def __init__(
         self,

@@ -6,7 +6,7 @@ import numpy as np
 
 from floquetrod.plane.judging import Bools, Floats, Ints
 
-_AT_ONCE = 1 << 20  # pairs of rays and sides looked at together (a choice): some tens of megabytes
+_AT_ONCE = 1 << 20  # pairs of rays and sides examined together (a choice): some tens of megabytes
 
 
 class Outline:

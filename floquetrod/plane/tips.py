@@ -11,7 +11,7 @@ from floquetrod.plane.judging import Bools, Floats, Ints, Plane, between
 from floquetrod.plane.outline import Outline
 
 THINNEST = 10.0
-"""Width at which a tongue is no longer followed, in multiples of the accuracy of vertices."""
+"""Width below which a tongue is not followed, in multiples of the accuracy of vertices."""
 
 _MOST_STEPS = 600  # of one tip (a choice)
 _TOUCHING = 1e-6  # share of a step by which it may end before the edge of the plane that it goes to (rounding)

@@ -19,7 +19,7 @@ from floquetrod.plane.refining import outlined, refined
 _FEWEST, _MOST, _EACH = 30_000, 300_000, 30
 """Points judged at most: ``_EACH`` for each of the chart's, at least the first and at most the second (a choice)."""
 
-_STARTS = 64  # points of a band at which growth is looked at first (a choice)
+_STARTS = 64  # points of a band at which growth is examined first (a choice)
 _CLIMBS = 40  # rounds of looking for larger growth nearby, at most (a choice)
 _SMALL = 1e-3  # step of that at which it ends, as a share of the grid's (a choice)
 

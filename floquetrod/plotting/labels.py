@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _CELL = 1.5  # side in points of the cells in which room is looked for (a choice)
-_MOST = 300  # bands looked at, the largest ones (a choice)
+_MOST = 300  # bands examined, the largest ones (a choice)
 _ROOM = 3.0  # points around a label (a choice)
 
 

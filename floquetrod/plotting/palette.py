@@ -18,7 +18,7 @@ NEUTRAL = "#b3b3b3"
 """An area that says nothing about stability."""
 
 UNKNOWN = "#e6e6e6"
-"""An area that has not been looked at yet."""
+"""An area that has not been examined yet."""
 
 FASTEST = "#4a1500"
 """The end of the shades of growth; the slowest growth has the colour of `UNSEEN`."""

@@ -161,12 +161,12 @@ class _EvenPart(NamedTuple):
     stiffness: NDArray[np.float64]
     amplitudes: NDArray[np.float64]
     period: NDArray[np.float64]
-    doubt: NDArray[np.float64]
+    uncertainty: NDArray[np.float64]
 
     @property
     def are_simple(self) -> bool:
         """Whether the kernel for two equations takes them."""
-        return self.stiffness.shape[-1] == 2 and not self.doubt.any()
+        return self.stiffness.shape[-1] == 2 and not self.uncertainty.any()
 
 
 class _EvenBatch(_Batch):
@@ -175,17 +175,17 @@ class _EvenBatch(_Batch):
     def __init__(self, system: HillSystem, form: EvenForm, damping: float) -> None:
         shape = system.shape
         self.stiffness, self.amplitudes = flat(form.stiffness, shape, 2), flat(form.amplitudes, shape, 3)
-        self.doubt, self.period, self.damping = flat(form.error, shape, 0), flat(system.period, shape, 0), damping
+        self.uncertainty, self.period, self.damping = flat(form.error, shape, 0), flat(system.period, shape, 0), damping
         self.order = 2 * system.order
 
     def _part(self, part: slice) -> _EvenPart:
-        """Return some systems, those that would take too long without forces and with infinite doubt."""
+        """Return some systems, those that would take too long without forces and with infinite uncertainty."""
         stiffness, amplitudes, period = self.stiffness[part], self.amplitudes[part], self.period[part]
         long = even.seconds_needed(stiffness, amplitudes, period) > MOST_SECONDS
         if not long.any():
-            return _EvenPart(stiffness, amplitudes, period, self.doubt[part])
-        doubt = np.where(long, np.inf, self.doubt[part])
-        return _EvenPart(_without(long, stiffness), _without(long, amplitudes), period, doubt)
+            return _EvenPart(stiffness, amplitudes, period, self.uncertainty[part])
+        uncertainty = np.where(long, np.inf, self.uncertainty[part])
+        return _EvenPart(_without(long, stiffness), _without(long, amplitudes), period, uncertainty)
 
     def multipliers(self, part: slice) -> NDArray[np.complex128]:
         systems = self._part(part)
@@ -197,7 +197,7 @@ class _EvenBatch(_Batch):
                 y[lost] = _eigenvalues(even.pair_matrices(*left, _ACCURACY).matrix)
         else:
             y = _eigenvalues(even.pair_matrices(*systems, _ACCURACY).matrix)
-            y[np.isinf(systems.doubt)] = np.nan
+            y[np.isinf(systems.uncertainty)] = np.nan
         logs = 2.0 * np.arcsinh(np.sqrt(y))
         return np.asarray(np.exp(np.concatenate([logs, -logs], axis=1)))
 
@@ -218,7 +218,7 @@ class _FirstOrderBatch(_Batch):
     def __init__(self, system: PeriodicSystem, damping: float, *, paired: bool) -> None:
         shape = system.shape
         self.mean, self.harmonics = flat(system.mean, shape, 2), flat(system.harmonics, shape, 3)
-        self.doubt, self.paired = system.coefficient_error, paired
+        self.uncertainty, self.paired = system.coefficient_error, paired
         self.period, self.damping = flat(system.period, shape, 0), damping
         self.order = system.order
 
@@ -226,9 +226,9 @@ class _FirstOrderBatch(_Batch):
         """Return the maps over a period, with infinite error where they would take too long."""
         mean, harmonics, period = self.mean[part], self.harmonics[part], self.period[part]
         long = np.asarray(whole.seconds_needed(mean, harmonics, period) > MOST_SECONDS)
-        doubt = np.where(long, np.inf, self.doubt)
+        uncertainty = np.where(long, np.inf, self.uncertainty)
         return whole.period_maps(
-            _without(long, mean), _without(long, harmonics), period, doubt, _ACCURACY, paired=self.paired
+            _without(long, mean), _without(long, harmonics), period, uncertainty, _ACCURACY, paired=self.paired
         )
 
     def multipliers(self, part: slice) -> NDArray[np.complex128]:

@@ -1,4 +1,4 @@
-"""Six methods, each in a file of its own, none of which calls another: an equation in, a `Stability` out."""
+"""Six methods, one per file, none of which calls another: from an equation to a `Stability`."""
 
 from __future__ import annotations
 

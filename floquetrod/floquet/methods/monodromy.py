@@ -53,7 +53,7 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
         Damping c by the exact substitution A = exp(-c tau) u, p -> p + c^2.  Steps end where pieces of the coefficient
         meet.
     rtol : float
-        Accuracy asked of the map, relative to its largest entry: steps are halved until halving changes no more.
+        Accuracy required of the map, relative to its largest entry: steps are halved until halving changes no more.
 
     Returns
     -------

@@ -158,7 +158,7 @@ class Doubles:
         return Balls(np.array(mid), np.array(0.0 if Fraction(mid) == value else up(_UNIT * abs(mid))))
 
     def check_work(self, operations: float) -> None:
-        """Raise `TooMuchWork` where so many multiplications would take too long."""
+        """Raise `TooMuchWork` where that many multiplications would take too long."""
         if operations > _LARGEST_WORK:
             raise TooMuchWork(f"{operations:.0e} multiplications")
 

@@ -48,7 +48,7 @@ def _rows(context: Any, series: Series, bound: Any, frequencies: list[Fraction])
     """Return the rows of a matrix that holds both H and H - C C' / delta.
 
     Twice the average of u'^2 + p u^2 over u = sum_k a_k cos(k theta) + b_k sin(k theta); the highest frequency first,
-    so that the pivots start out positive and a vanishing mean is no vanishing pivot.
+    so that the first pivots are positive and a vanishing mean does not give a vanishing pivot.
     """
     reach, top = len(series.waves), frequencies[-1]
     delta = rational(context, (top + 1) ** 2) + series.mean - bound

@@ -195,7 +195,7 @@ def _double(value: int, bits: int) -> float:
 
 
 class Integers:
-    """Arithmetic with integers, of so many digits behind the point."""
+    """Fixed-point arithmetic with integers, with the given number of digits after the point."""
 
     def __init__(self, digits: int) -> None:
         """Take the decimal digits to work with."""
@@ -207,7 +207,7 @@ class Integers:
         self._context.prec = self.bits + 30
 
     def check_work(self, operations: float) -> None:
-        """Raise `TooMuchWork` where so many multiplications would take too long."""
+        """Raise `TooMuchWork` where that many multiplications would take too long."""
         if operations * (1.0 + self.bits / 2000.0) > _LARGEST_WORK:
             raise TooMuchWork(f"{operations:.0e} multiplications with {self.digits} digits")
 

@@ -24,7 +24,7 @@ class TooMuchWork(Exception):
 
 
 def arithmetic(digits: int) -> Any:
-    """Return a context of interval arithmetic with so many decimal digits."""
+    """Return a context of interval arithmetic with the given number of decimal digits."""
     from mpmath.ctx_iv import MPIntervalContext
 
     context = MPIntervalContext()  # our own: the precision of mpmath.iv is shared by the whole process
@@ -33,7 +33,7 @@ def arithmetic(digits: int) -> Any:
 
 
 def check_work(context: Any, operations: float) -> None:
-    """Raise `TooMuchWork` where so many operations would take too long."""
+    """Raise `TooMuchWork` where that many operations would take too long."""
     if operations * (1.0 + context.prec / 2000.0) > _LARGEST_WORK:
         raise TooMuchWork(f"{operations:.0e} operations with intervals")
 

@@ -20,7 +20,7 @@ from floquetrod.kernels import regions as kernels
 from floquetrod.kernels.regions_boxes import DAMPING, tail_modes
 
 _MOST_AT_ONCE = 100_000  # parts that wait in one search: tens of megabytes (a choice)
-_STEPS = 2_000  # parts looked at between two reports of progress: some tens of milliseconds (a choice)
+_STEPS = 2_000  # parts examined between two reports of progress: some tens of milliseconds (a choice)
 _PATIENCE = 1000  # rows of the modes' Hill matrices judged by interpreted kernels before they are compiled (a choice)
 
 _NAMES = {"mean": "mean force"}
@@ -73,11 +73,11 @@ class RegionProof(Reported, NoTruthValue):
     growth_unit : str
         "1/s", of an equation "per tau".
     modes : int
-        Modes looked at, 1 to this; 1 for an equation.
+        Modes examined, 1 to this; 1 for an equation.
     left_out_bound : float
         Bound on the growth of every other mode, over the whole box; 0 for an equation.
     boxes : int
-        Parts of the box that were looked at.
+        Parts of the box that were examined.
     shares : Shares
         How much of the box was proved stable, and unstable.
     statement : str
@@ -231,7 +231,7 @@ class Found(NamedTuple):
     growing_mode : int
         The mode that grows in it; 0 without.
     boxes : int
-        Parts looked at.
+        Parts examined.
     """
 
     quiet: float
@@ -263,7 +263,7 @@ def subdivide(
     max_boxes : int
         Parts to look at before it is given up.  It ends, too, once one is proved quiet and one growing.
     progress : callable, optional
-        Called with the number of parts looked at, now and then.
+        Called with the number of parts examined, now and then.
     """
     search = kernels.box_search(as_box(box), last, min(max_boxes, _MOST_AT_ONCE))
     counts = search.counts

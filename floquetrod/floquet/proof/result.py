@@ -12,7 +12,7 @@ from floquetrod.floquet.references import references
 from floquetrod.floquet.verdict import Answer, Interval, Status
 
 MAX_BOXES = 100_000
-"""Parts of a box looked at before a proof is given up, by default: a second or a few (a choice)."""
+"""Default number of parts of a box that are examined before a proof is given up: a second or a few (a choice)."""
 
 
 class Enclosure(NamedTuple):

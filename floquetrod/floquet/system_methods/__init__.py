@@ -1,4 +1,4 @@
-"""Methods for systems, each in a file of its own, none of which calls another: a system in, a `SystemStability` out."""
+"""Methods for systems, one per file, none of which calls another: from a system to a `SystemStability`."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
     system : HillSystem
         Even about an instant, without gyroscopic matrix, its damping none or C = 2 c M, removed by q = exp(-c t) u.
     rtol : float
-        Accuracy asked of the map, relative to its size in coordinates that balance position and velocity.
+        Accuracy required of the map, relative to its size in coordinates that balance position and velocity.
 
     Returns
     -------

@@ -20,7 +20,7 @@ from floquetrod.floquet.verdict import Cost
 from floquetrod.kernels.system_maps_large import large_seconds, period_map_large
 
 _COST = Cost(1, "period")
-_MANY = 100  # equations from which on a map's own eigenvalues are computed, not the numbers of its pairs (a choice)
+_MANY = 100  # equations: for as many or more, the eigenvalues of the map are computed, not those of pairs (a choice)
 
 
 def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> SystemStability:
@@ -36,7 +36,7 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     system : HillSystem or PeriodicSystem
         Uniform damping C = 2 c M is removed by q = exp(-c t) u.
     rtol : float
-        Accuracy asked of the map, relative to its size in balanced coordinates.
+        Accuracy required of the map, relative to its size in balanced coordinates.
 
     Returns
     -------

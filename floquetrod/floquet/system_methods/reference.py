@@ -41,13 +41,13 @@ class _Problem(NamedTuple):
     """A system in first order: its series, its size per unit of phase, and how its pairs are read off the map.
 
     ``kind`` is "hamiltonian" (canonical coordinates), "reversible" (an even instant at the start) or "general";
-    ``damping`` is the uniform damping removed; ``doubt`` the error of the coefficients.
+    ``damping`` is the uniform damping removed; ``uncertainty`` the error of the coefficients.
     """
 
     series: Series
     kind: str
     damping: float
-    doubt: float
+    uncertainty: float
 
 
 def reference(
@@ -65,7 +65,7 @@ def reference(
     digits : int
         Decimal digits of the map relative to its norm, from 10 to 1000.
     most_digits : int
-        While the verdict is open, ``digits`` are doubled up to so many, as far as the work allows; from 10 to 1000.
+        While the verdict is undecided, ``digits`` are doubled up to this number, as far as the work allows; 10 to 1000.
         120 by default.
 
     Returns
@@ -124,11 +124,11 @@ def _attempt(
             break
         more += missing + 1.0
     order = len(found.matrix)
-    doubt = problem.doubt * order * size
+    uncertainty = problem.uncertainty * order * size
     error = max(float(found.error), _LEAST_ERROR)
     cost = Cost(before + total, "terms")
-    result = _classified(system, problem, found, error + doubt, context, cost)
-    return result, total, doubt < error
+    result = _classified(system, problem, found, error + uncertainty, context, cost)
+    return result, total, uncertainty < error
 
 
 def _first_order_of(system: HillSystem | PeriodicSystem) -> int:
@@ -157,19 +157,19 @@ def _problem(system: HillSystem | PeriodicSystem, context: Any) -> _Problem:
         mean, waves = _first_order(system, kind, damping, context)
         if kind == "reversible" and even is not None and float(even.start) != 0.0:
             start = context.pi / (2 * len(system.harmonics))  # of a single sine, even about a quarter of its period
-        doubt = 0.0
+        uncertainty = 0.0
     else:
         kind = system.structure if freed else "general"
         mean = _exact(system.mean, context)
         waves = [_exact(part, context) for z in system.harmonics for part in (z.real, -z.imag)]
-        doubt = float(system.period) * system.coefficient_error
+        uncertainty = float(system.period) * system.coefficient_error
     size = np.abs(mean.astype(float)) + sum((np.abs(w.astype(float)) for w in waves), start=np.zeros(mean.shape))
     scales = _scales(size, kind != "general", 1.0 / float(unit))
     ratio = scales[None, :] / scales[:, None]
     order = len(mean)
     waves_array = np.array([w * ratio * unit for w in waves], dtype=object).reshape(len(waves), order, order)
     worst = float(ratio.max())
-    return _Problem(Series(mean * ratio * unit, waves_array, start), kind, damping, doubt * worst)
+    return _Problem(Series(mean * ratio * unit, waves_array, start), kind, damping, uncertainty * worst)
 
 
 def _first_order(

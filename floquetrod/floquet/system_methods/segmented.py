@@ -103,10 +103,10 @@ def _segments(
     scales = found.scaling[0]
     ratio = scales[None, :] / scales[:, None]
     stretch = float(error_stretch(system.mean[None], scales[None])[0])
-    doubt = system.coefficient_error * system.order * stretch * period / count
+    uncertainty = system.coefficient_error * system.order * stretch * period / count
     with np.errstate(over="ignore", invalid="ignore"):  # of maps that overflow
         maps = found.maps[0] * ratio
-        return maps, found.errors[0] + doubt * norms(maps), scales
+        return maps, found.errors[0] + uncertainty * norms(maps), scales
 
 
 def _solutions(maps: NDArray[np.float64], errors: NDArray[np.float64], scales: NDArray[np.float64]) -> Solutions | None:
@@ -125,7 +125,7 @@ def _solutions(maps: NDArray[np.float64], errors: NDArray[np.float64], scales: N
     roots, radii = discs.values[chosen], discs.radii[chosen]
     with np.errstate(divide="ignore"):
         relative = np.minimum(radii / np.abs(roots), 1.0)
-        doubts = -count * np.log1p(-relative)
+        uncertainties = -count * np.log1p(-relative)
     states = states[:, chosen] * scales[:, None]
     logs = ladders.principal(count * np.log(roots))
-    return Solutions(logs, doubts, states / np.linalg.norm(states, axis=0))
+    return Solutions(logs, uncertainties, states / np.linalg.norm(states, axis=0))

@@ -145,7 +145,7 @@ def _pair_part(
     cluster: NDArray[np.intp],
     krein: Krein | None,
 ) -> tuple[_Part, bool]:
-    """Return what is known of a cluster of y, and whether its members must be on the real axis."""
+    """Return the classification of a cluster of y, and whether its members must be on the real axis."""
     y, radii, net = discs.values[cluster], discs.radii[cluster], digits.net[cluster]
     high = float((net + errors[cluster]).max())
     low = max(-limit, float((net - errors[cluster]).min()))
@@ -248,9 +248,9 @@ def classify_multipliers(
         elif freed and krein and len(cluster) > 1 and (sign := krein(cluster)):
             parts.append(_Part(-shift, -shift, True, krein=sign))
         else:
-            doubt = float(np.expm1(min(high, 1.0)))
+            uncertainty = float(np.expm1(min(high, 1.0)))
             alone = len(cluster) == 1
-            text = _EDGE.format(doubt, "the unit circle") if alone else _CLUSTER.format(len(cluster), doubt)
+            text = _EDGE.format(uncertainty, "the unit circle") if alone else _CLUSTER.format(len(cluster), uncertainty)
             parts.append(_Part(low - shift, high - shift, False, text))
             continue
         values[cluster] = 1j * values[cluster].imag

@@ -27,7 +27,7 @@ def least_damping(
     growth: float,
     frequency: float,
     further: NDArray[np.float64] | None = None,
-    doubt: float = 0.0,
+    uncertainty: float = 0.0,
 ) -> float:
     """Return the damping rate from which nothing grows, to ten digits, at all rates tried.
 
@@ -41,13 +41,13 @@ def least_damping(
         Angular frequency of the forcing; of a smaller growth rate than a millionth of it, that is tried.
     further : ndarray, optional
         Other rates to try.
-    doubt : float
+    uncertainty : float
         Growth rate that cannot be distinguished from none.
 
     Returns
     -------
     float
-        0 where nothing grows at any rate tried, nor without damping; NaN where ``excess`` is NaN or within its doubt.
+        0 where nothing grows at any rate tried, nor without damping; NaN where ``excess`` is NaN or within its error.
     """
     from scipy.optimize import brentq
 
@@ -55,7 +55,7 @@ def least_damping(
     scale = max(growth, _LEAST * frequency)
     tried = np.unique(np.concatenate([scale * _TIMES, [] if further is None else further])).tolist()
     values = [found(rate) for rate in tried]
-    if not all(abs(value) >= doubt for value in values):
+    if not all(abs(value) >= uncertainty for value in values):
         return math.nan
     growing = [i for i, value in enumerate(values) if value > 0.0]
     if not growing:
@@ -115,5 +115,5 @@ def damping_to_stabilise(system: HillSystem, growth: float) -> float:
         return math.log(largest) / period if largest > 0.0 else -math.inf
 
     return least_damping(
-        excess, growth, 2.0 * math.pi / period, further=np.asarray(rates), doubt=10.0 * _ACCURACY / period
+        excess, growth, 2.0 * math.pi / period, further=np.asarray(rates), uncertainty=10.0 * _ACCURACY / period
     )

@@ -47,13 +47,13 @@ def seconds_needed(stiffness: Any, amplitudes: Any, period: Any) -> NDArray[np.f
 
 
 def pair_matrices(
-    stiffness: Any, amplitudes: Any, period: Any, doubt: Any, rtol: float, workers: int | None = 1
+    stiffness: Any, amplitudes: Any, period: Any, uncertainty: Any, rtol: float, workers: int | None = 1
 ) -> PairMatrices:
-    """Return the matrices of u'' + (S + sum_k A_k cos k w t) u = 0, S and A known up to ``doubt`` in the 2-norm."""
+    """Return the matrices of u'' + (S + sum_k A_k cos k w t) u = 0, S and A with an ``uncertainty`` in 2-norm."""
     half = half_period_map(stiffness, amplitudes, period, rtol, workers)
     with np.errstate(over="ignore", invalid="ignore"):  # of maps that overflow, whose errors are then not finite
         n = half.a.shape[-1]
-        whole, error = _whole(half, period, doubt)
+        whole, error = _whole(half, period, uncertainty)
         if half.symmetric:
             return _numbers(half, error, np.swapaxes(half.b, -1, -2), error)
         inverse = inverses(whole)
@@ -64,14 +64,14 @@ def pair_matrices(
             # The inverse is the map back over the next half period, for -t and -u': it is even about that instant too.
             signs = (-1.0) ** np.arange(1, amplitudes.shape[1] + 1)[:, None, None]
             other = half_period_map(stiffness, signs * amplitudes, period, rtol, workers)
-            left[lost], left_error[lost] = other.b[lost], _whole(other, period, doubt)[1][lost]
+            left[lost], left_error[lost] = other.b[lost], _whole(other, period, uncertainty)[1][lost]
         return _numbers(half, error, left, left_error)
 
 
-def _whole(half: HalfPeriodMap, period: Any, doubt: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _whole(half: HalfPeriodMap, period: Any, uncertainty: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return maps (b, 2 n, 2 n) over half a period, and their errors, those of the coefficients included."""
     whole = np.concatenate([np.concatenate([half.a, half.b], -1), np.concatenate([half.c, half.d], -1)], -2)
-    return whole, half.error + 0.5 * period * doubt * (_sizes(half.basis) * _sizes(whole)) ** 2
+    return whole, half.error + 0.5 * period * uncertainty * (_sizes(half.basis) * _sizes(whole)) ** 2
 
 
 def _sizes(matrices: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -41,10 +41,10 @@ def many_discs(matrices: NDArray[Any], errors: NDArray[np.float64]) -> ManyDiscs
     values, right = np.linalg.eig(np.where(finite[:, None, None], matrices, np.eye(n)))
     left = inverses(right)
     conditions = np.linalg.norm(left, axis=-1)
-    doubt = n * _EPS * np.sqrt(np.square(conditions).sum(axis=-1))
+    uncertainty = n * _EPS * np.sqrt(np.square(conditions).sum(axis=-1))
     total = errors + 4.0 * n * _EPS * norms(matrices)
-    usable = finite & (doubt < 0.1)
-    radii = np.where(usable[:, None], n * conditions * (total * (1.0 + 2.0 * doubt))[:, None], np.inf)
+    usable = finite & (uncertainty < 0.1)
+    radii = np.where(usable[:, None], n * conditions * (total * (1.0 + 2.0 * uncertainty))[:, None], np.inf)
     return ManyDiscs(values.astype(np.complex128), radii, _apart(values, radii))
 
 
@@ -77,10 +77,10 @@ def pair_verdicts(discs: ManyDiscs, period: NDArray[np.float64], damping: float)
         unstable, stable = _reduce(np.logical_or, grows), _reduce(np.logical_and, bounded)
     else:
         limit = (damping * period)[:, None]
-        doubt = pair_log_errors(y, 1.0 + y, radii)
+        uncertainty = pair_log_errors(y, 1.0 + y, radii)
         known = apart & (radii <= 0.5 * np.minimum(np.abs(y), np.abs(1.0 + y)))
-        unstable = _reduce(np.logical_or, known & (growth - doubt > limit))
-        stable = _reduce(np.logical_and, bounded | (known & (growth + doubt < limit)))
+        unstable = _reduce(np.logical_or, known & (growth - uncertainty > limit))
+        stable = _reduce(np.logical_and, bounded | (known & (growth + uncertainty < limit)))
     return _verdicts(stable, unstable, _reduce(np.maximum, growth) / period - damping)
 
 

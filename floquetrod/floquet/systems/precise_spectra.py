@@ -59,10 +59,10 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float, context: Any) -> Precis
     except (ZeroDivisionError, OverflowError, RuntimeError):  # eigenvectors in one direction; no convergence
         return None
     values = np.array(list(found), dtype=object)
-    doubt = math.ldexp(n * n * _norm(left.ravel()), -context.prec)
-    if not doubt < 0.1:
+    uncertainty = math.ldexp(n * n * _norm(left.ravel()), -context.prec)
+    if not uncertainty < 0.1:
         return None
-    radii = n * conditions * total * (1.0 + 2.0 * doubt)
+    radii = n * conditions * total * (1.0 + 2.0 * uncertainty)
     gaps = np.array([[float(abs(a - b)) for b in values] for a in values]).reshape(n, n)
     clusters = touching(gaps, radii)
     for cluster in clusters:
@@ -70,7 +70,7 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float, context: Any) -> Precis
             i, others = cluster[0], np.arange(n) != cluster[0]
             share = float((conditions[others] * total / (gaps[i, others] - radii[others] - radii[i])).max())
             if share < 1.0:
-                radii[i] = conditions[i] * total * (1.0 + (n - 1) * share) * (1.0 + 2.0 * doubt)
+                radii[i] = conditions[i] * total * (1.0 + (n - 1) * share) * (1.0 + 2.0 * uncertainty)
     return PreciseDiscs(values, radii, clusters, right, left, total, size)
 
 

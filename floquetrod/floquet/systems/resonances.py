@@ -96,7 +96,7 @@ class _Candidate(NamedTuple):
 def _combinations(modes: _Modes, exponent: complex, w: float, differences: bool) -> list[_Candidate]:
     """Return the best combination of modes with the forcing, by detuning and mismatch of the angle and the order.
 
-    Without ``differences`` none of that kind: all modes have one Krein sign.
+    Without ``differences`` there are none of that kind, because all modes have one Krein sign.
     """
     f = modes.poles.imag
     one, other = np.triu_indices(len(f))  # a mode with itself: a direct resonance

@@ -19,7 +19,7 @@ Form = Callable[[NDArray[Any]], NDArray[Any]]
 
 _EPS = 2.220446049250313e-16
 LARGE = 200
-"""Rows from which on 2-norms are bounded, not computed: a decomposition takes seconds (a choice)."""
+"""Rows above which 2-norms are bounded, not computed: a decomposition takes seconds (a choice)."""
 
 
 class Discs(NamedTuple):
@@ -68,11 +68,11 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
         return None
     total = error + 4.0 * n * _EPS * spectral_norm(matrix)
     conditions = np.linalg.norm(left, axis=1)
-    doubt = n * _EPS * float(np.linalg.norm(conditions))
-    if not doubt < 0.1 or not np.isfinite(total):  # the inverse is not one
+    uncertainty = n * _EPS * float(np.linalg.norm(conditions))
+    if not uncertainty < 0.1 or not np.isfinite(total):  # the inverse is not one
         return None
     many = float(n) if n < LARGE else min(n, math.sqrt(n) * spectral_norm(right))
-    whole = many * conditions * total * (1.0 + 2.0 * doubt)
+    whole = many * conditions * total * (1.0 + 2.0 * uncertainty)
     values = values.astype(np.complex128)
     gaps = np.abs(values[:, None] - values[None, :])
     clusters = touching(gaps, whole)
@@ -83,7 +83,7 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
         room = gaps[i, others] - whole[others] - whole[i]
         share = float((conditions[others] * total / room).max(initial=0.0))
         if share < 1.0:  # row i may be divided by it: the other discs still do not reach this one
-            radii[i] = conditions[i] * total * (1.0 + (many - 1.0) * share) * (1.0 + 2.0 * doubt)
+            radii[i] = conditions[i] * total * (1.0 + (many - 1.0) * share) * (1.0 + 2.0 * uncertainty)
     return Discs(
         values, radii, clusters, right.astype(np.complex128), left.astype(np.complex128), total, matrix, spread
     )

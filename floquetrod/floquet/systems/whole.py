@@ -45,9 +45,9 @@ def seconds_needed(mean: Any, harmonics: Any, period: Any) -> NDArray[np.float64
 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def period_maps(
-    mean: Any, harmonics: Any, period: Any, doubt: Any, rtol: float, *, paired: bool, workers: int | None = 1
+    mean: Any, harmonics: Any, period: Any, uncertainty: Any, rtol: float, *, paired: bool, workers: int | None = 1
 ) -> PeriodMaps:
-    """Return the maps of x' = A(t) x; ``doubt`` is the error of A's entries.
+    """Return the maps of x' = A(t) x; ``uncertainty`` is the error of A's entries.
 
     Where ``paired``, positions and velocities are scaled by inverse factors: the map stays symplectic or reversible.
     """
@@ -64,7 +64,7 @@ def period_maps(
         scaling = inner
     size = norms(matrix)
     stretch = error_stretch(plain, scaling)
-    moved = np.where(doubt > 0.0, period * doubt * n * stretch * np.maximum(size, 1.0) ** 2, 0.0)
+    moved = np.where(uncertainty > 0.0, period * uncertainty * n * stretch * np.maximum(size, 1.0) ** 2, 0.0)
     return PeriodMaps(matrix, error + moved, scaling)
 
 
