@@ -100,7 +100,7 @@ class Equation(TellsAttributes, ABC):
     def as_system(self) -> HillSystem:
         """Return the same equation as a system of one: K = -p, since positive stiffness restores, and C = 2 c.
 
-        Raises TypeError for a coefficient with jumps or slopes, which is no finite Fourier series.
+        Raises TypeError for a coefficient with jumps or slopes, which has no finite Fourier series.
         """
         if not self.is_smooth:
             raise validate.wrong_type(

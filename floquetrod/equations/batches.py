@@ -31,7 +31,7 @@ def stack(systems: Sequence[System]) -> System:
     Raises
     ------
     TypeError, ValueError
-        For what is no system, for systems of both kinds or of several orders, and for batches.
+        For anything that is not a system, for systems of both kinds or of several orders, and for batches.
 
     Examples
     --------

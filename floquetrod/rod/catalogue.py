@@ -64,9 +64,9 @@ class Pipe(NamedTuple):
     source : str
         The standard that lists it.
     grades : tuple of str
-        Grades of steel that may be asked for.
+        Grades of steel that may be given.
     grade : str
-        The grade asked for, "" without one.
+        The grade that was given, "" without one.
     yield_strength : float or None
         Least yield strength of that grade in Pa.
     """

@@ -91,7 +91,7 @@ class Sampling:
             ) from None
 
     def _refuse(self, sample: Mapping[str, float]) -> NoReturn:
-        """Raise ValueError for a sample that is no rod under a load."""
+        """Raise ValueError for a sample that is not a possible rod and load."""
         rod = self.rod.replace(**{name: value for name, value in sample.items() if name not in LIMITS})
         load = self.load.with_numbers(*(sample.get(name, getattr(self.load, name)) for name in LIMITS))
         rod.mode_constants.require_in_reach(Loads.single(load))

@@ -76,5 +76,5 @@ def _require_keys(table: Mapping[str, Any], needed: Mapping[str, bool], instead:
 
 
 def _value(key: str, value: Any) -> Any:
-    """Return a quantity in SI units; what is no quantity, such as a word, as it is."""
+    """Return a quantity in SI units; anything else, such as a word, unchanged."""
     return units.quantity(value, key, units.ROD_KINDS[key]) if key in units.ROD_KINDS else value

@@ -1,8 +1,8 @@
-"""Numbers that are allowed but look like a slip: another unit, a diameter for a radius, Hz for rad/s.
+"""Numbers that are allowed but look like a mistake: another unit, a diameter for a radius, Hz for rad/s.
 
 Every limit here is a heuristic choice.  It leaves room for what is built, from glass fibres of 0.1 mm to strings of
 10 km: a warning that is often wrong would be silenced once and for all.  For the same reason a number is suspected only
-where it has few digits, as typed, and where the slip would explain it: in the other unit it is plausible.
+where it has few digits, as typed, and where a mistake would explain it: in the other unit it is plausible.
 """
 
 from __future__ import annotations

@@ -24,19 +24,19 @@ from floquetrod.rod.record_period import Found, find, power_spectrum
 
 _LATEST = 1e12  # s
 _FEWEST = 12  # samples
-_MOST_HARMONICS = 1000  # that may be asked for (a choice)
+_MOST_HARMONICS = 1000  # largest value of ``harmonics`` (a choice)
 
 
 @tells_arguments()
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class ForceRecord(LoadSource, ByContent):
-    """Force measured over time, noisy and no whole number of periods long, fitted by a mean and a Fourier series.
+    """Force measured over time, with noise and over any number of periods, fitted by a mean and a Fourier series.
 
-    It stands for its `load` wherever a rod takes one.
+    It can be given in place of a load; its `load` is then used.
 
-    F(t) = mean + Re sum of c_h exp(i h frequency t), by least squares for the frequency and all coefficients together.
-    The samples may be uneven and have gaps.  A linear trend is fitted along where there is one; it is no part of the
-    force.
+    F(t) = mean + Re sum of c_h exp(i h frequency t), with the frequency and all coefficients fitted together by least
+    squares.  The samples may be uneven and have gaps.  A linear trend is fitted too where there is one; it is not part
+    of the force.
 
     Parameters
     ----------
@@ -45,12 +45,12 @@ class ForceRecord(LoadSource, ByContent):
     force : array_like (n,)
         In N.  Samples whose time or force is NaN are left out, at most half of them.
     harmonics : int, optional
-        Largest number of harmonics looked for, 20 by default.  Fewer are where the sampling rate or the number of
-        samples does not allow for more: ``note`` says so where they were asked for.
+        Largest number of harmonics searched for, 20 by default; fewer where the sampling rate or the number of samples
+        allows no more, which ``note`` says where ``harmonics`` is given.
     frequency : float, optional
-        Frequency of the fundamental in rad/s as far as it is known, to a tenth or half a period per record; it is
-        refined.  By default it is searched for: the strongest frequency of the record is one of the first ten harmonics
-        of it.
+        Approximate frequency of the fundamental in rad/s, known to within a tenth or half a period per record; it is
+        refined.  By default it is searched for: the strongest frequency of the record is then one of its first ten
+        harmonics.
 
     Attributes
     ----------
@@ -59,7 +59,7 @@ class ForceRecord(LoadSource, ByContent):
     mean, mean_error : float
         Mean force in N, at the middle of the record, and its standard error.
     trend : float
-        Drift of the mean in N/s, 0 unless noise would show as large a one in less than one record of 100.
+        Drift of the mean in N/s, 0 unless noise alone would cause one as large in less than one record of 100.
     frequency, frequency_error : float
         Of the fundamental in rad/s, and its standard error.
     harmonics : ndarray of complex
@@ -67,24 +67,24 @@ class ForceRecord(LoadSource, ByContent):
     harmonic_errors : ndarray
         Standard errors of their sizes in N.
     noise : float
-        Root mean square in N of what the fit leaves.
+        Root mean square in N of the residual of the fit.
     note : str
         What was left out or limited, and where the noise is not white.
     force_unit_named : bool
-        Whether the unit of force is known: False for a file that names none, nor is given ``force_unit``.
+        Whether the unit of force is known: False for a file that names none and was read without ``force_unit``.
 
     Raises
     ------
     TypeError, ValueError
-        For what are no such samples: a time that does not increase, or a force that does in its place; fewer than 12
-        samples or two periods; a force without a period above the noise.
+        For unusable samples: a time that does not increase, or a force that does instead; fewer than 12 samples or two
+        periods; a force without a period above the noise.
 
     Notes
     -----
-    A harmonic is kept where noise alone would make one as large, among all looked for, in less than one record of 100
-    (F test): from about 3.9 times the noise of an amplitude, noise * sqrt(2/n), for 20 harmonics.  A longer period than
-    that of the strongest frequency is chosen where its further harmonics pass a sharper test, one in 1000 records, and,
-    where the record holds fewer than four such periods, are a tenth of all: those of a drift are less.
+    A harmonic counts as present where noise alone would give one as large, among all searched for, in less than one
+    record of 100 (F test): from about 3.9 times the noise of an amplitude, noise * sqrt(2/n), for 20 harmonics.  A
+    longer period than that of the strongest frequency is chosen where its further harmonics pass a sharper test, one in
+    1000 records, and, where the record has fewer than four such periods, are a tenth of all: those of a drift are less.
     Errors are those of least squares with white noise; about harmonics where the spectrum of the residual is
     significantly higher than that, they grow with it.  Aliases of frequencies above half the sampling rate cannot be
     distinguished from the harmonics that they coincide with.
@@ -166,10 +166,11 @@ class ForceRecord(LoadSource, ByContent):
             Heading of the column of forces, or its number from 0.  By default the one headed force or f; of two columns
             with other headings or none, the second.
         time_unit : str, optional
-            Unit of the times, such as "ms".  By default that in the heading, as in "t [ms]" or "time_ms", and else s.
+            Unit of the times, such as "ms".  By default that in the heading, as in "t [ms]" or "time_ms", else s.
         force_unit : str, optional
-            Unit of the forces, such as "lbf".  By default that in the heading, as in "force (kN)" or "F / N", and
-            else N: then `force_unit_named` is False, and verdicts warn where kN or mN are more likely.
+            Unit of the forces, such as "lbf".  By default that in the heading, as in "force (kN)", "F / N",
+            "FORCE_LBF" or "lbf" alone, else N: then `force_unit_named` is False, and verdicts warn where kN or mN are
+            more likely, or where lbf are as likely and matter.
         delimiter : str, optional
             What separates columns, by default the first of semicolon, tab, comma and space that the first line holds.
             With another one than the comma, numbers may have decimal commas.
@@ -181,7 +182,7 @@ class ForceRecord(LoadSource, ByContent):
         Raises
         ------
         TypeError, ValueError
-            Naming argument, or file and line, for what cannot be read and for what `ForceRecord` refuses.
+            For a file that cannot be read, naming argument or line, and for samples that `ForceRecord` refuses.
         """
         path = validate.path("path", path)
         wanted = column_argument("time", time), column_argument("force", force)
@@ -246,7 +247,7 @@ class ForceRecord(LoadSource, ByContent):
     def spectrum(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return frequencies in Hz, up to half of the sampling rate, and amplitudes in N of record and residual there.
 
-        Of the record less its mean and its trend, and of what the fit leaves.
+        Those of the record without its mean and trend, and of the residual of the fit.
         """
         samples = Samples.of(self.time, self.samples)
         level = self.samples - self.mean - self.trend * (self.time - samples.centre)

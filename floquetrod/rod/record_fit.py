@@ -143,7 +143,7 @@ class Fit:
         return -0.5 * self.free * math.log1p(ratio / self.free)
 
     def with_noise(self, factors: Floats) -> Fit:
-        """Return the fit whose noise is so many times stronger about frequency 0 and about each harmonic.
+        """Return the fit with noise stronger by these factors about frequency 0 and about each harmonic.
 
         A harmonic tells about the frequency as the square of its number times its size.
         """

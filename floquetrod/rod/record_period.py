@@ -20,7 +20,7 @@ _DEEPEST = 10  # number of the strongest harmonic at most (a choice)
 _FALSE_PERIOD = 1e-3  # chance that white noise alone passes for a period, or multiplies it (a choice)
 _COLOURED = 1e-3  # chance that white noise counts as stronger about one frequency than on average (a choice)
 _FALSE_TREND = 0.01  # chance that white noise alone passes for a trend (a choice)
-_WORTH_A_FIT = 8.0  # power over that of the noise from which a frequency between the harmonics is looked at (a choice)
+_WORTH_A_FIT = 8.0  # power over that of the noise above which a frequency between harmonics is fitted (a choice)
 _PRIMES = (2, 3, 5, 7)  # factors of the numbers up to `_DEEPEST`
 _SLOW = 4.0  # periods in the record up to which a fundamental may be a drift (a choice)
 _DRIFT = 0.1  # size of harmonics, relative to all, up to which they may be those of a drift (a choice)
@@ -140,7 +140,7 @@ def _near(samples: Samples, power: Spectrum, guess: float, most: int) -> tuple[f
 
 
 def _limit(samples: Samples, periods: float, most: int) -> int:
-    """Return the number of harmonics fitted to a record of so many periods: two thirds of the samples at most."""
+    """Return the number of harmonics fitted to a record of this many periods: at most two thirds of the samples."""
     return max(0, min(most, int(samples.highest / periods), (samples.tau.size // 3 * 2 - 3) // 2))
 
 

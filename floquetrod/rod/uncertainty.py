@@ -196,7 +196,7 @@ def probability_of_instability(
         For samples that are no rod or no load, with how many there are; for parameters of a rod whose modes are
         coupled, where only the numbers of the load may be distributed.
     TypeError
-        For what is no distribution.
+        For anything that is not a distribution.
 
     Examples
     --------
