@@ -49,6 +49,14 @@ def test_a_command_imports_no_other(line: str, absent: set[str]) -> None:
     assert {each for each in others if f"floquetrod.cli.{each}" in loaded} == {line.split()[0]}
 
 
+def test_a_check_of_a_rod_imports_what_it_uses() -> None:
+    """Neither drawing nor records, systems or maps of many equations, nor numpy's masked arrays, which cost time."""
+    loaded = loaded_after(*CHECK.removesuffix(" --no-margins").split())
+    unused = {"plotting", "rod.record", "cli.system", "cli.kick", "kernels.system_maps", "floquet.systems.damping"}
+    assert not {f"floquetrod.{each}" for each in unused} & loaded
+    assert "numpy.ma" not in loaded
+
+
 def run(line: str) -> tuple[int, str, str]:
     """Return exit status, output and errors of a line of the shell that begins with a command."""
     done = subprocess.run(["sh", "-c", f"{_COMMAND} {line}"], capture_output=True, text=True, check=False)

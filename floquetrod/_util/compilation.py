@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import contextvars
 import functools
-import hashlib
 import inspect
 import logging
 import os
@@ -136,6 +135,8 @@ def _name_records_by_content() -> None:
     numba names it by the order in which a process met its types.  Code for two record types, compiled in two processes
     and kept on disk, would then have one name, and a third process that loads both would run one in place of the other.
     """
+    import hashlib
+
     from numba.core import types as numba_types
 
     def mangling_args(record: Any) -> tuple[str, tuple[str]]:

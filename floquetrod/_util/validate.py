@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import operator
 import os
+import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence, Set
 from itertools import islice
 from pathlib import Path
@@ -52,8 +53,10 @@ T = TypeVar("T")
 def finite(name: str, value: Any, hint: str = "") -> float:
     """Return ``value`` as a finite float."""
     # A truth value, text, an array or a numpy scalar that is no number: float() would take some of them.
-    if isinstance(value, bool | str | bytes | bytearray | np.ma.MaskedArray) or (
-        isinstance(value, np.ndarray | np.generic) and (value.dtype.kind not in "iuf" or value.ndim > 0)
+    if (
+        isinstance(value, bool | str | bytes | bytearray)
+        or is_masked(value)
+        or (isinstance(value, np.ndarray | np.generic) and (value.dtype.kind not in "iuf" or value.ndim > 0))
     ):
         raise wrong_type(name, f"must be a real number, got {short(value)}{_remedy(hint)}")
     try:
@@ -147,9 +150,14 @@ def interval(name: str, value: Any, element: Callable[[str, Any], float] = finit
 
 def sequence(name: str, values: Any, example: str = "(0.5, 0.1)") -> list[Any]:
     """Return a one-dimensional sequence as a list of no more than `MOST_NUMBERS`."""
-    if isinstance(values, str | bytes | Mapping | Set | np.ma.MaskedArray) or not iterable(values):
+    if isinstance(values, str | bytes | Mapping | Set) or is_masked(values) or not iterable(values):
         raise wrong_type(name, f"must be a sequence of numbers such as {example}, got {short(values)}")
     return listed(name, values, MOST_NUMBERS, "numbers")
+
+
+def is_masked(value: Any) -> bool:
+    """Return whether ``value`` is a masked array, of which there are none until their part of numpy is imported."""
+    return "numpy.ma" in sys.modules and isinstance(value, np.ma.MaskedArray)
 
 
 def iterable(values: Any) -> bool:
@@ -311,7 +319,7 @@ def _counted(name: str, values: Any, known: dict[int, int], depth: int = 0) -> i
 
     A list met again, of which ``known`` has the number, is not gone through again: nested lists may share their parts.
     """
-    if isinstance(values, np.ma.MaskedArray):
+    if is_masked(values):
         raise wrong_type(
             name,
             f"must not be a masked array: its mask would be lost; give {name}.compressed(), or "

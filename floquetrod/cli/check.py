@@ -11,7 +11,6 @@ from typing import Any, NamedTuple
 
 import floquetrod as fr
 from floquetrod._util.report import Report
-from floquetrod.cli import system
 from floquetrod.cli.common import (
     ROD_OPTIONS,
     add_friction,
@@ -38,7 +37,6 @@ from floquetrod.cli.loads import (
 from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.verdict import Status
-from floquetrod.plotting import charts
 from floquetrod.rod.load import KINDS, Load, Quantity
 from floquetrod.rod.verdict import QUICK, Margin, RodStability
 from floquetrod.units import Unit
@@ -141,6 +139,8 @@ def add(check: argparse.ArgumentParser) -> None:
 
 def _check(options: argparse.Namespace) -> Answer:
     if options.system is not None:
+        from floquetrod.cli import system
+
         system.require_alone(options, [name for name in _OF_A_ROD if getattr(options, name) is not None])
         about_system, verdict = system.judge(options)
         return about_system._replace(status=_STATUS[verdict] if options.exit_code else 0)
@@ -164,12 +164,12 @@ def _check(options: argparse.Namespace) -> Answer:
         options.margins,
     )
     warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance)
-    for name, path in (("--plot", options.plot), ("--plot-force", options.plot_force)):
-        if path is not None:
-            check_out(path, charts.FIGURES, name)
+    _require_figures({"--plot": options.plot, "--plot-force": options.plot_force})
     _draw_record(record, options.plot_force)
     result = _judged(question)
     if options.plot is not None:
+        from floquetrod.plotting import charts
+
         with Waiting(f"writing {options.plot}"):
             charts.save_figure(result.plot(), options.plot)
     said = _Said(result, _margins(question, result), *_sine_beside(question))
@@ -269,10 +269,21 @@ def _growing(verdict: RodStability) -> str:
     return f", {verdict.growth_rate:.6g} 1/s" if verdict.growth_rate > 0.0 else ""
 
 
+def _require_figures(paths: dict[str, Path | None]) -> None:
+    """Raise ValueError for a file that cannot be a figure."""
+    for name, path in paths.items():
+        if path is not None:
+            from floquetrod.plotting import charts
+
+            check_out(path, charts.FIGURES, name)
+
+
 def _draw_record(record: fr.ForceRecord | None, path: Path | None) -> None:
     """Draw the fit of a measured force into a file, where one was asked for."""
     if path is None:
         return
+    from floquetrod.plotting import charts
+
     if record is None:
         raise ValueError(
             f"--plot-force needs --force, got {str(path)!r} alone: it draws the measured force and its fit"

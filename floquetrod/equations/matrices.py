@@ -119,7 +119,7 @@ def _require_square(name: str, array: NDArray[Any], most: int) -> None:
 
 def by_harmonic(name: str, values: Any, order: int, like: str) -> tuple[Matrix, ...]:
     """Return the matrices of a sequence, one for each harmonic."""
-    if isinstance(values, np.ndarray) and values.ndim and not isinstance(values, np.ma.MaskedArray):
+    if isinstance(values, np.ndarray) and values.ndim and not validate.is_masked(values):
         listed = list(values[: MOST_HARMONICS + 1])
     else:
         listed = validate.sequence(name, values, "[matrix]")

@@ -156,7 +156,7 @@ def along_amplitude(b: Floats, above: Floats, low: Floats, high: Floats) -> Tong
     resolution = np.where((b < 0.0) & (start < high), _SPACING * (high - low), 0.0)
     parts = Parts(*(np.concatenate(values) for values in zip(*found, strict=True)))
     nothing = np.empty(0, dtype=np.int64)
-    left_out += index.size - np.unique(parts.which).size
+    left_out += index.size - len(set(parts.which.tolist()))
     return Tongues(*_collect(parts, index, order, nothing, low, high), left_out, resolution)
 
 

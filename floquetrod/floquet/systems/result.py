@@ -11,7 +11,6 @@ from floquetrod._util.report import Report, Reported, Table, number
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.matrices import Structure
 from floquetrod.floquet.references import references
-from floquetrod.floquet.systems.damping import damping_to_stabilise
 from floquetrod.floquet.verdict import Verdict, pace
 
 _LISTED = 40
@@ -127,6 +126,8 @@ class SystemStability(Reported, Verdict):
         """
         if isinstance(self.system, PeriodicSystem) or math.isnan(self.growth_rate):
             return self.growth_rate
+        from floquetrod.floquet.systems.damping import damping_to_stabilise
+
         return damping_to_stabilise(self.system, self.growth_rate)
 
     @property
