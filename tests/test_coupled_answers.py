@@ -636,3 +636,30 @@ def test_a_load_too_slow_to_follow_is_undecided_with_a_reason() -> None:
     assert found.status in ("undecided", "stable")
     assert "nan" not in repr(found)
     assert found.status == "stable" or found.note
+
+
+@pytest.mark.parametrize(("rod", "count"), [(ROD, 32), (PLAIN, 1500)], ids=["coupled", "independent"])
+@pytest.mark.parametrize("question", ["verdicts", "is_stable", "growth_rate", "fastest"])
+def test_arrays_of_loads_tell_their_progress_and_change_nothing(rod: fr.Rod, count: int, question: str) -> None:
+    """Reports grow up to all loads, and come before the last one; those without vibration are counted, too."""
+    ask = getattr(rod, question)
+    mean = np.linspace(0.0, 0.9 * UNIT, count)
+    loads = mean, np.where(mean < 0.3 * UNIT, 0.0, AMPLITUDE), np.linspace(0.9, 1.1, count) * FREQUENCY
+    told: list[tuple[int, int]] = []
+    found = ask(*loads, progress=lambda done, total: told.append((done, total)))
+    assert np.array_equal(found, ask(*loads))
+    assert told == sorted(told)
+    assert told[-1] == (count, count)
+    assert {total for _, total in told} == {count}
+    assert 0 < told[0][0] < count
+
+
+@pytest.mark.parametrize("rod", [ROD, PLAIN], ids=["coupled", "independent"])
+def test_what_progress_raises_ends_the_work(rod: fr.Rod) -> None:
+    def stop(done: int, total: int) -> None:
+        raise KeyboardInterrupt(f"{done} of {total}")
+
+    with pytest.raises(KeyboardInterrupt, match="of 3000"):
+        rod.verdicts(np.linspace(0.0, 0.5 * UNIT, 3000), AMPLITUDE, FREQUENCY, progress=stop)
+    with pytest.raises(TypeError, match="progress"):
+        rod.verdicts(0.0, AMPLITUDE, FREQUENCY, progress="often")

@@ -18,7 +18,7 @@ from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.coupled import MOST_COUPLED, CoupledModes, RodNumbers, rod_numbers
 from floquetrod.rod.coupled_stability import classify_coupled
 from floquetrod.rod.intervals import FoundIntervals, Search, UnstableBand
-from floquetrod.rod.load import Load, Loads, Progress
+from floquetrod.rod.load import Load, Loads, Progress, shifted
 from floquetrod.rod.mode_model import Answers, Floats, Ints, ModeModel, Statuses
 from floquetrod.rod.mode_systems import ModeSystems
 from floquetrod.rod.sampled_ranges import sampled_first_unstable, sampled_ranges
@@ -71,13 +71,21 @@ class CoupledModel(ModeModel):
         count = None if modes is None else chosen_count(modes)
         return classify_coupled(self, load, count, growth_tolerance, progress)
 
-    def status(self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None) -> Statuses:
+    def status(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> Statuses:
         """Return 1 where nothing grows faster than the tolerance, 0 where something does, -1 where undecided."""
-        return self.judged(loads, growth_tolerance, workers).status
+        return self.judged(loads, growth_tolerance, workers, progress=progress).status
 
-    def fastest(self, loads: Loads, workers: int | None = None) -> tuple[Floats, Ints]:
+    def fastest(
+        self, loads: Loads, workers: int | None = None, progress: Progress | None = None
+    ) -> tuple[Floats, Ints]:
         """Return the growth in 1/s, NaN where unknown, and -1 where something grows: `verdict` names the modes."""
-        growth = self.judged(loads, 0.0, workers).growth
+        growth = self.judged(loads, 0.0, workers, progress=progress).growth
         return growth, np.where(growth > 0.0, -1, 0)
 
     def answers(self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None) -> Answers:
@@ -90,12 +98,21 @@ class CoupledModel(ModeModel):
         return self.judged(loads, growth_tolerance, quick=True).growth
 
     def judged(
-        self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, *, quick: bool = False
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        *,
+        quick: bool = False,
+        progress: Progress | None = None,
     ) -> ManyVerdicts:
         """Return statuses and growth rates in 1/s as `ModeSystems.answers` does; -1 and NaN at axial resonances."""
         status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
+        done = 0
         for chosen, modes, part in self._groups(loads, growth_tolerance):
-            status[chosen], growth[chosen] = modes.answers(part, growth_tolerance, workers, quick=quick)
+            told = shifted(progress, done, loads.size - part.size)
+            status[chosen], growth[chosen] = modes.answers(part, growth_tolerance, workers, quick=quick, progress=told)
+            done += part.size
         return ManyVerdicts(status, growth)
 
     def _groups(self, loads: Loads, growth_tolerance: float) -> Iterator[tuple[NDArray[np.intp], ModeSystems, Loads]]:

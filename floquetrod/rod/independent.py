@@ -95,13 +95,25 @@ class IndependentModel(ModeModel):
         # The growth rate is that of all modes, tolerated or not.
         return classify_modes(self.rod, self.equations(load, modes), growth_tolerance)
 
-    def status(self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None) -> Statuses:
+    def status(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> Statuses:
         """Return 1 where no mode grows faster than the tolerance, else 0."""
-        return self.systems(loads).are_stable(growth_tolerance, workers).view(np.int8)
+        parts = [
+            self.systems(part).are_stable(growth_tolerance, workers).view(np.int8) for part in loads.in_parts(progress)
+        ]
+        return np.concatenate(parts)
 
-    def fastest(self, loads: Loads, workers: int | None = None) -> tuple[Floats, Ints]:
+    def fastest(
+        self, loads: Loads, workers: int | None = None, progress: Progress | None = None
+    ) -> tuple[Floats, Ints]:
         """Return the growth in 1/s and the number of the fastest mode; 0, 0 where none grows."""
-        return self.systems(loads).fastest(workers)
+        growth, mode = zip(*(self.systems(part).fastest(workers) for part in loads.in_parts(progress)), strict=True)
+        return np.concatenate(growth), np.concatenate(mode)
 
     def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
         """Return the growth in 1/s of modes."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any, Literal, NamedTuple, Self, TypeAlias
 
@@ -84,6 +84,10 @@ def load_bounds(quantity: Quantity, bounds: Any) -> tuple[float, float]:
     return validate.interval("bounds", bounds, lambda name, value: load_number(quantity, value, name))
 
 
+_REPORTS = 50  # of progress over an array of loads (a choice)
+_LEAST_REPORTED = 1024  # loads between two of them, some milliseconds of work (a choice)
+
+
 class Loads(NamedTuple):
     """Loads in flat arrays of one length: mean force (N), amplitude (N), frequency (rad/s); ``shape`` is theirs."""
 
@@ -123,6 +127,16 @@ class Loads(NamedTuple):
     def flat(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """The three arrays."""
         return self.mean, self.amplitude, self.frequency
+
+    def in_parts(self, progress: Progress | None) -> Iterator[Loads]:
+        """Yield the loads, all at once, or in parts after each of which ``progress`` is told how many are done."""
+        if progress is None:
+            yield self
+            return
+        step = max(_LEAST_REPORTED, -(-self.size // _REPORTS))
+        for start in range(0, max(self.size, 1), step):
+            yield self.part(slice(start, start + step))
+            progress(min(self.size, start + step), self.size)
 
     def part(self, part: slice) -> Loads:
         """Return some of the loads."""

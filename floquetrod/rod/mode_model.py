@@ -133,11 +133,19 @@ class ModeModel(ABC):
         """Return the verdict under one load, with some modes, by default all that can matter."""
 
     @abstractmethod
-    def status(self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None) -> Statuses:
+    def status(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> Statuses:
         """Return 1 where the rod is stable, 0 where it is not, and -1 where that could not be decided."""
 
     @abstractmethod
-    def fastest(self, loads: Loads, workers: int | None = None) -> tuple[Floats, Ints]:
+    def fastest(
+        self, loads: Loads, workers: int | None = None, progress: Progress | None = None
+    ) -> tuple[Floats, Ints]:
         """Return the growth in 1/s and the number of the fastest mode: 0, 0 where stable, -1 where it has no number."""
 
     def answers(self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None) -> Answers:

@@ -13,7 +13,7 @@ from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.floquet.verdict import tolerated
-from floquetrod.rod.load import Load, Loads
+from floquetrod.rod.load import Load, Loads, Progress, shifted
 
 Floats = NDArray[np.float64]
 
@@ -66,30 +66,41 @@ class ModeSystems(ABC):
         return False
 
     def answers(
-        self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None, *, quick: bool = False
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        *,
+        quick: bool = False,
+        progress: Progress | None = None,
     ) -> ManyVerdicts:
         """Return statuses and growth rates in 1/s of the fastest solutions, estimates where undecided.
 
         The status is 1 where no solution grows faster than the tolerance (1/s), 0 where one does, -1 where undecided.
         With ``quick`` more loads are undecided, those next to a boundary, none of which then takes long.
+        ``progress`` is called now and then with the numbers of loads done and of all.
         """
         status, growth = np.empty(loads.size, dtype=np.int8), np.empty(loads.size)
         for part in self._parts(loads):
-            status[part], growth[part] = self._answers(loads.part(part), workers, quick)
+            told = shifted(progress, part.start, loads.size - part.stop + part.start)
+            status[part], growth[part] = self._answers(loads.part(part), workers, quick, told)
+            if progress is not None:
+                progress(part.stop, loads.size)
         status[tolerated(growth, growth_tolerance)] = 1
         return ManyVerdicts(status, growth)
 
-    def _answers(self, loads: Loads, workers: int | None, quick: bool) -> ManyVerdicts:
+    def _answers(self, loads: Loads, workers: int | None, quick: bool, progress: Progress | None) -> ManyVerdicts:
         """Return statuses without tolerance, and growth rates, of loads whose matrices are held at once."""
         still = loads.amplitude == 0.0
         if not still.any():
-            return self._judged(self.system(loads), workers, quick)
+            return self._judged(self.system(loads), workers, quick, progress)
         status, growth = np.empty(loads.size, dtype=np.int8), np.empty(loads.size)
         status[still], growth[still] = self.static_answers(loads.mean[still])
         if not still.all():
             at = np.flatnonzero(~still)
             moving = Loads((at.size,), *(values[at] for values in loads.flat))
-            status[at], growth[at] = self._judged(self.system(moving), workers, quick)
+            told = shifted(progress, loads.size - at.size, loads.size - at.size)
+            status[at], growth[at] = self._judged(self.system(moving), workers, quick, told)
         return ManyVerdicts(status, growth)
 
     def static_answers(self, mean: Floats) -> ManyVerdicts:
@@ -110,12 +121,14 @@ class ModeSystems(ABC):
         freed, _ = system.undamped or (system, 0.0)
         return self._judged(freed, None, quick=True).growth
 
-    def _judged(self, system: HillSystem, workers: int | None, quick: bool) -> ManyVerdicts:
+    def _judged(
+        self, system: HillSystem, workers: int | None, quick: bool, progress: Progress | None = None
+    ) -> ManyVerdicts:
         """Return statuses and growth rates of systems, where modes are apart each by its own equation."""
         from floquetrod.systems.arrays import verdicts
 
         if not self.are_apart:
-            return verdicts(system, workers=workers, quick=quick)
+            return verdicts(system, workers=workers, quick=quick, progress=progress)
         status, growth = verdicts(_one_by_one(system), workers=workers, quick=quick)
         status, growth = status.reshape(-1, self.size), growth.reshape(-1, self.size)
         worst = np.where((status == 0).any(axis=1), 0, status.min(axis=1)).astype(np.int8)

@@ -480,13 +480,15 @@ class Rod(RodData):
         kick: float | None = None,
         like: AnyLoad | None = None,
         workers: int | None = None,
+        progress: Progress | None = None,
     ) -> Any:
         """Return whether the rod is stable, over arrays of loads (N, N, rad/s) that broadcast, all relevant modes.
 
         A mode counts as stable up to ``growth_tolerance`` (1/s), or when it passes the ``criterion``.  With
         ``friction`` and a ``kick`` (m/s): whether the kick destabilises no mode; loads that cannot be decided are
         False, with a warning, and `verdicts` tells which.  ``like`` (AxialLoad or AxialWave) gives everything else of
-        the loads; by default a sine, uniform but for the weight along the rod.
+        the loads; by default a sine, uniform but for the weight along the rod.  ``progress`` is called now and then
+        with the numbers of loads done and of all; what it raises ends the work.
 
         >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
         array([False, False])
@@ -501,6 +503,7 @@ class Rod(RodData):
             kick=kick,
             like=like,
             workers=workers,
+            progress=progress,
         )
         unsure = int(np.count_nonzero(np.equal(found, -1)))
         if unsure:
@@ -526,6 +529,7 @@ class Rod(RodData):
         kick: float | None = None,
         like: AnyLoad | None = None,
         workers: int | None = None,
+        progress: Progress | None = None,
     ) -> Any:
         """Return 1 where the rod is stable, 0 where it is not and -1 where that cannot be decided, as int8.
 
@@ -536,38 +540,56 @@ class Rod(RodData):
         """
         tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
         rubbing = friction_and_kick(friction, kick)
+        validate.progress(progress)
         if criterion is not None:
             validate.instance("criterion", criterion, FiniteTimeCriterion)
             criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if rubbing is None else rubbing[0])
         model, loads = self.modes_under(like), Loads.of(mean, amplitude, frequency)
         if rubbing is not None:
-            found = model.kicked(loads, *rubbing, tolerance, workers)
+            parts = [model.kicked(part, *rubbing, tolerance, workers) for part in loads.in_parts(progress)]
+            found = np.concatenate(parts)
         elif criterion is not None:
-            found = model.passing(loads, criterion, workers)
+            found = np.concatenate([model.passing(part, criterion, workers) for part in loads.in_parts(progress)])
         else:
-            found = model.status(loads, tolerance, workers)
+            found = model.status(loads, tolerance, workers, progress)
         return shaped(found, loads.shape)
 
     @tells_arguments()
     def growth_rate(
-        self, mean: Any, amplitude: Any, frequency: Any, *, like: AnyLoad | None = None, workers: int | None = None
+        self,
+        mean: Any,
+        amplitude: Any,
+        frequency: Any,
+        *,
+        like: AnyLoad | None = None,
+        workers: int | None = None,
+        progress: Progress | None = None,
     ) -> Any:
         """Return the growth rate in 1/s of the fastest mode over arrays of loads; 0 where stable.
 
         NaN where it cannot be computed: of coupled modes under loads far too slow or too strong for doubles.
+        ``progress`` as in `is_stable`.
         """
-        return self.fastest(mean, amplitude, frequency, like=like, workers=workers)[0]
+        return self.fastest(mean, amplitude, frequency, like=like, workers=workers, progress=progress)[0]
 
     @tells_arguments()
     def fastest(
-        self, mean: Any, amplitude: Any, frequency: Any, *, like: AnyLoad | None = None, workers: int | None = None
+        self,
+        mean: Any,
+        amplitude: Any,
+        frequency: Any,
+        *,
+        like: AnyLoad | None = None,
+        workers: int | None = None,
+        progress: Progress | None = None,
     ) -> tuple[Any, Any]:
         """Return the growth rate in 1/s and the number of the fastest mode over arrays of loads; 0, 0 where stable.
 
-        Where modes are coupled their number is -1: `stability` names them.
+        Where modes are coupled their number is -1: `stability` names them.  ``progress`` as in `is_stable`.
         """
+        validate.progress(progress)
         loads = Loads.of(mean, amplitude, frequency)
-        growth, mode = self.modes_under(like).fastest(loads, workers)
+        growth, mode = self.modes_under(like).fastest(loads, workers, progress)
         return shaped(growth, loads.shape), shaped(mode, loads.shape)
 
     # --- proofs ---
