@@ -21,7 +21,7 @@ def large_seconds(stiffness: Floats, harmonics: NDArray[np.complex128], period: 
     n, parts = len(stiffness), sum(bool(part.any()) for z in harmonics for part in (z.real, z.imag))
     size = norm_bound(stiffness) + sum(norm_bound(np.abs(z)) for z in harmonics)
     segments = max(1.0, 0.5 * period * math.sqrt(size) / reach(1e-12), 0.5 * len(harmonics))
-    return n**3 * (1.6e-10 * segments * (30.0 * parts + 10.0) + 8e-9) + 1e-3
+    return n**3 * (6e-11 * segments * (30.0 * parts + 10.0) + 8e-9) + 1e-3
 
 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite

@@ -58,7 +58,7 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
         validate.workers(workers)
         return kernels.is_stable(validate.coefficient("alpha", alpha), validate.coefficient("beta", beta), 0.0)
     arrays = _arrays(alpha, beta, damping)
-    undamped = not arrays["damping"].any()
+    undamped = (type(damping) is float and damping == 0.0) or not arrays["damping"].any()
     if undamped and not arrays["damping"].shape:
         del arrays["damping"]
     shape, arguments = broadcast(**arrays)
@@ -67,7 +67,7 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
         few = out.size < 64  # blocks pay from a few of them on
         fill = counts.shown_one_by_one if few else counts.shown_fill
         over_chunks(fill, arguments[:2], out, workers=workers)
-        near = np.flatnonzero(out == counts.NEAR_A_BAND)
+        near = (out == counts.NEAR_A_BAND).nonzero()[0]
         if near.size:
             a, b = arguments[:2]
             out[near] = _growth(a[near], b[near], np.zeros(near.size), workers) == 0.0

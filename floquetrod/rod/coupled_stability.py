@@ -13,6 +13,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.report import number
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.systems.classification import undamped_pairs
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.systems.whole import period_maps
@@ -280,7 +281,7 @@ def _trials(
         add(needed, 1, 2)
     else:
         add(last - max(2, last // (6 if last <= _LONG else 10)), 0, 2)
-    while found[-1].concluded(found[-2], growth_tolerance)[0] == "undecided":
+    while _may_be_concluded(found[-1], found[-2], growth_tolerance):
         larger = math.ceil(1.25 * found[-1].modes.count)
         if len(found) == 2 + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
             break
@@ -289,6 +290,12 @@ def _trials(
     if needed:
         add(needed, len(found), 2)
     return found
+
+
+def _may_be_concluded(trial: _Trial, fewer: _Trial, tolerance: float) -> bool:
+    """Return whether more modes may decide what these leave open: not where rounding hides the multipliers."""
+    status, error, _ = trial.concluded(fewer, tolerance)
+    return status == "undecided" and error < math.inf
 
 
 def _more_needed(model: ModeModel, load: Load, trial: _Trial, growth_tolerance: float) -> int:
@@ -331,8 +338,11 @@ class _Trial(NamedTuple):
         modes = model.in_modes(count)
         system = modes.system(Loads.single(load))
         whole = stability(system)
-        rates = np.array([exponent.real for exponent in whole.exponents])
-        errors = np.array(whole.exponent_errors)
+        # Where solutions come in pairs only the one that decays more slowly matters of each: the error of the other's
+        # multiplier may exceed it, where the first one grows fast.
+        slower = slice(len(whole.exponents) // (2 if undamped_pairs(system) else 1))
+        rates = np.array([exponent.real for exponent in whole.exponents[slower]])
+        errors = np.array(whole.exponent_errors[slower])
         if not rates.size:
             return cls(modes, system, whole, -math.inf, math.inf)
         return cls(modes, system, whole, float((rates - errors).max()), float((rates + errors).max()))
