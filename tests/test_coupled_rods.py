@@ -378,3 +378,17 @@ def test_a_long_rod_that_buckles_fast_is_unstable_with_two_numbers_of_modes() ->
     assert len(found.convergence) == 2
     assert 0.0 < found.error < 0.1
     assert found.growth_rate == pytest.approx(25.566, abs=found.error)
+
+
+@pytest.mark.parametrize(("tolerance", "status"), [(0.0, "unstable"), (1.8, "unstable"), (2.1, "undecided")])
+def test_growth_beside_which_others_are_lost_is_a_lower_bound(tolerance: float, status: str) -> None:
+    """Where rounding hides slower solutions what grows for certain decides, and the error is not said to be known."""
+    whole: Any = SimpleNamespace(status="unstable", exponents=(2.0 + 0.0j, -2.4 + 0.0j), note="")
+    fewer, trial = (coupled_stability._Trial(None, None, whole, least, math.inf) for least in (1.9, 1.95))  # type: ignore[arg-type]
+    found, error, note = trial.concluded(fewer, tolerance)
+    assert (found, error) == (status, math.inf)
+    assert note == (
+        "growth is at least 1.95 1/s, beside which slower solutions are lost in rounding"
+        if status == "unstable"
+        else "multipliers could not be computed"
+    )

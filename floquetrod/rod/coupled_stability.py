@@ -169,8 +169,9 @@ class ModesTogether(Evidence):
         return lines + ([("", f"and {more} more, which grow more slowly (the JSON lists them)")] if more > 0 else [])
 
     def method(self, verdict: RodStability) -> str:
-        """Return the method, and how good the growth rate is."""
-        return f"{self.whole.method}, {verdict.cost}; growth good to {verdict.error:.0e} 1/s"
+        """Return the method, and how good the growth rate is, unless only a lower bound is known, as the note says."""
+        good = f"; growth good to {verdict.error:.0e} 1/s" if math.isfinite(verdict.error) else ""
+        return f"{self.whole.method}, {verdict.cost}{good}"
 
     def numbers(self, verdict: RodStability) -> dict[str, Any]:
         """Return error, numbers of modes tried, resonances and the kind of load."""
@@ -362,6 +363,9 @@ class _Trial(NamedTuple):
         change = 0.0 if fewer is None else _LEFT_OUT * abs(self.rate - fewer.rate)
         error = max(self.most - self.rate, self.rate - self.least) + change
         if not error < math.inf:
+            if self.whole.status == "unstable" and self.least - change > tolerance:
+                least = f"growth is at least {self.least - change:.6g} 1/s"
+                return "unstable", math.inf, f"{least}, beside which slower solutions are lost in rounding"
             return "undecided", math.inf, self.whole.note or "multipliers could not be computed"
         if tolerance > 0.0:
             if self.least - change > tolerance:
