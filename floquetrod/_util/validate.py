@@ -211,11 +211,10 @@ def array(name: str, values: Any, *, least: float = -LARGEST, largest: float = L
     else:
         with np.errstate(over="ignore"):  # of longer floats; infinity is then refused
             result = raw.astype(np.float64, copy=False)
-    # The sum of squares, the quickest pass there is, decides the common case; a NaN makes every comparison false.
-    bound = min(-least, largest)
-    if result.ndim == 1 and bound > 0.0 and result.dot(result) <= bound * bound < math.inf:
-        return result
-    if result.size and not (result.min() >= least and result.max() <= largest):
+    # Two passes decide the common case: a NaN makes both comparisons false.  The methods min and max take longer.
+    if result.size and not (
+        np.minimum.reduce(result, axis=None) >= least and np.maximum.reduce(result, axis=None) <= largest
+    ):
         wrong = ~((result >= least) & (result <= largest))
         index = tuple(int(i) for i in np.argwhere(wrong)[0])
         raise wrong_value(
