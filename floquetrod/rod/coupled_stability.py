@@ -186,7 +186,14 @@ class ModesTogether(Evidence):
             "note": verdict.note,
         }
 
-    def edge(self, verdict: RodStability, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
+    def edge(
+        self,
+        verdict: RodStability,
+        varied: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
         """Return where the verdict first changes, with as many modes as the piece needs."""
         if varied == "frequency":
             piece = rod_numbers(self.model.rod).up_to_resonance(self.load, piece)
@@ -206,6 +213,7 @@ class ModesTogether(Evidence):
                 verdict.margin_tolerance,
                 begins_stable=begins,
                 most_seconds=seconds,
+                progress=progress,
             )
         )
 

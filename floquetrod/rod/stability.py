@@ -17,7 +17,7 @@ from floquetrod.floquet.systems.result import Resonance
 from floquetrod.floquet.verdict import Cost, Stability, Status, tolerated
 from floquetrod.rod.assumptions import assumptions
 from floquetrod.rod.data import RodData
-from floquetrod.rod.load import Load, Quantity
+from floquetrod.rod.load import Load, Progress, Quantity
 from floquetrod.rod.modes import ModalSystem
 from floquetrod.rod.tongues import gaps, unstable_loads
 from floquetrod.rod.verdict import Edge, Evidence, RodStability
@@ -176,7 +176,14 @@ class ModeVerdicts(Evidence):
         last, _ = rod.mode_constants.modes_needed(load, growth_tolerance)
         return tuple(range(1, max(last, self.modes[-1]) + 1))
 
-    def edge(self, verdict: RodStability, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
+    def edge(
+        self,
+        verdict: RodStability,
+        varied: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, which takes milliseconds."""
         low, high = sorted(piece)
         tolerance = verdict.margin_tolerance

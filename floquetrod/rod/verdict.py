@@ -6,7 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -108,12 +108,23 @@ class Shape(NamedTuple):
     envelope: NDArray[np.float64]
 
 
+def _part(progress: Progress | None, number: int, parts: int) -> Progress | None:
+    """Return what reports one of the parts of a search in hundredths of them."""
+    if progress is None:
+        return None
+    return lambda done, total: progress(100 * number + 100 * done // total, 100 * parts)
+
+
 class Edge(NamedTuple):
-    """Where the verdict changes on a way, None where it does not, up to where was searched, and how finely."""
+    """Where the verdict changes on a way, None where it does not, up to where was searched, and how finely.
+
+    ``seconds`` is about how long that takes.
+    """
 
     at: float | None
     searched: float
     resolution: float
+    seconds: float = 0.0
 
 
 class Evidence(ABC):
@@ -213,7 +224,14 @@ class Evidence(ABC):
         """Return what `RodStability.as_dict` has besides."""
 
     @abstractmethod
-    def edge(self, verdict: RodStability, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
+    def edge(
+        self,
+        verdict: RodStability,
+        varied: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
 
     def sentence(self, verdict: RodStability) -> str:
@@ -425,7 +443,8 @@ class RodStability(Verdict, ReportedVerdict):
             About how long the search for coupled modes may take: it takes fewer samples, and ends early, where it would
             take longer by an estimate that does not depend on the machine.
         progress : callable, optional
-            Called with the numbers of parts of the search done and of all; a margin may be found before the last.
+            Called with the numbers of hundredths of the parts of the search done and of all; a margin may be found
+            before the last.  What it raises ends the search.
 
         Returns
         -------
@@ -444,19 +463,10 @@ class RodStability(Verdict, ReportedVerdict):
         here: float = getattr(self.load, quantity)
         ways = [[here, *way] for way in _WAYS[quantity](here, self.rod.critical_force)]
         parts = sum(len(way) - 1 for way in ways)
-        ends, done = [], 0
-        for way in ways:
-            found = Edge(None, way[0], 0.0)
-            for number, piece in enumerate(pairwise(way), start=done + 1):
-                found = self._extended(found, quantity, piece, seconds / parts)
-                if progress is not None:
-                    progress(number, parts)
-                if found.at is not None or found.searched != piece[1]:
-                    break
-            ends.append(found)
-            done += len(way) - 1
+        told = (_part(progress, number, parts) for number in range(parts))
+        ends = [self._end(quantity, way, 0.5 * seconds, list(islice(told, len(way) - 1))) for way in ways]
         if progress is not None:
-            progress(parts, parts)
+            progress(100 * parts, 100 * parts)
         below, above = (math.inf if end.at is None else abs(end.at - here) for end in ends)
         searched = abs(ends[0].searched - here), abs(ends[1].searched - here)
         return Margin(below, above, max(end.resolution for end in ends), searched)
@@ -505,12 +515,23 @@ class RodStability(Verdict, ReportedVerdict):
         least = max(self.growth_tolerance, HAIRLINE_GROWTH)
         return least if self.stable or self.growth_rate > least else self.growth_tolerance
 
-    def _extended(self, found: Edge, varied: Quantity, piece: tuple[float, float], seconds: float) -> Edge:
-        """Return what is found on a way after its next piece, which may be empty."""
-        if piece[0] == piece[1]:
-            return found
-        edge = self.evidence.edge(self, varied, piece, seconds)
-        return edge._replace(resolution=max(found.resolution, edge.resolution))
+    def _end(self, varied: Quantity, way: list[float], seconds: float, told: list[Progress | None]) -> Edge:
+        """Return where the verdict first changes on a way of several pieces, or where a search in some seconds ends.
+
+        A piece gets half of the time that is left, the last one all of it: what is next to the load comes first.
+        """
+        found, left = Edge(None, way[0], 0.0), seconds
+        for piece, progress in zip(pairwise(way), told, strict=True):
+            if piece[0] != piece[1]:
+                share = left if piece[1] == way[-1] else 0.5 * left
+                edge = self.evidence.edge(self, varied, piece, share, progress)
+                found = edge._replace(resolution=max(found.resolution, edge.resolution))
+                left -= edge.seconds
+                if found.at is not None or found.searched != piece[1]:
+                    break
+            if progress is not None:
+                progress(1, 1)
+        return found
 
     def __repr__(self) -> str:
         """Return the verdict as a sentence."""
