@@ -17,7 +17,7 @@ from floquetrod.floquet.systems import resonances
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.coupled import CoupledModes, rod_numbers
-from floquetrod.rod.load import Load
+from floquetrod.rod.load import Load, Loads
 
 PLAIN = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05)
 """A rod of few modes, m_cr = 2.4."""
@@ -300,9 +300,13 @@ def test_a_search_that_would_take_long_says_how_far_it_went() -> None:
     rod = fr.Rod.nitinol().replace(inclination=1.0, length=25.0)
     with pytest.warns(fr.UniformForceWarning):
         found = rod.stability(fr.AxialLoad(0.3, 0.3, 150.0))
-    margin = found.frequency_margin  # a change at 972.9 rad/s was one of the modes left out
+    hasty = found.margin("frequency", seconds=0.5)
+    assert hasty == (math.inf, math.inf)
+    assert hasty.searched == (0.0, 0.0)
+    margin = found.margin("frequency", seconds=2.5)  # a change at 972.9 rad/s was one of the modes left out
     assert margin == (math.inf, math.inf)
-    assert margin.searched == (0.0, 0.0)
+    assert 4.0 < min(margin.searched) <= max(margin.searched) < 8.0 * 150.0
+    assert 0.0 < margin.resolution < 2.0
     with pytest.raises(ValueError, match="quantity must be one of"):
         found.margin("force")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="seconds must be greater than zero"):
@@ -314,7 +318,57 @@ def test_a_margin_reports_each_piece_of_its_search() -> None:
     fr.Rod.nitinol().stability(fr.AxialLoad(0.2, 0.0, 150.0)).margin("mean", progress=lambda *both: told.append(both))
     assert [done for done, _ in told] == sorted(done for done, _ in told)
     assert len(told) > 3  # more than both ways and the end
-    assert told[-1] == (10, 10)
+    assert told[-1] == (1000, 1000)
+
+
+def test_a_margin_reports_within_each_piece_of_its_search() -> None:
+    told: list[tuple[int, int]] = []
+    verdict("sine").margin("mean", seconds=2.0, progress=lambda *both: told.append(both))
+    assert told == sorted(told)
+    assert any(done % 100 for done, _ in told)  # hundredths of a piece
+    assert told[-1] == (1000, 1000)
+
+
+def test_a_change_is_located_in_few_verdicts(monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = CoupledModes.answers
+    asked: list[int] = []
+
+    def counted(self: CoupledModes, loads: Any, *others: Any, **named: Any) -> ManyVerdicts:
+        asked.append(loads.size)
+        return whole(self, loads, *others, **named)
+
+    monkeypatch.setattr(CoupledModes, "answers", counted)
+    found = ROD.replace(damping_rate=0.1).stability(fr.AxialLoad(MEAN, 0.02 * UNIT, 1.4 * SWING), growth_tolerance=0.01)
+    margin = found.margin("mean")
+    assert math.isfinite(margin.above)
+    assert sum(asked) <= 80  # of ten pieces; where each was sampled and halved it took 150
+
+
+def test_loads_that_would_take_too_long_are_not_called_stable() -> None:
+    # Their growth was that of a placeholder, 0.08 1/s, which a tolerance of 0.1 takes for stable.
+    slow = Loads((1,), *(np.array([value]) for value in (2000.0, 700.0, 0.3)))
+    rod = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, ends="clamped-hinged", inclination=1.0)
+    modes = CoupledModes(rod.coupled_numbers, fr.AxialWave(500.0, 700.0, 29.0, axial_damping=3.0), 14)
+    status, growth = modes.answers(slow, 0.1, quick=True)
+    assert status[0] == -1
+    assert math.isnan(growth[0])
+
+
+def test_a_search_for_a_critical_load_that_is_stopped_says_how_far_it_came() -> None:
+    told: list[tuple[int, int]] = []
+
+    def stop(done: int, total: int) -> None:
+        told.append((done, total))
+        raise InterruptedError("enough")
+
+    rod = ROD.replace(damping_rate=30.0)  # stable throughout
+    with pytest.raises(InterruptedError) as caught:
+        rod.critical_amplitude(0.0, 3.3 * SWING, progress=stop)
+    (done, total), note = told[0], caught.value.__notes__[0]
+    assert note == f"up to amplitude {done / total * rod.critical_force:.6g} N nothing grows"
+    with pytest.raises(InterruptedError) as caught:
+        fr.Rod.nitinol().critical_mean_force(0.0, 150.0, progress=stop)
+    assert "up to mean force" in caught.value.__notes__[0]
 
 
 def test_a_margin_keeps_what_is_known_of_its_search() -> None:

@@ -33,6 +33,7 @@ from fuzz import (
     junk,
     kicks,
     kills,
+    margins,
     oracle,
     ranges,
     real_rods,
@@ -258,6 +259,24 @@ def test_systems_can_fail() -> None:
     assert "is no multiplier" in systems.against_scipy(system, moved)[0]
     assert "more than their errors" in systems.between({"one": right, "other": moved})[0]
     assert systems.sound(dataclasses.replace(right, status="undecided", note="")) == ["undecided without a reason"]
+
+
+def test_margins_can_fail() -> None:
+    wire = ROD.replace(damping_rate=0.5, ends="clamped")
+    load = fr.AxialLoad(0.1 * ROD.critical_force, 0.1 * ROD.critical_force, 20.0)
+    question = real_rods.Question(wire, load, 0.0)
+    verdict = real_rods.ask(question)
+    end = 102.060348 - 20.0  # see test_coupled_answers
+    values = np.linspace(20.5, 104.0, 200)
+    right, wrong = (fr.rod.Margin(math.inf, above, 0.02) for above in (end, 84.0))
+    assert not margins.at_its_end(question, verdict, "frequency", 20.0, end)
+    for margin, expected in ((right, False), (wrong, True)):
+        found = margins.within(
+            question, verdict, "frequency", margin, margin.above, values[values < 20.0 + margin.above]
+        )
+        assert any("the verdict changes at 10" in line for line in found) == expected
+    assert margins.at_its_end(question, verdict, "frequency", 20.0, end * (1.0 + 1e-3))
+    assert margins.at_its_end(question, verdict, "frequency", 20.0, end * (1.0 - 1e-3))
 
 
 def test_real_rods_can_fail() -> None:

@@ -150,9 +150,9 @@ class CoupledModel(ModeModel):
         """Return the stability intervals of one quantity of the load, sampled; ``resolution`` is their distance."""
         return sampled_ranges(self, search, progress)
 
-    def first_unstable(self, search: Search) -> float:
+    def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
         """Return where a quantity that grows from zero first meets growth; infinite without any."""
-        return sampled_first_unstable(self, search)
+        return sampled_first_unstable(self, search, progress)
 
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None

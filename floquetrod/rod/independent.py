@@ -131,15 +131,18 @@ class IndependentModel(ModeModel):
         stable = tuple(_between(found.intervals, bounds))
         return FoundIntervals(stable, system.modes[-1], found.hairlines, found.resolution)
 
-    def first_unstable(self, search: Search) -> float:
+    def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
         """Return where a quantity that grows from zero first meets growth; infinite without any."""
         varied, load, bounds, tolerance = search
-        for piece in pairwise(np.linspace(*bounds, _PIECES[varied] + 1).tolist()):
+        ends = np.linspace(*bounds, _PIECES[varied] + 1).tolist()
+        for done, piece in enumerate(pairwise(ends), start=1):
             modes = self._equations(load.varied(varied, piece[1]), tolerance).modes
             system = ModalSystem(self.rod.mode_constants, load, modes)
             found = unstable_loads(varied, system, tolerance, piece, union=True, nearest=piece[0]).intervals
             if found:
                 return min(part.low for part in found)
+            if progress is not None:
+                progress(done, _PIECES[varied])
         return math.inf
 
     def unstable_bands(

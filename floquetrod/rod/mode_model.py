@@ -167,7 +167,7 @@ class ModeModel(ABC):
         """Return the stability intervals of one quantity of the load."""
 
     @abstractmethod
-    def first_unstable(self, search: Search) -> float:
+    def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
         """Return where a quantity that grows from zero first meets growth; infinite without any."""
 
     @abstractmethod

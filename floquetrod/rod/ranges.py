@@ -257,11 +257,31 @@ def stability_intervals(
     )
 
 
-def first_unstable(model: ModeModel, varied: Quantity, largest: Load, growth_tolerance: float) -> float:
+def first_unstable(
+    model: ModeModel, varied: Quantity, largest: Load, growth_tolerance: float, progress: Progress | None = None
+) -> float:
     """Return where one quantity, going from zero to that of ``largest``, first meets growth; infinite without any."""
+    validate.progress(progress)
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     warn_unless_uniform(model.rod, largest)
-    return model.first_unstable(Search(varied, largest, (0.0, getattr(largest, varied)), tolerance))
+    search = Search(varied, largest, (0.0, getattr(largest, varied)), tolerance)
+    return model.first_unstable(search, _saying_how_far(progress, varied, largest))
+
+
+def _saying_how_far(progress: Progress | None, varied: Quantity, largest: Load) -> Progress | None:
+    """Return what reports a search upwards from zero; what the caller raises to end it gets a note of what is known."""
+    if progress is None:
+        return None
+
+    def told(done: int, total: int) -> None:
+        try:
+            progress(done, total)
+        except BaseException as error:
+            at, unit = done / total * getattr(largest, varied), QUANTITIES[varied][1]
+            error.add_note(f"up to {QUANTITIES[varied][0]} {at:.6g} {unit} nothing grows")
+            raise
+
+    return told
 
 
 def _unstable_rows(bands: Sequence[UnstableBand], size: float) -> Iterator[tuple[float, float, str]]:

@@ -436,17 +436,21 @@ class Rod(RodData):
         *,
         growth_tolerance: float = HAIRLINE_GROWTH,
         like: AnyLoad | None = None,
+        progress: Progress | None = None,
     ) -> float:
         """Return the smallest mean force from 0 up, in N, at which a mode grows faster than ``growth_tolerance``.
 
         Infinite where there is none up to 1.5 critical forces.  ``like`` as in `stable_mean_forces`.  0.0 with a
         BucklingWarning where the weight along the rod alone buckles it, and with an UndecidedWarning where it could not
         be decided whether it is stable at zero.
+
+        ``progress`` is called with the numbers of parts of the search done and of all.  What it raises ends the search,
+        with a note up to which force nothing grows.
         """
         load = kind(like).with_numbers(1.5 * self.critical_force, amplitude, frequency)
         from floquetrod.rod.ranges import first_unstable
 
-        return first_unstable(self.modes_under(load), "mean", load, growth_tolerance)
+        return first_unstable(self.modes_under(load), "mean", load, growth_tolerance, progress)
 
     @tells_arguments()
     def critical_amplitude(
@@ -456,16 +460,19 @@ class Rod(RodData):
         *,
         growth_tolerance: float = HAIRLINE_GROWTH,
         like: AnyLoad | None = None,
+        progress: Progress | None = None,
     ) -> float:
         """Return the smallest amplitude in N at which a mode grows faster than ``growth_tolerance``.
 
         Infinite where there is none up to one critical force.  ``like`` as in `stable_mean_forces`.  0.0 with a
         BucklingWarning where the weight along the rod, alone or with the mean force, buckles it without vibration.
+
+        ``progress`` as in `critical_mean_force`.
         """
         load = kind(like).with_numbers(mean, self.critical_force, frequency)
         from floquetrod.rod.ranges import first_unstable
 
-        return first_unstable(self.modes_under(load), "amplitude", load, growth_tolerance)
+        return first_unstable(self.modes_under(load), "amplitude", load, growth_tolerance, progress)
 
     @tells_arguments()
     def is_stable(

@@ -24,7 +24,7 @@ _LEAST_SAMPLES = 9  # of each (a choice)
 _HALVINGS = 4  # of one that needs too many modes (a choice)
 
 
-def sampled_first_unstable(model: ModeModel, search: Search) -> float:
+def sampled_first_unstable(model: ModeModel, search: Search, progress: Progress | None = None) -> float:
     """Return where a quantity that grows from zero first meets growth; infinite without any."""
     varied, largest, bounds, tolerance = search
     modes = _modes(model, search)
@@ -33,7 +33,7 @@ def sampled_first_unstable(model: ModeModel, search: Search) -> float:
     if status != 1:
         _say_why_at_zero(model, varied, modes, none, status)
         return 0.0
-    change = first_change(varied, modes, largest, bounds, tolerance).at
+    change = first_change(varied, modes, largest, bounds, tolerance, progress=progress).at
     return math.inf if change is None else change
 
 

@@ -26,6 +26,7 @@ ATTACKS = (
     "verdicts",
     "systems",
     "real_rods",
+    "margins",
     "kicks",
     "consistency",
     "concurrency",

@@ -35,7 +35,7 @@ class ManyVerdicts(NamedTuple):
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows has infinite radii, or NaN
 def many_discs(matrices: NDArray[Any], errors: NDArray[np.float64]) -> ManyDiscs:
-    """Return discs as `spectra.eigenvalue_discs` does, all of them before they shrink."""
+    """Return discs as `spectra.eigenvalue_discs` does, all of them before they shrink; NaN of what was not computed."""
     n = matrices.shape[-1]
     finite = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(errors)
     values, right = np.linalg.eig(np.where(finite[:, None, None], matrices, np.eye(n)))
@@ -45,7 +45,8 @@ def many_discs(matrices: NDArray[Any], errors: NDArray[np.float64]) -> ManyDiscs
     total = errors + 4.0 * n * _EPS * norms(matrices)
     usable = finite & (uncertainty < 0.1)
     radii = np.where(usable[:, None], n * conditions * (total * (1.0 + 2.0 * uncertainty))[:, None], np.inf)
-    return ManyDiscs(values.astype(np.complex128), radii, _apart(values, radii))
+    values = np.where(finite[:, None], values.astype(np.complex128), np.nan)
+    return ManyDiscs(values, radii, _apart(values, radii))
 
 
 @np.errstate(over="ignore", invalid="ignore")
