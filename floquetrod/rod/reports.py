@@ -266,7 +266,7 @@ class ReportedVerdict(Reported, _Verdict):
 def _unchanged(margin: _Margin, name: Quantity, unit: Unit) -> str:
     """Return that no change was found, and up to where was searched."""
     if not any(margin.searched):
-        return "not searched, which would take minutes"
+        return "not searched: so many modes take minutes; in Python, verdict.margin goes on, with progress"
     if not margin.resolution:
         return f"no change {_REACH[name]}"
     below, above = (unit.show(value, 4) for value in margin.searched)
