@@ -102,7 +102,6 @@ def test_json_says_what_the_library_does(capsys: pytest.CaptureFixture[str]) -> 
     rod = fr.Rod.from_toml(WIRE)
     load = wave_of(load_of(rod, 0.3, 0.2, 20.0), axial_damping=0.5, mean_at=0.0)
     result = rod.stability(load)
-    assert not isinstance(result, fr.RodStability)
     assert found["status"] == result.status == "unstable"
     assert found["growth_rate_per_s"] == result.growth_rate
     assert found["growth_rate_error_per_s"] == result.error
