@@ -9,6 +9,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arguments import wrong_value
 from floquetrod._util.report import Table, number
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.dispatch import stability
@@ -109,9 +110,10 @@ class ModeVerdicts(Evidence):
 
     def plot(self, verdict: RodStability, ax: Any = None) -> Any:
         """Raise ValueError: there is no shape to draw where modes are independent."""
-        raise ValueError(
-            "plot draws the shape in which coupled modes grow, and these modes are independent: each grows as a sine; "
-            "stability_map draws where they do"
+        raise wrong_value(
+            "plot",
+            "draws the shape in which coupled modes grow, and these modes are independent: each grows as a sine; "
+            "stability_map draws where they do",
         )
 
     has_exact_margins: ClassVar[bool] = True
