@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from floquetrod import systems as systems
     from floquetrod._util.version import __version__ as __version__
     from floquetrod.ensembles.ensemble import ensemble as ensemble
+    from floquetrod.ensembles.study import Study as Study
     from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
     from floquetrod.equations import Hill as Hill
     from floquetrod.equations import HillSystem as HillSystem
@@ -98,6 +99,7 @@ _WHERE = {
     "SquareWave": "equations",
     "Stability": "floquet.verdict",
     "StabilityIntervals": "rod.ranges",
+    "Study": "ensembles.study",
     "UniformForceWarning": "rod.assumptions",
     "certify": "floquet.proof",
     "compare": "floquet.comparison",

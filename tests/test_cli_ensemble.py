@@ -19,9 +19,9 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli, units
 from floquetrod.cli import ensemble
-from floquetrod.cli.study import _INTEGERS, _OF_RUNS, read_study
 from floquetrod.ensembles.axes import names_of
 from floquetrod.ensembles.runs import Runs
+from floquetrod.ensembles.study import _INTEGERS, _OF_RUNS
 
 ROOT = Path(__file__).parents[1]
 TABLES = {
@@ -62,7 +62,7 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 
 
 def test_a_study_is_what_the_library_would_be_given(tmp_path: Path) -> None:
-    study = read_study(Path(written(tmp_path)))
+    study = fr.Study.from_toml(Path(written(tmp_path)))
     rod = fr.Rod.nitinol()
     load = fr.AxialLoad(*(units.quantity("0.3Fcr", "", "force", critical_force=rod.critical_force),) * 2, 48.0 * np.pi)
     start = fr.Perturbation.modes({8: 0.05}) + fr.Perturbation.random(1e-3, seed=3)
@@ -75,25 +75,25 @@ def test_rods_by_file_by_table_and_from_the_catalogue(tmp_path: Path) -> None:
     wire = (ROOT / "examples/wire.toml").read_text(encoding="utf-8")
     (tmp_path / "wire.toml").write_text(wire, encoding="utf-8")
     tables = {"run": 'duration = "1ms"', "start": None}
-    by_name = read_study(Path(written(tmp_path, **{"": 'rod = "wire.toml"'}, **tables))).problem
-    by_table = read_study(Path(written(tmp_path, **{"": ""}, rod=wire, **tables))).problem
+    by_name = fr.Study.from_toml(Path(written(tmp_path, **{"": 'rod = "wire.toml"'}, **tables))).problem
+    by_table = fr.Study.from_toml(Path(written(tmp_path, **{"": ""}, rod=wire, **tables))).problem
     assert by_name.rod == by_table.rod == fr.Rod.from_toml(tmp_path / "wire.toml")
     assert by_name == by_table
     pipe = 'catalogue = "2.00x0.156 CT90"\nbore = "4.778in"\nlength = "200ft"'
-    found = read_study(Path(written(tmp_path, **{"": ""}, rod=pipe, **tables))).problem.rod
+    found = fr.Study.from_toml(Path(written(tmp_path, **{"": ""}, rod=pipe, **tables))).problem.rod
     assert found == fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length="200ft")
 
 
 def test_waves_measured_forces_and_cases(tmp_path: Path) -> None:
     t = np.linspace(0.0, 1.0, 400, endpoint=False)
     np.savetxt(tmp_path / "force.csv", np.column_stack([t, 0.5 + 0.1 * np.sin(20.0 * np.pi * t)]), delimiter=",")
-    measured = read_study(Path(written(tmp_path, load='force = "force.csv"'))).problem.load
+    measured = fr.Study.from_toml(Path(written(tmp_path, load='force = "force.csv"'))).problem.load
     assert measured.frequency == pytest.approx(20.0 * np.pi, rel=1e-3)
     body = TABLES["load"] + '\nwave = "held"\naxial_damping = "2/s"\nmean_at = "none"'
-    wave = read_study(Path(written(tmp_path, load=body))).problem.load
+    wave = fr.Study.from_toml(Path(written(tmp_path, load=body))).problem.load
     assert isinstance(wave, fr.AxialWave)
     assert (wave.far_end, wave.axial_damping, wave.mean_at) == ("held", 2.0, None)
-    start = read_study(
+    start = fr.Study.from_toml(
         Path(written(tmp_path, start='case = "C:9"\nseed = 2', run="segments = 120", over="friction = [0.1]"))
     ).problem
     assert start.perturbation == fr.Perturbation.case("C", mode=9, seed=2)
@@ -108,7 +108,7 @@ def test_lists_ranges_and_distributions(tmp_path: Path) -> None:
     mean = {distribution = "uniform", low = "0.2Fcr", high = "0.3Fcr"}
     kick = {distribution = "loguniform", low = "1mm/s", high = "1m/s"}
     """
-    study = read_study(Path(written(tmp_path, over=body, ensemble='samples = 5\nseed = 3\nlayout = "grid"')))
+    study = fr.Study.from_toml(Path(written(tmp_path, over=body, ensemble='samples = 5\nseed = 3\nlayout = "grid"')))
     assert study.options == {"samples": 5, "seed": 3, "layout": "grid"}
     np.testing.assert_allclose(study.over["friction"], [0.1, 0.2, 0.3, 0.4])
     np.testing.assert_allclose(study.over["frequency"], 2.0 * np.pi * np.array([1.0, 10.0, 100.0]))
@@ -125,7 +125,7 @@ def test_lists_ranges_and_distributions(tmp_path: Path) -> None:
 
 
 def test_everything_that_can_be_varied_has_a_kind(tmp_path: Path) -> None:
-    problem = read_study(Path(written(tmp_path))).problem
+    problem = fr.Study.from_toml(Path(written(tmp_path))).problem
     wave = fr.AxialWave(0.3, 0.1, 150.0, far_end="free")
     for varied in (problem, problem.replace(load=wave)):
         names = {name for group in names_of(varied).values() for name in group}
@@ -133,7 +133,7 @@ def test_everything_that_can_be_varied_has_a_kind(tmp_path: Path) -> None:
 
 
 def test_the_example_is_a_study() -> None:
-    study = read_study(ROOT / "examples/study.toml")
+    study = fr.Study.from_toml(ROOT / "examples/study.toml")
     assert study.problem.friction == 0.1
     assert len(study.over["seed"]) == 20
 
@@ -154,7 +154,7 @@ def test_tells_how_probable_buckling_is(tmp_path: Path, capsys: pytest.CaptureFi
 
 def test_json_says_what_the_library_finds(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     record = answer(capsys, written(tmp_path), "--confidence", "0.8")
-    study = read_study(tmp_path / "study.toml")
+    study = fr.Study.from_toml(tmp_path / "study.toml")
     found = fr.ensembles.probability(fr.ensemble(study.problem, study.over), over="seed", confidence=0.8)
     assert [row["kick_m_per_s"] for row in record["rows"]] == [0.01, 0.9]
     for name in ("probability", "lower", "upper", "done", "failed"):
@@ -267,7 +267,7 @@ def test_interrupted_before_the_first_run(
     def interrupt(*_: Any, **__: Any) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(fr, "ensemble", interrupt)
+    monkeypatch.setattr(fr.Study, "run", interrupt)
     assert cli.main(["ensemble", written(tmp_path), "--store", "runs.npz", "--workers", "2"]) == 130
     out = capsys.readouterr().out
     assert out.startswith("INTERRUPTED before a run was done\ncontinue  floquetrod ensemble ")

@@ -125,7 +125,7 @@ def test_many_multipliers_are_cut_short(tmp_path: Path, capsys: pytest.CaptureFi
     path = tmp_path / "chain.npz"
     np.savez(path, stiffness=np.diag(np.arange(1.0, 31.0)), damping=np.diag(np.linspace(0.1, 0.2, 30)), period=1.0)
     text = said(capsys, str(path))
-    assert "and 20 more, which decay faster (--json lists them)" in text
+    assert "and 20 more, which decay faster (the JSON lists them)" in text
     assert len(json.loads(said(capsys, str(path), "--json"))["multipliers"]) == 60
 
 

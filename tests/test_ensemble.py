@@ -201,7 +201,7 @@ def axes_layout(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Any:
 
     names = ("mean", "amplitude", "frequency", "friction")
     axis = tuple(axes.Axis(n, n, np.arange(length)) for n, length in zip(names, shape, strict=False))
-    return Layout(axes.Study(PROBLEM, axis), (), False, chunk)
+    return Layout(axes.Design(PROBLEM, axis), (), False, chunk)
 
 
 def test_progress_counts_every_run() -> None:

@@ -26,7 +26,7 @@ MANY = {"frequency": [120.0, 150.0], "kick": [0.01, 0.05, 0.1, 0.2], "seed": ran
 @pytest.fixture(scope="module")
 def serial() -> Any:
     """Return 2,000 runs made one after another."""
-    study = axes.study_of(PROBLEM, MANY, "grid", None, 0)
+    study = axes.design_of(PROBLEM, MANY, "grid", None, 0)
     job = workers.Job(PROBLEM, None, None, False)
     every = workers.carry_out(job, [(run, study.values(run)) for run in range(study.size)])
     return {name: [outcome.results[name] for outcome in every] for name in every[0].results if name != "wall_time"}

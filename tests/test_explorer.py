@@ -60,7 +60,7 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(coupled, "_MAP", (8, 8))
     monkeypatch.setattr(coupled, "_COARSENINGS", (4, 1))
     monkeypatch.setattr(coupled, "_LINE", (3, 5))
-    monkeypatch.setattr(coupled, "_MARGINS", 0)
+    monkeypatch.setattr("floquetrod.rod.verdict.QUICK", 0)
 
 
 def pixels(explorer: fr.Explorer) -> np.ndarray:

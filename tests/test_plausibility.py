@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 import floquetrod as fr
 from conftest import depth
 from floquetrod.cli.main import main
-from floquetrod.cli.study import read_study
 from floquetrod.rod.catalogue import pipes
 from floquetrod.rod.plausibility import may_be_hertz, suspicions_of_load, suspicions_of_rod
 
@@ -195,41 +194,6 @@ def test_a_bare_frequency_whose_hertz_change_the_verdict_is_told(
     assert len(told) == 1
     assert told[0].startswith("floquetrod: warning: --")
     assert words in told[0]
-
-
-STUDY = """rod = "nitinol"
-[load]
-mean = "0.3Fcr"
-amplitude = "0.2Fcr"
-frequency = {}
-[run]
-duration = "1ms"
-[over]
-{}
-"""
-
-
-@pytest.mark.parametrize(
-    ("own", "over", "typed"),
-    [
-        ("16", "seed = [1, 2]", "16"),
-        ('"16Hz"', 'frequency = ["30Hz", 152, 16]', "16"),
-        ('"16Hz"', 'frequency = {from = 15, to = "16rad/s", steps = 16}', "15"),
-        ('"16Hz"', 'frequency = {distribution = "uniform", low = 16, high = 152}', "16"),
-        ("24", 'mean = ["0.3Fcr", "0.5Fcr"]', "24"),  # at the second mean alone
-        ("24", "seed = [1, 2]", None),
-        ("16", 'frequency = ["16rad/s", "16Hz", 152]', None),  # the own one is not used
-    ],
-)
-def test_a_bare_frequency_of_a_study_is_told_too(
-    own: str, over: str, typed: str | None, tmp_path: Any, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path = tmp_path / "study.toml"
-    path.write_text(STUDY.format(own, over), encoding="utf-8")
-    read_study(path)
-    told = capsys.readouterr().err.splitlines()
-    assert [line.partition("frequency ")[2].split()[0] for line in told] == [typed] * (typed is not None)
-    assert all("is taken in rad/s: at " in line and f"write {typed}rad/s or {typed}Hz" in line for line in told)
 
 
 @pytest.mark.parametrize(

@@ -22,9 +22,9 @@ def _about(argument: str, problem: str, error: E) -> E:
     return error
 
 
-def located(where: str, error: Exception) -> ValueError:
+def located(where: str, error: Exception, colon: str = ": ") -> ValueError:
     """Return an error about something in a file or a table, which is still about the same argument."""
-    found = ValueError(f"{where}: {error}")
+    found = ValueError(f"{where}{colon}{error}")
     if (known := getattr(error, "argument", None)) is not None:
         found.__dict__["argument"] = *known[:2], ": ".join(filter(None, [where, known[2]]))
     return found

@@ -6,7 +6,6 @@ import math
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from html import escape
 from typing import Any, NamedTuple
 
 WIDTH = 8
@@ -29,6 +28,8 @@ class Table(NamedTuple):
 
     def html(self) -> str:
         """Return the table for a notebook."""
+        from html import escape
+
         head = "".join(f"<th>{escape(title)}</th>" for title, _ in self.columns)
         rows = (f"<tr>{''.join(f'<td>{escape(cell.strip())}</td>' for cell in row)}</tr>" for row in self.rows)
         return f"<table><tr>{head}</tr>{''.join(rows)}</table>{escape(self.rest.strip())}"
@@ -70,6 +71,8 @@ class Report:
 
     def _repr_html_(self) -> str:
         """Return the report as a small table for a notebook."""
+        from html import escape
+
         rows = "".join(f"<tr><th>{escape(label)}</th><td>{escape(text)}</td></tr>" for label, text in self.lines)
         parts = [
             f"<p><strong>{escape(self.headline)}</strong></p>" if self.headline else "",

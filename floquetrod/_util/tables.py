@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Sequence
+from contextlib import suppress
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -33,3 +35,23 @@ def require_known(keys: Iterable[str], known: Collection[str]) -> None:
     if unknown is not None:
         hint = did_you_mean(unknown, known)
         raise ValueError(f"unknown key {unknown!r}{f'{hint} The' if hint else '; the'} keys are {', '.join(known)}")
+
+
+def require_file(name: str, path: Path, wanted: str, others: Sequence[str] = ()) -> None:
+    """Raise ValueError, naming a file or one of ``others`` that may be meant, where there is nothing at a path."""
+    try:
+        if path.is_dir():
+            raise ValueError(f"{name} must be {wanted}, and {str(path)!r} is a folder; name a file in it")
+        if path.exists():
+            return
+    except OSError as error:  # a name too long, say
+        raise ValueError(f"{name} must be {wanted}, got {str(path)!r}: {error.strerror}") from None
+    beside: list[str] = []
+    with suppress(OSError):
+        beside = [each.name for each in islice(path.parent.iterdir(), _LOOKED_AT)]
+    hint = did_you_mean(path.name, [*others, *beside])
+    folder = "" if path.parent.is_dir() else f"; there is no folder {str(path.parent)!r}"
+    raise ValueError(f"{name} must be {wanted}, got {str(path)!r}: there is no such file{folder or hint}")
+
+
+_LOOKED_AT = 10_000  # files of a folder among which one is looked for (a choice)

@@ -21,7 +21,6 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.loads import (
-    LOAD_OPTIONS,
     add_kind,
     add_load,
     corners,
@@ -38,6 +37,7 @@ from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.load import KINDS
+from floquetrod.rod.reading import LOAD_OPTIONS
 from floquetrod.rod.rod_box import DIAMETERS
 from floquetrod.rod.safe_box import SafeBox
 from floquetrod.units import Unit

@@ -24,8 +24,6 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.loads import (
-    LOAD_OPTIONS,
-    RECORD_OPTIONS,
     add_kind,
     add_load,
     read_kind,
@@ -38,6 +36,7 @@ from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.load import KINDS, Load, Quantity
+from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
 from floquetrod.rod.verdict import QUICK, Margin, RodStability
 from floquetrod.units import Unit
 

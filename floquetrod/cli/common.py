@@ -7,8 +7,7 @@ import logging
 import re
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from itertools import islice
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -118,17 +117,13 @@ def read_tolerance(options: argparse.Namespace) -> float:
     return units.quantity(given, "--growth-tolerance", "rate", least=0.0, largest=LARGEST)
 
 
-def read_quantity(text: str | float, name: Quantity, rod: fr.Rod, given: str | None = None) -> float:
+def read_quantity(text: str, name: Quantity, rod: fr.Rod, given: str | None = None) -> float:
     """Return a quantity of the load in SI units; messages quote ``given`` in place of the text."""
-    from floquetrod.rod.load import KINDS, LIMITS
+    from floquetrod.rod import reading
 
-    least, largest = LIMITS[name][:2]
-    if given is None and ":" in str(text):
+    if given is None and ":" in text:
         raise ValueError(f"--{name} must be one value here, got {text!r}; ranges, map and certify take ranges")
-    force = rod.critical_force
-    return units.quantity(
-        text, f"--{name}", KINDS[name], critical_force=force, least=least, largest=largest, given=given
-    )
+    return reading.read_quantity(text, name, rod, option, given)
 
 
 _NO_COLON = re.compile(r"\s*(\d[\d.]*[a-zA-Z/%]*)\s*(?:[-\N{EN DASH};,]|\.\.+|to)\s*(\d[\d.]*[a-zA-Z/%]+)\s*")
@@ -179,6 +174,8 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
 
 def read_rod(options: argparse.Namespace) -> fr.Rod:
     """Return the rod that the options describe."""
+    from floquetrod.rod.reading import is_pipe, named_rod
+
     changes = {
         key: units.quantity(text, f"--{key}", kind, least=_TINY, largest=LARGEST)
         for key, kind in (("length", "length"), ("bore", "length"), ("inclination", "angle"))
@@ -203,14 +200,6 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
     return rod
 
 
-_SIZE = re.compile(r"""\s*\d[\d./ -]*(inch(es)?|in\.?|")?\s*[x\N{MULTIPLICATION SIGN}]""", re.ASCII | re.IGNORECASE)
-
-
-def is_pipe(text: str) -> bool:
-    """Return whether a rod is named as a pipe of the catalogue, and not as a file."""
-    return _SIZE.match(text) is not None and not text.endswith(".toml") and not Path(text).is_file()
-
-
 def _in_channel(rod: fr.Rod, changes: dict[str, float]) -> fr.Rod:
     """Return the rod with another length or channel."""
     if "bore" in changes:
@@ -233,40 +222,6 @@ def _as_option(error: ValueError, options: Mapping[str, str]) -> ValueError:
 def option(name: str) -> str:
     """Return the option that sets an argument, as it is typed."""
     return f"--{name.replace('_', '-')}"
-
-
-def named_rod(name: str, text: str, folder: Path | None = None) -> fr.Rod:
-    """Return nitinol or the rod of a TOML file, which is looked for in ``folder``; messages begin with ``name``."""
-    if text.strip().lower() == "nitinol":
-        return fr.Rod.nitinol()
-    wanted = "nitinol, a steel pipe such as '2.00x0.156 CT90', or a TOML file"
-    try:
-        path = Path(text) if folder is None else folder / text
-        require_file(name, path, wanted, ["nitinol"])
-        return fr.Rod.from_toml(path if text else text)
-    except (ValueError, OSError) as error:
-        message = str(error)
-        raise ValueError(message if message.startswith(name) else f"{name}: {message}") from None
-
-
-def require_file(name: str, path: Path, wanted: str, others: Sequence[str] = ()) -> None:
-    """Raise ValueError, naming a file or one of ``others`` that may be meant, where there is nothing at a path."""
-    try:
-        if path.is_dir():
-            raise ValueError(f"{name} must be {wanted}, and {str(path)!r} is a folder; name a file in it")
-        if path.exists():
-            return
-    except OSError as error:  # a name too long, say
-        raise ValueError(f"{name} must be {wanted}, got {str(path)!r}: {error.strerror}") from None
-    beside: list[str] = []
-    with suppress(OSError):
-        beside = [each.name for each in islice(path.parent.iterdir(), _LOOKED_AT)]
-    hint = did_you_mean(path.name, [*others, *beside])
-    folder = "" if path.parent.is_dir() else f"; there is no folder {str(path.parent)!r}"
-    raise ValueError(f"{name} must be {wanted}, got {str(path)!r}: there is no such file{folder or hint}")
-
-
-_LOOKED_AT = 10_000  # files of a folder among which one is looked for (a choice)
 
 
 def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:

@@ -19,10 +19,10 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod._util.report import number
-from floquetrod.cli.common import describe_command, require_file, warnings_at_once
+from floquetrod._util.tables import require_file
+from floquetrod.cli.common import describe_command, warnings_at_once
 from floquetrod.cli.parser import ratio, whole_number
 from floquetrod.cli.report import Answer, answer
-from floquetrod.cli.study import Study, naming_study, read_study
 from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
 from floquetrod.ensembles.statistics import probability
@@ -96,21 +96,13 @@ def _ensemble(options: argparse.Namespace) -> Answer:
         raise ValueError(f"--confidence must lie between 0 and 1, got {options.confidence:g}")
     part, store = _part(options), options.store
     require_file("study file", options.study, "a TOML file")
-    study = read_study(options.study)
+    study = fr.Study.from_toml(options.study)
     if store is None and study.options.get("frames"):
         raise ValueError(f"study file {options.study}: [ensemble] frames needs a --store to keep them in")
     progress, started = _Left(), time.monotonic()
-    with naming_study(options.study), warnings_at_once(), _stopped_by_signals() as stopped, progress:
+    with warnings_at_once(), _stopped_by_signals() as stopped, progress:
         try:
-            found = fr.ensemble(
-                study.problem,
-                study.over,
-                workers=options.workers,
-                store=store,
-                part=part,
-                progress=progress,
-                **study.options,
-            )
+            found = study.run(workers=options.workers, store=store, part=part, progress=progress)
         except (ImportError, RuntimeError) as error:
             raise ValueError(str(error)) from None
         except KeyboardInterrupt:  # before the first run, or while results were read
@@ -269,7 +261,7 @@ def _grouped(reasons: Any) -> list[tuple[str, int]]:
     return sorted(groups.values(), key=lambda group: -group[1])
 
 
-def _report(summary: _Summary, record: dict[str, Any], study: Study, options: argparse.Namespace) -> Iterator[str]:
+def _report(summary: _Summary, record: dict[str, Any], study: fr.Study, options: argparse.Namespace) -> Iterator[str]:
     """Yield the lines of the answer."""
     headline = (
         f"{summary.done:,} of {summary.total:,} runs done, {summary.failed:,} failed, {summary.pending:,} pending"
@@ -295,7 +287,7 @@ def _named(options: argparse.Namespace) -> str:
     return "--json lists them" if options.store is None else f"see reason in {options.store}"
 
 
-def _table(rows: list[_Row], study: Study, options: argparse.Namespace) -> Iterator[str]:
+def _table(rows: list[_Row], study: fr.Study, options: argparse.Namespace) -> Iterator[str]:
     """Yield the table of probabilities."""
     if not rows:
         return

@@ -18,7 +18,6 @@ from floquetrod.cli.common import (
     read_units,
 )
 from floquetrod.cli.loads import (
-    RECORD_OPTIONS,
     add_kind,
     read_kind,
     read_load,
@@ -31,6 +30,7 @@ from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
 from floquetrod.plotting.web import Shown, require_tornado, serve
 from floquetrod.rod.load import KINDS, Load
+from floquetrod.rod.reading import RECORD_OPTIONS
 from floquetrod.rod.reports import describe_load
 
 _HELP = """\

@@ -18,6 +18,7 @@ from floquetrod.cli.common import (
     add_rod,
     add_units,
     describe_command,
+    option,
     read_rod,
     read_units,
     warnings_at_once,
@@ -33,9 +34,9 @@ from floquetrod.cli.loads import (
 )
 from floquetrod.cli.parser import whole_number
 from floquetrod.cli.report import Answer, answer, names
-from floquetrod.cli.starts import read_perturbation
 from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.rod.load import Load
+from floquetrod.simulation.starts import read_perturbation
 
 _HELP = """\
 Simulate the whole nonlinear rod in its channel, with or without friction, and compare it with the theory.
@@ -131,7 +132,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
     far = None if options.far_force is None else _far_force(options.far_force, rod)
     duration = units.quantity(options.duration, "--duration", "time")
     step = None if options.time_step is None else units.quantity(options.time_step, "--time-step", "time")
-    perturbation, shown = read_perturbation(options), read_units(options, rod)
+    perturbation, shown = read_perturbation(vars(options), option), read_units(options, rod)
     _check_kinds(options.out)
     _check_places([*options.out, *filter(None, [options.checkpoint])])
     warn_of_hertz("--frequency", options.frequency, rod, [load])

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import cast
 
 import floquetrod as fr
-from floquetrod.cli.common import require_file
+from floquetrod._util.tables import require_file
 from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.waiting import Waiting
 from floquetrod.equations.system_files import read_system

@@ -63,7 +63,7 @@ def names_of(problem: SimulationProblem) -> dict[str, tuple[str, ...]]:
 
 
 @dataclass(frozen=True, eq=False)
-class Study:
+class Design:
     """A problem and what is varied of it; runs are numbered in the order of ``dims``, the last fastest."""
 
     problem: SimulationProblem
@@ -152,7 +152,7 @@ def _scaled(kick: Perturbation, speed: float, segments: int) -> Perturbation:
     )
 
 
-def study_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, seed: Any) -> Study:
+def design_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, seed: Any) -> Design:
     """Return what the arguments of `floquetrod.ensemble` ask for, checked."""
     validate.instance("problem", problem, SimulationProblem, "fr.SimulationProblem(rod, load, duration=2.0), say")
     layout = validate.choice("layout", layout, LAYOUTS)
@@ -187,7 +187,7 @@ def study_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, s
                 "over", f"must hold as many values of each name where layout is 'list', got: {listed}"
             )
     dim = {name: "run" if layout == "list" else "sample" if name in drawn else name for name in over}
-    study = Study(problem, tuple(Axis(name, dim[name], given[name]) for name in over))
+    study = Design(problem, tuple(Axis(name, dim[name], given[name]) for name in over))
     runs = float(np.prod([float(length) for length in study.shape]))
     if runs > _MOST_RUNS:
         raise validate.wrong_value("over", f"makes {runs:,.0f} runs, at most {_MOST_RUNS:,} are made; vary less")

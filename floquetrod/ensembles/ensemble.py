@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 from floquetrod._util import interrupt, validate
 from floquetrod.ensembles import stores_disk, stores_zarr, tasks
-from floquetrod.ensembles.axes import Study, study_of, varied
+from floquetrod.ensembles.axes import Design, design_of, varied
 from floquetrod.ensembles.runs import DONE
 from floquetrod.ensembles.stores import RESULTS, Layout, MemoryStore, Outcome, chunk_shape, reason_of
 from floquetrod.ensembles.workers import TaskRunner, require_executor, runner_for, work
@@ -117,7 +117,7 @@ def ensemble(
     >>> dict(found.sizes), int(found.status.sum()), bool(found.buckled.any())
     ({'frequency': 2, 'seed': 3}, 6, False)
     """
-    study = study_of(problem, over, layout, samples, seed)
+    study = design_of(problem, over, layout, samples, seed)
     place = None if store is None else validate.path("store", store)
     if summary is not None:
         validate.function("summary", summary)
@@ -200,7 +200,7 @@ def _fill(
             store.close()
 
 
-def _first_runs(job: tasks.Job, study: Study, pending: Sequence[int]) -> tuple[tuple[str, ...], list[Outcome]]:
+def _first_runs(job: tasks.Job, study: Design, pending: Sequence[int]) -> tuple[tuple[str, ...], list[Outcome]]:
     """Return the names of the summary, and the runs made to learn them: until one could be made."""
     made = []
     for run in pending:
@@ -228,7 +228,7 @@ def _first_runs(job: tasks.Job, study: Study, pending: Sequence[int]) -> tuple[t
 
 
 def _store(
-    place: Path | None, study: Study, frames: bool, parts: int
+    place: Path | None, study: Design, frames: bool, parts: int
 ) -> tuple[tuple[str, ...] | None, tuple[int, ...], Callable[[Layout], MemoryStore]]:
     """Return the names of the summary of a store, None where there is no store yet, its chunks, and what opens it.
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
 from floquetrod._util.version import __version__
-from floquetrod.ensembles.axes import Study
+from floquetrod.ensembles.axes import Design
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable
 from floquetrod.simulation.arithmetic import arithmetic
 
@@ -92,7 +92,7 @@ def may_pass(reason: str) -> bool:
 class Layout:
     """What a store holds: a study, the names of its summary, whether frames, and the shape of chunks of runs."""
 
-    study: Study
+    study: Design
     summary: tuple[str, ...]
     frames: bool
     chunk: tuple[int, ...]
@@ -158,7 +158,7 @@ class Layout:
         }
 
 
-def identity(study: Study, frames: bool) -> dict[str, Any]:
+def identity(study: Design, frames: bool) -> dict[str, Any]:
     """Return plain data that distinguishes a study from every other, but for the names of its summary."""
     return {
         "problem": study.problem.as_dict(),
@@ -168,7 +168,7 @@ def identity(study: Study, frames: bool) -> dict[str, Any]:
     }
 
 
-def require_same(place: Path, attrs: Mapping[str, Any], study: Study, frames: bool) -> tuple[str, ...]:
+def require_same(place: Path, attrs: Mapping[str, Any], study: Design, frames: bool) -> tuple[str, ...]:
     """Return the names of the summary that a store holds; ValueError unless it holds this study."""
     try:
         theirs, names = json.loads(attrs["study"]), tuple(map(str, attrs["summary"]))

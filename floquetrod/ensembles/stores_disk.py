@@ -13,7 +13,7 @@ import numpy as np
 from floquetrod._util import files
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.locks import Lock, lock_beside
-from floquetrod.ensembles.axes import Study
+from floquetrod.ensembles.axes import Design
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs
 from floquetrod.ensembles.stores import Layout, MemoryStore, require_same
 from floquetrod.simulation.checkpoints import CheckpointWarning
@@ -163,7 +163,7 @@ def _state(path: Path) -> tuple[int, ...] | None:
 
 
 def open_store(
-    place: Path, study: Study, frames: bool
+    place: Path, study: Design, frames: bool
 ) -> tuple[tuple[str, ...] | None, Callable[[Layout], MemoryStore]]:
     """Return the names of the summary of a store, None where there is no store yet, and what opens it.
 

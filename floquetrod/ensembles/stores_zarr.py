@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from floquetrod._util import interrupt
 from floquetrod._util.locks import Lock
 from floquetrod.ensembles import stores
-from floquetrod.ensembles.axes import Study
+from floquetrod.ensembles.axes import Design
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING
 from floquetrod.ensembles.stores import FRAME_ATTRS, REASON, Layout, MemoryStore, require_same
 from floquetrod.ensembles.stores_disk import DiskStore
@@ -298,7 +298,7 @@ def replace(path: Path, content: bytes) -> None:
 
 
 def open_store(
-    place: Path, study: Study, frames: bool, chunk: tuple[int, ...]
+    place: Path, study: Design, frames: bool, chunk: tuple[int, ...]
 ) -> tuple[tuple[str, ...] | None, tuple[int, ...], Callable[[Layout], MemoryStore]]:
     """Return the names of the summary of a store, None where there is no store yet, its chunks, and what opens it.
 

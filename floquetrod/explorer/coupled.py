@@ -20,7 +20,6 @@ _MAP = 32, 24  # columns and rows of the map in the end
 _COARSENINGS = (8, 4, 2, 1)  # cells side by side that are one at first
 _LINE = (17, 33, 65)  # frequencies of the line through the load, each finding those before it again
 _AT_ONCE = 0.15  # seconds after which what was found is shown (a choice)
-_MARGINS = 50  # modes up to which margins take seconds (a choice)
 
 
 class CoupledModes:
@@ -62,7 +61,7 @@ class CoupledModes:
         yield from self._map(load, stale, _COARSENINGS[:2])
         yield from self._line(load, stale, _LINE)
         yield from self._map(load, stale, _COARSENINGS)
-        if verdict.modes_checked <= _MARGINS:
+        if verdict.has_quick_margins:
             for name, margin in MARGINS.items():
                 if stale():
                     return

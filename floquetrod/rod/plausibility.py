@@ -10,12 +10,12 @@ from __future__ import annotations
 import math
 import sys
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from floquetrod._util.calling import level_of_caller
 from floquetrod.rod.catalogue import pipes
-from floquetrod.units import units_of
+from floquetrod.units import unit_of, units_of
 
 SILENCE = ' (silence with warnings.simplefilter("ignore", fr.PlausibilityWarning))'
 """The end of every warning; a terminal leaves it out."""
@@ -240,3 +240,36 @@ def warn_of_hertz(rod: Any, load: Any, growth_tolerance: float) -> None:
             HertzWarning,
             stacklevel=level_of_caller(),
         )
+
+
+def suspicion_of_hertz(name: str, text: str, rod: Any, loads: Iterable[Any], tolerance: float = 0.0) -> str:
+    """Return the suspicion that a frequency written without a unit was meant in Hz, "" without one.
+
+    ``name`` is what gave ``text``, a frequency or a range.  Suspected is what would, in Hz, change the verdict without
+    friction on one of the loads.  Where modes are coupled, and a verdict takes its time, a single load is suspected as
+    in `may_be_hertz`.
+    """
+    if unit_of(text.rpartition(":")[2]) != "":
+        return ""
+    loads = list(loads)
+    for load in loads:
+        reading = ""
+        if rod.modes_under(load).prompt:
+            reading = _in_hertz(rod, load, tolerance)
+        elif len(loads) == 1 and may_be_hertz(rod, load):
+            reading = "below all but the narrowest resonances of this rod, which as many Hz are not"
+        if reading:
+            at = "" if len(loads) == 1 else f", under mean {load.mean:.4g} N and amplitude {load.amplitude:.4g} N"
+            typed = text.strip()
+            return f"{name} {text} is taken in rad/s: {reading}{at}; write {typed}rad/s or {typed}Hz"
+    return ""
+
+
+def _in_hertz(rod: Any, load: Any, tolerance: float) -> str:
+    """Return how the verdict differs where a frequency is read in Hz, "" where it does not or is not known."""
+    try:
+        verdicts = verdicts_in_hertz(rod, load, tolerance)
+    except ValueError:  # as many Hz are far beyond this rod
+        return ""
+    words = {(1, 0): ("no mode grows", "one does"), (0, 1): ("a mode grows", "none does")}.get(verdicts)
+    return f"at {load.frequency:.4g} rad/s {words[0]}, at {load.frequency:.4g} Hz {words[1]}" if words else ""

@@ -386,7 +386,7 @@ class RodStability(Verdict, ReportedVerdict):
 
     def growth_of(self, mode: int) -> float:
         """Return the growth rate of a mode in 1/s, of the rod where modes are coupled."""
-        return self.evidence.growth_of(self, mode)
+        return self.evidence.growth_of(self, validate.integer("mode", mode, 1, validate.MOST_NUMBERS))
 
     def is_fastest(self, mode: int | None) -> bool:
         """Return whether the growth rate is that of a mode; of coupled modes it is that of any."""

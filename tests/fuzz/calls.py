@@ -38,7 +38,7 @@ over = {kick = ["10mm/s", "20mm/s"], seed = {from = 1, to = 3}}
 """
 
 VALUES = (fr.AxialLoad, fr.AxialWave, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
-VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem, fr.ForceRecord)
+VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem, fr.ForceRecord, fr.Study)
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
@@ -106,6 +106,14 @@ LEFT_OUT = {
     "Simulation.plot_growth": "its axes are an object of matplotlib",
     "Simulation.plot_run": "takes no argument",
     "Chart": "constructed by charts and maps",
+    **{f"{kind}.{name}": f"margins come from {kind}.margins" for kind in ("RodStability",) for name in ("as_dict",)},
+    **{f"{kind}.is_fastest": "compares" for kind in ("RodStability",)},
+    **{
+        f"{kind}.as_dict": "takes no argument"
+        for kind in ("ForceRecord", "SafeBox", "Simulation", "StabilityIntervals")
+    },
+    "Study": "constructed by Study.from_toml",
+    "Study.run": "for ensemble, whose arguments are checked there",
     "RodStability": "constructed by Rod.stability",
     "StabilityIntervals": "constructed by the methods of Rod",
     "Simulation": "constructed by simulate",
@@ -223,6 +231,14 @@ def table() -> dict[str, Call]:
         "SafeBox.table": Call(safe.table, {"mean": "Fcr"}),
         "SafeBox.in_units": Call(safe.in_units, {"mean": "Fcr"}),
         "RodStability.margin": Call(ROD.stability(LOAD).margin, {"quantity": "mean", "seconds": 5.0}),
+        "RodStability.margins": Call(ROD.stability(LOAD).margins, {"seconds": 5.0, "progress": None}),
+        "RodStability.growth_of": Call(ROD.stability(LOAD).growth_of, {"mode": 7}),
+        "RodStability.report": Call(ROD.stability(LOAD).report, {"units": {"mean": "Fcr"}}),
+        "SafeBox.report": Call(safe.report, {"units": {"mean": "Fcr"}}),
+        "Simulation.findings": Call(run.findings, {"theory": False}),
+        "Simulation.report": Call(run.report, {"units": {"mean": "Fcr"}}),
+        "StabilityIntervals.report": Call(ranges.report, {"unit": "N", "size": 1.0}),
+        "Study.from_toml": Call(fr.Study.from_toml, {"path": str(place / "study.toml")}),
         "RodStability.time_to_grow": Call(ROD.stability(LOAD).time_to_grow, {"factor": 10.0}),
         "StabilityIntervals.table": Call(ranges.table, {"unit": "N", "size": 1.0}),
         "StabilityIntervals.find_unstable": Call(ranges.find_unstable, {"progress": None}),

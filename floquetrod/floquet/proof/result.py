@@ -65,10 +65,9 @@ class Proof(Reported, Answer):
         return references(("equation" if isinstance(self.equation, Equation) else "system", "certify"))
 
     def report(self) -> Report:
-        """Return what was proved, and the quantities that decided."""
+        """Return what was proved."""
         head = "UNDECIDED" if self.status == "undecided" else f"PROVED {self.status.upper()}"
-        lines = [("" if i else "decided", str(each)) for i, each in enumerate(self.enclosures)]
-        return Report(f"{head}: {self.statement} ({self.digits} digits)", lines)
+        return Report(f"{head}: {self.statement} ({self.digits} digits)")
 
     def as_dict(self) -> dict[str, Any]:
         """Return what was proved for JSON."""

@@ -2,27 +2,31 @@
 
 from __future__ import annotations
 
-import argparse
-import re
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Self
 
 import numpy as np
 
-import floquetrod as fr
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arguments import argument_of, wrong_value
+from floquetrod._util.arguments import argument_of, located
+from floquetrod._util.calling import level_of_caller
 from floquetrod._util.tables import read_toml, require_known
-from floquetrod.cli.common import is_pipe, named_rod
-from floquetrod.cli.loads import LOAD_OPTIONS, corners, read_kind, read_load, read_record, warn_of_hertz
-from floquetrod.cli.starts import read_perturbation
 from floquetrod.ensembles.axes import LAYOUTS, names_of
+from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.rod.data import INSTEAD
 from floquetrod.rod.files import rod_of
 from floquetrod.rod.load import FAR_ENDS, KINDS
+from floquetrod.rod.plausibility import SILENCE, PlausibilityWarning, suspicion_of_hertz, warn_of_load
+from floquetrod.rod.reading import LOAD_OPTIONS, is_pipe, named_rod, read_kind, read_load, read_record
+from floquetrod.rod.rod import Rod
+from floquetrod.simulation.problem import SimulationProblem
+from floquetrod.simulation.starts import read_perturbation
 from floquetrod.units import Unit
 
 _TABLES = ("rod", "load", "run", "start", "over", "ensemble")
@@ -64,83 +68,133 @@ _DISTRIBUTIONS = {
 _BOUNDS = ("low", "high")  # that a normal distribution may have
 
 
-class Study(NamedTuple):
-    """What a study file asks for: arguments of `floquetrod.ensemble`, and the unit in which to show what is varied."""
+@dataclass(frozen=True, eq=False)
+class Study:
+    """What is simulated, what of it is varied and how: all that a study file says.
 
-    problem: fr.SimulationProblem
-    over: dict[str, Any]
-    options: dict[str, Any]
-    shown: dict[str, Unit]
+    Attributes
+    ----------
+    problem : SimulationProblem
+        Gives everything that ``over`` does not.
+    over : mapping
+        What is varied, by name: values in SI units, or a distribution.
+    options : mapping
+        Of `floquetrod.ensemble`: ``layout``, ``samples``, ``seed``, ``frames``.
+    shown : mapping of str to Unit
+        The unit in which the file gives what is varied.
+    path : path
+        The file.
 
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> import floquetrod as fr
+    >>> text = '''
+    ... rod = "nitinol"
+    ... load = {mean = "0.3Fcr", amplitude = "0.3Fcr", frequency = "24Hz"}
+    ... run = {duration = "10ms", segments = 60, frames = 5}
+    ... over = {kick = ["10mm/s", "20mm/s"], seed = {from = 1, to = 3}}
+    ... '''
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "study.toml"
+    ...     _ = path.write_text(text)
+    ...     study = fr.Study.from_toml(path)
+    >>> study.over, study.shown["kick"].name
+    ({'kick': [0.01, 0.02], 'seed': range(1, 4)}, 'mm/s')
+    """
 
-def read_study(path: Path) -> Study:
-    """Return the study that a TOML file describes; ValueError naming file, table and key where it cannot be made."""
-    tables = read_toml(path, "study file")
-    with _naming(path):
-        require_known(tables, _TABLES)
-        for name in ("rod", "load", "over"):
-            if name not in tables:
-                raise ValueError(f"missing table [{name}]; the tables are {', '.join(f'[{t}]' for t in _TABLES)}")
-        for name, table in tables.items():
-            if not isinstance(table, dict) and name != "rod":
-                raise ValueError(f"{name} must be a table, [{name}] with lines below it, got {validate.short(table)}")
-    with _naming(path, "rod"):
-        rod = _rod(path, tables["rod"])
-    with _naming(path, "load"):
-        load = _load(path, tables["load"], rod)
-    with _naming(path, "run"):
-        settings = _settings(tables.get("run", {}), rod)
-    with _naming(path, "start"):
-        start = _start(tables.get("start", {}))
-    with _naming(path):  # which names the argument that cannot be
-        problem = fr.SimulationProblem(rod, load, **(settings | start))
-    over: dict[str, Any] = {}
-    shown: dict[str, Unit] = {}
-    with _naming(path, "over"):
-        if not tables["over"]:
-            raise ValueError('needs at least one key such as frequency = ["19Hz", "24Hz"], got none')
-        require_known(tables["over"], [name for names in names_of(problem).values() for name in names])
-    for key, value in tables["over"].items():
+    problem: SimulationProblem
+    over: Mapping[str, Any]
+    options: Mapping[str, Any]
+    shown: Mapping[str, Unit]
+    path: Path
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """Read a study file.
+
+        Its tables are [rod], which may also be nitinol or the name of a rod file, [load], [run], [start], [over] and
+        [ensemble]; ``floquetrod ensemble --help`` shows one.  Files that it names lie beside it.
+
+        Raises
+        ------
+        TypeError, ValueError
+            Naming file, table and key: for a file that cannot be read, and for what cannot be simulated or varied.
+
+        Warns
+        -----
+        PlausibilityWarning
+            For numbers that are probably in another unit, such as a frequency without one that is meant in Hz.
+        """
+        path = validate.path("path", path)
+        tables = read_toml(path, "study file")
+        with _naming(path):
+            _require_tables(tables)
+        with _naming(path, "rod"):
+            rod = _rod(path, tables["rod"])
+        with _naming(path, "load"):
+            load = _load(path, tables["load"], rod)
+        with _naming(path, "run"):
+            settings = _settings(tables.get("run", {}), rod)
+        with _naming(path, "start"):
+            start = _start(tables.get("start", {}))
+        with _naming(path):  # which names the argument that cannot be
+            problem = SimulationProblem(rod, load, **(settings | start))
         with _naming(path, "over"):
-            over[key], shown[key] = _varied(key, value, rod)
-    _warn_of_hertz(path, tables, rod, load, over)
-    with _naming(path, "ensemble"):
-        options = _options(tables.get("ensemble", {}))
-    return Study(problem, over, options, shown)
+            varied = _over(tables["over"], problem)
+        with _naming(path, "ensemble"):
+            options = _options(tables.get("ensemble", {}))
+        values, shown = ({name: each[i] for name, each in varied.items()} for i in (0, 1))
+        _warn_of_hertz(path, tables, problem, values)
+        return cls(problem, values, options, shown, path)
 
+    def run(self, **options: Any) -> Any:
+        """Return what `floquetrod.ensemble` does for this study; ``options`` are further ones of its own.
 
-@contextmanager
-def naming_study(path: Path) -> Iterator[None]:
-    """Name file and table in errors of `floquetrod.ensemble` that come from the file."""
-    try:
-        yield
-    except (TypeError, ValueError) as error:
+        Raises what it does; ValueError names file and table where what the file says is the cause.
+        """
+        try:
+            return ensemble(self.problem, self.over, **{**self.options, **options})
+        except (TypeError, ValueError) as error:
+            raise self._naming_table(error, options) from None
+
+    def _naming_table(self, error: TypeError | ValueError, options: Mapping[str, Any]) -> TypeError | ValueError:
         about = argument_of(error)
-        message = str(error)
         if about is not None and about.name == "over":
-            message = f"study file {path}: [over] {' '.join(filter(None, [about.place, about.problem]))}"
-        elif about is not None and about.name in _OPTIONS:
-            message = f"study file {path}: [ensemble] {message}"
-        elif about is not None:
-            raise wrong_value(about.name, about.problem) from None
-        raise ValueError(message) from None
+            what = " ".join(filter(None, [about.place, about.problem]))
+            return ValueError(f"study file {self.path}: [over] {what}")
+        if about is not None and about.name in _OPTIONS and about.name not in options:
+            return located(f"study file {self.path}: [ensemble]", error, " ")
+        return error
+
+
+def _require_tables(tables: Mapping[str, Any]) -> None:
+    """Raise ValueError for tables that are unknown, missing or none."""
+    require_known(tables, _TABLES)
+    for name in ("rod", "load", "over"):
+        if name not in tables:
+            raise ValueError(f"missing table [{name}]; the tables are {', '.join(f'[{t}]' for t in _TABLES)}")
+    for name, table in tables.items():
+        if not isinstance(table, dict) and name != "rod":
+            raise ValueError(f"{name} must be a table, [{name}] with lines below it, got {validate.short(table)}")
 
 
 @contextmanager
 def _naming(path: Path, table: str = "") -> Iterator[None]:
-    """Name file and table in what is raised, and keys of the file where a message names options of the terminal."""
+    """Name file and table in what is raised: the table given, else that of the argument that it is about."""
     try:
         yield
     except (TypeError, ValueError, OSError, ArithmeticError) as error:
-        message = re.sub(r"--([a-z][a-z-]*)", lambda option: option[1].replace("-", "_"), str(error))
-        table = table or _ARGUMENTS.get("" if (about := argument_of(error)) is None else about.name, "")
-        raise ValueError(f"study file {path}: {f'[{table}] ' if table else ''}{message}") from None
+        about = argument_of(error)
+        table = table or ("" if about is None else _ARGUMENTS.get(about.name, ""))
+        raise ValueError(f"study file {path}: {f'[{table}] ' if table else ''}{error}") from None
 
 
-def _rod(path: Path, given: Any) -> fr.Rod:
+def _rod(path: Path, given: Any) -> Rod:
     """Return the rod: a table as in rod files, or nitinol or the name of a rod file."""
     if isinstance(given, dict):
-        return rod_of(given, fr.Rod, INSTEAD)
+        return rod_of(given, Rod, INSTEAD)
     if not isinstance(given, str):
         raise ValueError(f"must be a table as in rod files, nitinol or a rod file, got {validate.short(given)}")
     if is_pipe(given):
@@ -148,7 +202,7 @@ def _rod(path: Path, given: Any) -> fr.Rod:
     return named_rod("rod", given, path.parent)
 
 
-def _load(path: Path, table: Mapping[str, Any], rod: fr.Rod) -> Any:
+def _load(path: Path, table: Mapping[str, Any], rod: Rod) -> Any:
     """Return the load; a measured force is looked for beside the study file."""
     require_known(table, _LOAD)
     given = {key: _scalar(key, table.get(key)) for key in _LOAD}
@@ -158,24 +212,30 @@ def _load(path: Path, table: Mapping[str, Any], rod: fr.Rod) -> Any:
         validate.choice("wave", given["wave"], FAR_ENDS)
     texts = {key: None if given[key] is None else str(given[key]) for key in _LOAD if key not in (*KINDS, "force")}
     force = None if given["force"] is None else str(path.parent / str(given["force"]))
-    options = argparse.Namespace(**given | texts | {"force": force})
-    return read_load(options, rod, read_kind(options, read_record(options, rod)))
+    words: dict[str, Any] = given | texts | {"force": force}
+    record = read_record(words)
+    if record is not None and not record.force_unit_named:
+        warn_of_load(rod, record)
+    return read_load(words, rod, read_kind(words, record))
 
 
-def _warn_of_hertz(path: Path, tables: Mapping[str, Any], rod: fr.Rod, load: Any, over: Mapping[str, Any]) -> None:
+def _warn_of_hertz(path: Path, tables: Mapping[str, Any], problem: SimulationProblem, over: Mapping[str, Any]) -> None:
     """Warn of the first frequency without a unit whose reading in Hz would change a verdict.
 
     Verdicts are those on the study's own rod, at both ends of what is varied of the load.
     """
+    rod, load = problem.rod, problem.load
     given = tables["over"].get("frequency", tables["load"].get("frequency"))
     if isinstance(given, dict):
         given = [number for key, number in given.items() if key not in (*_WORDS, "deviation")]
     typed = [str(number) for number in (given if isinstance(given, list) else [given])]
-    forces: Any = {name: _ends(over.get(name), getattr(load, name)) for name in ("mean", "amplitude")}
+    forces = [_ends(over.get(name), getattr(load, name)) for name in ("mean", "amplitude")]
     for text in [text for text in typed if units.unit_of(text) == ""][:_READ_IN_HERTZ]:
         with suppress(ValueError):  # an impossible load is refused where the runs are made
-            loads = list(corners({**forces, "frequency": [float(text)]}, load))
-            if warn_of_hertz(f"study file {path}: frequency", text, rod, loads):
+            loads = [load.with_numbers(mean, amplitude, float(text)) for mean, amplitude in product(*forces)]
+            suspicion = suspicion_of_hertz(f"study file {path}: frequency", text, rod, loads)
+            if suspicion:
+                warnings.warn(suspicion + SILENCE, PlausibilityWarning, stacklevel=level_of_caller())
                 return
 
 
@@ -184,7 +244,7 @@ def _ends(varied: Any, own: float) -> list[float]:
     return [float(np.min(varied)), float(np.max(varied))] if isinstance(varied, list | np.ndarray) else [own]
 
 
-def _settings(table: Mapping[str, Any], rod: fr.Rod) -> dict[str, Any]:
+def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
     """Return the options of the problem in the table [run]."""
     require_known(table, (*_RUN, *_COUNTS, "stop_early"))
     found: dict[str, Any] = {}
@@ -211,7 +271,7 @@ def _start(table: Mapping[str, Any]) -> dict[str, Any]:
         **{key: None if key not in table else str(_scalar(key, table[key])) for key in ("random", "case")},
         "seed": None if "seed" not in table else validate.integer("seed", table["seed"], 0),
     }
-    return {"perturbation": read_perturbation(argparse.Namespace(**given))}
+    return {"perturbation": read_perturbation(given)}
 
 
 def _options(table: Mapping[str, Any]) -> dict[str, Any]:
@@ -229,7 +289,15 @@ def _options(table: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _varied(key: str, given: Any, rod: fr.Rod) -> tuple[Any, Unit]:
+def _over(table: Mapping[str, Any], problem: SimulationProblem) -> dict[str, tuple[Any, Unit]]:
+    """Return the table [over]: of each key the values or the distribution, and the unit it is written in."""
+    if not table:
+        raise ValueError('needs at least one key such as frequency = ["19Hz", "24Hz"], got none')
+    require_known(table, [name for names in names_of(problem).values() for name in names])
+    return {key: _varied(key, value, problem.rod) for key, value in table.items()}
+
+
+def _varied(key: str, given: Any, rod: Rod) -> tuple[Any, Unit]:
     """Return the values or the distribution of what is varied, in SI units, and the unit it is written in."""
     if not isinstance(given, list | dict):
         raise ValueError(
@@ -270,7 +338,7 @@ def _integers(key: str, given: Any) -> Any:
     return range(first, validate.integer(f"{key}: to", given["to"], first, first + _MOST) + 1)
 
 
-def _distribution(key: str, given: Mapping[str, Any], rod: fr.Rod) -> Any:
+def _distribution(key: str, given: Mapping[str, Any], rod: Rod) -> Any:
     """Return a distribution of SciPy's."""
     kind = validate.choice(f"{key}: distribution", given["distribution"], _DISTRIBUTIONS)
     needed = _DISTRIBUTIONS[kind]
@@ -306,7 +374,7 @@ def _require_all(key: str, given: Mapping[str, Any], needed: tuple[str, ...]) ->
         raise ValueError(f"{key} needs {', '.join(needed)}, got {validate.short(dict(given))}")
 
 
-def _quantity(name: str, value: Any, rod: fr.Rod, key: str | None = None, nominal: float | None = None) -> float:
+def _quantity(name: str, value: Any, rod: Rod, key: str | None = None, nominal: float | None = None) -> float:
     """Return a quantity in SI units, of the kind of ``key`` where the name is another.
 
     A percentage is one of ``nominal``, else of the rod's own value, the critical force or one.

@@ -1,0 +1,140 @@
+"""A rod and a load as people write them in a terminal or in files: words and numbers with units."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
+
+from floquetrod import units
+from floquetrod._util.arguments import argument_of
+from floquetrod._util.tables import require_file
+from floquetrod.rod.load import KINDS, LIMITS, AxialWave, Load, Quantity, kind
+from floquetrod.rod.rod import Rod
+
+if TYPE_CHECKING:
+    from floquetrod.rod.record import ForceRecord
+
+_L = TypeVar("_L", bound=Load)
+
+Named: TypeAlias = Callable[[str], str]
+"""How messages call an argument: as in a file, or ``--axial-damping`` in a terminal."""
+
+RECORD_OPTIONS = ("time_column", "force_column", "time_unit", "force_unit")
+"""What says how to read a measured force."""
+
+LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "force", *RECORD_OPTIONS)
+"""What says of which kind a load is."""
+
+_LARGEST = 1e12  # of an axial damping in 1/s: a typing error lies beyond
+
+
+def read_record(given: Mapping[str, Any], named: Named = str) -> ForceRecord | None:
+    """Return the measured force in the file ``force``, None without any.
+
+    Raises ValueError where it cannot be read, and for what says how to read it without a file.
+    """
+    if given["force"] is None:
+        for name in RECORD_OPTIONS:
+            if given[name] is not None:
+                force = named("force")
+                raise ValueError(
+                    f"{named(name)} needs {force}, got {given[name]!r} alone: it says how to read that file"
+                )
+        return None
+    columns = (
+        None if text is None else int(text) if text.isdecimal() else text
+        for text in (given["time_column"], given["force_column"])
+    )
+    from floquetrod.rod.record import ForceRecord
+
+    wanted = "a text file with columns of time and force"
+    require_file(named("force"), Path(given["force"]), wanted)
+    try:
+        return ForceRecord.from_csv(
+            given["force"], *columns, time_unit=given["time_unit"], force_unit=given["force_unit"]
+        )
+    except (ValueError, OSError) as error:
+        about = argument_of(error)
+        is_of_options = about is not None and about.name in _OF_COLUMNS
+        message = about.named(named(_OF_COLUMNS[about.name])) if about is not None and is_of_options else str(error)
+        if is_of_options and about is not None and not about.where:
+            raise ValueError(message) from None
+        raise ValueError(f"{named('force')} must be {wanted}: {message}") from None
+
+
+_OF_COLUMNS = {"time": "time_column", "force": "force_column", "time_unit": "time_unit", "force_unit": "force_unit"}
+"""Names of the arguments of `floquetrod.ForceRecord.from_csv`."""
+
+
+def read_kind(given: Mapping[str, Any], record: ForceRecord | None, named: Named = str) -> Load:
+    """Return a load of the kind that is described, its numbers those of the record."""
+    damping, wave = given["axial_damping"], given["wave"]
+    if damping is not None and wave is None:
+        raise ValueError(
+            f"{named('axial_damping')} needs {named('wave')}, got {damping!r} alone: without waves the force is the "
+            f"same all along the rod; add {named('wave')} held, free or driven"
+        )
+    at = 0.5 if given["mean_at"] is None else _fraction(given["mean_at"], named("mean_at"))
+    load = replace(kind(record), mean_at=at)
+    if wave is None:
+        return load
+    rate = units.quantity(
+        "0" if damping is None else damping, named("axial_damping"), "rate", least=0.0, largest=_LARGEST
+    )
+    return AxialWave(**load.as_dict(), far_end=wave, axial_damping=rate)
+
+
+def _fraction(text: str, name: str) -> float | None:
+    """Return a fraction of the length, None for the word none."""
+    if text.strip().lower() == "none":
+        return None
+    try:
+        return units.quantity(text, name, "ratio", least=0.0, largest=1.0)
+    except ValueError:
+        raise ValueError(
+            f"{name} must be a fraction of the length from 0, the upper end, to 1, the lower, or none, which "
+            f"neglects the weight along the rod; got {text!r}"
+        ) from None
+
+
+def read_load(given: Mapping[str, Any], rod: Rod, like: _L, named: Named = str) -> _L:
+    """Return a load of the kind of ``like``, which gives the numbers left out."""
+    found = {name: getattr(like, name) for name in KINDS}
+    for name in KINDS:
+        if given[name] is not None:
+            found[name] = read_quantity(given[name], name, rod, named)
+    return like.with_numbers(**found)
+
+
+def read_quantity(value: Any, name: Quantity, rod: Rod, named: Named = str, quoted: str | None = None) -> float:
+    """Return a quantity of the load in SI units; messages quote ``quoted`` in place of the value."""
+    least, largest = LIMITS[name][:2]
+    force = rod.critical_force
+    return units.quantity(
+        value, named(name), KINDS[name], critical_force=force, least=least, largest=largest, given=quoted
+    )
+
+
+_SIZE = re.compile(r"""\s*\d[\d./ -]*(inch(es)?|in\.?|")?\s*[x\N{MULTIPLICATION SIGN}]""", re.ASCII | re.IGNORECASE)
+
+
+def is_pipe(text: str) -> bool:
+    """Return whether a rod is named as a pipe of the catalogue, and not as a file."""
+    return _SIZE.match(text) is not None and not text.endswith(".toml") and not Path(text).is_file()
+
+
+def named_rod(name: str, text: str, folder: Path | None = None) -> Rod:
+    """Return nitinol or the rod of a TOML file, which is looked for in ``folder``; messages begin with ``name``."""
+    if text.strip().lower() == "nitinol":
+        return Rod.nitinol()
+    wanted = "nitinol, a steel pipe such as '2.00x0.156 CT90', or a TOML file"
+    try:
+        path = Path(text) if folder is None else folder / text
+        require_file(name, path, wanted, ["nitinol"])
+        return Rod.from_toml(path if text else text)
+    except (ValueError, OSError) as error:
+        message = str(error)
+        raise ValueError(message if message.startswith(name) else f"{name}: {message}") from None
