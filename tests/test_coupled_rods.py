@@ -269,6 +269,19 @@ def test_growth_converges_in_modes(ends: str) -> None:
     assert shown[-1] == best.growth_rate
 
 
+def test_the_error_covers_growth_that_hardly_changes_over_a_few_numbers_of_modes() -> None:
+    """With 19 and 22 modes growth is the same to 7e-8, and to come is 1.3e-5."""
+    rod = fr.Rod(
+        31.038e9, 1521.7, 1.34685e-3, 6.20746, 4.40843e-3, 13.52, damping_rate=0.00427, fluid_outside=671.8,
+        added_mass_coefficient=1.7716, ends="hinged-free",
+    )  # fmt: skip
+    load = fr.AxialLoad(3.1217, 0.06865, 123.43, mean_at=0.0)
+    verdict = rod.stability(load)
+    converged = rod.stability(load, modes=range(1, 61)).growth_rate
+    assert verdict.error < 1e-3 * verdict.growth_rate
+    assert verdict.growth_rate == pytest.approx(converged, abs=verdict.error)
+
+
 def test_what_a_coupled_verdict_tells() -> None:
     rod = WIRE.replace(inclination=math.radians(60.0))
     load = fr.AxialLoad(0.2 * FORCE, 0.2 * FORCE, 150.0)

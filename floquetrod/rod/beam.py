@@ -201,10 +201,15 @@ def _all_functions(ends: Ends, count: int, x: Floats) -> tuple[Floats, Floats, F
     rigid = min(_rigid(ends), count)
     beams = _beam_functions(ends, waves[rigid:], x)
     rows = [np.concatenate([_rigid_motions(ends, x)[d][:rigid], beams[d]]) for d in range(3)]
-    if _are_trigonometric(ends) or count > _ENRICHED_UP_TO:
+    if not has_polynomials(ends, count):
         return rows[0], rows[1], rows[2]
     added = _polynomials(ends, x)
     return tuple(np.concatenate([row, more]) for row, more in zip(rows, added, strict=True))  # type: ignore[return-value]
+
+
+def has_polynomials(ends: Ends, count: int) -> bool:
+    """Return whether polynomials are added to as many beam functions."""
+    return not _are_trigonometric(ends) and count <= _ENRICHED_UP_TO
 
 
 def _rigid_motions(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:

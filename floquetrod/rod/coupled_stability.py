@@ -19,6 +19,7 @@ from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.assumptions import assumptions
+from floquetrod.rod.beam import has_polynomials
 from floquetrod.rod.coupled import MOST_COUPLED, rod_numbers
 from floquetrod.rod.load import Load, Loads, Progress, Quantity
 from floquetrod.rod.mode_model import ModeModel
@@ -28,6 +29,7 @@ from floquetrod.rod.sampled import first_change
 from floquetrod.rod.verdict import Edge, Evidence, RodStability, Shape
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4.3 where it falls as n^-2 (an estimate)
+_LEFT_OUT_BY_MORE = 3.0  # the same from 7/9 and less: 1.5 where it falls as n^-2
 _LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter (a choice)
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
 _SHAPE_POINTS, _SHAPE_INSTANTS = 12, 48  # for each mode, and in a period
@@ -289,7 +291,7 @@ def _trials(
     if needed:
         add(needed, 1, 2)
     else:
-        add(last - max(2, last // (6 if last <= _LONG else 10)), 0, 2)
+        add(last - max(2, last // _share(model, last)), 0, 2)
     while _may_be_concluded(found[-1], found[-2], growth_tolerance):
         larger = math.ceil(1.25 * found[-1].modes.count)
         if len(found) == 2 + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
@@ -299,6 +301,17 @@ def _trials(
     if needed:
         add(needed, len(found), 2)
     return found
+
+
+def _share(model: ModeModel, count: int) -> int:
+    """Return which part of the modes, one in so many, the second trial leaves out.
+
+    More where polynomials join the beam functions: growth then hardly changes over a few numbers of modes and goes on
+    changing after them.
+    """
+    if has_polynomials(model.rod.end_conditions, count):
+        return 4
+    return 6 if count <= _LONG else 10
 
 
 def _may_be_concluded(trial: _Trial, fewer: _Trial, tolerance: float) -> bool:
@@ -366,9 +379,13 @@ class _Trial(NamedTuple):
         """Whether rounding leaves room for a verdict that more modes could change."""
         return self.whole.status != "undecided"
 
+    def _factor(self, fewer: _Trial) -> float:
+        """Return the error for the modes left out over the change from fewer modes."""
+        return _LEFT_OUT_BY_MORE if 9 * fewer.modes.count <= 7 * self.modes.count else _LEFT_OUT
+
     def concluded(self, fewer: _Trial | None, tolerance: float) -> tuple[Status, float, str]:
         """Return verdict, error of the growth rate in 1/s and note, given another trial with fewer modes."""
-        change = 0.0 if fewer is None else _LEFT_OUT * abs(self.rate - fewer.rate)
+        change = 0.0 if fewer is None else self._factor(fewer) * abs(self.rate - fewer.rate)
         error = max(self.most - self.rate, self.rate - self.least) + change
         if not error < math.inf:
             if self.whole.status == "unstable" and self.least - change > tolerance:

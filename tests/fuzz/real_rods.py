@@ -14,7 +14,7 @@ import floquetrod as fr
 from fuzz.core import Found, limit
 from fuzz.rods import decades
 
-CASES = 1000
+CASES = 300
 QUICK = 2
 
 SHARE = 0.1
