@@ -6,7 +6,7 @@ import copy
 import functools
 import math
 import pickle
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -17,6 +17,7 @@ from floquetrod.floquet.systems import resonances
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.coupled import CoupledModes, rod_numbers
+from floquetrod.rod.coupled_stability import ModesTogether
 from floquetrod.rod.load import Load, Loads
 
 PLAIN = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05)
@@ -292,8 +293,12 @@ def test_a_margin_is_searched_with_the_modes_of_each_piece() -> None:
     assert isinstance(few, fr.RodStability)
     piece = (FREQUENCY, 9.0 * FREQUENCY)
     needed = rod_numbers(found.rod).modes_needed(fr.rod.load.Loads.single(load(frequency=piece[1])), load(), 1e-6)
-    assert found._modes_for("frequency", piece).count == max(needed, found.modes_checked)
-    assert few._modes_for("frequency", piece).count == 8  # as asked for
+    chosen, asked = (
+        cast(ModesTogether, each.evidence)._modes_for("frequency", piece, each.margin_tolerance)
+        for each in (found, few)
+    )
+    assert chosen.count == max(needed, found.modes_checked)
+    assert asked.count == 8
 
 
 def test_a_search_that_would_take_long_says_how_far_it_went() -> None:
@@ -624,6 +629,7 @@ def test_what_the_theory_does_not_cover_is_refused() -> None:
         lambda: ROD.stability(load(), friction=0.1, kick=0.05),
         lambda: ROD.is_stable(*numbers, friction=0.1, kick=0.05),
         lambda: ROD.critical_kick(load(), friction=0.1),
+        lambda: ROD.critical_kicks(*numbers, friction=0.1),
         lambda: fr.stability_map(
             ROD, mean=(0.0, 1.0, 2), amplitude=1.0, frequency=(10.0, 20.0, 2), friction=0.1, kick=1.0
         ),
@@ -633,7 +639,7 @@ def test_what_the_theory_does_not_cover_is_refused() -> None:
     with pytest.raises(ValueError, match=r"^criterion " + message):
         ROD.verdicts(*numbers, criterion=fr.FiniteTimeCriterion())
     with pytest.raises(ValueError, match=r"^modal_systems is for rods whose modes are independent"):
-        ROD.critical_kicks(*numbers, friction=0.1)
+        ROD.modal_systems(*numbers)
     with pytest.raises(TypeError, match=r"^load must be an AxialLoad, AxialWave or ForceRecord"):
         ROD.stability(MEAN)  # type: ignore[call-overload]
 
