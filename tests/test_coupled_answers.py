@@ -294,8 +294,8 @@ def test_a_margin_is_searched_with_the_modes_of_each_piece() -> None:
     piece = (FREQUENCY, 9.0 * FREQUENCY)
     needed = rod_numbers(found.rod).modes_needed(fr.rod.load.Loads.single(load(frequency=piece[1])), load(), 1e-6)
     chosen, asked = (
-        cast(ModesTogether, each.evidence)._modes_for("frequency", piece, each.margin_tolerance)
-        for each in (found, few)
+        cast(ModesTogether, verdict.evidence)._modes_for("frequency", piece, verdict.margin_tolerance)
+        for verdict in (found, few)
     )
     assert chosen.count == max(needed, found.modes_checked)
     assert asked.count == 8
