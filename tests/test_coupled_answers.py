@@ -353,7 +353,7 @@ def test_loads_that_would_take_too_long_are_not_called_stable() -> None:
     # Their growth was that of a placeholder, 0.08 1/s, which a tolerance of 0.1 takes for stable.
     slow = Loads((1,), *(np.array([value]) for value in (2000.0, 700.0, 0.3)))
     rod = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, ends="clamped-hinged", inclination=1.0)
-    modes = CoupledModes(rod.coupled_numbers, fr.AxialWave(500.0, 700.0, 29.0, axial_damping=3.0), 14)
+    modes = CoupledModes(rod_numbers(rod), fr.AxialWave(500.0, 700.0, 29.0, axial_damping=3.0), 14)
     status, growth = modes.answers(slow, 0.1, quick=True)
     assert status[0] == -1
     assert math.isnan(growth[0])

@@ -178,11 +178,12 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "kick": None,
             "like": LOAD,
             "workers": 1,
+            "progress": None,
         },
     ),
     (ROD.verdicts, {**LOADS, "growth_tolerance": 0.0, "criterion": None, "friction": 0.1, "kick": 0.05, "workers": 1}),
-    (ROD.verdicts, {**LOADS, "like": LOAD}),
-    (ROD.growth_rate, {**LOADS, "like": LOAD, "workers": 1}),
+    (ROD.verdicts, {**LOADS, "like": LOAD, "progress": None}),
+    (ROD.growth_rate, {**LOADS, "like": LOAD, "workers": 1, "progress": None}),
     (ROD.fastest, {**LOADS, "like": LOAD, "workers": 1}),
     (
         ROD.stable_mean_forces,
@@ -199,8 +200,14 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"mean": 0.3, "amplitude": 0.3, "bounds": (99.0, 150.0), "growth_tolerance": 0.1, "progress": None}
         | {"like": LOAD},
     ),
-    (ROD.critical_mean_force, {"amplitude": 0.3, "frequency": 150.0, "growth_tolerance": 0.1, "like": LOAD}),
-    (ROD.critical_amplitude, {"mean": 0.3, "frequency": 150.0, "growth_tolerance": 0.1, "like": LOAD}),
+    (
+        ROD.critical_mean_force,
+        {"amplitude": 0.3, "frequency": 150.0, "growth_tolerance": 0.1, "like": LOAD, "progress": None},
+    ),
+    (
+        ROD.critical_amplitude,
+        {"mean": 0.3, "frequency": 150.0, "growth_tolerance": 0.1, "like": LOAD, "progress": None},
+    ),
     (
         ROD.certify,
         {

@@ -176,7 +176,7 @@ def test_leading_shapes(arguments: dict[str, Any], shape: tuple[int, ...]) -> No
     form = system.even_form
     assert form is not None
     assert form.stiffness.shape == (*shape, 2, 2)
-    assert form.start.shape == form.error.shape == form.doubt.shape == shape
+    assert form.start.shape == form.error.shape == form.uncertainty.shape == shape
     first = system.as_periodic_system()
     assert first.shape == shape
     assert first.structure == "hamiltonian"
@@ -208,7 +208,7 @@ def test_a_batch_is_even_where_its_systems_are(rng: np.random.Generator) -> None
     assert batch.even_form is not None
     for i, system in enumerate(every):
         assert system.even_form is not None
-        assert (batch.even_form.doubt[i] == 0.0) == (system.even_form.doubt == 0.0) == (i not in (2, 3))
+        assert (batch.even_form.uncertainty[i] == 0.0) == (system.even_form.uncertainty == 0.0) == (i not in (2, 3))
         assert_even(system, system.even_form, rng)
         amplitudes = batch.even_form.amplitudes[i]
         one = system.even_form._replace(amplitudes=amplitudes, start=batch.even_form.start[i])

@@ -127,7 +127,7 @@ def draw_kicks(ax: Any, force: NDArray[np.float64], kicks: dict[int, NDArray[np.
             continue
         taken.append(here)
         where = {"xytext": (0, -6), "textcoords": "offset points", "ha": "center", "va": "center"}
-        clear = [withStroke(linewidth=2.0, foreground="white")]  # of lines that cross it
+        clear = [withStroke(linewidth=2.0, foreground=palette.STABLE)]  # of lines that cross it
         ax.annotate(str(mode), (force[at], seen[at]), fontsize="x-small", path_effects=clear, zorder=3.0, **where)
     ax.axhline(applied, color="0.4", linestyle="--", linewidth=0.9)
     ax.set_xlabel(r"$F_\mathrm{ave} / F_\mathrm{cr}$")

@@ -20,7 +20,7 @@ from floquetrod.units import unit_of, units_of
 SILENCE = ' (silence with warnings.simplefilter("ignore", fr.PlausibilityWarning))'
 """The end of every warning; a terminal leaves it out."""
 
-_MAKERS = ("rod.data", "rod.files", "rod.catalogue", "_util.calling")
+_MAKERS = ("rod.data", "rod.files", "rod.catalogue", "rod.reading", "ensembles.study", "_util.calling")
 """Modules through which a user's call makes a rod; other code of the package makes its rods from the user's."""
 
 _SLENDEREST = 1e6  # length over diameter: 6 km of capillary string of 1/4 inch, the slenderest string run, has 9e5

@@ -125,7 +125,7 @@ class Rod(RodData):
         >>> import floquetrod as fr
         >>> rod = Rod.nitinol().replace(ends="clamped")
         >>> type(rod.modes_under()).__name__, rod.modes_under().coupling
-        ('CoupledModel', ('clamped-clamped ends',))
+        ('CoupledModel', ('clamped ends',))
         """
         like = kind(load)
         if not coupling(self.end_conditions, self.weight_along, like):

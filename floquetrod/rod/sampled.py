@@ -295,7 +295,7 @@ class _Costs(NamedTuple):
 
     @property
     def at_once(self) -> int:
-        """Number of steps between verdicts with all modes: so few that there is something to report."""
+        """Number of steps between verdicts with all modes, few enough that progress is reported now and then."""
         return int(min(_AT_ONCE, max(_FEWEST_STEPS, _UNTOLD / self.step)))
 
     def seconds(self, steps: int) -> float:

@@ -307,7 +307,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
     run = {"duration": 0.005, "friction": 0.1, "segments": 40, "time_step": None, "frames": 3}
     run |= {"perturbation": None, "poisson_ratio": 0.33, "indentation": 1e-4, "contact_damping": 0.3}
     problem = fr.SimulationProblem(ROD, LOAD, duration=0.005, segments=40, frames=3)
-    judged = {"criterion": None, "friction": None, "kick": None, "workers": 1}
+    judged = {"criterion": None, "friction": None, "kick": None, "workers": 1, "progress": None}
     return {
         "Rod": Call(fr.Rod, sheet),
         "Rod.from_toml": Call(fr.Rod.from_toml, {"path": str(place / "rod.toml")}),
@@ -349,8 +349,8 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.critical_amplitude": Call(ROD.critical_amplitude, {"mean": 0.34, "frequency": 150.0, **tolerance}),
         "Rod.is_stable": Call(ROD.is_stable, {**load, **tolerance, **judged, "like": LOAD}),
         "Rod.verdicts": Call(ROD.verdicts, {**load, **tolerance, **judged, "like": LOAD}),
-        "Rod.growth_rate": Call(ROD.growth_rate, {**load, "like": LOAD, "workers": 1}),
-        "Rod.fastest": Call(ROD.fastest, {**load, "like": LOAD, "workers": 1}),
+        "Rod.growth_rate": Call(ROD.growth_rate, {**load, "like": LOAD, "workers": 1, "progress": None}),
+        "Rod.fastest": Call(ROD.fastest, {**load, "like": LOAD, "workers": 1, "progress": None}),
         "Explorer": Call(fr.Explorer, {"rod": ROD, "load": LOAD}),
         "simulate": Call(fr.simulate, {"rod": ROD, "load": LOAD, **run, "checkpoint": None}),
         "ensemble": Call(
