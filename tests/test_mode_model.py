@@ -89,9 +89,9 @@ class SpringModel(CoupledModel):
 class SprungRod(fr.Rod):
     """A rod of two modes with a spring between them."""
 
-    def modes_under(self, load: AnyLoad | None = None) -> SpringModel:
+    def modes_under(self, like: AnyLoad | None = None) -> SpringModel:
         """Return the model above."""
-        return SpringModel(self, kind(load))
+        return SpringModel(self, kind(like))
 
 
 def free(rod: fr.Rod) -> Floats:

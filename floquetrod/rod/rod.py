@@ -119,15 +119,17 @@ class Rod(RodData):
 
     # --- modes ---
 
-    def modes_under(self, load: AnyLoad | None = None) -> ModeModel:
-        """Return what the modes are under any load of the kind of ``load``: the one place where that is chosen.
+    def modes_under(self, like: AnyLoad | None = None) -> ModeModel:
+        """Return what the modes are under any load of the kind of ``like``, by default a sine.
+
+        This is the one place where a model of the modes is chosen.
 
         >>> import floquetrod as fr
         >>> rod = Rod.nitinol().replace(ends="clamped")
         >>> type(rod.modes_under()).__name__, rod.modes_under().coupling
         ('CoupledModel', ('clamped ends',))
         """
-        like = kind(load)
+        like = kind(like)
         if not coupling(self.end_conditions, self.weight_along, like):
             return IndependentModel(self, like)
         # Loaded where it is needed: a rod with hinged ends answers without.

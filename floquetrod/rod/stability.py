@@ -76,7 +76,7 @@ class ModeVerdicts(Evidence):
 
     @property
     def resonances(self) -> tuple[Resonance, ...]:
-        """What grows, the fastest first: each mode by itself, the order that of its tongue."""
+        """What grows, the fastest first; each mode alone, its order that of its tongue."""
         found = []
         for i in np.argsort(-self.mode_growth_rates, kind="stable").tolist():
             verdict = self.mode_verdicts[i]

@@ -301,7 +301,7 @@ class RodStability(Verdict, ReportedVerdict):
 
     @property
     def resonances(self) -> tuple[Resonance, ...]:
-        """What grows, the fastest first: "direct resonance of mode 7, order 1", or a combination of two modes.
+        """What grows, the fastest first, such as "direct resonance of mode 7, order 1", or a combination of two modes.
 
         Where modes are coupled it is named by a heuristic, see `SystemStability`.
         """
@@ -332,7 +332,7 @@ class RodStability(Verdict, ReportedVerdict):
 
     @property
     def system(self) -> ModalSystem | HillSystem:
-        """The equations: of independent modes a `ModalSystem`, of coupled ones a `HillSystem` in seconds."""
+        """The equations, of independent modes a `ModalSystem`, of coupled ones a `HillSystem` in seconds."""
         found: ModalSystem | HillSystem = self._told("system")
         return found
 
@@ -502,7 +502,7 @@ class RodStability(Verdict, ReportedVerdict):
 
     @property
     def has_quick_margins(self) -> bool:
-        """Whether margins take some seconds at most: all but those of many coupled modes."""
+        """Whether margins take some seconds at most, as all do but those of many coupled modes."""
         return self.evidence.has_exact_margins or self.modes_checked <= QUICK
 
     @property

@@ -321,7 +321,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.replace": Call(ROD.replace, {"length": 3.0, "damping_rate": 1.0}),
         "Rod.wavenumber": Call(ROD.wavenumber, {"mode": 3}),
         "Rod.natural_frequency": Call(ROD.natural_frequency, {"mode": 3}),
-        "Rod.modes_under": Call(ROD.modes_under, {"load": LOAD}),
+        "Rod.modes_under": Call(ROD.modes_under, {"like": LOAD}),
         "Rod.modal_system": Call(ROD.modal_system, {"load": LOAD, "modes": [1, 2]}),
         "Rod.wave_ratio": Call(ROD.wave_ratio, {"load": LOAD}),
         "Rod.modal_systems": Call(ROD.modal_systems, {**load, "like": LOAD}),

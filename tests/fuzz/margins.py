@@ -69,7 +69,7 @@ def draw(rng: np.random.Generator) -> tuple[Question, Any]:
             verdict = real_rods.ask(question)
         except ValueError:  # at an axial resonance
             continue
-        coupled = isinstance(verdict, fr.CoupledRodStability) and verdict.modes_checked <= _MOST_MODES
+        coupled = bool(rod.modes_under(question.load).coupling) and verdict.modes_checked <= _MOST_MODES
         if coupled and verdict.stable is not None and question.load.amplitude > 0.0:
             return question, verdict
 

@@ -132,7 +132,7 @@ class SystemStability(Reported, Verdict):
 
     @property
     def largest_multiplier_less_1(self) -> float:
-        """Magnitude of the largest multiplier less 1, which is 0 where all lie on the circle and NaN where not known."""
+        """Magnitude of the largest multiplier less 1; 0 where all lie on the circle, NaN where not known."""
         rate = max((exponent.real for exponent in self.exponents), default=math.nan)
         if self.status == "stable" and rate * self.period > -self.error:
             return 0.0
