@@ -14,7 +14,7 @@ from floquetrod.kernels.system_series import ROUNDING
 Floats = NDArray[np.float64]
 
 _WORTH_STOPPING = 50
-"""Equations from which on a product of matrices takes longer than bounding what is left of a series (heuristic)."""
+"""Number of equations beyond which a product of matrices costs more than bounding the rest of a series (heuristic)."""
 _BEYOND = 40  # terms that a bound follows one by one before it ends in a geometric series
 _SMALLEST_BLOCK = 100  # rows below which a matrix is not split (heuristic)
 _COLUMNS = 256  # of a series that are computed at once, so that its last terms stay in the cache (measured)

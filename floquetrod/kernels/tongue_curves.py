@@ -22,7 +22,7 @@ _CLOSE = 1e-8  # share of a tongue to which its summit is located: growth is the
 
 @kernel
 def tongue_end(order: int, odd_solution: bool, slope: float, q0: float, q1: float, low: float, high: float) -> float:
-    """Return the place on a line, between ``low`` and ``high``, from which on a lies above a_order, or b_order."""
+    """Return the place on a line, between ``low`` and ``high``, beyond which a lies above a_order, or b_order."""
     if order == 0 and odd_solution:
         return low
     first = first_row(order, odd_solution)

@@ -13,7 +13,7 @@ from floquetrod.rod.load import AxialWave, Load
 UNIFORM_UP_TO = 0.1
 """Ratio of forcing speed to wave speed up to which the force counts as uniform (heuristic)."""
 
-_MATTERS = 0.1  # of the largest harmonic, from which on another one counts (a choice)
+_MATTERS = 0.1  # of the largest harmonic, above which another one counts (a choice)
 
 SHAPE = ("small angles", "linear elasticity", "straight channel, whose floor the rod never leaves; no torque")
 """Of every rod."""

@@ -143,7 +143,7 @@ class StabilityIntervals(Reported, NoTruthValue):
     def table(self, unit: str | None = None, size: float | None = None) -> str:
         """Return what is stable and what is not, in order, in another unit: "Hz", "rpm", "kN", "Fcr".
 
-        ``size`` is that of a unit of one's own in `unit`.  Behind unstable bands stand what grows fastest in it, how
+        ``size`` is that of a unit of your own in `unit`.  Unstable bands are followed by what grows fastest in it, how
         fast and where, and the damping required.  ValueError for units that are unknown.
         """
         return str(self.report(unit, size))

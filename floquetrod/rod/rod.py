@@ -652,7 +652,7 @@ class Rod(RodData):
         Raises
         ------
         ValueError
-            For a box whose ends do not increase, that reaches zero frequency, or that holds what is no rod; for modes
+            For a box whose ends do not increase, that reaches zero frequency, or that holds impossible rods; for modes
             that are coupled; for loads that need more than 20,000 modes.
         TypeError
             For what is no number.

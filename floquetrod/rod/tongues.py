@@ -148,7 +148,7 @@ def _along_frequency(
 
 
 def _level(system: ModalSystem, mode: Ints, tolerance: float) -> Floats:
-    """Return the growth per unit tau without damping from which on a mode grows faster than the tolerance."""
+    """Return the growth per unit tau without damping above which a mode grows faster than the tolerance."""
     return np.full(mode.size, system.damping + tolerance / system.frequency)
 
 

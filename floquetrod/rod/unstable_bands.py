@@ -99,7 +99,7 @@ class SearchedTongues:
         return np.asarray(mathieu.growth_rate(alpha, beta, self.rod.damping_rate / frequency) * frequency)
 
     def _damping(self, mode: Ints, values: Floats, least: Floats | float = 0.0) -> Floats:
-        """Return the damping rates in 1/s from which on modes are stable, each at its own load; 0 for some < least."""
+        """Return the damping rates in 1/s above which modes are stable, each at its own load; 0 for some < least."""
         alpha, beta, frequency = self._coefficients(mode, values)
         return np.asarray(damping_to_stabilise(alpha, beta, least / frequency) * frequency)
 

@@ -23,7 +23,7 @@ _MOST_PAIRS = 6  # fitted (a choice)
 _LEAST_ROWS = 6  # frames for each pair (a choice)
 _LEAST_SHARE = 0.01  # of the motion that a pair must make up: the cube of a growing mode grows three times as fast
 _WHOLE = 1e-6  # of a frame, up to which a lag counts as whole frames
-_SEEN = 0.01  # of the largest amplitude, from which on a mode's growth is looked at (a choice)
+_SEEN = 0.01  # of the largest amplitude, above which a mode's growth is looked at (a choice)
 _TINY = 1e-300  # keeps 0 / 0 out
 _MOST_NODES = 64  # whose motion is followed where modes are coupled (a choice)
 
