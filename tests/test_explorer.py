@@ -365,7 +365,7 @@ def test_bad_input(arguments: list[str], message: str, capsys: pytest.CaptureFix
     assert message in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("size", [(11.0, 7.0), (3.9, 10.14)])
+@pytest.mark.parametrize("size", [(11.0, 7.0), (3.9, 10.14), (3.2, 10.14), (7.9, 10.14), (8.0, 5.6)])
 def test_nothing_is_cut_off_or_overlaps_on_a_screen_or_a_phone(size: tuple[float, float]) -> None:
     explorer = fr.Explorer(ROD)
     explorer.refine()
@@ -379,6 +379,9 @@ def test_nothing_is_cut_off_or_overlaps_on_a_screen_or_a_phone(size: tuple[float
     for number, ax in enumerate(window._areas):
         boxes |= {f"{part} {number}": getattr(ax, part).get_window_extent(renderer) for part in ("title", "patch")}
         boxes |= {f"{a} {number}": getattr(ax, a).label.get_window_extent(renderer) for a in ("xaxis", "yaxis")}
+        low, high = ax.get_xlim()
+        ticks = [tick for tick in ax.get_xticklabels() if low <= tick.get_position()[0] <= high]
+        boxes |= {f"tick {tick.get_text()} of {number}": tick.get_window_extent(renderer) for tick in ticks}
     for name, slider in window.sliders.items():
         boxes |= {f"{part} {name}": getattr(slider, part).get_window_extent(renderer) for part in ("label", "valtext")}
         boxes[f"slider {name}"] = slider.ax.get_window_extent(renderer)

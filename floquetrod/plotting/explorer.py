@@ -14,11 +14,11 @@ QUANTITIES = ("mean", "amplitude", "frequency")
 
 _TICK = 80  # milliseconds between two looks for what has been found meanwhile
 _DIGITS = 12  # of a slider's value: what it is meant to be, freed of rounding
-_NARROW = 7.0  # inches, below which panels stand one above the other (a choice)
-_PER_INCH = {"verdict": 7.5, "details": 11.0, "command": 11.0}
+_NARROW = 8.0  # inches: side by side in less, titles overlap
+_PER_INCH = {"verdict": 9.0, "details": 11.0, "command": 11.0}
 """Characters in an inch of the lines of each text."""
 
-_WIDE_PANELS = [(0.075 + 0.3295 * place, 0.385, 0.246, 0.45) for place in range(3)]
+_LEFT, _BETWEEN, _RIGHT = 0.825, 0.9185, 0.22  # inches beside panels: what is written there does not shrink
 _WIDE_TEXTS = {"verdict": (0.03, 0.955), "details": (0.03, 0.905), "busy": (0.98, 0.955), "command": (0.03, 0.045)}
 _HIGH_PANELS = [(0.2, 0.735 - 0.23 * place, 0.76, 0.145) for place in range(3)]
 _HIGH_TEXTS = {"verdict": (0.03, 0.97), "details": (0.03, 0.923), "busy": (0.98, 0.992), "command": (0.03, 0.022)}
@@ -126,15 +126,19 @@ class Window:
     def _arrange(self) -> None:
         """Lay everything out side by side, or one above the other where the figure is narrow, as on a phone."""
         wide = self.figure.get_figwidth() >= _NARROW
-        for ax, place in zip(self._areas, _WIDE_PANELS if wide else _HIGH_PANELS, strict=True):
+        panels = _side_by_side(self.figure.get_figwidth()) if wide else _HIGH_PANELS
+        for ax, place in zip(self._areas, panels, strict=True):
             ax.set_position(place)
+        for panel in self._panels.values():
+            if hasattr(panel, "arrange"):
+                panel.arrange()
         for row, slider in enumerate(self.sliders.values()):
             slider.ax.set_position(
-                (0.26, 0.235 - 0.055 * row, 0.58, 0.03) if wide else (0.06, 0.169 - 0.045 * row, 0.7, 0.024)
+                (0.26, 0.235 - 0.055 * row, 0.58, 0.03) if wide else (0.06, 0.169 - 0.05 * row, 0.7, 0.024)
             )
             slider.label.set(
                 x=-0.02 if wide else 0.0,
-                y=0.5 if wide else 0.9,
+                y=0.5 if wide else 1.05,
                 ha="right" if wide else "left",
                 va="center" if wide else "bottom",
             )
@@ -208,3 +212,9 @@ class Window:
         parts = self._found()
         if len(parts) > 1 or parts["busy"] != bool(self._texts["busy"].get_text()):
             self.show(parts)
+
+
+def _side_by_side(width: float) -> list[tuple[float, float, float, float]]:
+    """Return the places of three panels in a figure of so many inches."""
+    across = (width - _LEFT - 2.0 * _BETWEEN - _RIGHT) / 3.0
+    return [((_LEFT + place * (across + _BETWEEN)) / width, 0.385, across / width, 0.45) for place in range(3)]

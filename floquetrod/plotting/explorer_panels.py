@@ -29,7 +29,9 @@ NAMES = {
 """Name and symbol of each quantity."""
 
 _STRAIGHT = 2.0  # natural frequencies over the load's up to which their axis is linear: the first four tongues
-_TICKS = (-1000, -100, -10, -2, -1, 0, 0.5, 1, 1.5, 2, 5, 10, 20, 50, 100, 1000)
+_TICKS = (0, 1, 10, 100, 1000, -1, -10, -100, -1000, 0.5, 2, 5, 20, 50, -2, 1.5)
+"""Natural over load frequencies to write on their axis where there is room, the most important first."""
+_HALF_DIGIT = 3.2  # points that half a digit of a tick takes
 _MOST_LABELS = 16  # modes named on the chart
 
 
@@ -142,6 +144,7 @@ class Modes:
         from matplotlib.ticker import FuncFormatter, MultipleLocator
 
         self._ax = ax
+        self._frame: tuple[float, float, float, float] | None = None
         style: dict[str, Any] = {"origin": "lower", "aspect": "auto", "cmap": palette.verdicts(), "vmin": 0, "vmax": 1}
         self._image = ax.imshow([[False]], interpolation="nearest", **style)
         (self._all,) = ax.plot([], [], **palette.POINT, linewidth=0.6, markersize=4)
@@ -165,10 +168,24 @@ class Modes:
             self._image.set_data(view.tongues)
             left, right = (float(straightened(end)) for end in view.frame[:2])
             self._image.set_extent((left, right, *np.log10(view.frame[2:])))
-            ticks = [tick for tick in _TICKS if view.frame[0] <= tick <= view.frame[1]]
-            self._ax.set_xticks([float(straightened(tick)) for tick in ticks], [f"{tick:g}" for tick in ticks])
+            self._frame = view.frame
+            self.arrange()
         self._name(view.numbers, x, y, growing)
         return view.tongues is not None
+
+    def arrange(self) -> None:
+        """Write as many ticks as there is room for."""
+        if self._frame is None:
+            return
+        (left, right), points = self._ax.get_xlim(), 72.0 * self._ax.get_window_extent().width / self._ax.figure.dpi
+        taken: dict[str, float] = {}
+        for tick in _TICKS:
+            if self._frame[0] <= tick <= self._frame[1]:
+                name, at = f"{tick:g}", float(straightened(tick))
+                gaps = ((abs(at - other), len(name) + len(beside) + 1) for beside, other in taken.items())
+                if all(gap / (right - left) * points > _HALF_DIGIT * halves for gap, halves in gaps):
+                    taken[name] = at
+        self._ax.set_xticks(list(taken.values()), list(taken))
 
     def _name(self, numbers: NDArray[np.int64], x: Floats, y: Floats, growing: NDArray[np.bool_]) -> None:
         """Write numbers beside modes where there is room, those that grow first."""

@@ -70,7 +70,7 @@ document.addEventListener("DOMContentLoaded", function () {
   const fit = function () {  // the picture follows the size of what it is in
     const place = document.getElementById("figure").getBoundingClientRect();
     const width = Math.min(1100, Math.floor(place.width) - 2);
-    const height = width < 700 ? Math.round(2.6 * width) : Math.round(width * 7 / 11);
+    const height = width < 800 ? 1014 : Math.max(560, Math.round(width * 7 / 11));  // letters keep their size
     Object.assign(figure.canvas_div.style, {width: width + "px", height: height + "px"});
   };
   const handle_resize = figure.handle_resize;
