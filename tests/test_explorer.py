@@ -18,8 +18,9 @@ from matplotlib.backend_bases import ResizeEvent
 
 import floquetrod as fr
 from floquetrod import cli, units
-from floquetrod.explorer import commands, coupled, independent, limits
+from floquetrod.explorer import commands, judging, limits, maps, modes
 from floquetrod.explorer.background import Background, Parts, Stale
+from floquetrod.explorer.shown import Shown
 from floquetrod.explorer.words import margin_words
 from floquetrod.plotting import explorer_panels as panels
 from floquetrod.rod.load import Loads
@@ -57,9 +58,9 @@ def explorer() -> fr.Explorer:
 @pytest.fixture
 def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     """Look at fewer loads of coupled modes."""
-    monkeypatch.setattr(coupled, "_MAP", (8, 8))
-    monkeypatch.setattr(coupled, "_COARSENINGS", (4, 1))
-    monkeypatch.setattr(coupled, "_LINE", (3, 5))
+    monkeypatch.setattr(maps, "_MAP", (8, 8))
+    monkeypatch.setattr(maps, "_COARSENINGS", (4, 1))
+    monkeypatch.setattr(modes, "_LINE", (3, 5))
     monkeypatch.setattr("floquetrod.rod.verdict.QUICK", 0)
 
 
@@ -69,7 +70,8 @@ def pixels(explorer: fr.Explorer) -> np.ndarray:
 
 def test_what_is_shown_at_once_and_in_time_is_the_verdict(explorer: fr.Explorer) -> None:
     sliders = explorer.window.sliders
-    shown = independent.IndependentModes(ROD, limits.Scale.of(ROD).limits(explorer.load))
+    ends = limits.Scale.of(ROD).limits(explorer.load)
+    shown = Shown(ROD, explorer.load, ends)
     for mean, amplitude, omega in ((0.34, 0.2, 150.0), (0.8, 0.6, 60.0)):
         for name, value in (("mean", mean * UNIT), ("amplitude", amplitude * UNIT), ("frequency", omega)):
             sliders[name].set_val(value)
@@ -84,7 +86,7 @@ def test_what_is_shown_at_once_and_in_time_is_the_verdict(explorer: fr.Explorer)
         found = {name: part for each in shown.in_time(explorer.load, lambda: False) for name, part in each.items()}
         assert found["verdict"] == parts["verdict"]
         # The bands hold the points that are unstable.
-        cells, ends = found["map"].cells, shown.limits
+        cells = found["map"].cells
         for row, column in ((3, 5), (90, 100), (170, 230)):
             force = np.linspace(*ends["mean"], cells.shape[0])[row]
             at = np.linspace(*ends["frequency"], cells.shape[1])[column]
@@ -227,9 +229,9 @@ def test_loads_that_cannot_be_judged_are_shown_so() -> None:
     # A quarter wave of the rod: without damping the axial wave is infinite.
     resonant = 0.5 * math.pi * ROD.wave_speed / ROD.length
     load = fr.AxialWave(0.2, 0.1, resonant)
-    shown = coupled.CoupledModes(ROD, limits.Scale.of(ROD).limits(load))
+    shown = Shown(ROD, load, limits.Scale.of(ROD).limits(load))
     assert next(shown.in_time(load, lambda: False))["verdict"].startswith("no verdict: frequency")
-    status, growth = coupled._judged(ROD, load, Loads.single(load))
+    status, growth = judging.judged(shown.model, Loads.single(load))
     assert (status.tolist(), np.isnan(growth).tolist()) == ([-1], [True])
 
 

@@ -14,6 +14,9 @@ import pytest
 from numpy.typing import NDArray
 
 import floquetrod as fr
+from floquetrod.explorer import maps, modes
+from floquetrod.explorer.shown import Shown
+from floquetrod.plotting.explorer_panels import UNKNOWN
 from floquetrod.rod.coupled_model import CoupledModel
 from floquetrod.rod.coupled_stability import classify_coupled
 from floquetrod.rod.load import AnyLoad, Load, Loads, kind
@@ -52,6 +55,10 @@ class TwoModes(ModeSystems):
         """Return that of the rod and of the spring."""
         spring = SPRING * np.array([[1.0, -1.0], [-1.0, 1.0]])
         return np.asarray(free(self.rod) + spring - mean[:, None, None] * per_newton(self.rod))
+
+    def shapes(self, x: Floats) -> Floats:
+        """Return sines."""
+        return np.sin(np.pi * np.array([[1.0], [2.0]]) * x)
 
     def system(self, loads: Loads) -> fr.HillSystem:
         """Return the equations under loads that are a sine."""
@@ -199,6 +206,30 @@ def test_the_terminal_prints_its_report() -> None:
     numbers = found.as_dict()
     assert (numbers["status"], numbers["unstable_modes"]) == ("unstable", [1, 2])
     assert numbers["resonances"][0]["growth_rate_per_s"] == found.growth_rate
+
+
+@pytest.mark.parametrize("prompt", [False, True])
+def test_the_explorer_shows_what_the_model_tells(prompt: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The map follows the sliders where verdicts are prompt; neither kind has bands or a place among the tongues."""
+    monkeypatch.setattr(SpringModel, "prompt", prompt)
+    monkeypatch.setattr(maps, "_POINTS", (24, 24))
+    monkeypatch.setattr(maps, "_MAP", (24, 24))
+    monkeypatch.setattr(modes, "_LINE", (3, 5))
+    found = ROD.stability(LOAD)
+    shown = Shown(ROD, LOAD, {"mean": (0.0, 1.0), "amplitude": (0.0, 1.0), "frequency": (0.5 * SLOW, 2.0 * FAST)})
+    assert shown.panels == ("line", "shape")
+    parts = shown.at_once(LOAD)
+    assert parts["verdict"].startswith(f"unstable: growth at {found.growth_rate:.3g}" if prompt else "being judged")
+    assert ((parts["map"].cells != UNKNOWN) == prompt).all()
+    for each in shown.in_time(LOAD, lambda: False):
+        parts |= each
+    assert parts["verdict"].startswith("unstable: sum resonance of modes 1 and 2, order 1, at")
+    assert parts["shape"].deflection == pytest.approx(found.shape.deflection)
+    monkeypatch.delattr(TwoModes, "shapes")  # a model need not say how its coordinates bend the rod
+    assert list(shown.modes.first(LOAD, ROD.stability(LOAD), lambda: False))[-1] == {"shape": None}
+    assert parts["line"].growth[-1] == ROD.growth_rate(LOAD.mean, LOAD.amplitude, 2.0 * FAST)
+    assert (parts["map"].cells != UNKNOWN).all()
+    assert parts["margin"] == ("amplitude", found.amplitude_margin)
 
 
 def test_what_the_model_cannot_do_it_refuses() -> None:

@@ -9,9 +9,8 @@ from floquetrod import units as known
 from floquetrod._util import validate
 from floquetrod.explorer.background import Background, Parts, Stale
 from floquetrod.explorer.commands import command
-from floquetrod.explorer.coupled import CoupledModes
-from floquetrod.explorer.independent import IndependentModes
 from floquetrod.explorer.limits import Scale, step
+from floquetrod.explorer.shown import Shown
 from floquetrod.explorer.words import margin_words
 from floquetrod.plotting.explorer import Window
 from floquetrod.rod.load import KINDS, AnyLoad, Load, require_load
@@ -67,10 +66,7 @@ class Explorer:
         scale.require(self.load)
         self._options = options
         limits = _rounded(scale.limits(self.load), self._units)
-        independent = rod.modes_under(self.load).prompt
-        self._shown: IndependentModes | CoupledModes = (
-            IndependentModes(rod, limits) if independent else CoupledModes(rod, limits)
-        )
+        self._shown = Shown(rod, self.load, limits)
         self._background = Background()
         self._margins: dict[str, Margin] = {}
         steps = {name: step(*(unit.of(end) for end in limits[name])) for name, unit in self._units.items()}

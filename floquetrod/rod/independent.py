@@ -82,6 +82,10 @@ class IndependentModel(ModeModel):
         self.rod.mode_constants.require_in_reach(loads)
         return ModalSystems(self.rod.mode_constants, loads)
 
+    def among_tongues(self, load: Load, modes: Iterable[int]) -> ModalSystem:
+        """Return the equations of some modes."""
+        return self.equations(load, modes)
+
     # --- verdicts ---
 
     def verdict(

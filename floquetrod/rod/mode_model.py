@@ -120,6 +120,10 @@ class ModeModel(ABC):
             "modal_system, one load at a time"
         )
 
+    def among_tongues(self, load: Load, modes: Iterable[int]) -> ModalSystem | None:
+        """Return the equations of some modes where each is Mathieu's, so that it lies among its tongues; else None."""
+        return None
+
     # --- verdicts ---
 
     @abstractmethod

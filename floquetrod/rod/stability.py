@@ -126,6 +126,10 @@ class ModeVerdicts(Evidence):
         names = ", ".join(map(str, verdict.unstable_modes))
         return f"modes {names} grow" if len(verdict.unstable_modes) > 1 else f"mode {names} grows"
 
+    def fastest_in_words(self, verdict: RodStability) -> str:
+        """Return the mode that grows fastest."""
+        return f"mode {verdict.fastest_mode} grows"
+
     def grows_in(self, verdict: RodStability) -> str:
         """Return in which mode."""
         return f" in mode {verdict.fastest_mode}"

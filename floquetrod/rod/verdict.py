@@ -202,6 +202,10 @@ class Evidence(ABC):
     def headline(self, verdict: RodStability) -> str:
         """Return what grows, or why that is not known; "" where there is nothing to say."""
 
+    def fastest_in_words(self, verdict: RodStability) -> str:
+        """Return what grows fastest, to stand before "at so many 1/s"."""
+        return f"{self.resonances[0]}," if self.resonances else "growth"
+
     def grows_in(self, verdict: RodStability) -> str:
         """Return, to stand behind the growth rate, in which mode; "" where that is said elsewhere."""
         return ""

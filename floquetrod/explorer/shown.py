@@ -1,0 +1,89 @@
+"""What is shown of a rod under a load: what the model of its modes answers while a slider moves, the rest in time."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Protocol
+
+from floquetrod.explorer.background import Parts, Stale
+from floquetrod.explorer.maps import ChartMap, GrowingMap
+from floquetrod.explorer.modes import LineAndShape, ModesAndRates
+from floquetrod.explorer.words import MARGINS, verdict_words
+from floquetrod.rod.load import Load, Loads
+from floquetrod.rod.rod import Rod
+from floquetrod.rod.verdict import RodStability
+
+
+class Source(Protocol):
+    """What fills some of the panels; it keeps what the last move left as it was."""
+
+    def at_once(self, load: Load) -> Parts:
+        """Return what follows a slider; what is no longer so disappears."""
+
+    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[Parts]:
+        """Yield what is to be seen soon after the verdict."""
+
+    def rest(self, load: Load, stale: Stale) -> Iterator[Parts]:
+        """Yield what else there is to find."""
+
+
+class Shown:
+    """The verdict, a map and two panels on the modes; the model of the modes decides which.
+
+    Parameters
+    ----------
+    rod : Rod
+    load : AxialLoad or AxialWave
+        A load of the kind that is shown.
+    limits : dict
+        Between what each quantity of the load moves, in SI units.
+
+    Attributes
+    ----------
+    panels : (str, str)
+        Names of the panels beside the map.
+    """
+
+    def __init__(self, rod: Rod, load: Load, limits: dict[str, tuple[float, float]]) -> None:
+        """Choose the panels."""
+        self.model = model = rod.modes_under(load)
+        self.map: Source = ChartMap(rod, model, limits) if model.prompt else GrowingMap(model, limits)
+        located = model.among_tongues(load, (1,)) is not None
+        modes = ModesAndRates(model, limits) if located else LineAndShape(model, limits)
+        self.modes: Source = modes
+        self.panels: tuple[str, str] = modes.panels
+
+    def at_once(self, load: Load) -> Parts:
+        """Return what follows a slider."""
+        words = {"verdict": self._verdict_at_once(load), "details": ""}
+        return words | self.map.at_once(load) | self.modes.at_once(load)
+
+    def in_time(self, load: Load, stale: Stale) -> Iterator[Parts]:
+        """Yield the whole verdict, what the panels find in time, and how far the verdict reaches."""
+        try:
+            verdict = self.model.verdict(load)
+        except ValueError as error:  # too many modes, or a resonance of axial waves
+            yield {"verdict": f"no verdict: {str(error).partition(';')[0]}", "shape": None}
+            yield from self._rest(load, stale)
+            return
+        words = verdict.evidence.fastest_in_words(verdict)
+        yield {"verdict": verdict_words(verdict.status, verdict.growth_rate, words)}
+        for source in (self.modes, self.map):
+            yield from source.first(load, verdict, stale)
+        yield from self._rest(load, stale)
+        for name, margin in MARGINS.items() if verdict.has_quick_margins else ():
+            if stale():
+                return
+            yield {"margin": (name, margin(verdict))}
+
+    def _rest(self, load: Load, stale: Stale) -> Iterator[Parts]:
+        for source in (self.modes, self.map):
+            yield from source.rest(load, stale)
+
+    def _verdict_at_once(self, load: Load) -> str:
+        """Return the verdict, if it takes no longer than a slider may wait."""
+        if not self.model.prompt:
+            return "being judged ..."
+        rate, mode = (found[0] for found in self.model.fastest(Loads.single(load)))
+        words = f"mode {mode} grows" if mode > 0 else "growth"
+        return verdict_words("unstable" if rate > 0.0 else "stable", float(rate), words)
