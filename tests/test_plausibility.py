@@ -7,6 +7,7 @@ import pickle
 import warnings
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -100,6 +101,38 @@ def test_a_frequency_in_rad_per_s_is_suspected_only_where_it_matters() -> None:
     assert rod.replace(damping_rate=1.0).stability(weak).stable  # in Hz it would be, too: no warning
     assert not may_be_hertz(rod, fr.AxialLoad.hertz(0.34, 0.34, 24))
     assert not may_be_hertz(rod, strong.varied("mean", 2.0 * rod.critical_force))
+
+
+@pytest.fixture
+def judged(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Return where the frequencies are gathered at which arrays of verdicts are asked for."""
+    frequencies: list[float] = []
+    verdicts = fr.Rod.verdicts
+
+    def gathering(rod: fr.Rod, mean: Any, amplitude: Any, frequency: Any, **options: Any) -> Any:
+        frequencies.extend(np.ravel(frequency).tolist())
+        return verdicts(rod, mean, amplitude, frequency, **options)
+
+    monkeypatch.setattr(fr.Rod, "verdicts", gathering)
+    return frequencies
+
+
+def test_a_load_is_not_judged_again_for_the_warning(judged: list[float], capsys: pytest.CaptureFixture[str]) -> None:
+    rod = fr.Rod.nitinol()
+    in_hertz = 2.0 * math.pi * 24
+    with pytest.warns(fr.PlausibilityWarning, match="frequency = 24 rad/s"):
+        rod.stability(fr.AxialLoad(0.34, 0.34, 24))
+    assert judged == [in_hertz]
+    rod.stability(fr.AxialLoad(0.34, 0.34, 24.0001))
+    rod.stability(fr.AxialLoad(0.34, 0.34, 150.0))
+    check = ["check", "--rod", "nitinol", "--mean", "0.34", "--no-margins", "--amplitude"]
+    assert main([*check, "0.34", "--frequency", "24rad/s"]) == 0
+    assert main([*check, "0", "--frequency", "24"]) == 0
+    assert judged == [in_hertz] * 2  # by the verdict of the terminal at 24 rad/s, which does not know what was typed
+    assert "taken in rad/s" not in capsys.readouterr().err
+    assert main([*check, "0.34", "--frequency", "24"]) == 0
+    assert "taken in rad/s" in capsys.readouterr().err
+    assert set(judged) == {in_hertz}
 
 
 SIZES = sorted({(pipe.diameter, pipe.wall_thickness) for pipe in pipes()})

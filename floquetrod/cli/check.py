@@ -34,7 +34,7 @@ from floquetrod.cli.loads import (
 )
 from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting
-from floquetrod.floquet.verdict import Status
+from floquetrod.floquet.verdict import STATUS_CODES, Status
 from floquetrod.rod.load import KINDS, Load, Quantity
 from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
 from floquetrod.rod.verdict import QUICK, Margin, RodStability
@@ -162,10 +162,12 @@ def _check(options: argparse.Namespace) -> Answer:
         read_units(options, rod),
         options.margins,
     )
-    warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance)
     _require_figures({"--plot": options.plot, "--plot-force": options.plot_force})
     _draw_record(record, options.plot_force)
     result = _judged(question)
+    linear = result.linear if isinstance(result, fr.FrictionalRodStability) else result
+    known = STATUS_CODES[linear.status] if question.modes is None else None  # a hint is about all modes
+    warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance, known)
     if options.plot is not None:
         from floquetrod.plotting import charts
 

@@ -125,12 +125,19 @@ def read_values(options: argparse.Namespace, rod: fr.Rod, like: Load) -> dict[Qu
     return {n: [getattr(like, n)] if text is None else read_range(text, n, rod) for n, text in texts.items()}
 
 
-def warn_of_hertz(name: str, text: str | None, rod: fr.Rod, loads: Iterable[Load], tolerance: float = 0.0) -> None:
+def warn_of_hertz(
+    name: str,
+    text: str | None,
+    rod: fr.Rod,
+    loads: Iterable[Load],
+    tolerance: float = 0.0,
+    known: int | None = None,
+) -> None:
     """Warn where a frequency typed without a unit would, in Hz, change the verdict on one of the loads.
 
-    ``name`` is what gave it.
+    ``name`` is what gave it, ``known`` the verdict on a single load where it has been found: 1, 0 or -1.
     """
-    warning = "" if text is None else suspicion_of_hertz(name, text, rod, loads, tolerance)
+    warning = "" if text is None else suspicion_of_hertz(name, text, rod, loads, tolerance, known)
     if warning:
         say(f"floquetrod: warning: {warning}")
 

@@ -19,6 +19,9 @@ from floquetrod.floquet.references import references
 
 Status = Literal["stable", "unstable", "undecided"]
 
+STATUS_CODES: dict[Status, int] = {"stable": 1, "unstable": 0, "undecided": -1}
+"""What stands for a status in arrays, everywhere."""
+
 _EPS = sys.float_info.epsilon
 
 

@@ -13,7 +13,7 @@ from floquetrod import mathieu
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.square_wave import square_wave
-from floquetrod.floquet.verdict import Stability
+from floquetrod.floquet.verdict import STATUS_CODES, Stability
 from floquetrod.paper.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
 from floquetrod.plane import Axis, Band, Bands, TracedBands
 from floquetrod.plane.chart import ACCURACY
@@ -36,7 +36,6 @@ FREQUENCIES, FORCES = (20.0, 200.0), (0.0, 1.1)
 
 Floats = NDArray[np.float64]
 
-_STATUS = {"stable": 1, "unstable": 0, "undecided": -1}
 
 SHOWN = 1e-4
 """Growth per unit tau from which Figure 3(a)-(d) shows a tongue: the many weaker ones would cover the page."""
@@ -145,7 +144,7 @@ def _traced(method: Callable[[Mathieu], Stability], points: int) -> Bands:
 
     def judge(alpha: Floats, beta: Floats) -> tuple[NDArray[np.int8], Floats]:
         status = [method(Mathieu(x, y)).status for x, y in zip(alpha.tolist(), beta.tolist(), strict=True)]
-        return np.array([_STATUS[each] for each in status], dtype=np.int8), np.full(alpha.size, np.nan)
+        return np.array([STATUS_CODES[each] for each in status], dtype=np.int8), np.full(alpha.size, np.nan)
 
     alpha, beta = (values.ravel() for values in window(points))
     x, y = np.meshgrid(alpha, beta)

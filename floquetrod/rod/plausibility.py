@@ -223,16 +223,15 @@ def warn_of_load(rod: Any, load: Any) -> None:
         warnings.warn(suspicion + SILENCE, PlausibilityWarning, stacklevel=level_of_caller())
 
 
-def verdicts_in_hertz(rod: Any, load: Any, growth_tolerance: float) -> tuple[int, int]:
-    """Return the verdicts on a load of independent modes as it is, and with as many Hz as its frequency has rad/s."""
-    frequencies = [load.frequency, 2.0 * math.pi * load.frequency]
-    found = rod.verdicts(load.mean, load.amplitude, frequencies, growth_tolerance=growth_tolerance, like=load)
-    return int(found[0]), int(found[1])
+def _verdict(rod: Any, load: Any, frequency: float, growth_tolerance: float) -> int:
+    """Return the verdict on a load of independent modes at another frequency."""
+    found = rod.verdicts(load.mean, load.amplitude, frequency, growth_tolerance=growth_tolerance, like=load)
+    return int(found)
 
 
 def warn_of_hertz(rod: Any, load: Any, growth_tolerance: float) -> None:
-    """Warn where a load of independent modes may have been meant in Hz, and is harmless only in rad/s."""
-    if may_be_hertz(rod, load) and verdicts_in_hertz(rod, load, growth_tolerance) == (1, 0):
+    """Warn where a load of independent modes that is stable may have been meant in Hz, and in Hz is unstable."""
+    if may_be_hertz(rod, load) and _verdict(rod, load, 2.0 * math.pi * load.frequency, growth_tolerance) == 0:
         warnings.warn(
             f"frequency = {load.frequency:g} rad/s is below all but the narrowest tongues of this rod, and with it "
             f"nothing grows; with {load.frequency:g} Hz something would. Was it in Hz? AxialLoad.hertz takes Hz, and "
@@ -242,12 +241,14 @@ def warn_of_hertz(rod: Any, load: Any, growth_tolerance: float) -> None:
         )
 
 
-def suspicion_of_hertz(name: str, text: str, rod: Any, loads: Iterable[Any], tolerance: float = 0.0) -> str:
+def suspicion_of_hertz(
+    name: str, text: str, rod: Any, loads: Iterable[Any], tolerance: float = 0.0, known: int | None = None
+) -> str:
     """Return the suspicion that a frequency written without a unit was meant in Hz, "" without one.
 
     ``name`` is what gave ``text``, a frequency or a range.  Suspected is what would, in Hz, change the verdict without
     friction on one of the loads.  Where modes are coupled, and a verdict takes its time, a single load is suspected as
-    in `may_be_hertz`.
+    in `may_be_hertz`.  ``known`` is the verdict on a single load where it has been found: 1, 0 or -1.
     """
     if unit_of(text.rpartition(":")[2]) != "":
         return ""
@@ -255,7 +256,7 @@ def suspicion_of_hertz(name: str, text: str, rod: Any, loads: Iterable[Any], tol
     for load in loads:
         reading = ""
         if rod.modes_under(load).prompt:
-            reading = _in_hertz(rod, load, tolerance)
+            reading = _in_hertz(rod, load, tolerance, known)
         elif len(loads) == 1 and may_be_hertz(rod, load):
             reading = "below all but the narrowest resonances of this rod, which as many Hz are not"
         if reading:
@@ -265,10 +266,13 @@ def suspicion_of_hertz(name: str, text: str, rod: Any, loads: Iterable[Any], tol
     return ""
 
 
-def _in_hertz(rod: Any, load: Any, tolerance: float) -> str:
+def _in_hertz(rod: Any, load: Any, tolerance: float, known: int | None) -> str:
     """Return how the verdict differs where a frequency is read in Hz, "" where it does not or is not known."""
+    if load.amplitude == 0.0 or known == -1:  # the frequency of nothing, or nothing to differ from
+        return ""
     try:
-        verdicts = verdicts_in_hertz(rod, load, tolerance)
+        in_hertz = _verdict(rod, load, 2.0 * math.pi * load.frequency, tolerance)
+        verdicts = _verdict(rod, load, load.frequency, tolerance) if known is None else known, in_hertz
     except ValueError:  # as many Hz are far beyond this rod
         return ""
     words = {(1, 0): ("no mode grows", "one does"), (0, 1): ("a mode grows", "none does")}.get(verdicts)

@@ -20,6 +20,7 @@ from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
+from floquetrod.floquet.verdict import STATUS_CODES
 from floquetrod.kernels.system_even import pair_numbers
 from floquetrod.plane import Progress
 
@@ -132,7 +133,7 @@ def verdicts(
     decided = size - len(open_ones)
     for judged, i in enumerate(open_ones, 1):
         result = judge(SYSTEMS, pick(systems, i), most_digits=_MOST_DIGITS)
-        status[i] = {"stable": many.STABLE, "unstable": many.UNSTABLE}.get(result.status, many.UNDECIDED)
+        status[i] = STATUS_CODES[result.status]
         growth[i] = result.growth_rate
         if progress is not None:
             progress(decided + judged, size)
