@@ -349,6 +349,20 @@ def test_a_change_is_located_in_few_verdicts(monkeypatch: pytest.MonkeyPatch) ->
     assert sum(asked) <= 80  # of ten pieces; where each was sampled and halved it took 150
 
 
+def test_a_margin_ends_where_a_strong_vibration_displaces_a_resonance() -> None:
+    """The amplitude is nine times the mean: few modes alone have the resonance at another mean, 20 steps away."""
+    rod = fr.Rod(
+        304.25e6, 7139.2, 0.390896e-3, 0.0939014, 0.651991e-3, 14.27637, fluid_inside=891.736,
+        added_mass_coefficient=0.53728, inclination=1.271943, ends="free-clamped",
+    )  # fmt: skip
+    load = fr.AxialLoad(2.30752e-3, 20.8579e-3, 167.09874, mean_at=1.0)
+    verdict = rod.stability(load)
+    assert verdict.stable
+    grows = fr.AxialLoad(2.44e-3, load.amplitude, load.frequency, mean_at=1.0)
+    assert not rod.stability(grows, growth_tolerance=0.1).stable
+    assert verdict.margin("mean", seconds=1.0).above < grows.mean - load.mean
+
+
 def test_loads_that_would_take_too_long_are_not_called_stable() -> None:
     # Their growth was that of a placeholder, 0.08 1/s, which a tolerance of 0.1 takes for stable.
     slow = Loads((1,), *(np.array([value]) for value in (2000.0, 700.0, 0.3)))

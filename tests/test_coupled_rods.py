@@ -397,7 +397,10 @@ def test_a_long_rod_that_buckles_fast_is_unstable_with_two_numbers_of_modes() ->
 def test_growth_beside_which_others_are_lost_is_a_lower_bound(tolerance: float, status: str) -> None:
     """Where rounding hides slower solutions what grows for certain decides, and the error is not said to be known."""
     whole: Any = SimpleNamespace(status="unstable", exponents=(2.0 + 0.0j, -2.4 + 0.0j), note="")
-    fewer, trial = (coupled_stability._Trial(None, None, whole, least, math.inf) for least in (1.9, 1.95))  # type: ignore[arg-type]
+    fewer, trial = (
+        coupled_stability._Trial(SimpleNamespace(count=count), None, whole, least, math.inf)  # type: ignore[arg-type]
+        for count, least in ((18, 1.9), (22, 1.95))
+    )
     found, error, note = trial.concluded(fewer, tolerance)
     assert (found, error) == (status, math.inf)
     assert note == (

@@ -162,10 +162,10 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (CLAMPED.modal_system, {"load": WAVE, "modes": (1, 2, 3)}),
     (CLAMPED.modes_needed, {"load": WAVE, "growth_tolerance": 0.1}),
     (CLAMPED.stability(WAVE, range(1, 9)).time_to_grow, {"factor": 10.0}),
-    (CLAMPED.is_stable, {**PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "like": WAVE, "workers": 1}),
-    (CLAMPED.verdicts, {**PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "like": WAVE, "workers": 1}),
-    (CLAMPED.growth_rate, {**PUSH, "like": WAVE, "workers": 1}),
-    (CLAMPED.fastest, {**PUSH, "like": WAVE, "workers": 1}),
+    (CLAMPED.is_stable, {**PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "like": WAVE, "workers": 1, "progress": None}),
+    (CLAMPED.verdicts, {**PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "like": WAVE, "workers": 1, "progress": None}),
+    (CLAMPED.growth_rate, {**PUSH, "like": WAVE, "workers": 1, "progress": None}),
+    (CLAMPED.fastest, {**PUSH, "like": WAVE, "workers": 1, "progress": None}),
     (ROD.critical_kick, {"load": LOAD, "friction": 0.1, "growth_tolerance": 0.0}),
     (ROD.critical_kicks, {**LOADS, "friction": 0.1, "growth_tolerance": 0.0, "like": LOAD, "workers": 1}),
     (
@@ -184,7 +184,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (ROD.verdicts, {**LOADS, "growth_tolerance": 0.0, "criterion": None, "friction": 0.1, "kick": 0.05, "workers": 1}),
     (ROD.verdicts, {**LOADS, "like": LOAD, "progress": None}),
     (ROD.growth_rate, {**LOADS, "like": LOAD, "workers": 1, "progress": None}),
-    (ROD.fastest, {**LOADS, "like": LOAD, "workers": 1}),
+    (ROD.fastest, {**LOADS, "like": LOAD, "workers": 1, "progress": None}),
     (
         ROD.stable_mean_forces,
         {"amplitude": 0.3, "frequency": 150.0, "bounds": (0.1, 0.5), "growth_tolerance": 0.1, "progress": None}

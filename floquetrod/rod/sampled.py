@@ -36,8 +36,9 @@ _CLOSE_LOOKS = 1.5  # verdicts of few modes for each step: some are looked at mo
 _FEWEST_STEPS = 8  # of a search: with fewer it tells little (a choice)
 _IN_REACH = 2.5  # frequencies of the load up to which a mode may resonate: to order five (a choice)
 _NEAR = 0.2  # frequencies of the load about half of it within which modes grow fast (a choice)
+_RULED = 5.0  # squared frequency over vibration up to which a mode is no follower of others (a choice)
 _FEWEST = 4  # modes that are asked in place of all (a choice)
-_ABOUT = np.arange(-8, 9) / 2.0  # samples about where all modes do not answer as few did (a choice)
+_ABOUT = np.arange(-8.0, 9.0)  # steps from where all modes do not answer as few did, asked of all (a choice)
 _CLOSER, _ROUNDS = 9, 2  # places between the neighbours of an extremum, each time it is looked at more closely
 _MOST_EXTREMA = 16  # that are looked at more closely, those next to the level first (a choice)
 
@@ -269,22 +270,53 @@ class _Search(NamedTuple):
         strongest = slice(None) if self.varied == "frequency" else [loads.amplitude.argmax()]
         vibration = sum(np.linalg.norm(part[strongest] @ shapes, axis=1) for part in every.cosines + every.sines)
         low, high = (share * loads.frequency[:, None] for share in reach)
-        chosen = (squared <= 2.0 * vibration) | ((squared >= low * abs(low)) & (squared <= high**2))
+        chosen = (squared <= _RULED * vibration) | ((squared >= low * abs(low)) & (squared <= high**2))
         kept = chosen.any(axis=0)
         kept[:_FEWEST] = True
-        shapes = shapes[:, :, kept]
+        few, others = shapes[:, :, kept], shapes[:, :, ~kept]
 
         def projected(matrix: Floats) -> Floats:
-            return np.asarray(shapes.swapaxes(1, 2) @ matrix @ shapes)
+            return np.asarray(few.swapaxes(1, 2) @ matrix @ few)
 
+        mean, cosines, sines = _followed(every, few, others, squared[:, ~kept])
         rate = self.modes.damping_rate
         return HillSystem(
-            projected(every.stiffness),
-            [projected(part) for part in every.cosines],
-            [projected(part) for part in every.sines],
-            damping=2.0 * rate * np.eye(shapes.shape[2]) if rate else None,
+            projected(every.stiffness) - mean,
+            _less([projected(part) for part in every.cosines], cosines),
+            _less([projected(part) for part in every.sines], sines),
+            damping=2.0 * rate * np.eye(few.shape[2]) if rate else None,
             period=every.period,
         )
+
+
+def _followed(
+    every: HillSystem, few: Floats, others: Floats, squared: Floats
+) -> tuple[Floats, list[Floats], list[Floats]]:
+    """Return by how much the vibration of other modes softens a few: mean, and harmonics of cosines and sines.
+
+    The others, of natural frequencies far above, follow at once what couples them to the few, K_of(t): they take
+    K_of(t)^T K_oo^-1 K_of(t) from the stiffness of the few.  Without that, resonances of the few are displaced where
+    the vibration is strong.
+    """
+    zero = np.zeros_like(every.stiffness)
+    count = max(len(every.cosines), len(every.sines))
+    waves: dict[int, NDArray[np.complex128]] = {}
+    for k in range(count):
+        cosine = every.cosines[k] if k < len(every.cosines) else zero
+        sine = every.sines[k] if k < len(every.sines) else zero
+        found = np.asarray(others.swapaxes(1, 2) @ (0.5 * (cosine - 1j * sine)) @ few, dtype=np.complex128)
+        waves[k + 1], waves[-k - 1] = found, found.conj()
+    products = [np.zeros((every.stiffness.shape[0], few.shape[2], few.shape[2]), complex) for _ in range(2 * count + 1)]
+    for j, one in waves.items():
+        for k, other in waves.items():
+            if j + k >= 0:
+                products[j + k] = products[j + k] + one.swapaxes(1, 2) @ (other / squared[:, :, None])
+    return products[0].real, [2.0 * each.real for each in products[1:]], [-2.0 * each.imag for each in products[1:]]
+
+
+def _less(parts: list[Floats], taken: list[Floats]) -> list[Floats]:
+    """Return harmonics less others, of which there are as many or more."""
+    return [parts[k] - each if k < len(parts) else -each for k, each in enumerate(taken)]
 
 
 class _Costs(NamedTuple):
