@@ -80,6 +80,14 @@ def test_critical_kick_of_a_constant_push() -> None:
     assert fr.friction.critical_kick(0.0, beta, 3.0).smallest_found == pytest.approx(3.0 / np.sqrt(beta), rel=1e-10)
 
 
+def test_fates_have_the_codes_of_every_status() -> None:
+    assert (BOUNDED, ESCAPES, UNDECIDED) == (1, 0, -1)
+    kicks = [0.98, 1.01]
+    assert fr.friction.fates(FRACTAL.alpha, FRACTAL.beta, 1.0, kicks).tolist() == [1, 1]
+    assert fr.friction.fates(FRACTAL.alpha, FRACTAL.beta, 1.0, kicks, max_steps=1).tolist() == [-1, -1]
+    assert fr.friction.fates(0.0, 0.25, 1.0, 2.001) == 0
+
+
 def test_escapes_lie_in_many_ranges() -> None:
     ranges = fr.friction.escape_ranges(FRACTAL, samples=2000)
     for edge, above in ((0.793243, ESCAPES), (0.999982, BOUNDED), (1.022013, ESCAPES)):

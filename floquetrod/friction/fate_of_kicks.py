@@ -14,6 +14,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import FrictionalMathieu, require
+from floquetrod.floquet.verdict import STATUS_CODES
 from floquetrod.friction.inputs import (
     MAX_STEPS,
     SHORT,
@@ -32,8 +33,8 @@ from floquetrod.friction.inputs import (
 from floquetrod.kernels import frictional_orbit as kernels
 from floquetrod.kernels.frictional_records import ORBIT, SAMPLE, workspace
 
-UNDECIDED, BOUNDED, ESCAPES = -1, 0, 1
-"""Values of `fates`."""
+UNDECIDED, BOUNDED, ESCAPES = STATUS_CODES["undecided"], STATUS_CODES["stable"], STATUS_CODES["unstable"]
+"""Values of `fates`: -1, 1 and 0, those of every status, as what is bounded is stable."""
 
 _ROW = 64  # kicks of one equation that a thread takes at a time (a choice)
 
@@ -52,7 +53,7 @@ def fates(
     max_steps: int = MAX_STEPS,
     workers: int | None = None,
 ) -> Any:
-    """Return the fate of each kick: `ESCAPES` (1), `BOUNDED` (0) or `UNDECIDED` (-1), as int8; of a single kick as int.
+    """Return the fate of each kick: `BOUNDED` (1), `ESCAPES` (0) or `UNDECIDED` (-1), as int8; of a single kick as int.
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ def fates(
     Examples
     --------
     >>> fates(0.0, 0.25, 1.0, [1.999, 2.001]).tolist()
-    [0, 1]
+    [1, 0]
     """
     shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, kick=size_of(kick))
     max_steps = validate.integer("max_steps", max_steps, 1)

@@ -263,7 +263,7 @@ def kicked_loads(
         fates = known_fates(alpha, beta, gamma, epsilon, damping, rate, workers=workers)
         found[part][load[fates == UNDECIDED]] = UNDECIDED
         found[part][load[fates == ESCAPES]] = ESCAPES
-    return np.where(found == UNDECIDED, -1, found == BOUNDED).astype(np.int8)
+    return found
 
 
 def critical_kicks(

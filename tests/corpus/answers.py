@@ -250,7 +250,7 @@ def margin(v: Any) -> Any:
 
 def fates(v: Any) -> Any:
     """Return the fates of kicks in words."""
-    return words(plain(v), {1: "escapes", 0: "bounded", -1: "undecided"})
+    return words(plain(v), {0: "escapes", 1: "bounded", -1: "undecided"})
 
 
 def chart(v: Any) -> Any:
