@@ -343,6 +343,7 @@ def forge(path: Path, **changes: Any) -> None:
     ("changes", "message"),
     [
         ({"format": "floquetrod chart 1"}, "another kind or version"),
+        ({"format": "floquetrod chart 2"}, "another kind or version"),
         ({"stable": np.ones((12, 16), bool)}, "stable is an array of bool and shape"),
         ({"stable": np.ones((12, 17))}, "stable is an array of float64"),
         ({"growth_rate": np.zeros((12, 17), complex)}, "growth_rate is an array of complex128"),

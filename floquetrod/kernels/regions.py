@@ -335,7 +335,7 @@ def certify_cells(
 ) -> None:
     """Fill ``out`` (int8) with what is proved of many boxes of loads, subdividing each into at most ``max_boxes``.
 
-    1: no mode grows faster than the tolerance; 0: one does everywhere; -1: both are proved of parts; -2: undecided.
+    1: no mode grows faster than the tolerance; 0: one does everywhere; 2: both are proved of parts; -1: undecided.
     ``rod``, shape (4, 2), are the last rows of a box; ``smallest`` and ``most`` as in `tail_modes`.
     """
     room = max_boxes + 2
@@ -361,10 +361,10 @@ def certify_cells(
         rest = counts[WAITING] + counts[OPEN_PARTS]
         others = bound <= max(tolerance_low, smallest)  # the modes not looked at are quiet
         if counts[GROWING_PARTS] > 0 and counts[QUIET_PARTS] > 0 and others:
-            out[i] = -1
+            out[i] = 2
         elif counts[GROWING_PARTS] == 0 and rest == 0 and others:
             out[i] = 1
         elif counts[QUIET_PARTS] == 0 and rest == 0:
             out[i] = 0
         else:
-            out[i] = -2
+            out[i] = -1

@@ -17,7 +17,7 @@ from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Bands
 
-_FORMAT = "floquetrod chart 2"
+_FORMAT = "floquetrod chart 3"
 
 _CRITICAL = "critical force"
 """Name of the rod's critical force among what is fixed."""
@@ -25,8 +25,8 @@ _CRITICAL = "critical force"
 _BANDS = "band_"
 """What names of arrays of bands begin with in a file."""
 
-CELLS = {"proved stable": 1, "proved unstable": 0, "with a boundary": -1, "undecided": -2}
-"""What the values of `Chart.cells` mean."""
+CELLS = {"proved stable": 1, "proved unstable": 0, "with a boundary": 2, "undecided": -1}
+"""What the values of `Chart.cells` mean: the codes of every status, and 2 where both are proved of parts."""
 
 ACCURACY = 1.0 / 3000.0
 """Accuracy of bands as a share of each axis: half a pixel of a picture 1,500 pixels wide (a choice)."""
@@ -82,7 +82,7 @@ class Chart(NoTruthValue, ByContent):
         What `find_bands` asks; None where it is not known, as in a chart read from a file.
     cells : ndarray (ny, nx) of int8 or None
         What is proved of the rectangle about each point, up to the middle between it and its neighbours: 1 stable
-        everywhere, 0 unstable everywhere, -1 each somewhere, -2 neither proved.  None unless asked for.
+        everywhere, 0 unstable everywhere, 2 each somewhere, -1 undecided.  None unless asked for.
     """
 
     ask = ".stable, an array"

@@ -139,11 +139,11 @@ def _draw_cells(chart: Any, ax: Any) -> None:
     from matplotlib.colors import to_rgba
 
     across, up = chart.x.cell_edges, chart.y.cell_edges
-    colours = np.array([to_rgba(c) for c in (palette.NEUTRAL, palette.NEUTRAL, palette.UNSTABLE, palette.STABLE)])
-    ax.pcolormesh(across, up, colours[chart.cells + 2], rasterized=True)
+    colours = np.array([to_rgba(c) for c in (palette.UNSTABLE, palette.STABLE, palette.NEUTRAL, palette.NEUTRAL)])
+    ax.pcolormesh(across, up, colours[chart.cells], rasterized=True)  # what is undecided, -1, has the last
     rectangles = [
         [(across[i], up[j]), (across[i + 1], up[j]), (across[i + 1], up[j + 1]), (across[i], up[j + 1])]
-        for j, i in np.argwhere(chart.cells == -2)
+        for j, i in np.argwhere(chart.cells == -1)
     ]
     ax.add_collection(PolyCollection(rectangles, **palette.OPEN))
 

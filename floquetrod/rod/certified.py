@@ -77,7 +77,7 @@ def certified_cells(
                 chunk=_CHUNK,
                 interpret_up_to=0,
             )
-            decided = (found >= 0) | (size == 1)
+            decided = (found == CELLS["proved stable"]) | (found == CELLS["proved unstable"]) | (size == 1)
             for i, j, status in zip(*(block[:, decided].tolist()), found[decided].tolist(), strict=True):
                 cells[i : i + size, j : j + size] = status
             open_blocks.append(block[:, ~decided])
