@@ -85,9 +85,9 @@ def fate(alpha: float, beta: float, c: float, rng: np.random.Generator) -> list[
     near = fr.friction.fates(alpha, beta, 1.0, kick * (1.0 + np.linspace(-1e-7, 1e-7, 9)), damping=c)
     if near.min() != near.max() or near[0] == fr.friction.UNDECIDED:
         return []
-    integrated = integrate(alpha, beta, c, kick, high)
-    if integrated is not None and integrated != near[0]:
-        return [f"kick {kick!r} gives {int(near[0])}, DOP853 with events gives {integrated}"]
+    escapes = integrate(alpha, beta, c, kick, high)
+    if escapes is not None and (near[0] == fr.friction.ESCAPES) != bool(escapes):
+        return [f"kick {kick!r} gives {int(near[0])}, DOP853 with events that it {'escapes' if escapes else 'sticks'}"]
     return []
 
 
