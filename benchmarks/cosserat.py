@@ -1,7 +1,7 @@
 """The former kernel of the simulated rod, kept as an independent model: a Cosserat rod of second order.
 
-Shear, torsion that bends along, and rotary inertia, which `floquetrod.kernels.rod_motion` leaves out, are in it; node
-positions, directions and friction are solved in another way.  It knows solid, horizontal, hinged rods under an
+Shear, torsion that bends along, and rotary inertia, which `floquetrod.simulation.rod_motion` leaves out, are in it;
+node positions, directions and friction are solved in another way.  It knows solid, horizontal, hinged rods under an
 `AxialLoad`.  Tests compare the present simulator with it, `benchmarks.simulator` their times.
 
 The rod is n segments between n + 1 nodes.  Nodes carry position and velocity, segments a unit quaternion (material axes

@@ -11,7 +11,7 @@ import numpy as np
 
 import floquetrod as fr
 from benchmarks.measure import Row, best_of
-from floquetrod.rod.mode_friction import mode_friction
+from floquetrod.rod.friction.mode_friction import mode_friction
 
 FRICTION, KICK = 0.1, 0.05
 

@@ -18,7 +18,7 @@ import floquetrod as fr
 from benchmarks import cosserat
 from benchmarks.measure import Row, best_of
 from floquetrod._util.compilation import compiled
-from floquetrod.kernels import rod_motion
+from floquetrod.simulation import rod_motion
 from floquetrod.simulation.mesh import DiscreteRod
 
 SEGMENTS, STEPS = 250, 1000

@@ -15,8 +15,8 @@ from scipy.integrate import solve_ivp
 
 import floquetrod as fr
 from benchmarks.measure import Row, best_of
-from floquetrod.kernels.system_even import half_period_map, pair_numbers
-from floquetrod.kernels.system_maps import product, segment_maps
+from floquetrod.floquet.kernels.system_even import half_period_map, pair_numbers
+from floquetrod.floquet.kernels.system_maps import product, segment_maps
 
 Floats = NDArray[np.float64]
 

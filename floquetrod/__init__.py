@@ -40,20 +40,20 @@ if TYPE_CHECKING:
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
     from floquetrod.plane import Bands as Bands
     from floquetrod.plane import Chart as Chart
-    from floquetrod.rod.assumptions import UniformForceWarning as UniformForceWarning
-    from floquetrod.rod.friction import FrictionalRodStability as FrictionalRodStability
-    from floquetrod.rod.load import AxialLoad as AxialLoad
-    from floquetrod.rod.load import AxialWave as AxialWave
+    from floquetrod.rod.answers.safe_box import SafeBox as SafeBox
+    from floquetrod.rod.answers.verdict import CoupledRodStability as CoupledRodStability
+    from floquetrod.rod.answers.verdict import RodStability as RodStability
+    from floquetrod.rod.friction.kicks import FrictionalRodStability as FrictionalRodStability
+    from floquetrod.rod.loads.load import AxialLoad as AxialLoad
+    from floquetrod.rod.loads.load import AxialWave as AxialWave
+    from floquetrod.rod.loads.record import ForceRecord as ForceRecord
     from floquetrod.rod.map import stability_map as stability_map
-    from floquetrod.rod.plausibility import PlausibilityWarning as PlausibilityWarning
+    from floquetrod.rod.model.assumptions import UniformForceWarning as UniformForceWarning
+    from floquetrod.rod.model.plausibility import PlausibilityWarning as PlausibilityWarning
     from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
-    from floquetrod.rod.record import ForceRecord as ForceRecord
     from floquetrod.rod.rod import Rod as Rod
-    from floquetrod.rod.safe_box import SafeBox as SafeBox
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
     from floquetrod.rod.uncertainty import probability_of_instability as probability_of_instability
-    from floquetrod.rod.verdict import CoupledRodStability as CoupledRodStability
-    from floquetrod.rod.verdict import RodStability as RodStability
     from floquetrod.simulation.checkpoints import CheckpointWarning as CheckpointWarning
     from floquetrod.simulation.integration import SimulationDiverged as SimulationDiverged
     from floquetrod.simulation.problem import Simulation as Simulation
@@ -64,16 +64,16 @@ if TYPE_CHECKING:
 
 _WHERE = {
     "__version__": "_util.version",
-    "AxialLoad": "rod.load",
-    "AxialWave": "rod.load",
+    "AxialLoad": "rod.loads.load",
+    "AxialWave": "rod.loads.load",
     "Bands": "plane",
     "Chart": "plane",
     "chart": "systems.charts",
     "CheckpointWarning": "simulation.checkpoints",
     "Comparison": "floquet.comparison",
-    "CoupledRodStability": "rod.verdict",
+    "CoupledRodStability": "rod.answers.verdict",
     "Explorer": "explorer",
-    "ForceRecord": "rod.record",
+    "ForceRecord": "rod.loads.record",
     "FrictionalMathieu": "equations",
     "Hill": "equations",
     "HillSystem": "equations",
@@ -82,16 +82,16 @@ _WHERE = {
     "FiniteTimeCriterion": "mathieu.criterion",
     "PeriodicSystem": "equations",
     "Perturbation": "simulation.start",
-    "PlausibilityWarning": "rod.plausibility",
+    "PlausibilityWarning": "rod.model.plausibility",
     "Proof": "floquet.proof",
     "RegionProof": "floquet.proof.region",
     "Solution": "floquet.solve",
     "solve": "floquet.solve",
     "ResolutionWarning": "simulation.resolution",
     "Rod": "rod.rod",
-    "SafeBox": "rod.safe_box",
-    "FrictionalRodStability": "rod.friction",
-    "RodStability": "rod.verdict",
+    "SafeBox": "rod.answers.safe_box",
+    "FrictionalRodStability": "rod.friction.kicks",
+    "RodStability": "rod.answers.verdict",
     "Simulation": "simulation.problem",
     "SimulationDiverged": "simulation.integration",
     "SimulationProblem": "simulation.problem",
@@ -100,7 +100,7 @@ _WHERE = {
     "Stability": "floquet.verdict",
     "StabilityIntervals": "rod.ranges",
     "Study": "ensembles.study",
-    "UniformForceWarning": "rod.assumptions",
+    "UniformForceWarning": "rod.model.assumptions",
     "certify": "floquet.proof",
     "compare": "floquet.comparison",
     "conventions": "equations.conventions",

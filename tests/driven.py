@@ -10,10 +10,10 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
-from floquetrod.kernels import rod_motion
-from floquetrod.kernels.rod_motion import FIRST
+from floquetrod.simulation import rod_motion
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.simulation.rod_motion import FIRST
 from floquetrod.simulation.time_steps import critical_time_step
 
 SHORT = fr.Rod(youngs_modulus=68e9, density=6500.0, radius=0.8e-3, length=0.4, channel_radius=4.7e-3)

@@ -27,10 +27,10 @@ def module_files() -> dict[str, Path]:
     return files
 
 
-def drawn_layers() -> list[tuple[int, str]]:
+def drawn_layers(name: str = "layers") -> list[tuple[int, str]]:
     """Return (layer, module pattern) pairs from the drawing."""
     text = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
-    found = re.search(r"```layers\n(.*?)```", text, re.DOTALL)
+    found = re.search(rf"```{name}\n(.*?)```", text, re.DOTALL)
     assert found, "docs/architecture.md has lost its drawing"
     lines = [re.split(r"\s{2,}", line.strip(), maxsplit=2) for line in found[1].splitlines()]
     return [(int(number), name) for number, names, _ in lines for name in names.split(", ")]
@@ -109,6 +109,21 @@ def test_imports_go_downwards(module: str) -> None:
         assert there == here or LAYERS[there] < LAYERS[here], f"{module} (layer {LAYERS[here]}) imports {target}"
 
 
+def test_the_folders_of_the_rod_have_layers() -> None:
+    layers = {name: layer for layer, name in drawn_layers("layers of rod")}
+
+    def folder(module: str) -> str:
+        _, *inner = module.split(".")
+        return inner[0] if FILES[module].parent.name != "rod" else "(files)"
+
+    inside = [module for module in FILES if room_of(module) == "rod" and module != "rod"]
+    assert {folder(module) for module in inside} == layers.keys()
+    for module in inside:
+        here = folder(module)
+        for target in targets(module) & set(inside):
+            assert folder(target) == here or layers[folder(target)] < layers[here], f"{module} imports {target}"
+
+
 @pytest.mark.parametrize("room", LAYERS)
 def test_imports_within_a_room_form_no_circle(room: str) -> None:
     inner = {module: {t for t in targets(module) if room_of(t) == room} for module in FILES if room_of(module) == room}
@@ -150,7 +165,7 @@ from ..methods.spectral import spectral
 if TYPE_CHECKING:
     import floquetrod.cli
 def later():
-    from floquetrod.kernels import mathieu
+    from floquetrod.floquet.kernels import mathieu
     importlib.import_module(f"floquetrod.methods.{name}")
 """
     found = set(imports(ast.parse(code), "kernels.mathieu", Path("mathieu.py")))
@@ -159,7 +174,7 @@ def later():
         "floquetrod.kernels.verdict",
         "floquetrod.methods.spectral.spectral",
         "floquetrod.cli",
-        "floquetrod.kernels.mathieu",
+        "floquetrod.floquet.kernels.mathieu",
         "floquetrod.methods.",
     }
 

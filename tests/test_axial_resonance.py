@@ -16,9 +16,12 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli
 from floquetrod.cli import waiting
-from floquetrod.rod import axial, coupled, coupled_stability, sampled_ranges
-from floquetrod.rod.coupled import CoupledModes, rod_numbers
-from floquetrod.rod.load import FAR_ENDS, Loads
+from floquetrod.rod.answers import coupled_verdict as coupled_stability
+from floquetrod.rod.loads import axial
+from floquetrod.rod.loads.load import FAR_ENDS, Loads
+from floquetrod.rod.mode_equations import coupled_matrices as coupled
+from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, rod_numbers
+from floquetrod.rod.mode_equations.modal_systems import sampled_ranges
 
 TUBING = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=60.0)
 LONG = TUBING.replace(length=600.0)

@@ -16,8 +16,8 @@ from numpy.polynomial import Chebyshev
 from scipy.integrate import quad
 from scipy.linalg import eigh
 
-from floquetrod.rod import beam
-from floquetrod.rod.parts import CONDITIONS, Ends
+from floquetrod.rod.model import beam
+from floquetrod.rod.model.parts import CONDITIONS, Ends
 
 PAIRS = [Ends(*pair) for pair in itertools.product(CONDITIONS, repeat=2)]
 RIGID = {"free-free": 2, "free-hinged": 1, "free-guided": 1, "guided-guided": 1}

@@ -10,7 +10,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
-from floquetrod.kernels import rod_motion
+from floquetrod.simulation import rod_motion
 
 PIPE = fr.Rod(youngs_modulus=0.2e9, density=1000.0, radius=0.01, length=1.0, channel_radius=0.015, damping_rate=2.0)
 """A polyethylene rod.  Its critical force strains it by 1e-3: waves along it are slow, so that long runs are quick."""

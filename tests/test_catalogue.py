@@ -11,8 +11,8 @@ from typing import Any, Self
 import pytest
 
 import floquetrod as fr
-from floquetrod.rod.catalogue import Pipe, pipe, pipes
-from floquetrod.rod.files import read_rod
+from floquetrod.rod.model.catalogue import Pipe, pipe, pipes
+from floquetrod.rod.model.files import read_rod
 
 ROOT = Path(__file__).parents[1]
 INCH = 0.0254

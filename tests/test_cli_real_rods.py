@@ -15,7 +15,7 @@ from matplotlib import pyplot
 import floquetrod as fr
 from floquetrod import cli
 from floquetrod.floquet.systems import resonances
-from floquetrod.rod.load import AxialWave
+from floquetrod.rod.loads.load import AxialWave
 
 mpl.use("Agg")
 ROOT = Path(__file__).parents[1]

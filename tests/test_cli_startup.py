@@ -36,10 +36,10 @@ def test_what_is_about_no_command_imports_none(arguments: list[str]) -> None:
 @pytest.mark.parametrize(
     ("line", "absent"),
     [
-        (CHECK, {"simulation", "ensembles", "explorer", "paper"}),
-        ("compare --alpha 0.5 --beta -0.25", {"rod", "simulation", "ensembles", "explorer", "friction", "paper"}),
-        ("simulate --help", {"ensembles", "explorer", "paper"}),
-        ("reproduce --help", {"rod", "simulation", "ensembles", "explorer", "paper"}),
+        (CHECK, {"simulation", "ensembles", "explorer", "studies"}),
+        ("compare --alpha 0.5 --beta -0.25", {"rod", "simulation", "ensembles", "explorer", "friction", "studies"}),
+        ("simulate --help", {"ensembles", "explorer", "studies"}),
+        ("reproduce --help", {"rod", "simulation", "ensembles", "explorer", "studies"}),
     ],
 )
 def test_a_command_imports_no_other(line: str, absent: set[str]) -> None:

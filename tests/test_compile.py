@@ -24,7 +24,8 @@ import floquetrod as fr
 from conftest import depth, needs_jit
 from floquetrod._util import compilation, interrupt, kernel_cache
 from floquetrod.cli import common
-from floquetrod.kernels import mathieu_counts, powers
+from floquetrod.floquet.kernels import mathieu_counts
+from floquetrod.mathieu.kernels import powers
 from floquetrod.simulation import integration
 
 ROOT = Path(__file__).parents[1]
@@ -33,7 +34,7 @@ TELL = "import logging, sys; logging.basicConfig(level='INFO', stream=sys.stdout
 SMALL = """
 import numpy as np
 from floquetrod._util.compilation import compiled
-from floquetrod.kernels.powers import displacement_fill
+from floquetrod.mathieu.kernels.powers import displacement_fill
 maps, out = np.array([[2.0, 0.0, 0.0, 2.0, 0.0]] * 3), np.empty(3)
 def once():
     compiled(displacement_fill)(maps, out, 3)
@@ -93,9 +94,11 @@ def test_a_folder_in_place_of_a_file_does_no_harm(tmp_path: Path) -> None:
 @needs_jit
 def test_without_any_folder_it_runs_uncached_and_says_so_once(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "floquetrod", tmp_path / "floquetrod", ignore=shutil.ignore_patterns("__pycache__"))
-    (tmp_path / "floquetrod/kernels/__pycache__").write_text("a file: no folder can be made here, whoever runs this")
+    (tmp_path / "floquetrod/floquet/kernels/__pycache__").write_text(
+        "a file: no folder can be made here, whoever runs this"
+    )
     nowhere = str(tmp_path / "floquetrod/py.typed" / "below a file")
-    program = TELL + SMALL + "from floquetrod.kernels.leapfrog import leapfrog_run; compiled(leapfrog_run)\n"
+    program = TELL + SMALL + "from floquetrod.floquet.kernels.leapfrog import leapfrog_run; compiled(leapfrog_run)\n"
     run = python(
         program + "print(once(), once())",
         Path(nowhere),
@@ -220,12 +223,11 @@ def test_every_kernel_has_a_fingerprint_of_its_own() -> None:
     import importlib
     import pkgutil
 
-    from floquetrod import kernels
-
     found = {
         value
-        for module in pkgutil.iter_modules(kernels.__path__)
-        for value in vars(importlib.import_module(f"floquetrod.kernels.{module.name}")).values()
+        for module in pkgutil.walk_packages(fr.__path__, "floquetrod.")
+        if not module.name.endswith("__main__")
+        for value in vars(importlib.import_module(module.name)).values()
         if getattr(value, "__kernel__", False)
     }
     assert len(found) > 60
@@ -239,7 +241,7 @@ import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a process in the background would inherit "ignore"
 import numpy as np
 from floquetrod._util.compilation import compiled
-from floquetrod.kernels.mathieu import damped_stable_fill
+from floquetrod.floquet.kernels.mathieu import damped_stable_fill
 points, out = np.linspace(-1.0, 1.0, 50), np.empty(50, dtype=bool)
 def once():
     compiled(damped_stable_fill)(points, points, 0.1 + 0.0 * points, out)
@@ -547,7 +549,7 @@ def test_compiling_that_takes_long_is_told_once_in_a_process(tmp_path: Path) -> 
     program = SMALL + (
         "from floquetrod._util import compilation\n"
         "compilation._LONG = 0.0\n"
-        "from floquetrod.kernels.mathieu_counts import shown_one_by_one\n"
+        "from floquetrod.floquet.kernels.mathieu_counts import shown_one_by_one\n"
         "once(); compiled(shown_one_by_one)(maps[:, 0].copy(), maps[:, 1].copy(), np.empty(3, np.int8))"
     )
     first, second = python(program, tmp_path), python(program, tmp_path)
@@ -628,6 +630,7 @@ COUNTED = """
 import json
 import numpy as np
 import floquetrod as fr
+import floquetrod.mathieu.arrays
 from floquetrod._util import compilation
 made = {}
 plain = compilation._compiled
@@ -645,7 +648,7 @@ class Compiled(event.Listener):
     def on_end(self, e):
         pass
 event.register("numba:compile", Compiled())
-fr.mathieu.arrays._PATIENCE = 0  # short questions are compiled here too
+floquetrod.mathieu.arrays._PATIENCE = 0  # short questions are compiled here too
 a = np.linspace(0.1, 1.0, 200)
 locked = a.copy()
 locked.flags.writeable = False

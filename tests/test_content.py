@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 
 import floquetrod as fr
 from floquetrod._util.content import ByContent
-from floquetrod.paper.simulations import Outcome, figure_4
 from floquetrod.simulation.checkpoints import CheckpointWarning
 from floquetrod.simulation.mesh import DiscreteRod
+from floquetrod.studies.simulations import Outcome, figure_4
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.rod.mode_friction import mode_friction
+from floquetrod.rod.friction.mode_friction import mode_friction
 
 ROD = fr.Rod.nitinol()
 KICK = {"friction": 0.1, "kick": 0.05}

@@ -16,9 +16,9 @@ from conftest import depth
 from floquetrod.floquet.systems import resonances
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
-from floquetrod.rod.coupled import CoupledModes, rod_numbers
-from floquetrod.rod.coupled_stability import ModesTogether
-from floquetrod.rod.load import Load, Loads
+from floquetrod.rod.loads.load import Load, Loads
+from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, rod_numbers
+from floquetrod.rod.modes.coupled_verdict import ModesTogether
 
 PLAIN = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05)
 """A rod of few modes, m_cr = 2.4."""

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
+from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill, leapfrog_run
+from floquetrod.floquet.kernels.taylor import mathieu_map_fill
 from floquetrod.floquet.methods.monodromy import monodromy_matrix
-from floquetrod.kernels.leapfrog import leapfrog_map_fill, leapfrog_run
-from floquetrod.kernels.powers import displacement_fill
-from floquetrod.kernels.taylor import mathieu_map_fill
+from floquetrod.mathieu.kernels.powers import displacement_fill
 from strategies import decades
 
 ALPHA, BETA = np.meshgrid(np.linspace(0.0, 5.0, 100), np.linspace(-4.0, 1.0, 100))  # the window of the paper's chart

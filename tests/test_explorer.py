@@ -23,8 +23,8 @@ from floquetrod.explorer.background import Background, Parts, Stale
 from floquetrod.explorer.shown import Shown
 from floquetrod.explorer.words import margin_words
 from floquetrod.plotting import explorer_panels as panels
-from floquetrod.rod.load import Loads
-from floquetrod.rod.verdict import Margin
+from floquetrod.rod.answers.verdict import Margin
+from floquetrod.rod.loads.load import Loads
 
 mpl.use("Agg")
 ROD = fr.Rod.nitinol()
@@ -61,7 +61,7 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(maps, "_MAP", (8, 8))
     monkeypatch.setattr(maps, "_COARSENINGS", (4, 1))
     monkeypatch.setattr(modes, "_LINE", (3, 5))
-    monkeypatch.setattr("floquetrod.rod.verdict.QUICK", 0)
+    monkeypatch.setattr("floquetrod.rod.answers.verdict.QUICK", 0)
 
 
 def pixels(explorer: fr.Explorer) -> np.ndarray:

@@ -228,7 +228,7 @@ def test_what_is_write_protected_is_not_replaced(tmp_path: Path, monkeypatch: py
 def test_the_terminal_checks_before_it_computes(
     tmp_path: Path, command: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from floquetrod.paper import reproduction
+    from floquetrod.studies import reproduction
 
     def computed(*_: object, **__: object) -> None:
         pytest.fail("it computed before it looked at the path")

@@ -12,7 +12,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._util.interval import PI, Interval
-from floquetrod.rod import formulas
+from floquetrod.rod.model import formulas
 
 
 def random_rods(count: int, seed: int) -> list[fr.Rod]:

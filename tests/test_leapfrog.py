@@ -11,8 +11,8 @@ from hypothesis import assume, given, settings
 import floquetrod as fr
 from conftest import depth
 from floquetrod._util.compilation import compiled
+from floquetrod.floquet.kernels.leapfrog import leapfrog_run
 from floquetrod.floquet.methods.leapfrog import leapfrog
-from floquetrod.kernels.leapfrog import leapfrog_run
 from strategies import decades, hills, mathieus, square_waves
 
 EQUATIONS = [

@@ -15,8 +15,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.rod import axial
-from floquetrod.rod.load import Load
+from floquetrod.rod.loads import axial
+from floquetrod.rod.loads.load import Load
 
 ROD = fr.Rod.nitinol()
 TUBING = fr.Rod(

@@ -16,7 +16,7 @@ from scipy.integrate import quad, solve_ivp
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.rod.lock_up import LockUp
+from floquetrod.rod.model.lock_up import LockUp
 
 PIPE = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1000.0, fluid_inside=1000.0, fluid_outside=1000.0)
 F_P = PIPE.critical_force

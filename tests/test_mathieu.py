@@ -13,9 +13,9 @@ from hypothesis import given, settings
 
 import floquetrod as fr
 from conftest import depth
+from floquetrod.floquet.kernels import mathieu_counts
+from floquetrod.floquet.kernels.mathieu_counts import count_below
 from floquetrod.floquet.methods.reference import reference
-from floquetrod.kernels import mathieu_counts
-from floquetrod.kernels.mathieu_counts import count_below
 from floquetrod.mathieu import arrays
 from strategies import mathieu_points, near_boundary_points
 

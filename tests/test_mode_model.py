@@ -17,10 +17,10 @@ import floquetrod as fr
 from floquetrod.explorer import maps, modes
 from floquetrod.explorer.shown import Shown
 from floquetrod.plotting.explorer_panels import UNKNOWN
-from floquetrod.rod.coupled_model import CoupledModel
-from floquetrod.rod.coupled_stability import classify_coupled
-from floquetrod.rod.load import AnyLoad, Load, Loads, kind
-from floquetrod.rod.mode_systems import ModeSystems
+from floquetrod.rod.loads.load import AnyLoad, Load, Loads, kind
+from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+from floquetrod.rod.modes.coupled import CoupledModel
+from floquetrod.rod.modes.coupled_verdict import classify_coupled
 
 Floats = NDArray[np.float64]
 
@@ -247,7 +247,7 @@ def test_what_the_model_cannot_do_it_refuses() -> None:
 ASKED = ("has_mathieu_modes", "are_modes_apart", "CoupledRodStability", "IndependentModel", "CoupledModel")
 """What nobody asks but the models themselves, and the one place that chooses."""
 
-MODELS = {"rod/independent.py", "rod/coupled_model.py", "rod/rod.py", "rod/verdict.py", "__init__.py"}
+MODELS = {"rod/modes/independent.py", "rod/modes/coupled.py", "rod/rod.py", "rod/answers/verdict.py", "__init__.py"}
 
 
 def test_nobody_asks_which_model_it_has() -> None:

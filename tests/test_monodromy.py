@@ -16,8 +16,8 @@ from hypothesis import strategies as st
 import floquetrod as fr
 from conftest import depth
 from floquetrod._util.compilation import compiled
+from floquetrod.floquet.kernels.taylor import advance
 from floquetrod.floquet.methods.monodromy import monodromy, monodromy_matrix
-from floquetrod.kernels.taylor import advance
 from strategies import hills, mathieus, square_waves
 
 pytestmark = pytest.mark.kernels

@@ -15,9 +15,9 @@ from matplotlib.path import Path as Path2D
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.paper import claims, figures, friction_claims, friction_figures, reproduction
-from floquetrod.paper.claims import ROD, UNIT
-from floquetrod.paper.reproduction import reproduce
+from floquetrod.studies import claims, figures, friction_claims, friction_figures, reproduction
+from floquetrod.studies.claims import ROD, UNIT
+from floquetrod.studies.reproduction import reproduce
 
 Steps = list[tuple[str, int, int]]
 COARSE = reproduction.QUICK._replace(chart=12, rod=(8, 6), hill=8, friction=8, kicks=8)

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 import floquetrod as fr
 from floquetrod import cli
-from floquetrod.paper import reproduction, simulation_claims, simulations
-from floquetrod.paper.simulation_claims import Study, friction_share
+from floquetrod.studies import reproduction, simulation_claims, simulations
+from floquetrod.studies.simulation_claims import Study, friction_share
 
 SHORT = 5e-3  # s
 

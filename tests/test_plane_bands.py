@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 import floquetrod as fr
 from floquetrod._util import compilation
-from floquetrod.kernels import rod_modes
 from floquetrod.mathieu import chart
 from floquetrod.plane import Band, Bands, Chart
-from floquetrod.rod.constants import HAIRLINE_GROWTH
+from floquetrod.rod.kernels import modes as rod_modes
+from floquetrod.rod.model.constants import HAIRLINE_GROWTH
 
 Floats = NDArray[np.float64]
 

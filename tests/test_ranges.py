@@ -15,7 +15,7 @@ from conftest import depth
 from floquetrod.floquet.methods.reference import reference
 from floquetrod.mathieu import tongues
 from floquetrod.mathieu.tongues import along_amplitude
-from floquetrod.rod.constants import HAIRLINE_GROWTH
+from floquetrod.rod.model.constants import HAIRLINE_GROWTH
 from fuzz import ranges as ranges_attack
 from fuzz import rods
 

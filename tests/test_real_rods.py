@@ -22,8 +22,8 @@ import floquetrod as fr
 from conftest import depth
 from coupled_cases import solid_like
 from floquetrod import cli
-from floquetrod.rod.mode_friction import mode_friction
-from floquetrod.rod.parts import ON_A_FLOOR, Channel, Fluids, Section
+from floquetrod.rod.friction.mode_friction import mode_friction
+from floquetrod.rod.model.parts import ON_A_FLOOR, Channel, Fluids, Section
 
 pytestmark = pytest.mark.kernels
 

@@ -18,8 +18,8 @@ import floquetrod as fr
 from floquetrod._util.interval import PI, Interval
 from floquetrod.floquet import methods
 from floquetrod.floquet.proof.region import RegionProof
-from floquetrod.rod.load import kind
-from floquetrod.rod.rod_box import RodBox
+from floquetrod.rod.answers.rod_box import RodBox
+from floquetrod.rod.loads.load import kind
 
 ROD = fr.Rod.nitinol()
 FORCE = ROD.critical_force

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
+from floquetrod.floquet.kernels import mathieu
+from floquetrod.floquet.kernels.mathieu import undamped_growth
+from floquetrod.floquet.kernels.mathieu_counts import count_below
 from floquetrod.floquet.methods.reference import discriminant_excess
-from floquetrod.kernels import intervals, mathieu, regions, regions_boxes, regions_excess, regions_modes
-from floquetrod.kernels.mathieu import undamped_growth
-from floquetrod.kernels.mathieu_counts import count_below
-from floquetrod.kernels.regions_modes import GROWS, QUIET, UNKNOWN
+from floquetrod.floquet.proof.kernels import intervals, regions, regions_boxes, regions_excess, regions_modes
+from floquetrod.floquet.proof.kernels.regions_modes import GROWS, QUIET, UNKNOWN
 
 pytestmark = pytest.mark.kernels
 

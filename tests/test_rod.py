@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.kernels import rod_modes as kernels
 from floquetrod.mathieu.tongues import along_mean, damping_to_stabilise
-from floquetrod.rod.parts import Channel, Ends, Material, Section
+from floquetrod.rod.kernels import modes as kernels
+from floquetrod.rod.model.parts import Channel, Ends, Material, Section
 
 pytestmark = pytest.mark.kernels
 

@@ -29,7 +29,7 @@ from driven import (
     stiffness,
 )
 from floquetrod._util.compilation import compiled
-from floquetrod.kernels import rod_motion
+from floquetrod.simulation import rod_motion
 from floquetrod.simulation.mesh import DiscreteRod
 from floquetrod.simulation.time_steps import SAFETY, critical_time_step
 

@@ -16,8 +16,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._util import files
-from floquetrod.kernels import rod_motion
-from floquetrod.simulation import checkpoints, integration, problem
+from floquetrod.simulation import checkpoints, integration, problem, rod_motion
 from test_simulation import ROD, Stop, run
 
 HERE = Path(__file__).parent

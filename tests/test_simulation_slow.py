@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
-from floquetrod.paper import simulation_claims
-from floquetrod.paper import simulations as paper_simulations
+from floquetrod.studies import simulation_claims
+from floquetrod.studies import simulations as paper_simulations
 
 pytestmark = pytest.mark.slow
 

@@ -10,9 +10,9 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._util.arrays import inverses, norms
+from floquetrod.floquet.kernels.system_even_pairs import pair_values
 from floquetrod.floquet.systems import even
 from floquetrod.floquet.systems.spectra import pair_log_errors, touching
-from floquetrod.kernels.system_even_pairs import pair_values
 from floquetrod.systems import arrays
 
 System = fr.HillSystem | fr.PeriodicSystem

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from conftest import depth, needs_jit
 from floquetrod._util import compilation
-from floquetrod.kernels import system_even, system_maps, system_series
-from floquetrod.kernels.system_even import half_period_map, pair_numbers
-from floquetrod.kernels.system_maps import product, segment_maps
+from floquetrod.floquet.kernels import system_even, system_maps, system_series
+from floquetrod.floquet.kernels.system_even import half_period_map, pair_numbers
+from floquetrod.floquet.kernels.system_maps import product, segment_maps
 
 pytestmark = pytest.mark.kernels
 

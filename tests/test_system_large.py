@@ -8,10 +8,10 @@ import scipy.linalg
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from floquetrod.floquet.kernels import system_even_large, system_large
+from floquetrod.floquet.kernels.system_even import half_period_map
+from floquetrod.floquet.kernels.system_maps_large import period_map_large
 from floquetrod.floquet.systems import spectra
-from floquetrod.kernels import system_even_large, system_large
-from floquetrod.kernels.system_even import half_period_map
-from floquetrod.kernels.system_maps_large import period_map_large
 
 
 def string(

@@ -11,7 +11,7 @@ import pytest
 import floquetrod as fr
 from conftest import depth
 from floquetrod._util import compilation
-from floquetrod.kernels import system_series
+from floquetrod.floquet.kernels import system_series
 
 _CALLS = depth(200, 40)  # of which two in five once differed from the others
 

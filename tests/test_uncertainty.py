@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from scipy import stats
 
 import floquetrod as fr
-from floquetrod.rod import formulas
 from floquetrod.rod.distributions import Sampling, quantiles
+from floquetrod.rod.model import formulas
 from floquetrod.rod.uncertainty import SobolIndex, sobol_indices
 
 ROD = fr.Rod.nitinol()

@@ -16,7 +16,7 @@ import floquetrod as fr
 from conftest import depth
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.mathieu.tongues import damping_to_stabilise
-from floquetrod.rod.intervals import UnstableBand
+from floquetrod.rod.answers.intervals import UnstableBand
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force

@@ -35,11 +35,11 @@ from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.floquet.proof.result import MAX_BOXES
-from floquetrod.rod.constants import HAIRLINE_GROWTH
-from floquetrod.rod.load import KINDS
+from floquetrod.rod.answers.rod_box import DIAMETERS
+from floquetrod.rod.answers.safe_box import SafeBox
+from floquetrod.rod.loads.load import KINDS
+from floquetrod.rod.model.constants import HAIRLINE_GROWTH
 from floquetrod.rod.reading import LOAD_OPTIONS
-from floquetrod.rod.rod_box import DIAMETERS
-from floquetrod.rod.safe_box import SafeBox
 from floquetrod.units import Unit
 
 _HELP = """\

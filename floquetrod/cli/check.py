@@ -35,9 +35,9 @@ from floquetrod.cli.loads import (
 from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.verdict import STATUS_CODES, Status
-from floquetrod.rod.load import KINDS, Load, Quantity
+from floquetrod.rod.answers.verdict import QUICK, Margin, RodStability
+from floquetrod.rod.loads.load import KINDS, Load, Quantity
 from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
-from floquetrod.rod.verdict import QUICK, Margin, RodStability
 from floquetrod.units import Unit
 
 _HELP = """\

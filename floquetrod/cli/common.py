@@ -20,7 +20,7 @@ from floquetrod.cli.waiting import say
 from floquetrod.units import Unit
 
 if TYPE_CHECKING:
-    from floquetrod.rod.load import Quantity
+    from floquetrod.rod.loads.load import Quantity
 
 _TINY, LARGEST = 1e-9, 1e12  # what the library takes, in SI units: a typing error lies beyond
 
@@ -151,7 +151,7 @@ def read_units(options: argparse.Namespace, rod: fr.Rod) -> dict[str, Unit]:
 
     The end of a range without a unit has that of the other.  The options may have no --kick; its unit is then mm/s.
     """
-    from floquetrod.rod.load import KINDS
+    from floquetrod.rod.loads.load import KINDS
 
     chosen: dict[str, str] = {}
     for name in filter(None, (options.unit or "").split(",")):

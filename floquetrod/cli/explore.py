@@ -29,9 +29,9 @@ from floquetrod.cli.waiting import say
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
 from floquetrod.plotting.web import Shown, require_tornado, serve
-from floquetrod.rod.load import KINDS, Load
+from floquetrod.rod.answers.reports import describe_load
+from floquetrod.rod.loads.load import KINDS, Load
 from floquetrod.rod.reading import RECORD_OPTIONS
-from floquetrod.rod.reports import describe_load
 
 _HELP = """\
 Open a window with a slider for mean force, amplitude and frequency; map, modes, growth and verdict follow.

@@ -12,8 +12,8 @@ from floquetrod import units
 from floquetrod.cli.common import option, read_quantity, read_range
 from floquetrod.cli.waiting import Waiting, say
 from floquetrod.rod import reading
-from floquetrod.rod.load import KINDS, Load, Quantity
-from floquetrod.rod.plausibility import suspicion_of_hertz, warn_of_load
+from floquetrod.rod.loads.load import KINDS, Load, Quantity
+from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
 
 _L = TypeVar("_L", bound=Load)
 

@@ -48,7 +48,7 @@ def _run(argv: Sequence[str]) -> int:
             if options.command != "compare":  # which knows no rods
                 warnings.simplefilter("always", fr.UniformForceWarning)
                 warnings.simplefilter("always", fr.PlausibilityWarning)
-                warnings.simplefilter("ignore", import_module("floquetrod.rod.plausibility").HertzWarning)
+                warnings.simplefilter("ignore", import_module("floquetrod.rod.model.plausibility").HertzWarning)
             telling = warnings.showwarning = _Telling(options)
             answer = options.run(options)
         telling.rest()
@@ -112,7 +112,7 @@ class _Telling:
         self.known: dict[str, bool] = {}  # texts, and whether they have been printed
 
     def __call__(self, message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
-        from floquetrod.rod.plausibility import SILENCE
+        from floquetrod.rod.model.plausibility import SILENCE
 
         text = str(message).removesuffix(SILENCE)
         at_once = issubclass(category, fr.PlausibilityWarning)

@@ -27,7 +27,7 @@ from floquetrod.cli.loads import (
 )
 from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.waiting import Waiting
-from floquetrod.rod.constants import HAIRLINE_GROWTH
+from floquetrod.rod.model.constants import HAIRLINE_GROWTH
 
 _HELP = """\
 List the stable and unstable intervals of one quantity of the load: give a range for it, and values for the others.

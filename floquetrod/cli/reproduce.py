@@ -37,8 +37,8 @@ def add(reproduce: argparse.ArgumentParser) -> None:
 
 
 def _reproduce(options: argparse.Namespace) -> Answer:
-    from floquetrod.paper.report import verdict
-    from floquetrod.paper.reproduction import FULL, QUICK, reproduce
+    from floquetrod.studies.report import verdict
+    from floquetrod.studies.reproduction import FULL, QUICK, reproduce
 
     if options.out.exists() and not options.out.is_dir():
         raise ValueError(f"--out must be a folder, and {str(options.out)!r} is a file")

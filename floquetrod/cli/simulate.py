@@ -35,7 +35,7 @@ from floquetrod.cli.loads import (
 from floquetrod.cli.parser import whole_number
 from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting, roughly, say
-from floquetrod.rod.load import Load
+from floquetrod.rod.loads.load import Load
 from floquetrod.simulation.starts import read_perturbation
 
 _HELP = """\

@@ -32,7 +32,7 @@ from floquetrod.cli.loads import (
 )
 from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.waiting import Waiting
-from floquetrod.rod.load import KINDS, Quantity
+from floquetrod.rod.loads.load import KINDS, Quantity
 
 _HELP = """\
 Draw a rod's stability over two of mean force, amplitude and frequency; the third is fixed.

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
-from floquetrod.rod import parts
-from floquetrod.rod.data import INSTEAD
 from floquetrod.rod.distributions import quantile_function, quantiles
+from floquetrod.rod.model import parts
+from floquetrod.rod.model.data import INSTEAD
 from floquetrod.simulation.problem import SimulationProblem
 from floquetrod.simulation.start import Perturbation
 

@@ -19,10 +19,10 @@ from floquetrod._util.calling import level_of_caller
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.ensembles.axes import LAYOUTS, names_of
 from floquetrod.ensembles.ensemble import ensemble
-from floquetrod.rod.data import INSTEAD
-from floquetrod.rod.files import rod_of
-from floquetrod.rod.load import FAR_ENDS, KINDS
-from floquetrod.rod.plausibility import SILENCE, PlausibilityWarning, suspicion_of_hertz, warn_of_load
+from floquetrod.rod.loads.load import FAR_ENDS, KINDS
+from floquetrod.rod.model.data import INSTEAD
+from floquetrod.rod.model.files import rod_of
+from floquetrod.rod.model.plausibility import SILENCE, PlausibilityWarning, suspicion_of_hertz, warn_of_load
 from floquetrod.rod.reading import LOAD_OPTIONS, is_pipe, named_rod, read_kind, read_load, read_record
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.problem import SimulationProblem

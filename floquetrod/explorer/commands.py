@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping, Sequence
 
-from floquetrod.rod.load import AxialWave, Load
+from floquetrod.rod.loads.load import AxialWave, Load
 from floquetrod.rod.rod import Rod
 from floquetrod.units import Unit
 

@@ -13,9 +13,9 @@ from floquetrod.explorer.limits import Scale, step
 from floquetrod.explorer.shown import Shown
 from floquetrod.explorer.words import margin_words
 from floquetrod.plotting.explorer import Window
-from floquetrod.rod.load import KINDS, AnyLoad, Load, require_load
+from floquetrod.rod.answers.verdict import Margin
+from floquetrod.rod.loads.load import KINDS, AnyLoad, Load, require_load
 from floquetrod.rod.rod import Rod
-from floquetrod.rod.verdict import Margin
 
 
 class Explorer:

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.explorer.background import Stale
-from floquetrod.rod.load import Loads
-from floquetrod.rod.mode_model import ModeModel
+from floquetrod.rod.loads.load import Loads
+from floquetrod.rod.modes.mode_model import ModeModel
 
 _AT_ONCE = 0.15  # seconds after which what was found is shown (a choice)
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.rod.load import AxialLoad, Load
+from floquetrod.rod.loads.load import AxialLoad, Load
 from floquetrod.rod.rod import Rod
 from floquetrod.units import Unit
 

@@ -12,11 +12,11 @@ from floquetrod.explorer.background import Parts, Stale
 from floquetrod.explorer.judging import in_portions, judged
 from floquetrod.plane import Bands, Chart, Progress
 from floquetrod.plotting.explorer_panels import UNKNOWN, MapView
-from floquetrod.rod.load import Load, Loads
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.map import stability_map
-from floquetrod.rod.mode_model import ModeModel
+from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.rod import Rod
-from floquetrod.rod.verdict import RodStability
 
 _ACCURACY = 1.0 / 1000.0  # of bands: a third of a pixel
 _POINTS = 240, 180  # columns and rows of the chart at most

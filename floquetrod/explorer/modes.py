@@ -13,9 +13,9 @@ from floquetrod import mathieu
 from floquetrod.explorer.background import Parts, Stale
 from floquetrod.explorer.judging import in_portions, judged
 from floquetrod.plotting.explorer_panels import LineView, ModesView, RatesView, ShapeView, straightened
-from floquetrod.rod.load import Load, Loads
-from floquetrod.rod.mode_model import ModeModel
-from floquetrod.rod.verdict import RodStability
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.loads.load import Load, Loads
+from floquetrod.rod.modes.mode_model import ModeModel
 
 _CHART = 300, 240  # columns and rows of the chart of modes: pixels
 _SHOWN = 0.01  # growth in 1/s that no mode beyond those shown exceeds (a choice)

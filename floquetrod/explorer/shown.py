@@ -9,9 +9,9 @@ from floquetrod.explorer.background import Parts, Stale
 from floquetrod.explorer.maps import ChartMap, GrowingMap
 from floquetrod.explorer.modes import LineAndShape, ModesAndRates
 from floquetrod.explorer.words import MARGINS, verdict_words
-from floquetrod.rod.load import Load, Loads
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.rod import Rod
-from floquetrod.rod.verdict import RodStability
 
 
 class Source(Protocol):

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from floquetrod.rod.load import Load
-from floquetrod.rod.verdict import Margin, RodStability
+from floquetrod.rod.answers.verdict import Margin, RodStability
+from floquetrod.rod.loads.load import Load
 from floquetrod.units import Unit
 
 MARGINS: dict[str, Callable[[RodStability], Margin]] = {

@@ -19,8 +19,8 @@ from floquetrod.friction.inputs import (
     parts,
     prepare,
 )
+from floquetrod.friction.kernels import orbit as kernels
 from floquetrod.friction.proved_kicks import proved
-from floquetrod.kernels import frictional_orbit as kernels
 
 _LARGEST = 1e12  # kick over the floor: up to here kicks are tried where none is proved to escape
 _MOST_SAMPLES = 10_000  # kicks tried on the way up (a choice)

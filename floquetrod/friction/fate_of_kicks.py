@@ -30,8 +30,8 @@ from floquetrod.friction.inputs import (
     prepare_one,
     size_of,
 )
-from floquetrod.kernels import frictional_orbit as kernels
-from floquetrod.kernels.frictional_records import ORBIT, SAMPLE, workspace
+from floquetrod.friction.kernels import orbit as kernels
+from floquetrod.friction.kernels.records import ORBIT, SAMPLE, workspace
 
 UNDECIDED, BOUNDED, ESCAPES = STATUS_CODES["undecided"], STATUS_CODES["stable"], STATUS_CODES["unstable"]
 """Values of `fates`: -1, 1 and 0, those of every status, as what is bounded is stable."""

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.roots import bisected
-from floquetrod.kernels import frictional_escape as escape
-from floquetrod.kernels.frictional_cell import CELL_WAVE, TERMS, at_the_end, series, value
-from floquetrod.kernels.frictional_records import BASIS, CELL, LEFT_VECTOR, PERIOD
+from floquetrod.friction.kernels import escape as escape
+from floquetrod.friction.kernels.cell import CELL_WAVE, TERMS, at_the_end, series, value
+from floquetrod.friction.kernels.records import BASIS, CELL, LEFT_VECTOR, PERIOD
 
 Floats = NDArray[np.float64]
 Records = NDArray[np.void]

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from floquetrod._util.roots import bisected
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import Prepared, growth_of, prepare_one
+from floquetrod.friction.kernels.cell import slope, value
+from floquetrod.friction.kernels.records import PERIOD
 from floquetrod.friction.propagators import Floats, Records
-from floquetrod.kernels.frictional_cell import slope, value
-from floquetrod.kernels.frictional_records import PERIOD
 
 _HALVINGS = 45  # of a cell in search of the time of a stop, to far less than `_ROUNDED`
 _STEEP = 1e12  # a slope beyond which the kick that stops is at its limit, to rounding

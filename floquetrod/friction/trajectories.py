@@ -13,8 +13,8 @@ from floquetrod._util.compilation import runner
 from floquetrod._util.content import ByContent
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import SHORT, prepare_one
-from floquetrod.kernels import frictional_orbit as kernels
-from floquetrod.kernels.frictional_records import ORBIT, SAMPLE, workspace
+from floquetrod.friction.kernels import orbit as kernels
+from floquetrod.friction.kernels.records import ORBIT, SAMPLE, workspace
 
 _MOST = 5_000_000  # rows of a record (a choice: 160 MB, a second or two)
 _HARD = 1e100  # kick over friction at which friction is lost in rounding: the motion recorded is that without friction

@@ -16,8 +16,8 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
 from floquetrod._util.calling import tells_arguments
 from floquetrod._util.compilation import INTERPRETED_UP_TO, over_chunks
-from floquetrod.kernels import mathieu as kernels
-from floquetrod.kernels import mathieu_counts as counts
+from floquetrod.floquet.kernels import mathieu as kernels
+from floquetrod.floquet.kernels import mathieu_counts as counts
 
 _FROM_AQ = dict.fromkeys("aq", "convert a and q first: alpha, beta = fr.conventions.from_aq(a, q)")
 

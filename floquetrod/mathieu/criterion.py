@@ -7,16 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
 from floquetrod._util.calling import tells_arguments
 from floquetrod._util.compilation import over_chunks
-from floquetrod.kernels.leapfrog import leapfrog_map_fill
-from floquetrod.kernels.powers import displacement_fill
-from floquetrod.kernels.rod_modes import mode_coefficients, modes_needed_fill
-from floquetrod.kernels.taylor import mathieu_map_fill
+from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill
+from floquetrod.floquet.kernels.taylor import mathieu_map_fill
+from floquetrod.mathieu.kernels.powers import displacement_fill
 
 _CHUNK = 256  # points a thread takes at a time: each costs microseconds, by leapfrog a tenth of a millisecond
 
@@ -104,27 +102,3 @@ class FiniteTimeCriterion:
     def is_stable(self, alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
         """Return whether the motion passes the test; arguments as in `growth`."""
         return self.growth(alpha, beta, damping, workers=workers) < math.log10(self.limit)
-
-    def modes_are_stable(
-        self,
-        family: tuple[NDArray[np.float64], ...],
-        damping: NDArray[np.float64],
-        *,
-        workers: int | None = None,
-    ) -> NDArray[np.bool_]:
-        """Return which families (A, B, C, D) of modes, alpha = A m^2, beta = B m^2 - C m^4 - D, pass in every mode m.
-
-        Half the threshold of growth bounds the modes left out: they are far from resonance, abs(A) / A'(0) is below 1
-        at first, and what grows at half the rate ends at the square root of the limit.
-        """
-        big_a, big_b, big_c, big_d = family
-        left = np.empty(big_a.size, dtype=np.int64)
-        target = damping + 0.5 * self.threshold
-        inputs = (big_a, big_b, big_c, big_d - damping * damping, target)
-        over_chunks(modes_needed_fill, inputs, left, workers=workers, chunk=4096)
-        out = np.ones(big_a.size, dtype=np.bool_)
-        for mode in range(1, int(left.max(initial=0)) + 1):
-            at = np.flatnonzero(out & (mode <= left))
-            alpha, beta = mode_coefficients(big_a[at], big_b[at], big_c[at], big_d[at], mode)
-            out[at] = self.is_stable(alpha, beta, damping[at], workers=workers)
-        return out

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.roots import bisected
-from floquetrod.kernels import characteristic, mathieu, mathieu_counts
+from floquetrod.floquet.kernels import mathieu, mathieu_counts
 from floquetrod.mathieu import enclosures
 from floquetrod.mathieu.bands import Floats, Ints, Parts, level, parts_above
+from floquetrod.mathieu.kernels import characteristic
 
 _SPACING = 1e-3  # of points along the amplitude where nothing is proved, as a share of the range (a choice)
 _SHARE = 2.0**-8  # of a tongue, where it is narrower than that many points (a choice)

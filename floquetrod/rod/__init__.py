@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING
 from floquetrod._util.lazy import names_of
 
 if TYPE_CHECKING:
-    from floquetrod.rod.axial import AxialGap, AxialResonance, AxialResponse
-    from floquetrod.rod.buckling import BucklingForce
-    from floquetrod.rod.friction import CriticalKick
-    from floquetrod.rod.intervals import BucklingWarning, StabilityInterval, UnstableBand
-    from floquetrod.rod.mode_friction import ModeFriction
-    from floquetrod.rod.modes import ModalSystem, ModalSystems
-    from floquetrod.rod.parts import Channel, Ends, Fluids, Material, Section
-    from floquetrod.rod.verdict import Margin
+    from floquetrod.rod.answers.intervals import BucklingWarning, StabilityInterval, UnstableBand
+    from floquetrod.rod.answers.verdict import Margin
+    from floquetrod.rod.friction.kicks import CriticalKick
+    from floquetrod.rod.friction.mode_friction import ModeFriction
+    from floquetrod.rod.loads.axial import AxialGap, AxialResonance, AxialResponse
+    from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
+    from floquetrod.rod.model.buckling import BucklingForce
+    from floquetrod.rod.model.parts import Channel, Ends, Fluids, Material, Section
 
 __all__ = [
     "AxialGap",
@@ -39,31 +39,31 @@ __all__ = [
 __getattr__ = names_of(
     __name__,
     {
-        "rod.axial": (
+        "rod.loads.axial": (
             "AxialGap",
             "AxialResonance",
             "AxialResponse",
         ),
-        "rod.buckling": ("BucklingForce",),
-        "rod.friction": ("CriticalKick",),
-        "rod.mode_friction": ("ModeFriction",),
-        "rod.modes": (
+        "rod.model.buckling": ("BucklingForce",),
+        "rod.friction.kicks": ("CriticalKick",),
+        "rod.friction.mode_friction": ("ModeFriction",),
+        "rod.mode_equations.modal_systems": (
             "ModalSystem",
             "ModalSystems",
         ),
-        "rod.parts": (
+        "rod.model.parts": (
             "Channel",
             "Ends",
             "Fluids",
             "Material",
             "Section",
         ),
-        "rod.intervals": (
+        "rod.answers.intervals": (
             "BucklingWarning",
             "StabilityInterval",
             "UnstableBand",
         ),
-        "rod.verdict": ("Margin",),
+        "rod.answers.verdict": ("Margin",),
     },
 )
 

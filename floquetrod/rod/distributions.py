@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
-from floquetrod.rod import formulas, parts
-from floquetrod.rod.load import LIMITS, Load, Loads
-from floquetrod.rod.mode_model import ModeModel
+from floquetrod.rod.loads.load import LIMITS, Load, Loads
+from floquetrod.rod.model import formulas, parts
+from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.rod import Rod
 
 Floats = NDArray[np.float64]

@@ -12,11 +12,11 @@ from floquetrod._util.calling import tells_arguments
 from floquetrod._util.version import __version__
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
-from floquetrod.rod.assumptions import warn_unless_uniform
-from floquetrod.rod.axial import require_off_resonance
-from floquetrod.rod.load import LIMITS, AnyLoad, Quantity, kind, require_load
-from floquetrod.rod.mode_friction import friction_and_kick
-from floquetrod.rod.mode_model import ModeModel
+from floquetrod.rod.friction.mode_friction import friction_and_kick
+from floquetrod.rod.loads.axial import require_off_resonance
+from floquetrod.rod.loads.load import LIMITS, AnyLoad, Quantity, kind, require_load
+from floquetrod.rod.model.assumptions import warn_unless_uniform
+from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.plane import LoadPlane
 from floquetrod.rod.rod import Rod
 

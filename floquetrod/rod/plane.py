@@ -12,7 +12,7 @@ from floquetrod._util.arrays import shaped
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, TracedBands
 from floquetrod.plane.judging import VERTEX
-from floquetrod.rod.load import AnyLoad, Loads, Quantity
+from floquetrod.rod.loads.load import AnyLoad, Loads, Quantity
 from floquetrod.rod.rod import Rod
 
 _MOST_FAST, _MOST_SLOW = 100_000, 4000

@@ -15,11 +15,11 @@ from floquetrod._util.content import NoTruthValue
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod._util.report import number as finite
 from floquetrod.floquet.systems.result import Resonance
-from floquetrod.rod.assumptions import warn_unless_uniform
-from floquetrod.rod.axial import AxialGap, between
-from floquetrod.rod.intervals import QUANTITIES, Cause, Search, StabilityInterval, UnstableBand
-from floquetrod.rod.load import KINDS, Load, Progress, Quantity
-from floquetrod.rod.mode_model import ModeModel
+from floquetrod.rod.answers.intervals import QUANTITIES, Cause, Search, StabilityInterval, UnstableBand
+from floquetrod.rod.loads.axial import AxialGap, between
+from floquetrod.rod.loads.load import KINDS, Load, Progress, Quantity
+from floquetrod.rod.model.assumptions import warn_unless_uniform
+from floquetrod.rod.modes.mode_model import ModeModel
 
 
 class Searched(NamedTuple):

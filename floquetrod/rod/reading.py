@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 from floquetrod import units
 from floquetrod._util.arguments import argument_of
 from floquetrod._util.tables import require_file
-from floquetrod.rod.load import KINDS, LIMITS, AxialWave, Load, Quantity, kind
+from floquetrod.rod.loads.load import KINDS, LIMITS, AxialWave, Load, Quantity, kind
 from floquetrod.rod.rod import Rod
 
 if TYPE_CHECKING:
-    from floquetrod.rod.record import ForceRecord
+    from floquetrod.rod.loads.record import ForceRecord
 
 _L = TypeVar("_L", bound=Load)
 
@@ -48,7 +48,7 @@ def read_record(given: Mapping[str, Any], named: Named = str) -> ForceRecord | N
         None if text is None else int(text) if text.isdecimal() else text
         for text in (given["time_column"], given["force_column"])
     )
-    from floquetrod.rod.record import ForceRecord
+    from floquetrod.rod.loads.record import ForceRecord
 
     wanted = "a text file with columns of time and force"
     require_file(named("force"), Path(given["force"]), wanted)

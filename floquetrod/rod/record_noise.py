@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from floquetrod.rod.load import LIMITS, AxialLoad, Loads, Progress, shifted
-from floquetrod.rod.mode_model import ModeModel
-from floquetrod.rod.record import ForceRecord
-from floquetrod.rod.verdict import RodStability
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.loads.load import LIMITS, AxialLoad, Loads, Progress, shifted
+from floquetrod.rod.loads.record import ForceRecord
+from floquetrod.rod.modes.mode_model import ModeModel
 
 NOISE_DRAWS = 20
 """Forces drawn (a choice)."""

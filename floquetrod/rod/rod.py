@@ -15,12 +15,8 @@ from floquetrod._util.calling import level_of_caller, tells_arguments
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.rod.assumptions import warn_unless_uniform
-from floquetrod.rod.constants import HAIRLINE_GROWTH
-from floquetrod.rod.coupling import coupling
-from floquetrod.rod.data import RodData
-from floquetrod.rod.independent import IndependentModel
-from floquetrod.rod.load import (
+from floquetrod.rod.friction.mode_friction import friction_and_kick
+from floquetrod.rod.loads.load import (
     QUANTITIES,
     AnyLoad,
     Loads,
@@ -31,20 +27,24 @@ from floquetrod.rod.load import (
     load_bounds,
     require_load,
 )
-from floquetrod.rod.mode_friction import friction_and_kick
-from floquetrod.rod.mode_model import ModeModel
-from floquetrod.rod.modes import ModalSystem, ModalSystems
-from floquetrod.rod.parts import friction_coefficient
-from floquetrod.rod.plausibility import warn_of_hertz, warn_of_load
+from floquetrod.rod.mode_equations.coupling import coupling
+from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
+from floquetrod.rod.model.assumptions import warn_unless_uniform
+from floquetrod.rod.model.constants import HAIRLINE_GROWTH
+from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.parts import friction_coefficient
+from floquetrod.rod.model.plausibility import warn_of_hertz, warn_of_load
+from floquetrod.rod.modes.independent import IndependentModel
+from floquetrod.rod.modes.mode_model import ModeModel
 
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
-    from floquetrod.rod.friction import CriticalKick, FrictionalRodStability
+    from floquetrod.rod.answers.safe_box import SafeBox
+    from floquetrod.rod.answers.verdict import RodStability
+    from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
+    from floquetrod.rod.loads.record import ForceRecord
     from floquetrod.rod.ranges import StabilityIntervals
-    from floquetrod.rod.record import ForceRecord
-    from floquetrod.rod.safe_box import SafeBox
-    from floquetrod.rod.verdict import RodStability
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -102,7 +102,7 @@ class Rod(RodData):
     Notes
     -----
     Eq. (1) of DOI 10.1115/1.4031710, with the inertia, weight and bending stiffness of a tube in fluids.  Its parts,
-    and what follows from them, are those of `floquetrod.rod.data.RodData`, the data sheet.
+    and what follows from them, are those of `floquetrod.rod.model.data.RodData`, the data sheet.
 
     Examples
     --------
@@ -133,7 +133,7 @@ class Rod(RodData):
         if not coupling(self.end_conditions, self.weight_along, like):
             return IndependentModel(self, like)
         # Loaded where it is needed: a rod with hinged ends answers without.
-        from floquetrod.rod.coupled_model import CoupledModel
+        from floquetrod.rod.modes.coupled import CoupledModel
 
         return CoupledModel(self, like)
 
@@ -151,7 +151,7 @@ class Rod(RodData):
         ModalSystem or HillSystem
             Independent equations where the ends are hinged and the force is a sine, uniform along the rod.  Otherwise
             one system in seconds, its coordinates those of beam functions and a few polynomials, see
-            `floquetrod.rod.beam`.
+            `floquetrod.rod.model.beam`.
 
         Raises
         ------
@@ -184,7 +184,7 @@ class Rod(RodData):
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them.
 
         High modes sit in resonance tongues that grow, but exponentially slowly: the bound is that of
-        `floquetrod.kernels.rod_modes.modes_left_out`, and M is the least for which it is below 1e-12 per second (or
+        `modes_left_out` of ``rod/mode_equations``, and M is the least for which it is below 1e-12 per second (or
         ``growth_tolerance``, if larger).  M grows like the length of the rod.
 
         M never falls as mean force, amplitude or frequency rise, so it serves every load below in each of them: at
@@ -309,7 +309,7 @@ class Rod(RodData):
         >>> round(1e3 * kick, 1), mode, round(1e3 * none_up_to, 1)
         (32.1, 9, 27.8)
         """
-        from floquetrod.rod.friction import critical_kick
+        from floquetrod.rod.friction.kicks import critical_kick
 
         friction = friction_coefficient(friction)
         self.modes_under(require_load("load", load)).require("friction")

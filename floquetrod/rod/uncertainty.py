@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
-from floquetrod.rod.assumptions import assumptions
-from floquetrod.rod.constants import HAIRLINE_GROWTH
 from floquetrod.rod.distributions import Sampling, distributions
-from floquetrod.rod.load import AnyLoad, Progress, require_load
+from floquetrod.rod.loads.load import AnyLoad, Progress, require_load
+from floquetrod.rod.model.assumptions import assumptions
+from floquetrod.rod.model.constants import HAIRLINE_GROWTH
 from floquetrod.rod.rod import Rod
 
 Floats = NDArray[np.float64]

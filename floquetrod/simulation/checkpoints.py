@@ -16,7 +16,7 @@ from floquetrod._util import files
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.locks import Lock, lock_beside
 from floquetrod._util.version import __version__
-from floquetrod.kernels import rod_motion
+from floquetrod.simulation import rod_motion
 from floquetrod.simulation.arithmetic import arithmetic
 from floquetrod.simulation.mesh import ENERGIES
 from floquetrod.simulation.result import RecordedMotion

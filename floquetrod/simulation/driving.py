@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
-from floquetrod.kernels.rod_motion import CLAMPED, FREE, GUIDED, HINGED, End
-from floquetrod.rod.data import RodData
-from floquetrod.rod.load import AxialWave, Load, with_waves
+from floquetrod.rod.loads.load import AxialWave, Load, with_waves
+from floquetrod.rod.model.data import RodData
+from floquetrod.simulation.rod_motion import CLAMPED, FREE, GUIDED, HINGED, End
 
 MOST_HARMONICS = 100  # of a simulated force (a choice: they are summed in every step)
 _ACROSS = {"hinged": HINGED, "clamped": CLAMPED, "guided": GUIDED, "free": FREE}

@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 from floquetrod._util.report import Report, Reported, number
-from floquetrod.rod.friction import CriticalKick
-from floquetrod.rod.load import AxialLoad, with_waves
-from floquetrod.rod.reports import load_lines, shown_in
-from floquetrod.rod.verdict import RodStability
+from floquetrod.rod.answers.reports import load_lines, shown_in
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.friction.kicks import CriticalKick
+from floquetrod.rod.loads.load import AxialLoad, with_waves
 from floquetrod.simulation.growth import GrowthFit
 from floquetrod.simulation.result import BUCKLED_ANGLE
 from floquetrod.units import Unit

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.rod.load import Load
+from floquetrod.rod.loads.load import Load
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.model_error import model_errors
 from floquetrod.simulation.result import RecordedMotion

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import compiled, compiled_for
-from floquetrod.kernels import rod_motion
+from floquetrod.simulation import rod_motion
 from floquetrod.simulation.checkpoints import Checkpoint, Resumable, RunState, frame_shapes
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod

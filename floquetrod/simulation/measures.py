@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import compiled
-from floquetrod.kernels import rod_motion
+from floquetrod.simulation import rod_motion
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.mesh import DiscreteRod
 

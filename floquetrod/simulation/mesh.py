@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod.kernels import rod_motion
-from floquetrod.kernels.rod_motion import CLAMPED, FIRST, FREE, GUIDED, HINGED
-from floquetrod.rod.data import RodData
+from floquetrod.rod.model.data import RodData
+from floquetrod.simulation import rod_motion
 from floquetrod.simulation.driving import Driving
+from floquetrod.simulation.rod_motion import CLAMPED, FIRST, FREE, GUIDED, HINGED
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS
 
 ENERGIES = (
@@ -264,7 +264,7 @@ class DiscreteRod:
         return np.asarray(found / 24.0)
 
     def _curved(self, directions: NDArray[np.float64], driving: Driving) -> float:
-        """Return the sum of squares by which bending stores energy, see `floquetrod.kernels.rod_motion`."""
+        """Return the sum of squares by which bending stores energy, see `floquetrod.simulation.rod_motion`."""
         axis = np.array([1.0, 0.0, 0.0])
         inner = np.diff(directions, axis=0)
         total = np.sum(inner**2) + np.sum(np.diff(inner, axis=0) ** 2) / 12.0

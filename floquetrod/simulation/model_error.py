@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from floquetrod.rod.assumptions import UNIFORM_UP_TO
-from floquetrod.rod.load import AxialLoad, Load, with_waves
+from floquetrod.rod.loads.load import AxialLoad, Load, with_waves
+from floquetrod.rod.model.assumptions import UNIFORM_UP_TO
 from floquetrod.rod.rod import Rod
 
 _MORE = 1.25  # of the effect of segments, for what one wavenumber leaves out (a choice)

@@ -19,8 +19,8 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.report import Report, Reported
 from floquetrod._util.version import __version__
-from floquetrod.rod.load import LIMITS, Load, load_from_dict, load_number, require_load
-from floquetrod.rod.parts import friction_coefficient
+from floquetrod.rod.loads.load import LIMITS, Load, load_from_dict, load_number, require_load
+from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.checkpoints import Checkpoint
 from floquetrod.simulation.driving import LARGEST_STRAIN, MOST_HARMONICS, Driving, half_waves
@@ -100,7 +100,7 @@ class SimulationProblem:
 
     Examples
     --------
-    >>> from floquetrod.rod.load import AxialLoad
+    >>> from floquetrod.rod.loads.load import AxialLoad
     >>> problem = SimulationProblem(Rod.nitinol(), AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0), duration=0.01)
     >>> problem.time_steps.count, problem.replace(duration=0.02).time_steps.count
     (1197, 1995)

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import over_chunks
-from floquetrod.kernels import mathieu, rod_modes
-from floquetrod.rod.constants import ModeConstants
-from floquetrod.rod.load import Loads
+from floquetrod.floquet.kernels import mathieu
+from floquetrod.rod.kernels import modes as rod_modes
+from floquetrod.rod.loads.load import Loads
+from floquetrod.rod.model.constants import ModeConstants
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.start import LEAST_SEGMENTS
 

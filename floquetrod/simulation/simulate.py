@@ -7,7 +7,7 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
-from floquetrod.rod.load import AnyLoad, require_load
+from floquetrod.rod.loads.load import AnyLoad, require_load
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.integration import Progress
 from floquetrod.simulation.problem import Simulation, SimulationProblem
@@ -41,7 +41,7 @@ def simulate(
     Examples
     --------
     >>> rod = Rod.nitinol()
-    >>> from floquetrod.rod.load import AxialLoad
+    >>> from floquetrod.rod.loads.load import AxialLoad
     >>> load = AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
     >>> run = simulate(rod, load, duration=0.01, segments=60, frames=5)
     >>> run.angle.shape, run.complete

@@ -16,12 +16,12 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.batches import flat, pick
 from floquetrod.equations.hill_system import EvenForm
 from floquetrod.floquet.dispatch import SYSTEMS, judge
+from floquetrod.floquet.kernels.system_even import pair_numbers
 from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
 from floquetrod.floquet.verdict import STATUS_CODES
-from floquetrod.kernels.system_even import pair_numbers
 from floquetrod.plane import Progress
 
 System = HillSystem | PeriodicSystem

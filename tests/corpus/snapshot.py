@@ -64,7 +64,7 @@ RESULTS = {
     "LockUp": "ROD.lock_up(0.2)",
     "Margin": "ROD.stability(LOAD).margin('mean')",
     "ModalSystem": "ROD.modal_system(LOAD)",
-    "Pipe": "__import__('floquetrod.rod.catalogue').rod.catalogue.pipes()[0]",
+    "Pipe": "__import__('floquetrod.rod.model.catalogue').rod.catalogue.pipes()[0]",
     "StabilityInterval": "RANGES.intervals[0]",
     "SystemStability": "fr.stability(fr.HillSystem([[1.0]], [[[0.2]]]))",
     "UnstableBand": "RANGES.unstable[0]",

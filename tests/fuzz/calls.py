@@ -76,7 +76,6 @@ LEFT_OUT = {
     "friction.KickRange": "a pair of numbers, constructed by escape_ranges",
     "friction.Trajectory": "constructed by trajectory",
     "friction.UndecidedWarning": "a warning",
-    "FiniteTimeCriterion.modes_are_stable": "for the maps of a rod, whose arguments are checked there",
     "FiniteTimeCriterion.require_alone": "for the maps of a rod, whose arguments are checked there",
     **{
         f"{kind}.{name}": "takes no argument" for kind in ("Hill", "Mathieu", "Meissner") for name in ("pieces", "half")

@@ -13,8 +13,8 @@ from floquetrod._util import validate
 from floquetrod._util.compilation import compiled
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import value_on
+from floquetrod.floquet.kernels.leapfrog import leapfrog_run
 from floquetrod.floquet.verdict import Cost, Stability, Status, classify, declined, discriminant_excess_of
-from floquetrod.kernels.leapfrog import leapfrog_run
 
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
 _FINEST_GRID = 4096  # steps of a period that pieces may ask for so that they meet at steps (a choice)

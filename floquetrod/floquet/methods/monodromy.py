@@ -15,8 +15,8 @@ from floquetrod._util import validate
 from floquetrod._util.compilation import INTERPRETED_UP_TO, runner
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import from_instant
+from floquetrod.floquet.kernels.taylor import ORDER, REACH, advance
 from floquetrod.floquet.verdict import Cost, Stability, classify, declined
-from floquetrod.kernels.taylor import ORDER, REACH, advance
 
 _MOST_STEPS = 1_000_000
 _EPS = 2.220446049250313e-16

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod.equations import Equation, Mathieu
+from floquetrod.floquet.kernels import mathieu as kernels
 from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify, declined
-from floquetrod.kernels import mathieu as kernels
 
 _EPS = 2.220446049250313e-16
 _MOST_ROWS = 250  # rows of a banded matrix beyond which `spectral` declines (a choice: a few seconds of work)
@@ -24,7 +24,7 @@ def spectral(equation: Equation) -> Stability:
     Solutions are bounded when the number of periodic and antiperiodic eigenvalues of -u'' + p u below zero is odd
     (oscillation theorem; DLMF 28.2(v) for Mathieu, Magnus and Winkler, *Hill's Equation*, Thm. 2.1 for Hill).
 
-    *Mathieu.*  The matrices split into four tridiagonal chains (`floquetrod.kernels.mathieu_counts`); the count is that
+    *Mathieu.*  The matrices split into four tridiagonal chains (`mathieu_counts`); the count is that
     of negative pivots d_k = D_k - a - q^2 / d_(k-1).  Stopping rule: let d_k > q and D_j - a >= 2 q for all j > k.
     Then d_(k+1) = D_(k+1) - a - q^2 / d_k > 2 q - q = q, and so on: no later pivot is negative, and the count
     of the infinite matrix is that of its first k rows.  Every pivot is enclosed between two doubles rounded outwards; a

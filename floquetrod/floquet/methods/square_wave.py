@@ -6,8 +6,8 @@ import math
 
 from floquetrod import equations
 from floquetrod.equations import Mathieu, Meissner
+from floquetrod.floquet.kernels.square_wave import square_wave_excess
 from floquetrod.floquet.verdict import Cost, Stability, classify
-from floquetrod.kernels.square_wave import square_wave_excess
 
 _EPS = 2.220446049250313e-16
 

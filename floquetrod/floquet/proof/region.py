@@ -15,9 +15,9 @@ from floquetrod._util import validate
 from floquetrod._util.compilation import compiled_for, runner
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.report import Report, Reported, number
+from floquetrod.floquet.proof.kernels import regions as kernels
+from floquetrod.floquet.proof.kernels.regions_boxes import DAMPING, tail_modes
 from floquetrod.floquet.references import references
-from floquetrod.kernels import regions as kernels
-from floquetrod.kernels.regions_boxes import DAMPING, tail_modes
 
 _MOST_AT_ONCE = 100_000  # parts that wait in one search: tens of megabytes (a choice)
 _STEPS = 2_000  # parts examined between two reports of progress: some tens of milliseconds (a choice)
@@ -256,7 +256,7 @@ def subdivide(
     Parameters
     ----------
     box : sequence of float
-        Ends of F, dF, omega, c1, c2, Omega^2 and lambda, see `floquetrod.kernels.regions`.
+        Ends of F, dF, omega, c1, c2, Omega^2 and lambda, see `floquetrod.floquet.proof.kernels.regions`.
     last : int
     tolerance : float
         Growth in 1/s that counts as none.

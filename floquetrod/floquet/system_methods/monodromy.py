@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.floquet.kernels.system_maps_large import large_seconds, period_map_large
 from floquetrod.floquet.systems import spectra, symplectic, whole
 from floquetrod.floquet.systems.classification import (
     classify_multipliers,
@@ -17,7 +18,6 @@ from floquetrod.floquet.systems.classification import (
 )
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
-from floquetrod.kernels.system_maps_large import large_seconds, period_map_large
 
 _COST = Cost(1, "period")
 _MANY = 100  # equations: for as many or more, the eigenvalues of the map are computed, not those of pairs (a choice)

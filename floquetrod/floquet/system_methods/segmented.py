@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import norms
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.floquet.kernels.system_maps import segment_maps
 from floquetrod.floquet.systems import ladders, spectra
 from floquetrod.floquet.systems.classification import classify_multipliers, declined, undamped_pairs
 from floquetrod.floquet.systems.ladders import Solutions
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.whole import error_stretch
 from floquetrod.floquet.verdict import Cost
-from floquetrod.kernels.system_maps import segment_maps
 
 _FEWEST, _MOST_ROWS = 8, 1000  # segments; rows of the cyclic matrix (a choice: about ten seconds)
 _LARGEST_PHASE = 1e4  # radians in a period (a choice: a second of work)

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import inverses, norms
+from floquetrod.floquet.kernels.system_even import HalfPeriodMap, half_period_map
 from floquetrod.floquet.systems import spectra
-from floquetrod.kernels.system_even import HalfPeriodMap, half_period_map
 
 _EPS = 2.220446049250313e-16
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import norms
-from floquetrod.kernels.system_maps import product, segment_maps
+from floquetrod.floquet.kernels.system_maps import product, segment_maps
 
 
 class PeriodMaps(NamedTuple):

@@ -1,0 +1,1 @@
+"""Compiled code of verdicts on one equation or system."""

@@ -1,0 +1,108 @@
+"""The map over half a period of many equations, one system at a time, by numpy's products of matrices."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.floquet.kernels.system_even_steps import balance, cut_harmonics, plan
+from floquetrod.floquet.kernels.system_large import (
+    LEVELS,
+    Matrix,
+    Stop,
+    applied,
+    chain,
+    crossing,
+    joined,
+    norm_bound,
+    split,
+    stop_rule,
+    tail,
+)
+from floquetrod.floquet.kernels.system_series import ROUNDING, coefficient_bound
+
+Floats = NDArray[np.float64]
+
+
+@np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
+def half_period_large(
+    s: Floats, f: Floats, first: int, omega: float, accuracy: float, reach: float, symmetric: bool, slack: float
+) -> tuple[Floats, Floats, float]:
+    """Return the map (2 n, 2 n) in balanced coordinates, their scales g and the error, as `half_period_fill` does."""
+    n = len(s)
+    norms = np.array([norm_bound(matrix) for matrix in f])
+    g = np.empty(n)
+    size, slow, fast = balance(s, f, omega, g)
+    segments, terms, ratio, rounding = plan(size, norms, first, omega, accuracy, reach, n)
+    if segments == 0:
+        return np.full((2 * n, 2 * n), math.nan), g, math.inf
+    h = 0.5 * math.pi / (omega * segments)
+    most, cut = cut_harmonics(norms, first, omega, h, terms, slow, accuracy)
+    noise = rounding + cut + slack * coefficient_bound(size, norms, first, 0.0) / slow * h
+    stop = stop_rule(n, h * h * size, h * h * norms, first, omega * h, (slow * h, fast * h), max(accuracy, noise))
+    harmonics = np.arange(first, first + len(f))
+    signs = (-1.0) ** harmonics
+    blocks: list[Matrix] = list(f)
+    if symmetric:
+        blocks = [split(matrix, ROUNDING * norm) for matrix, norm in zip(f, norms, strict=True)]
+        noise += LEVELS * ROUNDING * float(norms.sum()) / slow * h
+    transposed = blocks if symmetric else list(f.swapaxes(-1, -2))
+    scale = g[:, None] / g[None, :]
+    rate = h * g[:, None] * g[None, :]
+
+    index = np.arange(float(terms))
+    angles = harmonics[:, None] * (omega * h)
+    even = np.cumprod(
+        np.hstack([np.ones((len(f), 1)), -(angles**2) / ((2.0 * index[1:] - 1.0) * (2.0 * index[1:]))]), axis=1
+    ).astype(float)
+    maps, errors = [], []
+    for end, (matrices, weights) in enumerate(((blocks, even), (transposed, signs[:, None] * even))):
+        value, slope, rest = _even_sums(s, matrices, weights, most, h, terms, ratio, stop, constant=first == 0)
+        a, b = value[:, :n] * scale, value[:, n:] * rate
+        c, d = slope[:, :n] / rate, (slope[:, n:] + value[:, n:]) / scale
+        maps.append(np.block([[a, b], [c, d]] if end == 0 else [[d.T, b.T], [c.T, a.T]]))
+        errors.append(noise + rest)
+
+    order = 2 * terms
+    index = np.arange(order + 1)
+    factorials = np.cumprod(np.maximum(index, 1.0))
+    for segment in range(1, segments):
+        centre = math.pi * (harmonics * segment % (2 * segments)) / segments
+        mixed = np.cos(centre[:, None] + 0.5 * math.pi * index) * angles**index / factorials
+        forth, back, rest = crossing(s, blocks, mixed, 2 * most + 1, h, order, ratio, stop, constant=first == 0)
+        matrix, wrong = joined(forth, back, noise + rest, g, h, symmetric=symmetric)
+        maps.insert(-1, matrix)
+        errors.insert(-1, wrong)
+    product, error = chain(maps, errors)
+    return product, g, error
+
+
+def _even_sums(
+    s: Floats, matrices: Sequence[Matrix], c: Floats, most: int, h: float, terms: int, ratio: float, stop: Stop,
+    *, constant: bool,
+) -> tuple[Floats, Floats, float]:  # fmt: skip
+    """Return values and slopes at h of the even solutions and, over h, of the odd ones, and what is left out."""
+    n = len(s)
+    divisors = np.repeat([[1.0], [2.0]], n, axis=1).ravel()
+    x = np.empty((terms, n, 2 * n))
+    x[0] = np.hstack([np.eye(n), np.eye(n)])
+    sizes = np.zeros(2 * terms - 1)
+    sizes[0] = math.sqrt(2.0 * n)
+    for i in range(terms - 1):
+        out = applied(x, i, c, most, s, matrices, constant=constant)
+        np.multiply(out, -h * h / ((2.0 * i + divisors) * (2.0 * i + 1.0 + divisors)), out=x[i + 1])
+        sizes[2 * i + 2] = math.sqrt(float(np.vdot(x[i + 1], x[i + 1])))
+        rest = stop.left_out(sizes[: 2 * i + 3])
+        if rest < stop.tolerance:
+            x = x[: i + 2]
+            break
+    else:
+        rest = stop.factor(2 * terms) * tail(sizes[::2], ratio**-4.0) / (1.0 - ratio**-2.0) ** 2
+    value, slope = x[-1].copy(), 2.0 * (len(x) - 1.0) * x[-1]
+    for i in range(len(x) - 2, -1, -1):
+        value += x[i]
+        slope += 2.0 * i * x[i]
+    return value, slope, rest

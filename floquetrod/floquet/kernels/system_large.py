@@ -1,0 +1,242 @@
+"""What the maps of many equations share: Taylor series of u'' + K(t) u = 0 whose products of matrices are numpy's."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.floquet.kernels.system_series import ROUNDING
+
+Floats = NDArray[np.float64]
+
+_WORTH_STOPPING = 50
+"""Number of equations beyond which a product of matrices costs more than bounding the rest of a series (heuristic)."""
+_BEYOND = 40  # terms that a bound follows one by one before it ends in a geometric series
+_SMALLEST_BLOCK = 100  # rows below which a matrix is not split (heuristic)
+_COLUMNS = 256  # of a series that are computed at once, so that its last terms stay in the cache (measured)
+LEVELS = 6
+"""Levels of a `split` matrix of at most 2,000 rows, the blocks at its ends included."""
+_FARTHEST = 500  # terms that it follows at most
+
+
+class Split(NamedTuple):
+    """A symmetric matrix [[A, U V], [(U V)^T, D]]; its blocks A and D are matrices or of this form again."""
+
+    upper: Matrix
+    left: Floats
+    right: Floats
+    lower: Matrix
+
+
+Matrix = Floats | Split
+
+
+def split(matrix: Floats, tolerance: float) -> Matrix:
+    """Return a large symmetric matrix with off-diagonal blocks of low rank as far as that makes products cheaper.
+
+    What is dropped is below ``tolerance`` in the 2-norm at each of at most `LEVELS` levels.
+    """
+    n = len(matrix)
+    half = n // 2
+    if half < _SMALLEST_BLOCK:
+        return matrix
+    left, sizes, right = np.linalg.svd(matrix[:half, half:], full_matrices=False)
+    rank = int((sizes > tolerance).sum())
+    if rank > n // 8:
+        return matrix
+    upper, lower = split(matrix[:half, :half].copy(), tolerance), split(matrix[half:, half:].copy(), tolerance)
+    return Split(upper, left[:, :rank] * sizes[:rank], right[:rank], lower)
+
+
+def add_product(matrix: Matrix, x: Floats, out: Floats) -> None:
+    """Add matrix @ x to ``out``."""
+    if not isinstance(matrix, Split):
+        out += matrix @ x
+        return
+    half = len(matrix.left)
+    add_product(matrix.upper, x[:half], out[:half])
+    out[:half] += matrix.left @ (matrix.right @ x[half:])
+    add_product(matrix.lower, x[half:], out[half:])
+    out[half:] += matrix.right.T @ (matrix.left.T @ x[:half])
+
+
+def applied(
+    x: Floats, i: int, c: Floats, most: int, s: Floats, matrices: Sequence[Matrix], *, constant: bool
+) -> Floats:
+    """Return s x_i + sum_k F_k sum_l c_kl x_(i-l), l up to ``most``; x_j is row j of x modulo its length.
+
+    ``constant``: c_0l is 0 but for l = 0.
+    """
+    rows = len(x)
+    current = x[i % rows]
+    out: Floats = s[:, None] * current
+    flat = x[: i + 1].reshape(min(i + 1, rows), -1)
+    lags = np.arange(min(i, most) + 1)
+    weights = np.zeros((len(matrices), len(flat)))
+    weights[:, (i - lags) % rows] = c[: len(matrices), : len(lags)]
+    first = int(constant)
+    mixed = (weights[first:] @ flat).reshape(-1, *out.shape)
+    for k, matrix in enumerate(matrices):
+        add_product(matrix, current if k < first else mixed[k - first], out)
+    return out
+
+
+def tail(sizes: Floats, shrink: float) -> float:
+    """Return `system_series.tail` of a series, from the Frobenius norms of its terms."""
+    return math.sqrt(float(np.square(sizes) @ shrink ** np.arange(len(sizes), 0, -1.0)))
+
+
+class Stop(NamedTuple):
+    """When a series u(t + h x) = sum_j u_j x^j may end: what is left out of the maps in balanced coordinates is small.
+
+    Attributes
+    ----------
+    rates : ndarray
+        Bounds of the Taylor coefficients of h^2 K, in units of h.
+    doubled : float
+        Bound of 4 h^2 K at twice the reach.
+    level, slope : float
+        An error u_j of the series is one of (level + slope j) |u_j| of the maps.
+    tolerance : float
+        Error of the maps at which the series ends.
+    """
+
+    rates: Floats
+    doubled: float
+    level: float
+    slope: float
+    tolerance: float
+
+    def factor(self, power: int) -> float:
+        """Return the factor from the error of a power to that of the maps."""
+        return self.level + self.slope * power
+
+    def left_out(self, sizes: Floats) -> float:
+        """Bound the error of the maps from ending a series whose terms have the norms ``sizes``.
+
+        |u_(j+2)| <= sum_l |K_l| |u_(j-l)| / ((j + 1) (j + 2)): this is followed for some terms, beyond which it allows
+        bounds to fall by half from one to the next.
+        """
+        count = len(sizes)
+        last = max(count + _BEYOND, math.ceil(math.sqrt(min(self.doubled, 4.0 * len(self.rates) ** 2))))
+        if last >= len(self.rates):
+            return math.inf
+        bounds = np.zeros(last + 1)
+        bounds[:count] = sizes
+        for j in range(count - 2, last - 1):
+            bounds[j + 2] = self.rates[: j + 1] @ bounds[j::-1] / ((j + 1.0) * (j + 2.0))
+        index = np.arange(last + 1.0)
+        beyond = float((bounds * 2.0**index).max()) * 2.0**-last * (self.level + self.slope * (last + 2.0))
+        return float(bounds[count:] @ (self.level + self.slope * index[count:])) + beyond
+
+
+def stop_rule(
+    n: int, size: float, norms: Floats, first: int, angle: float, phases: tuple[float, float], tolerance: float
+) -> Stop:
+    """Return the rule for K = S + sum_k F_k cos(k w t + phase), |S| <= ``size``, |F_k| <= ``norms``, w h = ``angle``.
+
+    These are in units of h; ``phases`` are the least and the largest rate of the balanced coordinates.  A series of few
+    equations is not stopped: its terms cost less than the rule.
+    """
+    slow, fast = phases
+    index = np.arange(1.0, _FARTHEST)
+    harmonics = np.arange(first, first + len(norms))
+    powers = np.cumprod(np.hstack([np.ones((len(norms), 1)), harmonics[:, None] * angle / index]), axis=1)
+    rates = norms @ powers
+    rates[0] += size
+    doubled = 4.0 * float(rates @ 2.0 ** np.arange(float(len(rates)))) if n >= _WORTH_STOPPING else math.inf
+    spread = math.sqrt(fast / slow)
+    slope = spread + 1.0 / slow
+    return Stop(rates, doubled, spread + fast + slope, slope, tolerance)
+
+
+def crossing(
+    s: Floats, matrices: Sequence[Matrix], c: Floats, most: int, h: float, order: int, ratio: float, stop: Stop,
+    *, constant: bool,
+) -> tuple[Floats, Floats, float]:  # fmt: skip
+    """Return the maps of (u, h u') from a centre to h after and before it (2 n, 2 n), and what is left out of them.
+
+    ``c`` are the Taylor coefficients in units of h of the factors of the matrices, of which ``most`` + 1 are used.  The
+    series has powers up to ``order``, if it is not stopped.
+    """
+    n = len(s)
+    parts = [slice(start, min(start + _COLUMNS, 2 * n)) for start in range(0, 2 * n, _COLUMNS)]
+    stop = stop._replace(tolerance=stop.tolerance / math.sqrt(len(parts)))
+    forth, back = np.empty((2, 2 * n, 2 * n))
+    rests = []
+    for part in parts:
+        x = np.zeros((min(order + 1, most + 2), n, part.stop - part.start))
+        x[0], x[1] = np.split(np.eye(2 * n)[:, part], 2)
+        even, odd, rest = _summed(s, matrices, c, most, h, order, ratio, stop, x, constant=constant)
+        forth[:, part], back[:, part] = even + odd, even - odd
+        rests.append(rest)
+    return forth, back, math.hypot(*rests)
+
+
+def _summed(
+    s: Floats, matrices: Sequence[Matrix], c: Floats, most: int, h: float, order: int, ratio: float, stop: Stop,
+    x: Floats, *, constant: bool,
+) -> tuple[Floats, Floats, float]:  # fmt: skip
+    """Return the even and the odd part of (u, h u') at h, and what is left out, from the first two terms in ``x``."""
+    sizes = np.zeros(order + 1)
+    sizes[:2] = np.linalg.norm(x[0]), np.linalg.norm(x[1])
+    n = len(s)
+    sums = np.zeros((2, 2 * n, x.shape[-1]))  # of even and odd powers
+    sums[0, :n], sums[1, :n], sums[0, n:] = x[0], x[1], x[1]
+    for i in range(order - 1):
+        out = applied(x, i, c, most, s, matrices, constant=constant)
+        out *= -h * h / ((i + 1.0) * (i + 2.0))
+        x[(i + 2) % len(x)] = out
+        sizes[i + 2] = math.sqrt(float(np.vdot(out, out)))
+        sums[i % 2, :n] += out
+        out *= i + 2.0
+        sums[1 - i % 2, n:] += out  # the slope is odd where the value is even
+        rest = stop.left_out(sizes[: i + 3]) if i % 2 else math.inf
+        if rest < stop.tolerance:
+            break
+    else:
+        rest = stop.factor(order) * tail(sizes, ratio**-2.0) / (1.0 - 1.0 / ratio) ** 2
+    return sums[0], sums[1], rest
+
+
+def joined(forth: Floats, back: Floats, error: float, g: Floats, h: float, *, symmetric: bool) -> tuple[Floats, float]:
+    """Return the map between both sides of a centre in balanced coordinates, and its error; see `crossing`."""
+    n = len(g)
+    outer = np.concatenate([g, 1.0 / (h * g)])
+    forth, back = (matrix * (outer[:, None] / outer[None, :]) for matrix in (forth, back))
+    if symmetric:
+        back = np.block([[back[n:, n:].T, -back[:n, n:].T], [-back[n:, :n].T, back[:n, :n].T]])
+    else:
+        back = np.asarray(np.linalg.inv(back))
+    one, two = norm_bound(forth), norm_bound(back)
+    wrong = error * (one + two + error) + ROUNDING * (2.0 * n + 2.0) * one * two
+    if not symmetric:
+        wrong += (error + 8.0 * n * ROUNDING) * one * two * two
+    return forth @ back, wrong
+
+
+def norm_bound(matrix: Floats) -> float:
+    """Bound the spectral norm of a matrix from its entries."""
+    sizes = np.abs(matrix)
+    product = float(sizes.sum(axis=0).max()) * float(sizes.sum(axis=1).max())
+    return min(float(np.linalg.norm(matrix)), math.sqrt(product))
+
+
+def chain(maps: list[Floats], errors: list[float]) -> tuple[Floats, float]:
+    """Return the product of maps, the first acting first, and its error; see `system_series.chain_error`."""
+    size = len(maps[0])
+    prefixes = [np.eye(size), maps[0]]
+    for factor in maps[1:]:
+        prefixes.append(factor @ prefixes[-1])
+    total, share, suffix = 0.0, 0.0, np.eye(size)
+    for j in range(len(maps) - 1, -1, -1):
+        norm = norm_bound(maps[j])
+        local = errors[j] + (ROUNDING * (size + 2.0) * norm * math.sqrt(size) if j else 0.0)
+        total += norm_bound(suffix) * local * norm_bound(prefixes[j])
+        share += local / norm if norm > 0.0 else math.inf
+        suffix = suffix @ maps[j] if j else suffix
+    return prefixes[-1], total * math.exp(min(share * len(maps), 50.0))

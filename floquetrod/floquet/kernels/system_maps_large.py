@@ -1,0 +1,100 @@
+"""The map over a period of many equations u'' + K(t) u = 0, K symmetric, by numpy's products of matrices."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.floquet.kernels.system_even_steps import balance
+from floquetrod.floquet.kernels.system_large import LEVELS, chain, crossing, joined, norm_bound, split, stop_rule
+from floquetrod.floquet.kernels.system_series import MOST_TERMS, ROUNDING, coefficient_bound, plan_segments, reach
+
+Floats = NDArray[np.float64]
+
+_FINEST = 1e-13  # error of a segment for each equation: below it the bounds of rounding in products outweigh it
+
+
+def large_seconds(stiffness: Floats, harmonics: NDArray[np.complex128], period: float) -> float:
+    """Return about how long the map takes and its eigenvalues, in seconds: measured on one core of 2024."""
+    n, parts = len(stiffness), sum(bool(part.any()) for z in harmonics for part in (z.real, z.imag))
+    size = norm_bound(stiffness) + sum(norm_bound(np.abs(z)) for z in harmonics)
+    segments = max(1.0, 0.5 * period * math.sqrt(size) / reach(1e-12), 0.5 * len(harmonics))
+    return n**3 * (6e-11 * segments * (30.0 * parts + 10.0) + 8e-9) + 1e-3
+
+
+@np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
+def period_map_large(
+    stiffness: Floats, harmonics: NDArray[np.complex128], period: float, doubt: float, accuracy: float
+) -> tuple[Floats, float]:
+    """Return the map over a period of u'' + (S + Re sum_k Z_k exp(i k w t)) u = 0, and its error.
+
+    Parameters
+    ----------
+    stiffness, harmonics : ndarray, (n, n), (H, n, n)
+        S and Z_1..Z_H, symmetric.
+    period : float
+        2 pi / w.
+    doubt : float
+        Error of K in the 2-norm.
+    accuracy : float
+        The error aimed at per segment, in balanced coordinates; no less than 1e-13 for each equation.
+
+    Returns
+    -------
+    map : ndarray, (2 n, 2 n)
+        Symplectic: of (v, p), u = basis v and u' = basis^-T p, basis eigenvectors of S over the roots of rates.
+    error : float
+        Bound of its Frobenius norm, absolute: truncation bounded from the computed terms, rounding and the effect of
+        ``doubt`` estimated.  Infinite where the period holds too many waves.
+    """
+    n, omega = len(stiffness), 2.0 * math.pi / period
+    accuracy = max(accuracy, n * _FINEST)
+    if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):
+        s, slack = stiffness.diagonal().copy(), 2.0 * ROUNDING
+    else:
+        s, q = np.linalg.eigh(stiffness)
+        harmonics = q.T @ harmonics.real @ q + 1j * (q.T @ harmonics.imag @ q)
+        slack = ROUNDING * (4.0 + 4.0 * math.sqrt(n))
+    # Re Z exp(i k w t) = Re Z cos(k w t) + Im Z cos(k w t + pi / 2)
+    parts = [(k, turn, m) for k, z in enumerate(harmonics, 1) for turn, m in ((0.0, z.real), (0.5, z.imag)) if m.any()]
+    matrices = [np.ascontiguousarray(matrix) for _, _, matrix in parts]
+    norms = np.zeros(max((k for k, _, _ in parts), default=0))
+    for k, _, matrix in parts:
+        norms[k - 1] = math.hypot(norms[k - 1], norm_bound(matrix))
+    g = np.empty(n)
+    size, slow, fast = balance(s, np.abs(np.reshape(matrices, (-1, n, n))), omega, g)
+    bound = math.sqrt(coefficient_bound(size, norms, 1, 0.0))
+    fewest = max(1, math.ceil(min(0.5 * period * bound / reach(accuracy), 1e9)))
+    segments, order, ratio, phase = plan_segments(
+        size, norms, 1, omega, 0.5 * period, fewest, accuracy, reach(accuracy), 2 * MOST_TERMS - 2, True
+    )
+    if segments == 0:
+        return np.full((2 * n, 2 * n), math.nan), math.inf
+    h = 0.5 * period / segments
+    largest = coefficient_bound(size, norms, 1, omega * h)
+    forcing = (largest - size) / largest if largest > 0.0 else 0.0
+    noise = ROUNDING * (1.0 + 0.5 * phase) * (4.0 + forcing * (n + 6.0)) * math.cosh(phase)
+    index = np.arange(order + 1)
+    orders = np.array([k for k, _, _ in parts], dtype=int)
+    turns = np.array([turn for _, turn, _ in parts])
+    powers = (orders[:, None] * (omega * h)) ** index / np.cumprod(np.maximum(index, 1.0))
+    # Powers of the factors too small to matter are left out.
+    ends = np.cumsum((norms[orders - 1] @ powers)[::-1])[::-1] * 2.0 * h / slow
+    most = max(int((ends > 0.1 * noise).sum()) - 1, 0)
+    noise += slack * bound * bound / slow * h + (float(ends[most + 1]) if most < order else 0.0)
+    dropped = max(ROUNDING * float(norms.sum()), 0.1 * accuracy * slow / (h * LEVELS))
+    noise += LEVELS * dropped / slow * h
+    stop = stop_rule(n, h * h * size, h * h * norms, 1, omega * h, (slow * h, fast * h), max(accuracy, noise))
+    blocks = [split(matrix, dropped / len(matrices)) for matrix in matrices]
+    maps, errors = [], []
+    for segment in range(segments):
+        place = orders * (2 * segment + 1) % (2 * segments) / segments  # of the centre, in half turns
+        factors = np.cos(math.pi * (place + turns)[:, None] + 0.5 * math.pi * index) * powers
+        forth, back, rest = crossing(s, blocks, factors, most, h, order, ratio, stop, constant=False)
+        matrix, wrong = joined(forth, back, noise + rest, g, h, symmetric=True)
+        maps.append(matrix)
+        errors.append(wrong)
+    product, error = chain(maps, errors)
+    return product, error + period * doubt / slow * max(norm_bound(product), 1.0) ** 2

@@ -1,0 +1,1 @@
+"""Compiled code of proofs for boxes of loads and rods."""

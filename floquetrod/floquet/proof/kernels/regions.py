@@ -1,0 +1,370 @@
+"""Kernels that prove how the modes of a rod behave under every load and every rod of a box, subdividing it.
+
+What a box is says `floquetrod.floquet.proof.kernels.regions_boxes`; all conclusions are proved, rounding included.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util.compilation import kernel
+from floquetrod.floquet.proof.kernels.regions_boxes import (
+    AMPLITUDE,
+    BENDING,
+    DAMPING,
+    FREQUENCY,
+    MEAN,
+    PUSH,
+    SWING,
+    mode_box,
+    status_of_mode,
+    tail_modes,
+)
+from floquetrod.floquet.proof.kernels.regions_excess import excess
+from floquetrod.floquet.proof.kernels.regions_modes import GROWS, QUIET, UNKNOWN
+
+DONE, WAITING, FIRST, QUIET_PARTS, GROWING_PARTS, OPEN_PARTS, GROWING_MODE = range(7)
+"""Entries of `BoxSearch.counts`."""
+
+_LISTED = 62  # pending modes remembered one by one for each box
+_FINEST = 1e-13  # relative width below which a side is not bisected
+
+
+class BoxSearch(NamedTuple):
+    """State of a subdivision, changed by `certify_box`: boxes wait in line, each half as large as the one it came from.
+
+    Attributes
+    ----------
+    boxes : ndarray, shape (n, 7, 2)
+        Boxes still to be examined, in a ring.
+    pending : ndarray of int, shape (n, 1 + listed)
+        Of each, how many modes have not been proved quiet, then which; -1 and the first where they are too many.
+    shares : ndarray, shape (n + 3,)
+        The first three: shares of the volume proved quiet, proved growing, and given up.  Then that of each box.
+    counts : ndarray of int, shape (7,)
+        Boxes examined; boxes waiting and where the first of them is; parts proved quiet, proved growing (single points
+        found on the way count as parts), given up (too small to be bisected); the mode that grows in the growing
+        example, 0 where there is none.
+    examples : ndarray, shape (2, 7, 2)
+        A box proved quiet and a box proved growing; NaN where there is none.  They may be single points.
+    last : int
+        Modes 1 to ``last`` are looked at.
+    """
+
+    boxes: NDArray[np.float64]
+    pending: NDArray[np.int64]
+    shares: NDArray[np.float64]
+    counts: NDArray[np.int64]
+    examples: NDArray[np.float64]
+    last: int
+
+
+def box_search(box: NDArray[np.float64], last: int, max_boxes: int) -> BoxSearch:
+    """Return the beginning of a subdivision of a box, shape (7, 2), which may come to ``max_boxes`` boxes.
+
+    Its fields are the first arguments of `certify_box`.
+    """
+    room = max_boxes + 2
+    search = BoxSearch(
+        np.empty((room, 7, 2)),
+        np.empty((room, 1 + min(last, _LISTED)), dtype=np.int64),
+        np.empty(room + 3),
+        np.empty(7, dtype=np.int64),
+        np.empty((2, 7, 2)),
+        last,
+    )
+    search.boxes[0] = box
+    start_search(*search)
+    return search
+
+
+@kernel
+def start_search(boxes: Any, pending: Any, shares: Any, counts: Any, examples: Any, last: int) -> None:
+    """Make the first of ``boxes`` the one to be subdivided."""
+    pending[0, 0] = -1
+    pending[0, 1] = 1
+    for i in range(3):
+        shares[i] = 0.0
+    for i in range(2):
+        for row in range(7):
+            examples[i, row, 0] = math.nan
+            examples[i, row, 1] = math.nan
+    shares[3] = 1.0
+    for i in range(len(counts)):
+        counts[i] = 0
+    counts[WAITING] = 1
+
+
+@kernel
+def _side_to_bisect(box: Any, mode: int) -> int:
+    """Return the row of the box whose width keeps the mode undecided most, -1 where all are too narrow."""
+    m2 = float(mode) * float(mode)
+    slow = box[FREQUENCY, 0]
+    fast = box[FREQUENCY, 1]
+    push = 0.5 * (box[PUSH, 0] + box[PUSH, 1]) * m2
+    mean = 0.5 * (box[MEAN, 0] + box[MEAN, 1])
+    amplitude = 0.5 * (box[AMPLITUDE, 0] + box[AMPLITUDE, 1])
+    bending = 0.5 * (box[BENDING, 0] + box[BENDING, 1]) * m2 * m2
+    swing = 0.5 * (box[SWING, 0] + box[SWING, 1])
+    kappa = bending - push * mean + swing
+    best = -1
+    widest = 0.0
+    for row in range(7):
+        low = box[row, 0]
+        high = box[row, 1]
+        width = high - low
+        if not width > _FINEST * max(abs(low), abs(high)):
+            continue
+        if row == MEAN:
+            effect = push * width
+        elif row == AMPLITUDE:
+            effect = 0.5 * push * width
+        elif row == FREQUENCY:
+            effect = 2.0 * (abs(kappa) + 0.5 * push * amplitude) * width / (0.5 * (slow + fast))
+        elif row == BENDING:
+            effect = m2 * m2 * width
+        elif row == PUSH:
+            effect = m2 * (abs(mean) + 0.5 * amplitude) * width
+        elif row == SWING:
+            effect = width
+        else:
+            effect = width * max(abs(low), abs(high)) * 2.0 + width * (slow + fast)
+        if not effect <= widest:
+            widest = effect
+            best = row
+    return best
+
+
+@kernel
+def _at(box: Any, along: float, force: float, point: Any) -> None:
+    """Fill ``point`` with a point of a box: on the way to the smallest a, and on that to the largest amplitude."""
+    for row in range(7):
+        falls = row in (BENDING, SWING)
+        share = 1.0 - along if falls else along
+        if row == AMPLITUDE:
+            share = force
+        elif row == DAMPING:
+            share = 1.0 - force
+        value = box[row, 0] + share * (box[row, 1] - box[row, 0])
+        point[row, 0] = min(max(value, box[row, 0]), box[row, 1])
+        point[row, 1] = point[row, 0]
+
+
+@kernel
+def _excess_at(box: Any, mode: int, parity: int, along: float, point: Any) -> float:
+    """Return the excess of a mode at `_at`, about, and leave the point in ``point``."""
+    _at(box, along, 1.0, point)
+    kl, kh, pl, ph = mode_box(point, mode)
+    low, high = excess(kl, kh, pl, ph, point[FREQUENCY, 0], point[FREQUENCY, 0], parity)
+    return 0.5 * (low + high) if low > -math.inf and high < math.inf else -math.inf
+
+
+@kernel
+def aim(box: Any, mode: int, point: Any) -> None:
+    """Fill ``point`` with the middle of the first tongue of a mode in a box, about, where it grows if it does anywhere.
+
+    Between two tongues of the other parity the excess has one maximum along a: a golden section finds it.
+    """
+    kl, kh, _, _ = mode_box(box, mode)
+    low = 2.0 * math.sqrt(max(kl, 0.0)) / box[FREQUENCY, 1]
+    high = 2.0 * math.sqrt(max(kh, 0.0)) / box[FREQUENCY, 0]
+    order = min(math.ceil(low - 0.2), math.floor(high + 0.2))
+    parity = int(order) % 2
+    left, right = 0.0, 1.0
+    for _ in range(2):
+        wanted = order + 0.6 if left == 0.0 else order - 0.6
+        below, above = 0.0, 1.0
+        for _ in range(12):
+            middle = 0.5 * (below + above)
+            _at(box, middle, 1.0, point)
+            middle_kappa, _, _, _ = mode_box(point, mode)
+            if 2.0 * math.sqrt(max(middle_kappa, 0.0)) > wanted * point[FREQUENCY, 0]:
+                below = middle
+            else:
+                above = middle
+        if left == 0.0:
+            left = below
+        else:
+            right = above
+    ratio = 0.6180339887498949
+    first = right - ratio * (right - left)
+    second = left + ratio * (right - left)
+    at_first = _excess_at(box, mode, parity, first, point)
+    at_second = _excess_at(box, mode, parity, second, point)
+    for _ in range(50):
+        if at_first >= at_second:
+            right, second, at_second = second, first, at_first
+            first = right - ratio * (right - left)
+            at_first = _excess_at(box, mode, parity, first, point)
+        else:
+            left, first, at_first = first, second, at_second
+            second = left + ratio * (right - left)
+            at_second = _excess_at(box, mode, parity, second, point)
+    _at(box, first if at_first >= at_second else second, 1.0, point)
+
+
+@kernel
+def _quiet(box: Any, last: int, tolerance_low: float, tolerance_high: float) -> bool:
+    """Return whether modes 1 to ``last`` are proved quiet."""
+    quiet = 0
+    while quiet < last and status_of_mode(box, quiet + 1, tolerance_low, tolerance_high) == QUIET:
+        quiet += 1
+    return quiet == last
+
+
+@kernel
+def _copy(box: Any, boxes: Any, place: int) -> None:
+    """Store a box among others."""
+    for row in range(7):
+        boxes[place, row, 0] = box[row, 0]
+        boxes[place, row, 1] = box[row, 1]
+
+
+@kernel
+def certify_box(
+    boxes: Any,
+    pending: Any,
+    shares: Any,
+    counts: Any,
+    examples: Any,
+    last: int,
+    tolerance_low: float,
+    tolerance_high: float,
+    steps: int,
+) -> bool:
+    """Examine up to ``steps`` boxes of a `BoxSearch`, and return whether it goes on: call again.
+
+    It ends when no box is left, when there is no room for more, or when one has been proved quiet and one growing.
+    ``shares``, ``counts`` and ``examples`` then tell the answer: all quiet where no part was proved growing, given up
+    or is waiting, and so on.  "Quiet" is said of modes 1 to ``last``; `tail_modes` covers the others.
+    """
+    room = len(boxes)
+    point = np.empty((7, 2))
+    for _ in range(steps):
+        if counts[WAITING] == 0 or (counts[QUIET_PARTS] > 0 and counts[GROWING_PARTS] > 0):
+            return False
+        if counts[WAITING] + 2 > room:
+            return False
+        here = counts[FIRST]
+        box = boxes[here]
+        listed = pending[here, 0]
+        grows = 0
+        left = 0
+        undecided = 0
+        first = pending[here, 1]
+        for i in range(listed if listed >= 0 else last - first + 1):
+            mode = pending[here, 1 + i] if listed >= 0 else first + i
+            status = status_of_mode(box, mode, tolerance_low, tolerance_high)
+            if status == GROWS:
+                grows = mode
+                break
+            if status == UNKNOWN:
+                left += 1
+                if left == 1:
+                    undecided = mode
+                if left < pending.shape[1]:
+                    pending[here, left] = mode
+        counts[DONE] += 1
+        counts[WAITING] -= 1
+        counts[FIRST] = (here + 1) % room
+        share = shares[3 + here]
+        if grows > 0 or left == 0:
+            kind = 1 if grows > 0 else 0
+            if counts[QUIET_PARTS + kind] == 0:
+                _copy(box, examples, kind)
+                if grows > 0:
+                    counts[GROWING_MODE] = grows
+            counts[QUIET_PARTS + kind] += 1
+            shares[kind] += share
+            continue
+        row = _side_to_bisect(box, undecided)
+        if row < 0:
+            counts[OPEN_PARTS] += 1
+            shares[2] += share
+            continue
+        now_and_then = counts[DONE] & (counts[DONE] - 1) == 0  # 1, 2, 4, 8, ...
+        if now_and_then and counts[QUIET_PARTS] == 0:
+            for end in range(2):
+                _at(box, float(end), 0.0, point)
+                if _quiet(point, last, tolerance_low, tolerance_high):
+                    counts[QUIET_PARTS] = 1
+                    _copy(point, examples, 0)
+                    break
+        if now_and_then and counts[GROWING_PARTS] == 0:
+            aim(box, undecided, point)
+            if status_of_mode(point, undecided, tolerance_low, tolerance_high) == GROWS:
+                counts[GROWING_PARTS] = 1
+                counts[GROWING_MODE] = undecided
+                _copy(point, examples, 1)
+        middle = 0.5 * (box[row, 0] + box[row, 1])
+        for half in range(2):
+            there = (counts[FIRST] + counts[WAITING]) % room
+            _copy(box, boxes, there)
+            boxes[there, row, 1 - half] = middle
+            if left < pending.shape[1]:
+                pending[there, 0] = left
+                for i in range(1, left + 1):
+                    pending[there, i] = pending[here, i]
+            else:
+                pending[there, 0] = -1
+                pending[there, 1] = undecided
+            shares[3 + there] = 0.5 * share
+            counts[WAITING] += 1
+    return True
+
+
+@kernel
+def certify_cells(
+    mean_low: Any,
+    mean_high: Any,
+    amplitude_low: Any,
+    amplitude_high: Any,
+    frequency_low: Any,
+    frequency_high: Any,
+    out: Any,
+    rod: Any,
+    tolerance_low: float,
+    tolerance_high: float,
+    smallest: float,
+    most: int,
+    max_boxes: int,
+) -> None:
+    """Fill ``out`` (int8) with what is proved of many boxes of loads, subdividing each into at most ``max_boxes``.
+
+    1: no mode grows faster than the tolerance; 0: one does everywhere; 2: both are proved of parts; -1: undecided.
+    ``rod``, shape (4, 2), are the last rows of a box; ``smallest`` and ``most`` as in `tail_modes`.
+    """
+    room = max_boxes + 2
+    boxes = np.empty((room, 7, 2))
+    pending = np.empty((room, 1 + _LISTED), dtype=np.int64)
+    shares = np.empty(room + 3)
+    counts = np.empty(7, dtype=np.int64)
+    examples = np.empty((2, 7, 2))
+    for i in range(len(out)):
+        box = boxes[0]
+        box[MEAN, 0] = mean_low[i]
+        box[MEAN, 1] = mean_high[i]
+        box[AMPLITUDE, 0] = amplitude_low[i]
+        box[AMPLITUDE, 1] = amplitude_high[i]
+        box[FREQUENCY, 0] = frequency_low[i]
+        box[FREQUENCY, 1] = frequency_high[i]
+        for row in range(4):
+            box[BENDING + row, 0] = rod[row, 0]
+            box[BENDING + row, 1] = rod[row, 1]
+        last, bound = tail_modes(box, tolerance_low, smallest, most)
+        start_search(boxes, pending, shares, counts, examples, last)
+        certify_box(boxes, pending, shares, counts, examples, last, tolerance_low, tolerance_high, max_boxes)
+        rest = counts[WAITING] + counts[OPEN_PARTS]
+        others = bound <= max(tolerance_low, smallest)  # the modes not looked at are quiet
+        if counts[GROWING_PARTS] > 0 and counts[QUIET_PARTS] > 0 and others:
+            out[i] = 2
+        elif counts[GROWING_PARTS] == 0 and rest == 0 and others:
+            out[i] = 1
+        elif counts[QUIET_PARTS] == 0 and rest == 0:
+            out[i] = 0
+        else:
+            out[i] = -1

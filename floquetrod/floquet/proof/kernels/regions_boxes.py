@@ -1,0 +1,158 @@
+"""Kernels for boxes of loads and rods: what they are to each mode, and to all modes that are not looked at.
+
+A box is an array (7, 2) of doubles: the lowest and highest values of
+
+    0  F       mean force, N                     3  c1       E I w^4 / mu, 1/s^2       w = pi / length
+    1  dF      amplitude of the force, N         4  c2       w^2 / mu, 1/(N s^2)       mu mass per length
+    2  omega   frequency, rad/s                  5  Omega^2  square of the pendulum frequency, 1/s^2
+                                                 6  lambda   damping rate, 1/s
+
+Mode m moves as A'' + 2 lambda A' + (c1 m^4 - c2 m^2 (F + dF sin omega t) + Omega^2) A = 0.  All numbers are in seconds,
+and all conclusions are proved, rounding included.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from floquetrod._util.compilation import kernel
+from floquetrod.floquet.proof.kernels.intervals import down, multiply, square, up
+from floquetrod.floquet.proof.kernels.regions_modes import mode_status
+
+MEAN, AMPLITUDE, FREQUENCY, BENDING, PUSH, SWING, DAMPING = range(7)
+"""Rows of a box."""
+
+
+_NOTHING = 1e-60
+"""Growth in 1/s below which no smaller bound is looked for."""
+
+
+@kernel
+def mode_box(box: Any, mode: int) -> tuple[float, float, float, float]:
+    """Enclose kappa and p, both in 1/s^2, of a mode freed of its damping: u'' + (kappa - p sin omega t) u = 0.
+
+    Returns
+    -------
+    kappa_low, kappa_high, p_low, p_high : float
+    """
+    m2 = float(mode) * float(mode)
+    pl, ph = multiply(box[PUSH, 0], box[PUSH, 1], m2, m2)
+    fl, fh = multiply(pl, ph, box[MEAN, 0], box[MEAN, 1])
+    al, ah = 0.0, 0.0
+    if box[AMPLITUDE, 1] > 0.0:
+        al, ah = multiply(pl, ph, box[AMPLITUDE, 0], box[AMPLITUDE, 1])
+        al = max(al, 0.0)
+    bl, bh = multiply(box[BENDING, 0], box[BENDING, 1], m2, m2)
+    bl, bh = multiply(bl, bh, m2, m2)  # m2 is exact as a double, its square need not be
+    dl, dh = square(box[DAMPING, 0], box[DAMPING, 1])
+    low = down(down(bl - fh) + down(box[SWING, 0] - dh))
+    high = up(up(bh - fl) + up(box[SWING, 1] - dl))
+    return low, high, al, ah
+
+
+@kernel
+def tail_bound(box: Any, last: int) -> float:
+    """Return a proved bound in 1/s on the growth of every mode after ``last`` freed of its damping; infinite if none.
+
+    Let level be the least lambda.  From m0 = last + 1 on, and c1 m^4 >= Omega^2 - lambda^2 + level^2, kappa / p grows
+    with m, and every factor of `flux_bound` falls, but the first times p: that one is at most (c2 dF)^2 over a lower
+    bound of its pivot / m^4.  Growth up to the level is not bounded: the larger of both counts.
+    """
+    level = box[DAMPING, 0]
+    m0 = last + 1.0
+    m2 = m0 * m0
+    m4 = down(m2 * m2)
+    c1 = box[BENDING, 0]
+    push = up(box[PUSH, 1] * box[AMPLITUDE, 1])
+    mean = up(box[MEAN, 1] * (box[PUSH, 1] if box[MEAN, 1] > 0.0 else box[PUSH, 0]))
+    swing = down(down(box[SWING, 0] - up(box[DAMPING, 1] * box[DAMPING, 1])) + max(0.0, down(level * level)))
+    most = up(up(box[SWING, 1] - max(0.0, down(box[DAMPING, 0] * box[DAMPING, 0]))) + up(level * level))
+    if not down(c1 * m4) >= most:
+        return math.inf
+    kappa = down(down(down(c1 * m4) - up(mean * m2)) + swing)
+    p = up(push * m2) if box[AMPLITUDE, 1] > 0.0 else 0.0
+    slow = box[FREQUENCY, 0]
+    fast = box[FREQUENCY, 1]
+    if not (kappa > 0.0 and slow > 0.0):
+        return math.inf
+    if p == 0.0:
+        return 0.0
+    quarter = up(up(fast * fast) * 0.5)
+    worst = 0.0
+    for parity in range(2):
+        best = math.inf
+        k = float(parity)
+        while True:
+            first = down(down(2.0 * kappa) - up(k * k * quarter))
+            if not first >= p:
+                break
+            room = down(2.0 * c1 - up(2.0 * max(mean, 0.0) / m2))
+            room = down(room + min(down(down(2.0 * swing - up(k * k * quarter)) / m4), 0.0))
+            if not room > 0.0:
+                break
+            bound = up(up(push * push) / room)
+            pivot = first
+            settled = True
+            j = 2.0 - k
+            while j <= k:
+                pivot = down(down(down(2.0 * kappa) - up(j * j * quarter)) - up(up(p * p) / pivot))
+                if not pivot >= p:
+                    settled = False
+                    break
+                bound = up(bound * up(p / pivot))
+                j += 2.0
+            if not settled:
+                break
+            best = min(best, up(bound / down(2.0 * (k + 2.0) * slow)))
+            if best < _NOTHING:
+                break  # further factors only lower it, and far above the forcing there are thousands
+            k += 2.0
+        worst = max(worst, best)
+    return worst
+
+
+@kernel
+def tail_modes(box: Any, tolerance: float, smallest: float, most: int) -> tuple[int, float]:
+    """Return the number of modes that must be looked at, and what is proved of all others.
+
+    Parameters
+    ----------
+    box : ndarray, shape (7, 2)
+        See above.
+    tolerance : float
+        Growth in 1/s that counts as none.
+    smallest : float
+        Where tolerance is smaller, growth in 1/s up to which modes are left out all the same.
+    most : int
+        No more modes than these.
+
+    Returns
+    -------
+    last : int
+        Every mode after it grows by no more than max(tolerance, smallest); ``most`` where that cannot be proved.
+    bound : float
+        On the growth of every mode after ``last``, damping taken off, in 1/s; infinite where none is proved.
+    """
+    target = down(box[DAMPING, 0] + max(tolerance, smallest))
+    low, high = 0, 1
+    while high < most and not tail_bound(box, high) <= target:
+        low, high = high, 2 * high
+    high = min(high, most)
+    while high - low > 1:
+        middle = (low + high) // 2
+        if tail_bound(box, middle) <= target:
+            high = middle
+        else:
+            low = middle
+    bound = tail_bound(box, high)
+    return high, max(0.0, up(bound - box[DAMPING, 0])) if bound > 0.0 else 0.0
+
+
+@kernel
+def status_of_mode(box: Any, mode: int, tolerance_low: float, tolerance_high: float) -> int:
+    """Return `mode_status` of a mode over a box; its growth is judged against damping plus tolerance."""
+    kl, kh, pl, ph = mode_box(box, mode)
+    low = max(0.0, down(box[DAMPING, 0] + tolerance_low)) if box[DAMPING, 0] > 0.0 else tolerance_low
+    high = up(box[DAMPING, 1] + tolerance_high) if box[DAMPING, 1] > 0.0 else tolerance_high
+    return mode_status(kl, kh, pl, ph, box[FREQUENCY, 0], box[FREQUENCY, 1], low, high)

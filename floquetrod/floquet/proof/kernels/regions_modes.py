@@ -1,0 +1,198 @@
+"""Kernels that prove how one mode behaves for every value of its numbers in a box.
+
+Freed of its damping a mode is u'' + (kappa - p sin omega t) u = 0, Mathieu's equation with a = 4 kappa / omega^2 and
+q = 2 p / omega^2.  Multiplied by h = omega^2 / 4, the rows of the four chains of `mathieu_counts`
+are k^2 h - kappa and their couplings g = p / 2, so that nothing is divided by omega.
+"""
+
+from __future__ import annotations
+
+import math
+
+from floquetrod._util.compilation import kernel
+from floquetrod.floquet.proof.kernels.intervals import PI_HIGH, PI_LOW, down, sinh_squared, up
+from floquetrod.floquet.proof.kernels.regions_excess import excess
+
+QUIET, GROWS, UNKNOWN = 1, 0, -1
+"""Answers: every point of the box grows at no more than the level; every one faster; neither is proved."""
+
+_ROWS = 20_000  # rows of a chain after which nothing is concluded
+
+
+@kernel
+def flux_bound(kappa: float, p: float, slow: float, fast: float, enough: float) -> float:
+    """Return a bound in 1/s on the growth of every mode with at least this kappa, at most this p, omega in a range.
+
+    That of docs/theory/regions.md, the lowest of a few K for each parity, or the first that is at most ``enough``;
+    infinite where there is none.
+    """
+    if p == 0.0 and kappa > 0.0:
+        return 0.0
+    half = up(up(fast * fast) * 0.5)
+    twice = 2.0 * kappa
+    squared = up(p * p)
+    worst = 0.0
+    for parity in range(2):
+        best = up(p / down(2.0 * slow)) if parity == 1 else math.inf
+        k = float(parity)
+        while down(twice - up((k + 2.0) * (k + 2.0) * half)) >= p and k < _ROWS:
+            k += 2.0
+        tried = 0
+        while k >= 0.0 and tried < 3 and not best <= enough:
+            pivot = down(twice - up(k * k * half))
+            product = up(p / down(2.0 * (k + 2.0) * slow))
+            j = -k
+            while pivot >= p:
+                product = up(product * up(p / pivot))
+                j += 2.0
+                if j > k:
+                    break
+                pivot = down(down(twice - up(j * j * half)) - up(squared / pivot))
+            if j > k:
+                best = min(best, product)
+                tried += 1
+            k -= 2.0
+        worst = max(worst, best)
+    return worst
+
+
+@kernel
+def _chain_count(kappa: float, g: float, h: float, first: float, shift: float, doubled: bool) -> int:
+    """Return how many eigenvalues of a chain lie below kappa, all numbers exact, or -1 where rounding hides it."""
+    x = down(first * first * h)
+    y = up(first * first * h)
+    low = down(down(x - kappa) + shift)
+    high = up(up(y - kappa) + shift)
+    coupling_low = max(0.0, down(g * g))
+    coupling_high = up(g * g)
+    factor = 2.0 if doubled else 1.0
+    count = 0
+    k = first
+    while k < _ROWS:
+        if not (low > 0.0 or high < 0.0):
+            return -1
+        k += 2.0
+        x = down(down(k * k * h) - kappa)
+        if k > first + 2.0 and low > g and x >= 2.0 * g:
+            return count
+        y = up(up(k * k * h) - kappa)
+        if high < 0.0:
+            count += 1
+        if low > 0.0:
+            low, high = down(x - up(factor * coupling_high / low)), up(y - down(factor * coupling_low / high))
+        else:
+            low, high = down(x - up(factor * coupling_low / low)), up(y - down(factor * coupling_high / high))
+        factor = 1.0
+    return -1
+
+
+@kernel
+def exact_count(kappa: float, p: float, fast: float, high: bool) -> int:
+    """Return how many characteristic values lie below kappa where p is exact, and omega^2 / 4 rounded up or down.
+
+    The number falls with omega: up (``high``) gives at most what it is at ``fast``, down at least.  -1 where rounding
+    hides the answer.
+    """
+    h = up(up(fast * fast) * 0.25) if high else down(down(fast * fast) * 0.25)
+    g = 0.5 * p
+    if not (g > 1e-150 and h > 0.0):
+        return -1
+    total = 0
+    for chain in range(4):
+        first = (0.0, 2.0, 1.0, 1.0)[chain]
+        shift = (0.0, 0.0, g, -g)[chain]
+        count = _chain_count(kappa, g, h, first, shift, chain == 0)
+        if count < 0:
+            return -1
+        total += count
+    return total
+
+
+@kernel
+def mode_status(
+    kappa_low: float,
+    kappa_high: float,
+    p_low: float,
+    p_high: float,
+    slow: float,
+    fast: float,
+    level_low: float,
+    level_high: float,
+) -> int:
+    """Return whether every point of a box grows at no more than a level, or every one faster.
+
+    Parameters
+    ----------
+    kappa_low, kappa_high, p_low, p_high : float
+        The equation u'' + (kappa - p sin omega t) u = 0, in 1/s^2; p >= 0.
+    slow, fast : float
+        The least and the largest omega, rad/s, above zero.
+    level_low, level_high : float
+        Between these lies the level in 1/s: the damping rate plus what growth is tolerated.
+
+    Returns
+    -------
+    int
+        `QUIET`: every solution of every equation of the box grows at no more than ``level_low``, and where that is 0
+        is bounded.  `GROWS`: each has a solution that grows faster than ``level_high``.  `UNKNOWN`: not proved, or an
+        argument is not finite.
+    """
+    if not (
+        kappa_low <= kappa_high and 0.0 <= p_low <= p_high and 0.0 < slow <= fast and 0.0 <= level_low <= level_high
+    ):
+        return UNKNOWN
+    if not up(abs(kappa_low) + abs(kappa_high) + p_high + fast + level_high) < math.inf:
+        return UNKNOWN
+    if p_high == 0.0:
+        if kappa_low > 0.0 or (level_low > 0.0 and -kappa_low <= down(level_low * level_low)):
+            return QUIET
+        return GROWS if kappa_high < 0.0 and -kappa_high > up(level_high * level_high) else UNKNOWN
+    if level_low > 0.0:
+        lifted = down(kappa_low + max(0.0, down(level_low * level_low)))
+        if flux_bound(lifted, p_high, slow, fast, level_low) <= level_low:
+            return QUIET
+    if kappa_low > p_high and math.sqrt(kappa_high) - math.sqrt(kappa_low) > 0.5 * fast + math.sqrt(kappa_low) * (
+        fast / slow - 1.0
+    ):
+        return UNKNOWN  # more than two tongues wide: no verdict can be the same everywhere, or only by `flux_bound`
+    p = 0.5 * (p_low + p_high)
+    shift = up(max(p_high - p, p - p_low))
+    least = exact_count(down(kappa_low - shift), p, fast, True)
+    if least >= 0 and least == exact_count(up(kappa_high + shift), p, slow, False):
+        if least % 2 == 1:
+            return QUIET
+        if level_high == 0.0:
+            return GROWS
+    return _by_excess(kappa_low, kappa_high, p_low, p_high, slow, fast, level_low, level_high)
+
+
+@kernel
+def _by_excess(
+    kappa_low: float,
+    kappa_high: float,
+    p_low: float,
+    p_high: float,
+    slow: float,
+    fast: float,
+    level_low: float,
+    level_high: float,
+) -> int:
+    """Return `mode_status` from enclosures of the excess: that of the parity of the nearest tongue, then the other."""
+    few, _ = sinh_squared(min(down(PI_LOW * down(level_low / fast)), 300.0)) if level_low > 0.0 else (0.0, 0.0)
+    many = 0.0
+    if level_high > 0.0:
+        x = up(PI_HIGH * up(level_high / slow))
+        many = sinh_squared(x)[1] if x < 300.0 else math.inf
+    nearest = int(2.0 * math.sqrt(max(0.5 * (kappa_low + kappa_high), 0.0)) / (0.5 * (slow + fast)) + 0.5) % 2
+    al, ah = excess(kappa_low, kappa_high, p_low, p_high, slow, fast, nearest)
+    bl, bh = -math.inf, math.inf
+    for attempt in range(2):
+        if attempt == 1:
+            bl, bh = excess(kappa_low, kappa_high, p_low, p_high, slow, fast, 1 - nearest)
+        one = min(ah, up(-1.0 - bl))
+        other = min(bh, up(-1.0 - al))
+        if (one < 0.0 and other < 0.0) or max(one, other) < few:
+            return QUIET
+        if max(al, down(-1.0 - bh)) > many or max(bl, down(-1.0 - ah)) > many:
+            return GROWS
+    return UNKNOWN

@@ -1,1 +1,0 @@
-"""Kernels: floats and arrays in, floats and arrays out; interpreted for small work, compiled for large."""

@@ -1,0 +1,1 @@
+"""Compiled code for Mathieu's equation over arrays."""

@@ -1,0 +1,233 @@
+"""Kernels for the edges of a tongue's part above a level, along straight lines through the plane of (a, q).
+
+A line is a = slope u, q = q0 + q1 u, along which the count of characteristic values below a must not fall as u grows:
+slope 1 and q1 = 0 is a line along the mean, with u = a; slope 4 kappa and q0 = 0 one along the frequency at given
+forces, with u = 1 / omega^2.  What is compared with the level is growth^2 / (w0 + w1 u), growth per unit tau, which
+must have one maximum within the tongue: w0 = 1 / omega^2 or w1 = 1 make it the square of growth per second.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from floquetrod._util.compilation import kernel
+from floquetrod.floquet.kernels.mathieu import undamped_growth
+from floquetrod.mathieu.kernels.characteristic import chain_count, corner_shift, first_row
+
+_EPS = 2.220446049250313e-16
+_GOLDEN = 0.3819660112501051
+_CLOSE = 1e-8  # share of a tongue to which its summit is located: growth is then known to rounding
+
+
+@kernel
+def tongue_end(order: int, odd_solution: bool, slope: float, q0: float, q1: float, low: float, high: float) -> float:
+    """Return the place on a line, between ``low`` and ``high``, beyond which a lies above a_order, or b_order."""
+    if order == 0 and odd_solution:
+        return low
+    first = first_row(order, odd_solution)
+    wanted = int((order - first) / 2.0)
+    for _ in range(1200):
+        middle = 0.5 * (low + high)
+        if middle <= low or middle >= high:
+            break
+        q = q0 + q1 * middle
+        if chain_count(slope * middle, q, first, corner_shift(order, q, odd_solution)) > wanted:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+@kernel
+def squared_rate(u: float, slope: float, q0: float, q1: float, w0: float, w1: float) -> float:
+    """Return growth^2 / (w0 + w1 u) at a place on a line."""
+    rate = undamped_growth(0.5 * (q0 + q1 * u), -0.25 * (slope * u), 0.0)
+    return rate * rate / (w0 + w1 * u)
+
+
+@kernel
+def summit(slope: float, q0: float, q1: float, w0: float, w1: float, low: float, high: float) -> tuple[float, float]:
+    """Return where on a line, between ``low`` and ``high``, the squared rate is largest, and its value there.
+
+    Brent's method: parabolas through the best three places, golden sections where they do not help.
+    """
+    best = 0.5 * (low + high)
+    value = squared_rate(best, slope, q0, q1, w0, w1)
+    second, at_second = best, value
+    third, at_third = best, value
+    step = 0.0
+    before = 0.0
+    a = low
+    b = high
+    width = high - low
+    for _ in range(100):
+        middle = 0.5 * (a + b)
+        least = _CLOSE * width + 2.0 * _EPS * abs(best)
+        if abs(best - middle) <= 2.0 * least - 0.5 * (b - a):
+            break
+        parabola = False
+        if abs(before) > least:
+            r = (best - second) * (at_third - value)
+            s = (best - third) * (at_second - value)
+            top = (best - third) * s - (best - second) * r
+            below = 2.0 * (s - r)
+            if below > 0.0:
+                top = -top
+            below = abs(below)
+            if abs(top) < abs(0.5 * below * before) and below * (a - best) < top < below * (b - best):
+                before = step
+                step = top / below
+                parabola = True
+                place = best + step
+                if place - a < 2.0 * least or b - place < 2.0 * least:
+                    step = least if best < middle else -least
+        if not parabola:
+            before = (b if best < middle else a) - best
+            step = _GOLDEN * before
+        place = best + (step if abs(step) >= least else math.copysign(least, step))
+        if not low <= place <= high:
+            break
+        here = squared_rate(place, slope, q0, q1, w0, w1)
+        if here >= value:
+            if place >= best:
+                a = best
+            else:
+                b = best
+            third, at_third = second, at_second
+            second, at_second = best, value
+            best, value = place, here
+        else:
+            if place < best:
+                a = place
+            else:
+                b = place
+            if here >= at_second or second == best:
+                third, at_third = second, at_second
+                second, at_second = place, here
+            elif here >= at_third or third in (best, second):
+                third, at_third = place, here
+    return best, value
+
+
+@kernel
+def _crossing(
+    slope: float,
+    q0: float,
+    q1: float,
+    w0: float,
+    w1: float,
+    target: float,
+    inside: float,
+    at_inside: float,
+    outside: float,
+    at_outside: float,
+) -> float:
+    """Return where the squared rate passes ``target``, surplus positive ``inside``: Chandrupatla's method."""
+    a, b, c = inside, outside, inside
+    fa, fb, fc = at_inside, at_outside, at_inside
+    t = 0.5
+    for _ in range(200):
+        place = a + t * (b - a)
+        value = squared_rate(place, slope, q0, q1, w0, w1) - target
+        if (value > 0.0) == (fa > 0.0):
+            c, fc = a, fa
+        else:
+            c, fc = b, fb
+            b, fb = a, fa
+        a, fa = place, value
+        size = abs(a) if abs(fa) < abs(fb) else abs(b)
+        width = abs(b - a)
+        if fa == 0.0 or width <= 4.0 * _EPS * size or width == 0.0:
+            break
+        least = 2.0 * _EPS * size / width
+        xi = (a - b) / (c - b)
+        phi = (fa - fb) / (fc - fb)
+        t = 0.5
+        if phi * phi < xi and (1.0 - phi) ** 2 < 1.0 - xi:
+            t = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
+        t = min(max(t, least), 1.0 - least)
+    return a if abs(fa) < abs(fb) else b
+
+
+@kernel
+def level_edges(
+    order: int,
+    slope: float,
+    q0: float,
+    q1: float,
+    w0: float,
+    w1: float,
+    low: float,
+    high: float,
+    target: float,
+    lower: bool,
+    upper: bool,
+) -> tuple[float, float]:
+    """Return the lower and the upper end in u of the part of a tongue whose squared rate exceeds ``target``.
+
+    They are the tongue's own ends where ``target`` is zero, and both the summit where nothing exceeds it.  Tongue 0
+    begins at ``low``.  Of an end not asked for, neither ``lower`` nor ``upper``, any value is returned.
+    """
+    first = tongue_end(order, True, slope, q0, q1, low, high) if lower or target > 0.0 else low
+    last = tongue_end(order, False, slope, q0, q1, low, high) if upper or target > 0.0 else high
+    if target == 0.0:
+        return first, last
+    top = first
+    most = squared_rate(first, slope, q0, q1, w0, w1) if order == 0 else -1.0
+    if most <= target:
+        top, most = summit(slope, q0, q1, w0, w1, first, last)
+    if most <= target:
+        return top, top
+    if lower and first != top:
+        at_end = squared_rate(first, slope, q0, q1, w0, w1) - target
+        if at_end < 0.0:
+            first = _crossing(slope, q0, q1, w0, w1, target, top, most - target, first, at_end)
+    if upper and last != top:
+        at_end = squared_rate(last, slope, q0, q1, w0, w1) - target
+        if at_end < 0.0:
+            last = _crossing(slope, q0, q1, w0, w1, target, top, most - target, last, at_end)
+    return first, last
+
+
+@kernel
+def edge_fill(
+    order: Any,
+    slope: Any,
+    q0: Any,
+    q1: Any,
+    w0: Any,
+    w1: Any,
+    low: Any,
+    high: Any,
+    target: Any,
+    lower: Any,
+    upper: Any,
+    out: Any,
+) -> None:
+    """Fill ``out`` (n, 2) with `level_edges`."""
+    for i in range(len(order)):
+        out[i, 0], out[i, 1] = level_edges(
+            order[i], slope[i], q0[i], q1[i], w0[i], w1[i], low[i], high[i], target[i], lower[i], upper[i]
+        )
+
+
+@kernel
+def ridge_fill(order: Any, slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: Any, high: Any, out: Any) -> None:
+    """Fill ``out`` with the largest squared rate of whole tongues."""
+    for i in range(len(order)):
+        start = tongue_end(order[i], True, slope[i], q0[i], q1[i], low[i], high[i])
+        last = tongue_end(order[i], False, slope[i], q0[i], q1[i], low[i], high[i])
+        _, out[i] = summit(slope[i], q0[i], q1[i], w0[i], w1[i], start, last)
+
+
+@kernel
+def summit_fill(slope: Any, q0: Any, q1: Any, w0: Any, w1: Any, low: Any, high: Any, out: Any) -> None:
+    """Fill ``out`` (n, 2) with `summit` on pieces of tongues, growth at whose ends is not zero."""
+    for i in range(len(slope)):
+        place, value = summit(slope[i], q0[i], q1[i], w0[i], w1[i], low[i], high[i])
+        for end in (low[i], high[i]):
+            at_end = squared_rate(end, slope[i], q0[i], q1[i], w0[i], w1[i])
+            if at_end >= value:
+                place, value = end, at_end
+        out[i, 0], out[i, 1] = place, value

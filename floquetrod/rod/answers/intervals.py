@@ -1,0 +1,109 @@
+"""What is found along one quantity of a load: stability intervals, what closes them, and what lies between."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple, TypeAlias
+
+from floquetrod.floquet.systems.result import Resonance
+from floquetrod.rod.loads.axial import AxialGap
+from floquetrod.rod.loads.load import Load, Quantity
+
+QUANTITIES: dict[Quantity, tuple[str, str]] = {
+    "mean": ("mean force", "N"),
+    "amplitude": ("amplitude", "N"),
+    "frequency": ("frequency", "rad/s"),
+}
+"""Name and unit of what may vary."""
+
+Named: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"]
+"""What grows: (mode, tongue), a resonance of coupled modes, or "unnamed" where that could not be told."""
+
+Cause: TypeAlias = Named | Literal["axial resonance"] | None
+"""What closes a stability interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search.
+
+"axial resonance" where nothing was computed beyond it, see `StabilityIntervals.not_computed`.
+"unnamed" where coupled modes grow, or may grow, and none could be named: beyond 200 of them, or where undecided.
+"""
+
+
+class BucklingWarning(UserWarning):
+    """The weight along the rod buckles it already where the quantity asked about is zero."""
+
+
+class StabilityInterval(NamedTuple):
+    """Stable from ``low`` to ``high``; what closes each end is (mode, tongue), where modes are coupled a `Resonance`.
+
+    "unnamed" where that could not be told; None at an end of the search.
+    """
+
+    low: float
+    high: float
+    low_end: Cause
+    high_end: Cause
+
+
+class UnstableBand(NamedTuple):
+    """A range of one quantity of the load, in N or rad/s, in which some mode grows, or may grow where undecided.
+
+    Attributes
+    ----------
+    low, high : float
+        Its ends: those of stability intervals, or of the search.
+    worst_growth : float
+        Largest growth rate in it, in 1/s; zero where none is seen to grow.
+    at : float
+        Where that is.
+    cause : (int, int), Resonance or "unnamed"
+        What grows there: (mode, tongue), where modes are coupled a resonance.
+    required_damping : float
+        The rod's total damping rate in 1/s above which every rate stabilises all of the band, infinite where
+        none does.  Where modes are coupled, that of the load ``at`` which growth is worst.
+    """
+
+    low: float
+    high: float
+    worst_growth: float
+    at: float
+    cause: Named
+    required_damping: float
+
+
+class Search(NamedTuple):
+    """A search along one quantity of a load.
+
+    Attributes
+    ----------
+    varied : Quantity
+    load : Load
+        With the largest value of what is varied.
+    bounds : (float, float)
+    growth_tolerance : float
+        Growth in 1/s up to which a mode counts as stable.
+    """
+
+    varied: Quantity
+    load: Load
+    bounds: tuple[float, float]
+    growth_tolerance: float
+
+
+class FoundIntervals(NamedTuple):
+    """What a search found, as `floquetrod.StabilityIntervals` has it.
+
+    Attributes
+    ----------
+    intervals : tuple of StabilityInterval
+    modes : int
+        Modes looked at, 1 to this.
+    hairlines : int
+        Resonance tongues left out.
+    resolution : float
+        Unstable parts up to this width may have been missed.
+    not_computed : tuple of AxialGap
+    """
+
+    intervals: tuple[StabilityInterval, ...]
+    modes: int
+    hairlines: int = 0
+    resolution: float = 0.0
+    not_computed: tuple[AxialGap, ...] = ()

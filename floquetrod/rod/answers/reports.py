@@ -1,0 +1,273 @@
+"""What is said of a rod, of a load on it and of a verdict, in the units asked for."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Protocol
+
+from floquetrod import units as known
+from floquetrod._util import validate
+from floquetrod._util.report import Report, Reported, number
+from floquetrod.floquet.verdict import Status
+from floquetrod.rod.loads.axial import AxialResonance, added_mean
+from floquetrod.rod.loads.load import Load, Quantity
+from floquetrod.rod.model.data import RodData
+from floquetrod.units import Unit
+
+Line = tuple[str, str]
+"""A label and a text."""
+
+KICK = "mm/s"
+"""The unit in which kicks are shown where none was asked for."""
+
+_NAMES: dict[Quantity, tuple[str, str, str]] = {
+    "mean": ("mean force", "mean_force", "N"),
+    "amplitude": ("amplitude", "amplitude", "N"),
+    "frequency": ("frequency", "frequency", "rad_per_s"),
+}
+"""Name of each quantity, and its name and unit among keys."""
+
+_REACH: dict[Quantity, str] = {
+    "mean": "within 8 Fcr either way",
+    "amplitude": "from zero to 2 Fcr above",
+    "frequency": "from a ninth to nine times this frequency",
+}
+
+
+_SHOWN: dict[str, str] = {"mean": "force", "amplitude": "force", "frequency": "frequency", "kick": "speed"}
+
+
+def shown_in(names: Mapping[str, str] | None, critical_force: float) -> dict[str, Unit]:
+    """Return the unit to show each quantity of a load, and a kick, in; SI and mm/s where none is named."""
+    names = {} if names is None else names
+    if not isinstance(names, Mapping):
+        raise TypeError(f"units must be a mapping such as {{'mean': 'Fcr'}}, got {validate.short(names)}")
+    if not names.keys() <= _SHOWN.keys():
+        raise ValueError(f"units must be of mean, amplitude, frequency and kick, got {dict(names)!r}")
+    named = {"kick": KICK, **names}
+    return {
+        name: known.unit(named.get(name, ""), f"units[{name!r}]", kind, critical_force) for name, kind in _SHOWN.items()
+    }
+
+
+def describe_load(load: Load, shown: Mapping[str, Unit], rod: RodData) -> str:
+    """Return the load in the units asked for, each quantity followed by its value in a second unit."""
+    return ", ".join(
+        [
+            f"mean {_both(load.mean, shown['mean'], rod)}",
+            f"amplitude {_both(load.amplitude, shown['amplitude'], rod)}",
+            _both(load.frequency, shown["frequency"], rod),
+        ]
+    )
+
+
+def describe_kind(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[str]:
+    """Return lines about what varies along the rod, and about the waveform."""
+    lines = [load.departures] if load.departures else []
+    if rod.weight_along > 0.0 and load.mean_at is not None:
+        upper, lower = (
+            shown["mean"].show(load.mean + added_mean(load, rod.weight_along, rod.length, x)) for x in (0.0, 1.0)
+        )
+        lines.append(f"mean force {upper} at the upper end, {lower} at the lower")
+    if not load.is_uniform:
+        found = rod.axial_response(load)
+        if math.isfinite(found.factor):
+            largest = _both(found.largest, shown["amplitude"], rod)
+            times = f"{found.factor:.3g} times the amplitude"
+            lines.append(f"vibration largest at {found.position:.4g} m: {largest}, {times}")
+        named = " and ".join(_resonance(r, shown["frequency"], rod) for r in found.resonances)
+        lines.append(f"axial resonance{'s' * (len(found.resonances) > 1)} nearby: {named}")
+    return lines
+
+
+def load_lines(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[Line]:
+    """Return the lines about a load."""
+    return [("load", describe_load(load, shown, rod)), *(("", text) for text in describe_kind(load, shown, rod))]
+
+
+def _resonance(found: AxialResonance, shown: Unit, rod: RodData) -> str:
+    of = f" of harmonic {found.harmonic}" if found.harmonic > 1 else ""
+    return f"{_both(found.frequency, shown, rod)}{of}"
+
+
+def _both(value: float, shown: Unit, rod: RodData) -> str:
+    kind = known.kind_of(shown.name) or ""
+    other = {"Fcr": "N", "rad/s": "Hz", "1/s": "Hz"}.get(shown.name, "Fcr" if kind == "force" else "rad/s")
+    return f"{shown.show(value)} ({known.unit(other, other, kind, rod.critical_force).show(value, 4)})"
+
+
+class _Margin(Protocol):
+    """A `floquetrod.rod.answers.verdict.Margin`."""
+
+    @property
+    def below(self) -> float: ...
+    @property
+    def above(self) -> float: ...
+
+    resolution: float
+    searched: tuple[float, float]
+
+
+if TYPE_CHECKING:
+
+    class _Verdict(Protocol):
+        """What is used here of a `floquetrod.rod.answers.verdict.RodStability`."""
+
+        @property
+        def evidence(self) -> Any: ...
+        @property
+        def rod(self) -> RodData: ...
+        @property
+        def load(self) -> Load: ...
+        @property
+        def status(self) -> Status: ...
+        @property
+        def growth_rate(self) -> float: ...
+        @property
+        def growth_tolerance(self) -> float: ...
+        @property
+        def decay_rate(self) -> float: ...
+        @property
+        def note(self) -> str: ...
+        @property
+        def assumptions(self) -> tuple[str, ...]: ...
+        @property
+        def cutoff(self) -> str: ...
+        @property
+        def modes_checked(self) -> int: ...
+        @property
+        def unstable_modes(self) -> tuple[int, ...]: ...
+        @property
+        def fastest_mode(self) -> int | None: ...
+        @property
+        def damping_to_stabilise(self) -> float: ...
+
+        def time_to_grow(self, factor: float = 10.0) -> float: ...
+
+else:
+    _Verdict = object
+
+
+class ReportedVerdict(Reported, _Verdict):
+    """A verdict on a rod that says itself.
+
+    Its `Evidence` has the words, the table and the numbers that differ with the kind of modes.
+    """
+
+    def report(
+        self, units: Mapping[str, str] | None = None, margins: Mapping[Quantity, _Margin] | None = None
+    ) -> Report:
+        """Return the verdict in lines and a table: what grows, rod and load, growth, margins, method, modes.
+
+        Parameters
+        ----------
+        units : mapping, optional
+            In which to show mean, amplitude and frequency: ``{"mean": "Fcr", "frequency": "Hz"}``; N and rad/s without.
+        margins : mapping, optional
+            What `margins` returned, to be said with the damping that stabilises.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
+        shown = shown_in(units, self.rod.critical_force)
+        lines = [*self._subject(shown), *self._growth(), *self.evidence.named_lines(self)]
+        lines += [] if margins is None else self._reach(margins, shown)
+        lines += [("checked", self.cutoff), ("method", self.evidence.method(self))]
+        lines += [("note", self.note)] if self.note else []
+        return Report(
+            ": ".join(filter(None, [self.status.upper(), self.evidence.headline(self)])), lines, self.evidence.table
+        )
+
+    def _subject(self, shown: Mapping[str, Unit]) -> list[Line]:
+        """Return lines about rod and load, and what is taken for granted where that is more than the study does."""
+        rod, load = self.rod, self.load
+        lines = [("rod", f"critical force {rod.critical_force:.4g} N, critical mode {rod.critical_mode:.3g}")]
+        if rod.departures:
+            size = f"inertia {rod.mass_per_length:.4g} kg/m, weight in fluid {rod.weight_per_length:.4g} N/m"
+            bend = f"E I {rod.flexural_rigidity:.4g} N m^2, half wave {rod.critical_half_wave:.4g} m"
+            lines += [("", f"{rod.departures}; SI units"), ("", f"{size}, {bend}")]
+        lines += load_lines(load, shown, rod)
+        if rod.departures or load.departures:
+            lines.append(("assumed", "; ".join(self.assumptions)))
+        return lines
+
+    def _growth(self) -> list[Line]:
+        if not self.growth_rate > 0.0:
+            return []
+        return [
+            (
+                "growth",
+                f"{self.growth_rate:.6g} 1/s{self.evidence.grows_in(self)}, tenfold in {self.time_to_grow(10.0):.4g} s",
+            ),
+        ]
+
+    def _reach(self, margins: Mapping[Quantity, _Margin], shown: Mapping[str, Unit]) -> list[Line]:
+        """Return how far the load is from a change of the verdict, and the damping it would take."""
+        change = {"stable": "unstable", "unstable": "stable"}.get(self.status, "decided")
+        lines: list[Line] = []
+        for name, margin in margins.items():
+            sides = [(margin.below, "lower"), (margin.above, "higher")]
+            found = [f"{shown[name].show(value, 4)} {way}" for value, way in sides if math.isfinite(value)]
+            words = f"{change} {' or '.join(found)}" if found else _unchanged(margin, name, shown[name])
+            lines.append(("" if lines else "margins", f"{_NAMES[name][0]:<11} {words}"))
+        if not self.evidence.has_exact_margins:
+            lines.append(("", "found by sampling: two changes close together may be missed"))
+        rate = self.damping_to_stabilise
+        if rate > 0.0:
+            none = "no damping suffices: the mean force alone buckles a mode"
+            lines.append(("damping", none if math.isinf(rate) else self.evidence.enough.format(f"{rate:.6g} 1/s")))
+        return lines
+
+    def as_dict(self, margins: Mapping[Quantity, _Margin] | None = None) -> dict[str, Any]:
+        """Return the verdict as numbers for JSON, units in the keys; None for what is infinite or not known.
+
+        With ``margins``, which `margins` returns, these and the damping that stabilises.
+        """
+        rod, load = self.rod, self.load
+        return {
+            "status": self.status,
+            "unstable_modes": list(self.unstable_modes),
+            "growth_rate_per_s": number(self.growth_rate),
+            "decay_rate_per_s": self.decay_rate,
+            "fastest_mode": self.fastest_mode,
+            "time_to_grow_tenfold_s": number(self.time_to_grow(10.0)),
+            **({} if margins is None else self._margins_as_dict(margins)),
+            "modes_checked": self.modes_checked,
+            "growth_tolerance_per_s": self.growth_tolerance,
+            "critical_force_N": rod.critical_force,
+            "rod": rod.as_dict(),
+            "mass_per_length_kg_per_m": rod.mass_per_length,
+            "weight_per_length_N_per_m": rod.weight_per_length,
+            "flexural_rigidity_N_m2": rod.flexural_rigidity,
+            "assumptions": list(self.assumptions),
+            "mean_N": load.mean,
+            "amplitude_N": load.amplitude,
+            "frequency_rad_per_s": load.frequency,
+            **({} if load.is_uniform else {"axial_response": rod.axial_response(load).as_dict()}),
+            **self.evidence.numbers(self),
+        }
+
+    def _margins_as_dict(self, margins: Mapping[Quantity, _Margin]) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        for quantity, margin in margins.items():
+            _, name, unit = _NAMES[quantity]
+            found |= {
+                f"{name}_margin_below_{unit}": number(margin.below),
+                f"{name}_margin_above_{unit}": number(margin.above),
+                f"{name}_margin_resolution_{unit}": margin.resolution,
+                f"{name}_margin_searched_{unit}": [number(reach) for reach in margin.searched],
+            }
+        return {**found, "damping_to_stabilise_per_s": number(self.damping_to_stabilise)}
+
+
+def _unchanged(margin: _Margin, name: Quantity, unit: Unit) -> str:
+    """Return that no change was found, and up to where was searched."""
+    if not any(margin.searched):
+        return "not searched: so many modes take minutes; in Python, verdict.margin goes on, with progress"
+    if not margin.resolution:
+        return f"no change {_REACH[name]}"
+    below, above = (unit.show(value, 4) for value in margin.searched)
+    return f"no change from {below} lower to {above} higher"

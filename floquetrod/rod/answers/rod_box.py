@@ -1,0 +1,210 @@
+"""A box of loads and of rods: what is asked of `Rod.certify`, checked, and as intervals of what the modes depend on."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Any, NamedTuple
+
+from floquetrod import units
+from floquetrod._util import validate
+from floquetrod._util.interval import PI, Interval
+from floquetrod.floquet.proof.region import Side, side_ends
+from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Load, Quantity, load_number
+from floquetrod.rod.mode_equations.coupling import coupling, refusal
+from floquetrod.rod.model import formulas
+from floquetrod.rod.model.data import RodData
+from floquetrod.units import Unit
+
+"""What a box of loads has sides of, in the order of the kernels."""
+
+DIAMETERS = {"diameter": "radius", "inner_diameter": "inner_radius", "channel_diameter": "channel_radius"}
+"""What may be given in place of a parameter: twice as much."""
+
+_SINE_TERMS = 14  # of the series of the sine up to pi/2: what is left out is far below a unit of the last place
+
+
+class RodExample(NamedTuple):
+    """One load on one rod of a box, with what is proved of it.
+
+    Attributes
+    ----------
+    status : {"stable", "unstable"}
+    load : AxialLoad
+    rod : Rod
+    statement : str
+    """
+
+    status: str
+    load: Load
+    rod: RodData
+    statement: str
+
+    def where(self, shown: Mapping[str, Unit], sides: Sequence[Side]) -> str:
+        """Return the load in units, and of the rod the parameters that are ``sides`` of the box."""
+        numbers = [f"{name} {shown[name].show(getattr(self.load, name))}" for name in QUANTITIES]
+        sizes = [f"{s.name.replace('_', ' ')} {getattr(self.rod, s.name):g} {s.unit}" for s in sides]
+        return ", ".join(numbers + sizes)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return it for JSON, units in the keys."""
+        return {
+            "status": self.status,
+            "mean_N": self.load.mean,
+            "amplitude_N": self.load.amplitude,
+            "frequency_rad_per_s": self.load.frequency,
+            "rod": self.rod.as_dict(),
+            "statement": self.statement,
+        }
+
+
+@dataclass(frozen=True)
+class RodBox:
+    """Every load of a box on every rod of another.
+
+    Attributes
+    ----------
+    rod : RodData
+        Gives the parameters that do not vary.
+    like : Load
+        Gives everything of the loads but their numbers.
+    loads : mapping of Quantity to Interval
+        Mean force and amplitude in N, frequency in rad/s.
+    parameters : mapping of str to Interval
+        Parameters of the rod that were given, in SI units.
+    """
+
+    rod: RodData
+    like: Load
+    loads: Mapping[Quantity, Interval]
+    parameters: Mapping[str, Interval]
+
+    @classmethod
+    def of(
+        cls, rod: RodData, like: Load, mean: Any, amplitude: Any, frequency: Any, parameters: Mapping[str, Any] | None
+    ) -> RodBox:
+        """Return the box that the arguments of `Rod.certify` describe; ValueError and TypeError where they do not."""
+        given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
+        loads = {name: _load_side(name, value) for name, value in given.items()}
+        box = cls(rod, like.with_numbers(0.0, 0.0, 1.0), loads, _rod_sides(rod, parameters))
+        for each in box._extreme_rods():
+            coupled_by = coupling(each.end_conditions, each.weight_along, box.like)
+            if coupled_by:
+                raise refusal("certify", coupled_by)
+        return box
+
+    @property
+    def sides(self) -> tuple[Side, ...]:
+        """The sides, loads first, in SI units."""
+        of_loads = [Side(name, *_ends(self.loads[name]), LIMITS[name].unit) for name in QUANTITIES]
+        of_rods = [Side(name, *_ends(side), _unit(name)) for name, side in self.parameters.items()]
+        return (*of_loads, *of_rods)
+
+    @property
+    def varied_parameters(self) -> tuple[str, ...]:
+        """Names of the parameters of the rod that vary."""
+        return tuple(name for name, side in self.parameters.items() if side.width > 0.0)
+
+    def constants(self) -> formulas.ModeNumbers:
+        """Return intervals of what the mode equations need of the rods."""
+        numbers = {name: Interval.of(value) for name, value in self.rod.parameters.items()} | dict(self.parameters)
+        return formulas.mode_constants(numbers, pi=PI, sin=_sine)
+
+    def kernel_box(self) -> list[float]:
+        """Return the ends of F, dF, omega, c1, c2, Omega^2 and lambda, low before high, as the kernels take them."""
+        intervals = [*(self.loads[name] for name in QUANTITIES), *self.constants()]
+        return [end for interval in intervals for end in _ends(interval)]
+
+    def halves(self) -> tuple[RodBox, RodBox]:
+        """Return both halves of the rods, of the parameter that widens what the modes depend on most."""
+        name = max(self.varied_parameters, key=self._effect)
+        low, high = (
+            replace(self, parameters={**self.parameters, name: half}) for half in self.parameters[name].halves()
+        )
+        return low, high
+
+    def _effect(self, name: str) -> float:
+        """Return how far the numbers of the modes vary, relatively, with one parameter."""
+        others = {n: Interval.of(side.middle) for n, side in self.parameters.items() if n != name}
+        found = replace(self, parameters={**self.parameters, **others}).constants()
+        sizes = ((side.width, max(abs(side.low), abs(side.high))) for side in found)
+        return float(sum(width / size for width, size in sizes if size > 0.0))
+
+    def point(self, load: Load, rod: RodData) -> RodBox:
+        """Return the box of one load on one of the rods."""
+        return RodBox(rod, load, {name: Interval.of(getattr(load, name)) for name in QUANTITIES}, {})
+
+    def middle_rod(self) -> RodData:
+        """Return the rod in the middle of the box."""
+        return self.rod.replace(**{name: side.middle for name, side in self.parameters.items()})
+
+    def corner_rods(self) -> Iterator[RodData]:
+        """Yield the rod in the middle, and those whose varied parameters are all low, or all high."""
+        yield self.middle_rod()
+        if self.varied_parameters:
+            for end in ("low", "high"):
+                yield self.rod.replace(**{name: getattr(side, end) for name, side in self.parameters.items()})
+
+    def _extreme_rods(self) -> Iterator[RodData]:
+        """Yield rods of the box, those most likely to be none: too thick for the channel, or floating."""
+        ends = {name: {"low": side.low, "high": side.high} for name, side in self.parameters.items()}
+        radii = [name for name in ("radius", "inner_radius") if name in ends]
+        for chosen in product(("low", "high"), repeat=len(radii)):
+            lightest = {"fluid_outside": "high"} | dict(zip(radii, chosen, strict=True))
+            yield self.rod.replace(**{name: pair[lightest.get(name, "low")] for name, pair in ends.items()})
+        heaviest = {"fluid_outside": "low"} | dict.fromkeys(radii, "low")
+        yield self.rod.replace(**{name: pair[heaviest.get(name, "high")] for name, pair in ends.items()})
+
+
+def _load_side(name: Quantity, value: Any) -> Interval:
+    """Return one side of a box of loads."""
+    return Interval(*side_ends(name, value, lambda word, number: load_number(name, number, word)))
+
+
+def _rod_sides(rod: RodData, given: Mapping[str, Any] | None) -> dict[str, Interval]:
+    """Return the sides of a box of rods."""
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise TypeError(f'rod must be a mapping such as {{"length": (3.05, 3.15)}}, got {validate.short(given)}')
+    sides: dict[str, Interval] = {}
+    for word, value in given.items():
+        name = DIAMETERS.get(word, word)
+        if name not in rod.parameters:
+            also = "; give inner_radius in place of it" if word == "wall_thickness" else ""
+            also = "; the ends of a rod are not a number" if word == "ends" else also
+            raise ValueError(
+                f"rod must name parameters of a rod ({', '.join(rod.parameters)}), got {validate.short(word)}{also}"
+            )
+        if name in sides:
+            raise ValueError(f"rod must give {name} once, got it also as {word}")
+        ends = side_ends(str(word), value, validate.finite)
+        sides[name] = Interval(*(0.5 * end if word in DIAMETERS else end for end in ends))
+    return sides
+
+
+@functools.lru_cache(maxsize=64)
+def _sine(angle: Interval) -> Interval:
+    """Return an enclosure of the sine, which rises from 0 to pi/2."""
+    low, high = (_sine_of(Interval.of(end)) for end in _ends(angle))
+    return Interval(max(0.0, low.low), min(1.0, high.high))
+
+
+def _sine_of(x: Interval) -> Interval:
+    """Return the series of the sine; its terms alternate and, up to pi/2, fall, so that the next one is a bound."""
+    term = total = x
+    for n in range(1, _SINE_TERMS):
+        term = term * x * x / float(2 * n * (2 * n + 1))
+        total = total - term if n % 2 else total + term
+    return total + Interval(-term.high, term.high)
+
+
+def _ends(interval: Interval) -> tuple[float, float]:
+    return interval.low, interval.high
+
+
+def _unit(name: str) -> str:
+    """Return the SI unit of a parameter of a rod."""
+    return next(iter(units.units_of(units.ROD_KINDS[name])))

@@ -1,0 +1,546 @@
+"""The verdict on a rod, whatever couples its modes: what grows, how fast, and how far the load is from a change."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import islice, pairwise
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.caching import cached_property
+from floquetrod._util.report import Table
+from floquetrod.equations import HillSystem, Mathieu
+from floquetrod.floquet.references import references, united
+from floquetrod.floquet.systems.result import Resonance, SystemStability
+from floquetrod.floquet.verdict import Stability, Verdict
+from floquetrod.rod.answers.reports import ReportedVerdict
+from floquetrod.rod.loads.axial import AxialResponse
+from floquetrod.rod.loads.load import Load, Progress, Quantity
+from floquetrod.rod.mode_equations.modal_systems import ModalSystem
+from floquetrod.rod.model.constants import HAIRLINE_GROWTH
+from floquetrod.rod.model.data import RodData
+
+if TYPE_CHECKING:
+    from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+
+Floats = NDArray[np.float64]
+
+_TOLD_OF_ONE = ("mode_verdicts", "mode_growth_rates", "mode_equations", "whole", "convergence", "shape", "system")
+"""What is told of one kind of modes alone."""
+
+_SPANS = (1 / 32, 1 / 8, 0.5, 2.0, 8.0)
+"""Reaches of the search for a margin: in critical forces, or as the factor less one by which a frequency changes."""
+
+
+_WAYS: dict[Quantity, Callable[[float, float], tuple[list[float], list[float]]]] = {
+    "mean": lambda here, unit: ([here - x * unit for x in _SPANS], [here + x * unit for x in _SPANS]),
+    "amplitude": lambda here, unit: (
+        [max(0.0, here - x * unit) for x in _SPANS],
+        [here + x * unit for x in _SPANS if x <= 2.0],
+    ),
+    "frequency": lambda here, unit: ([here / (1.0 + x) for x in _SPANS], [here * (1.0 + x) for x in _SPANS]),
+}
+"""The ends of the pieces of a search for a margin, down and up, from where the load is and the critical force."""
+
+MARGIN_SECONDS = 10.0  # that a margin of coupled modes may take (a choice)
+
+QUICK = 50  # coupled modes up to which margins take some seconds (a choice)
+
+
+class _Distances(NamedTuple):
+    below: float
+    above: float
+
+
+class Margin(_Distances):
+    """How far one quantity of the load may fall or rise until the verdict changes; infinite when out of reach.
+
+    Attributes
+    ----------
+    below, above : float
+        The distances; ``below, above = margin``.
+    resolution : float
+        Changes closer together than this may have been passed over, in the unit of the distances; 0 where none can be.
+    searched : (float, float)
+        Up to which distances below and above was searched: where there is a change, it is that.
+
+    Comparing compares the distances.
+    """
+
+    resolution: float
+    searched: tuple[float, float]
+
+    def __new__(
+        cls, below: float, above: float, resolution: float = 0.0, searched: tuple[float, float] | None = None
+    ) -> Margin:
+        """Return a pair of distances with what is known of the search."""
+        margin = super().__new__(cls, below, above)
+        margin.resolution, margin.searched = resolution, (below, above) if searched is None else searched
+        return margin
+
+    @property
+    def nearest(self) -> float:
+        """The smaller of both."""
+        return min(self)
+
+
+class Shape(NamedTuple):
+    """The fastest growing solution along the rod, freed of its growth; its largest deflection is 1.
+
+    Attributes
+    ----------
+    s : ndarray
+        Position in m from the upper end.
+    deflection : ndarray
+        At the instant of largest deflection.
+    envelope : ndarray
+        Largest deflection over a period, at each position.
+    """
+
+    s: NDArray[np.float64]
+    deflection: NDArray[np.float64]
+    envelope: NDArray[np.float64]
+
+
+def _part(progress: Progress | None, number: int, parts: int) -> Progress | None:
+    """Return what reports one of the parts of a search in hundredths of them."""
+    if progress is None:
+        return None
+    return lambda done, total: progress(100 * number + 100 * done // total, 100 * parts)
+
+
+class Edge(NamedTuple):
+    """Where the verdict changes on a way, None where it does not, up to where was searched, and how finely.
+
+    ``seconds`` is about how long that takes.
+    """
+
+    at: float | None
+    searched: float
+    resolution: float
+    seconds: float = 0.0
+
+
+class Evidence(ABC):
+    """What a verdict rests on: the equations of the modes under the load, and what was found of them.
+
+    Every model of the modes has its own; a verdict asks it for what depends on the equations.
+    """
+
+    kind: ClassVar[str]
+    """Of which modes it is, in words."""
+
+    @property
+    @abstractmethod
+    def load(self) -> Load:
+        """The load."""
+
+    @property
+    @abstractmethod
+    def modes(self) -> tuple[int, ...]:
+        """Modes looked at."""
+
+    @property
+    @abstractmethod
+    def cutoff(self) -> str:
+        """Why these modes and no others."""
+
+    @property
+    @abstractmethod
+    def references(self) -> tuple[str, ...]:
+        """What to cite for the methods used."""
+
+    @property
+    @abstractmethod
+    def resonances(self) -> tuple[Resonance, ...]:
+        """What grows, the fastest first."""
+
+    def unstable_modes(self, verdict: RodStability) -> tuple[int, ...]:
+        """Return the modes that take part in what grows faster than the tolerance."""
+        if verdict.status != "unstable":
+            return ()
+        growing = [r for r in self.resonances if r.growth_rate > verdict.growth_tolerance]
+        return tuple(sorted({mode for resonance in growing for mode in resonance.modes}))
+
+    def fastest_mode(self, verdict: RodStability) -> int | None:
+        """Return the mode that grows fastest, the lower one of a combination; None when none grows, or is named."""
+        return min(self.resonances[0].modes) if self.resonances and verdict.growth_rate > 0.0 else None
+
+    @abstractmethod
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing."""
+
+    @abstractmethod
+    def growth_of(self, verdict: RodStability, mode: int) -> float:
+        """Return the growth rate of a mode in 1/s, of the rod where it has none of its own."""
+
+    def is_fastest(self, verdict: RodStability, mode: int | None) -> bool:
+        """Return whether the growth rate of the rod is that of a mode."""
+        return mode == verdict.fastest_mode
+
+    def plot(self, verdict: RodStability, ax: Any = None) -> Any:
+        """Draw the shape in which the rod grows; return the axes."""
+        from floquetrod.plotting.rod import draw_shape
+
+        return draw_shape(verdict, ax)
+
+    # --- what a report says of it ---
+
+    has_exact_margins: ClassVar[bool] = False
+    """Whether margins are computed in milliseconds from boundaries; else they are found by sampling."""
+
+    enough: ClassVar[str] = "stable at every rate tried above {}"
+    """Which damping rates stabilise, with {} for the least."""
+
+    @abstractmethod
+    def headline(self, verdict: RodStability) -> str:
+        """Return what grows, or why that is not known; "" where there is nothing to say."""
+
+    def fastest_in_words(self, verdict: RodStability) -> str:
+        """Return what grows fastest, to stand before "at so many 1/s"."""
+        return f"{self.resonances[0]}," if self.resonances else "growth"
+
+    def grows_in(self, verdict: RodStability) -> str:
+        """Return, to stand behind the growth rate, in which mode; "" where that is said elsewhere."""
+        return ""
+
+    @abstractmethod
+    def method(self, verdict: RodStability) -> str:
+        """Return how the verdict was found, and how good it is."""
+
+    def named_lines(self, verdict: RodStability) -> list[tuple[str, str]]:
+        """Return lines that name what grows."""
+        return []
+
+    @property
+    def table(self) -> Table | None:
+        """The modes nearest to trouble, where each has an equation of its own."""
+        return None
+
+    @abstractmethod
+    def numbers(self, verdict: RodStability) -> dict[str, Any]:
+        """Return what `RodStability.as_dict` has besides."""
+
+    @abstractmethod
+    def edge(
+        self,
+        verdict: RodStability,
+        varied: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
+
+    def sentence(self, verdict: RodStability) -> str:
+        """Return status, growth and the modes that grow."""
+        if verdict.status == "stable":
+            slow = f", growth {verdict.growth_rate:.3g} 1/s within the tolerance" if verdict.growth_rate > 0.0 else ""
+            return f"stable{slow}"
+        if verdict.status == "undecided":
+            return "undecided"
+        names = ", ".join(map(str, verdict.unstable_modes))
+        some = f"modes {names} grow" if len(verdict.unstable_modes) > 1 else f"mode {names} grows"
+        return (
+            f"unstable: {some}; mode {verdict.fastest_mode} at {verdict.growth_rate:.6g} 1/s, tenfold in "
+            f"{verdict.time_to_grow():.3g} s"
+        )
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class RodStability(Verdict, ReportedVerdict):
+    """Verdict on a rod under a load, in 1/s and s.
+
+    Attributes
+    ----------
+    rod : Rod
+    growth_tolerance : float
+        Growth in 1/s up to which a mode counts as stable.
+    evidence : Evidence
+        What the verdict rests on.
+    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
+        As in every `Verdict`.  Stable when nothing grows faster than the tolerance; the growth rate is that of the
+        fastest solution, within the tolerance or not; the exponents are those of all modes.  Where modes are
+        independent ``error`` is the largest of a mode's discriminant; where they are coupled that of the growth rate in
+        1/s, of the multipliers and, estimated, of the modes left out.
+
+    Modes are numbered as those of the rod without axial force, which have the same ends.  What is told of one kind of
+    modes alone, such as `mode_verdicts` or `shape`, raises an AttributeError that says so for the other.
+    """
+
+    rod: RodData
+    growth_tolerance: float
+    evidence: Evidence
+
+    @property
+    def load(self) -> Load:
+        """The load."""
+        return self.evidence.load
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        return united(references(("rod", "model")), self.evidence.references)
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Modes looked at."""
+        return self.evidence.modes
+
+    @property
+    def modes_checked(self) -> int:
+        """Number of modes looked at; `cutoff` says why that many."""
+        return len(self.modes)
+
+    @property
+    def cutoff(self) -> str:
+        """Why these modes and no others."""
+        return self.evidence.cutoff
+
+    @property
+    def resonances(self) -> tuple[Resonance, ...]:
+        """What grows, the fastest first, such as "direct resonance of mode 7, order 1", or a combination of two modes.
+
+        Where modes are coupled it is named by a heuristic, see `SystemStability`.
+        """
+        return self.evidence.resonances
+
+    @property
+    def unstable_modes(self) -> tuple[int, ...]:
+        """Modes that grow, or take part in what grows, faster than the tolerance."""
+        return self.evidence.unstable_modes(self)
+
+    @property
+    def fastest_mode(self) -> int | None:
+        """Mode that grows fastest, the lower one of a combination; None when none grows or none could be named."""
+        return self.evidence.fastest_mode(self)
+
+    @cached_property
+    def damping_to_stabilise(self) -> float:
+        """Smallest damping rate in 1/s from which every larger one keeps all modes from growing.
+
+        The rate meant is the rod's whole ``damping_rate``, whatever it is now.  Infinite when the mean force alone
+        buckles the rod: damping only slows that down.  Where modes are coupled it is that from which this load no
+        longer makes the rod grow faster than the tolerance, found to ten digits and tried at two, four and eight times
+        as much.
+        """
+        return self.evidence.damping_to_stabilise(self)
+
+    # --- told of one kind of modes alone ---
+
+    @property
+    def system(self) -> ModalSystem | HillSystem:
+        """The equations, of independent modes a `ModalSystem`, of coupled ones a `HillSystem` in seconds."""
+        found: ModalSystem | HillSystem = self._told("system")
+        return found
+
+    @property
+    def mode_equations(self) -> tuple[Mathieu, ...]:
+        """Equation of each independent mode, in the time tau = omega t."""
+        return tuple(self._told("mode_equations"))
+
+    @property
+    def mode_verdicts(self) -> tuple[Stability, ...]:
+        """Verdict on each independent mode."""
+        return tuple(self._told("mode_verdicts"))
+
+    @property
+    def mode_growth_rates(self) -> Floats:
+        """Growth rate of each independent mode in 1/s."""
+        return np.asarray(self._told("mode_growth_rates"))
+
+    @property
+    def left_out_bound(self) -> float:
+        """Bound in 1/s on the growth of every mode but these, infinite where the modes were chosen by the caller."""
+        return float(self._told("left_out_bound"))
+
+    @property
+    def coupled(self) -> ModeSystems:
+        """The coordinates in which the motion of coupled modes is written, and their kind of load."""
+        found: ModeSystems = self._told("coupled")
+        return found
+
+    @property
+    def whole(self) -> SystemStability:
+        """Verdict on the system of coupled modes."""
+        found: SystemStability = self._told("whole")
+        return found
+
+    @property
+    def convergence(self) -> tuple[tuple[int, float], ...]:
+        """Numbers of coupled modes and the growth rate in 1/s with each; the last one is the answer."""
+        return tuple(self._told("convergence"))
+
+    @property
+    def shape(self) -> Shape:
+        """Where along the rod the fastest solution of coupled modes moves most, growing or not."""
+        found: Shape = self._told("shape")
+        return found
+
+    @property
+    def axial(self) -> AxialResponse:
+        """How large the vibration becomes along the rod, where, and the nearest axial resonances."""
+        return self.rod.axial_response(self.load)
+
+    def growth_of(self, mode: int) -> float:
+        """Return the growth rate of a mode in 1/s, of the rod where modes are coupled."""
+        return self.evidence.growth_of(self, validate.integer("mode", mode, 1, validate.MOST_NUMBERS))
+
+    def is_fastest(self, mode: int | None) -> bool:
+        """Return whether the growth rate is that of a mode; of coupled modes it is that of any."""
+        return self.evidence.is_fastest(self, mode)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the `shape` in which coupled modes grow along the rod; return the axes."""
+        return self.evidence.plot(self, ax)
+
+    def _told(self, name: str) -> Any:
+        """Return what the evidence tells by a name; AttributeError where it does not."""
+        known = dir(self.evidence)
+        if name in known:
+            return getattr(self.evidence, name)
+        told = ", ".join(each for each in _TOLD_OF_ONE if each in known)
+        raise AttributeError(f"{name} is not told of {self.evidence.kind}, which this verdict is on; look at {told}")
+
+    def time_to_grow(self, factor: float = 10.0) -> float:
+        """Return the time in s in which the fastest mode grows by ``factor``, infinite when none grows."""
+        if not validate.finite("factor", factor) > 1.0:
+            raise ValueError(f"factor must be greater than 1, got {factor!r}")
+        return math.log(factor) / self.growth_rate if self.growth_rate > 0.0 else math.inf
+
+    @cached_property
+    def mean_force_margin(self) -> Margin:
+        """Distance in N to the nearest mean forces at which the verdict changes, searched to 8 F_cr either way.
+
+        Tongues that nowhere grow faster than `margin_tolerance` do not count, in this margin and the other two.  Where
+        modes are coupled the search is sampled, and ends early where it would take more than about ten seconds: see
+        `Margin.resolution` and `Margin.searched`; `margin` goes on.
+        """
+        return self.margin("mean", seconds=MARGIN_SECONDS)
+
+    @cached_property
+    def amplitude_margin(self) -> Margin:
+        """Distance in N to the nearest amplitudes at which the verdict changes, searched to 2 F_cr above.
+
+        `Margin.resolution` says which changes may be passed over, as in `Rod.stable_amplitudes`.
+        """
+        return self.margin("amplitude", seconds=MARGIN_SECONDS)
+
+    @cached_property
+    def frequency_margin(self) -> Margin:
+        """Distance in rad/s to the nearest frequencies at which the verdict changes, searched to 9 times either way."""
+        return self.margin("frequency", seconds=MARGIN_SECONDS)
+
+    def margin(self, quantity: Quantity, *, seconds: float = math.inf, progress: Progress | None = None) -> Margin:
+        """Return the margin of one quantity of the load, searched for as long as wanted.
+
+        Parameters
+        ----------
+        quantity : "mean", "amplitude" or "frequency"
+        seconds : float
+            About how long the search for coupled modes may take: it takes fewer samples, and ends early, where it would
+            take longer by an estimate that does not depend on the machine.
+        progress : callable, optional
+            Called with the numbers of hundredths of the parts of the search done and of all; a margin may be found
+            before the last.  What it raises ends the search.
+
+        Returns
+        -------
+        Margin
+            In N or rad/s.
+
+        Raises
+        ------
+        ValueError
+            For another quantity, and for ``seconds`` that are not greater than zero.
+        """
+        validate.choice("quantity", quantity, _WAYS)
+        if not (isinstance(seconds, float) and seconds == math.inf):
+            seconds = validate.positive("seconds", seconds, "leave it out to search everything")
+        validate.progress(progress)
+        here: float = getattr(self.load, quantity)
+        ways = [[here, *way] for way in _WAYS[quantity](here, self.rod.critical_force)]
+        parts = sum(len(way) - 1 for way in ways)
+        told = (_part(progress, number, parts) for number in range(parts))
+        ends = [self._end(quantity, way, 0.5 * seconds, list(islice(told, len(way) - 1))) for way in ways]
+        if progress is not None:
+            progress(100 * parts, 100 * parts)
+        below, above = (math.inf if end.at is None else abs(end.at - here) for end in ends)
+        searched = abs(ends[0].searched - here), abs(ends[1].searched - here)
+        return Margin(below, above, max(end.resolution for end in ends), searched)
+
+    def margins(self, seconds: float = MARGIN_SECONDS, progress: Progress | None = None) -> dict[Quantity, Margin]:
+        """Return the `margin` of every quantity, and find the damping that stabilises.
+
+        Parameters
+        ----------
+        seconds : float
+            About how long each may take, as for `margin`.
+        progress : callable, optional
+            Called with the numbers of hundredths done and of all, 100.
+
+        Raises
+        ------
+        ValueError
+            For ``seconds`` that are not greater than zero.
+        """
+        validate.progress(progress)
+        found: dict[Quantity, Margin] = {}
+        for i, quantity in enumerate(_WAYS):
+
+            def told(done: int, parts: int, before: int = 25 * i) -> None:
+                if progress is not None:
+                    progress(before + 25 * done // parts, 100)
+
+            found[quantity] = self.margin(quantity, seconds=seconds, progress=told)
+        _ = self.damping_to_stabilise  # kept with the verdict
+        if progress is not None:
+            progress(100, 100)
+        return found
+
+    @property
+    def has_quick_margins(self) -> bool:
+        """Whether margins take some seconds at most, as all do but those of many coupled modes."""
+        return self.evidence.has_exact_margins or self.modes_checked <= QUICK
+
+    @property
+    def margin_tolerance(self) -> float:
+        """Growth in 1/s up to which loads count as stable in the margins.
+
+        The growth tolerance, and at least 1e-6: a margin to a tongue in which nothing grows within a month would tell
+        nothing.  Where the load itself lies in such a tongue the margins are those of the tongue.
+        """
+        least = max(self.growth_tolerance, HAIRLINE_GROWTH)
+        return least if self.stable or self.growth_rate > least else self.growth_tolerance
+
+    def _end(self, varied: Quantity, way: list[float], seconds: float, told: list[Progress | None]) -> Edge:
+        """Return where the verdict first changes on a way of several pieces, or where a search in some seconds ends.
+
+        A piece gets half of the time that is left, the last one all of it: what is next to the load comes first.
+        """
+        found, left = Edge(None, way[0], 0.0), seconds
+        for piece, progress in zip(pairwise(way), told, strict=True):
+            if piece[0] != piece[1]:
+                share = left if piece[1] == way[-1] else 0.5 * left
+                edge = self.evidence.edge(self, varied, piece, share, progress)
+                found = edge._replace(resolution=max(found.resolution, edge.resolution))
+                left -= edge.seconds
+                if found.at is not None or found.searched != piece[1]:
+                    break
+            if progress is not None:
+                progress(1, 1)
+        return found
+
+    def __repr__(self) -> str:
+        """Return the verdict as a sentence."""
+        return f"<{self.evidence.sentence(self)}; {self.cutoff}>"
+
+
+CoupledRodStability = RodStability
+"""Another name of it, until version 0.2: verdicts on coupled modes had a class of their own."""

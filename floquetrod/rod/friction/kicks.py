@@ -1,0 +1,344 @@
+"""A rod held by friction: which modes a kick destabilises, and the smallest kick that destabilises one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util.caching import cached_property
+from floquetrod._util.report import Report, Reported, Table, number
+from floquetrod.equations import FrictionalMathieu, Mathieu
+from floquetrod.floquet.verdict import Status, Verdict
+from floquetrod.friction.critical_kicks import CriticalKickBounds, known_bounds
+from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, known_fate, known_fates
+from floquetrod.friction.inputs import growth_without_friction
+from floquetrod.rod.answers.reports import shown_in
+from floquetrod.rod.answers.verdict import MARGIN_SECONDS, Margin, RodStability
+from floquetrod.rod.friction.mode_friction import ModeFriction, kicks_of, mode_friction
+from floquetrod.rod.loads.load import Progress, Quantity
+from floquetrod.rod.mode_equations.modal_systems import GrowingModes, ModalSystems
+from floquetrod.rod.model.data import RodData
+from floquetrod.units import Unit
+
+_AT_ONCE = 4096  # loads whose modes are held at once (a choice: some megabytes)
+
+
+class CriticalKick(NamedTuple):
+    """Smallest kick found to buckle the rod, and the mode it buckles into; what is proved beside it.
+
+    Attributes
+    ----------
+    kick : float or ndarray
+        The smallest found, a transverse velocity in m/s; infinite where no kick buckles the rod, NaN where that could
+        not be decided.
+    mode : int or None, or ndarray
+        The mode that it destabilises; none is 0 over arrays of loads.
+    none_up_to : float or ndarray
+        Proved: no kick up to it, m/s, destabilises a mode (that grows faster than the tolerance asked for).
+    """
+
+    kick: Any
+    mode: Any
+    none_up_to: Any
+
+    def needed(self, shown: Unit) -> str:
+        """Return the smallest kick found, of one load, in a sentence."""
+        if math.isinf(self.kick):
+            return "no kick buckles the rod: no mode grows even without friction"
+        if self.mode is None:
+            return "the smallest kick that buckles the rod could not be decided"
+        return f"{shown.show(self.kick)} is the smallest found to buckle the rod, into mode {self.mode}"
+
+    def proved(self, shown: Unit) -> str:
+        """Return what is proved of kicks, of one load, in a sentence; "" where nothing needs proof."""
+        if not math.isfinite(self.none_up_to):
+            return ""
+        if self.none_up_to == 0.0:
+            return "nothing for any kick, however small"
+        return f"no kick up to {shown.show(self.none_up_to)} buckles the rod"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class FrictionalRodStability(Reported, Verdict):
+    """Verdict on a rod with friction, every mode of which is kicked alike, in 1/s and s.
+
+    Attributes
+    ----------
+    friction : float
+        Coefficient of friction mu.
+    kick : float
+        Transverse velocity of each mode in m/s.
+    in_modes : ModeFriction
+        Friction and kick in the mode equations.
+    linear : RodStability
+        Verdict without friction; rod, load and modes are there.
+    fates : tuple of Fate
+        Of the modes in ``modes``.
+    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
+        As in every `Verdict`.  Stable when no mode escapes; the growth rate is that at which the fastest mode that
+        escapes grows in the end; exponents, error and cost are those of ``linear``.
+    """
+
+    friction: float
+    kick: float
+    in_modes: ModeFriction
+    linear: RodStability
+    fates: tuple[Fate, ...]
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        return self.linear.references
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Modes that grow, or may grow, without friction; no kick destabilises any other."""
+        return tuple(_growing(self.linear))
+
+    @property
+    def unstable_modes(self) -> tuple[int, ...]:
+        """Modes that the kick destabilises; they escape."""
+        return tuple(m for m, fate in zip(self.modes, self.fates, strict=True) if fate.status == "escapes")
+
+    @cached_property
+    def critical_kick(self) -> CriticalKick:
+        """Smallest kick found to buckle the rod, the mode it buckles into, and the kick up to which none does."""
+        return critical_kick(self.linear, self.friction)
+
+    @cached_property
+    def critical_kicks(self) -> dict[int, float]:
+        """Smallest kick in m/s found to destabilise each of ``modes``."""
+        growing, rod, load = _as_arrays(_growing(self.linear)), self.linear.rod, self.linear.load
+        ratio = _bounds(growing, np.full(growing.load.size, math.inf), None).smallest_found
+        kicks = kicks_of(rod, self.friction, load.amplitude, load.frequency, ratio)
+        return dict(zip(growing.mode.tolist(), kicks.tolist(), strict=True))
+
+    @property
+    def has_quick_margins(self) -> bool:
+        """Whether the margins of ``linear`` take some seconds at most."""
+        return self.linear.has_quick_margins
+
+    def margins(self, seconds: float = MARGIN_SECONDS, progress: Progress | None = None) -> dict[Quantity, Margin]:
+        """Return the margins of ``linear``, see `RodStability.margins`."""
+        return self.linear.margins(seconds, progress)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw what ``linear`` does."""
+        return self.linear.plot(ax)
+
+    def report(
+        self, units: Mapping[str, str] | None = None, margins: Mapping[Quantity, Margin] | None = None
+    ) -> Report:
+        """Return the verdict in lines and a table of the modes that grow without friction, and then that of `linear`.
+
+        Parameters
+        ----------
+        units : mapping, optional
+            In which to show mean, amplitude, frequency and kick: ``{"mean": "Fcr", "kick": "mm/s"}``.
+        margins : mapping, optional
+            Those of ``linear``, which its ``margins`` returns.
+
+        Returns
+        -------
+        Report
+            Its text is ``str(report)``; a notebook shows it as a table.
+        """
+        shown = shown_in(units, self.linear.rod.critical_force)["kick"]
+        known, inside = self.critical_kick, self.in_modes
+        slides = shown.show(inside.v_a, 3)
+        lines = [
+            ("friction", f"mu {self.friction:g}: gamma {inside.gamma:.4g}; the rod slides axially at {slides}"),
+            ("kick", f"{shown.show(self.kick)} in each mode: eps {inside.epsilon:.4g}"),
+            ("needed", known.needed(shown)),
+        ]
+        proved = known.proved(shown)
+        lines += [("proved", proved)] if proved else []
+        modes = ", ".join(map(str, self.unstable_modes))
+        grows = f": the kick destabilises mode{'s' * (len(self.unstable_modes) > 1)} {modes}" if modes else ""
+        without = self.linear.report(units, margins)
+        without = replace(without, headline=f"without friction:\n{without.headline}")
+        return Report(self.status.upper() + grows, lines, self._table(shown), without)
+
+    def _table(self, shown: Unit) -> Table | None:
+        """Return the modes that grow without friction, None where none does."""
+        rows = [
+            (str(mode), f"{shown.of(self.critical_kicks[mode]):.6g}", f"{fate.status}: {fate.reason}")
+            for mode, fate in zip(self.modes, self.fates, strict=True)
+        ]
+        columns = [("mode", ">4"), (f"kick needed {shown.name}", ">16"), ("this kick", "")]
+        return Table(columns, rows) if rows else None
+
+    def as_dict(self, margins: Mapping[Quantity, Margin] | None = None) -> dict[str, Any]:
+        """Return the verdicts with and without friction as numbers for JSON, units in the keys.
+
+        None is what is infinite or not known; ``margins`` are those of ``linear``.
+        """
+        inside, known = self.in_modes, self.critical_kick
+        return {
+            "with_friction": {
+                "status": self.status,
+                "unstable_modes": list(self.unstable_modes),
+                "mu": self.friction,
+                "mu_theta": inside.mu_theta,
+                "kick_m_per_s": self.kick,
+                "axial_velocity_m_per_s": inside.v_a,
+                "gamma": inside.gamma,
+                "epsilon": inside.epsilon,
+                "critical_kick_m_per_s": number(known.kick),
+                "critical_mode": known.mode,
+                "no_kick_buckles_up_to_m_per_s": number(known.none_up_to),
+                "modes": [
+                    {"mode": mode, "critical_kick_m_per_s": number(self.critical_kicks[mode]), "fate": fate.status}
+                    for mode, fate in zip(self.modes, self.fates, strict=True)
+                ],
+            },
+            "without_friction": self.linear.as_dict(margins),
+        }
+
+    def __repr__(self) -> str:
+        """Return the verdict as a sentence."""
+        kick = f"a kick of {1e3 * self.kick:g} mm/s against mu = {self.friction:g}"
+        if self.status == "unstable":
+            what = f"destabilises mode{'s' * (len(self.unstable_modes) > 1)} {', '.join(map(str, self.unstable_modes))}"
+        else:
+            what = "destabilises no mode" if self.status == "stable" else "could not be decided"
+        growing = f"without friction {', '.join(map(str, self.modes)) or 'none'} would grow"
+        return f"<{self.status}: {kick} {what}; {growing}>"
+
+
+def classify_kick(linear: RodStability, friction: float, kick: float) -> FrictionalRodStability:
+    """Return the verdict with friction that follows on one without."""
+    inside = mode_friction(linear.rod, friction, kick, linear.load.amplitude, linear.load.frequency)
+    growing = _growing(linear)
+    fates = tuple(
+        known_fate(FrictionalMathieu(e.alpha, e.beta, inside.gamma, e.damping), inside.epsilon, rate)
+        for e, rate in zip(growing.values(), _as_arrays(growing).rate.tolist(), strict=True)
+    )
+    rates = dict(zip(linear.modes, linear.mode_growth_rates.tolist(), strict=True))
+    escaping = [rates[mode] for mode, fate in zip(growing, fates, strict=True) if fate.status == "escapes"]
+    unsure = [fate.reason for fate in fates if fate.status == "undecided"]
+    status: Status = "unstable" if escaping else "undecided" if unsure else "stable"
+    return FrictionalRodStability(
+        friction=friction,
+        kick=kick,
+        in_modes=inside,
+        linear=linear,
+        fates=fates,
+        status=status,
+        growth_rate=max(escaping, default=0.0),
+        exponents=linear.exponents,
+        period=linear.period,
+        error=linear.error,
+        cost=linear.cost,
+        note="; ".join(dict.fromkeys(unsure)),
+        assumptions=(*linear.assumptions, "friction acts on one mode at a time"),
+    )
+
+
+def critical_kick(linear: RodStability, friction: float) -> CriticalKick:
+    """Return the smallest kick found to destabilise a mode, and that up to which none does."""
+    least = _Least.of(1)
+    _least_kicks(_as_arrays(_growing(linear)), None, least)
+    load = linear.load
+    ratios = np.concatenate([least.found, least.proved])
+    kick, none_up_to = kicks_of(linear.rod, friction, load.amplitude, load.frequency, ratios)
+    return CriticalKick(float(kick), int(least.mode[0]) or None, float(none_up_to))
+
+
+def kicked_loads(
+    rod: RodData, systems: ModalSystems, friction: float, kick: float, tolerance: float, workers: int | None
+) -> NDArray[np.int8]:
+    """Return whether the kick destabilises no mode (1), one (0), or cannot be told (-1), for each load."""
+    found = np.full(systems.loads.size, BOUNDED, dtype=np.int8)
+    for part in _parts(systems.loads.size):
+        loads = systems.loads.part(part)
+        load, _, alpha, beta, damping, rate = ModalSystems(systems.constants, loads).growing(tolerance, workers)
+        inside = mode_friction(rod, friction, kick, loads.amplitude, loads.frequency)
+        gamma, epsilon = inside.gamma[load], inside.epsilon[load]
+        fates = known_fates(alpha, beta, gamma, epsilon, damping, rate, workers=workers)
+        found[part][load[fates == UNDECIDED]] = UNDECIDED
+        found[part][load[fates == ESCAPES]] = ESCAPES
+    return found
+
+
+def critical_kicks(
+    rod: RodData, systems: ModalSystems, friction: float, tolerance: float, workers: int | None
+) -> CriticalKick:
+    """Return what `critical_kick` does for each of many loads."""
+    loads = systems.loads
+    least = _Least.of(loads.size)
+    for part in _parts(loads.size):
+        growing = ModalSystems(systems.constants, loads.part(part)).growing(tolerance, workers)
+        _least_kicks(growing, workers, least.part(part))
+    kick, none_up_to = (
+        kicks_of(rod, friction, loads.amplitude, loads.frequency, ratio) for ratio in (least.found, least.proved)
+    )
+    return CriticalKick(kick, least.mode, none_up_to)
+
+
+def _growing(linear: RodStability) -> dict[int, Mathieu]:
+    """Return the equations of the modes that grow, or may grow, without friction, by mode."""
+    rows = zip(linear.modes, linear.mode_equations, linear.mode_verdicts, strict=True)
+    unstable = set(linear.unstable_modes)
+    return {mode: e for mode, e, verdict in rows if verdict.status == "undecided" or mode in unstable}
+
+
+def _as_arrays(growing: dict[int, Mathieu]) -> GrowingModes:
+    """Return what `_growing` does as arrays, with the growth of each."""
+    values = np.array([(e.alpha, e.beta, e.damping) for e in growing.values()]).reshape(-1, 3)
+    alpha, beta, damping = (np.ascontiguousarray(column) for column in values.T)
+    mode = np.array(list(growing), dtype=np.int64)
+    rate = growth_without_friction(alpha, beta, damping, None)
+    return GrowingModes(np.zeros(mode.size, dtype=np.int64), mode, alpha, beta, damping, rate)
+
+
+class _Least(NamedTuple):
+    """Of each load: the smallest kick over friction found to destabilise one, that mode, and the proved bound below."""
+
+    found: NDArray[np.float64]
+    mode: NDArray[np.int64]
+    proved: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, size: int) -> _Least:
+        """Return what is known of loads before any mode is examined."""
+        return cls(np.full(size, math.inf), np.zeros(size, dtype=np.int64), np.full(size, math.inf))
+
+    def part(self, part: slice) -> _Least:
+        """Return a view of some loads."""
+        return _Least(self.found[part], self.mode[part], self.proved[part])
+
+
+def _least_kicks(growing: GrowingModes, workers: int | None, least: _Least) -> None:
+    """Lower ``least`` to what the growing modes of each load need; NaN where none was found and one is unknown."""
+    load = growing.load
+    # The fastest mode of every load first: what it needs is as far as the others are followed.
+    order = np.lexsort((-growing.rate, load))
+    place = np.arange(load.size) - np.searchsorted(load, load)  # of each mode among those of its load
+    unknown = np.zeros(least.found.size, dtype=np.bool_)
+    for turn in range(int(place.max(initial=-1)) + 1):
+        now = order[place == turn]
+        at = load[now]
+        proved, found = _bounds(GrowingModes(*(part[now] for part in growing)), least.found[at], workers)
+        least.proved[at] = np.minimum(least.proved[at], proved)
+        unknown[at] |= np.isnan(found)
+        better = found < least.found[at]
+        least.found[at[better]] = found[better]
+        least.mode[at[better]] = growing.mode[now][better]
+    least.found[unknown & np.isinf(least.found)] = math.nan
+
+
+def _bounds(growing: GrowingModes, limit: NDArray[np.float64], workers: int | None) -> CriticalKickBounds:
+    """Return the critical kicks over friction, up to a limit."""
+    _, _, alpha, beta, damping, rate = growing
+    return known_bounds(alpha, beta, np.ones(alpha.size), damping, rate, limit, workers=workers)
+
+
+def _parts(size: int) -> list[slice]:
+    """Return slices of up to `_AT_ONCE`, so that memory does not grow with the number of modes."""
+    return [slice(start, start + _AT_ONCE) for start in range(0, size, _AT_ONCE)]

@@ -1,0 +1,1 @@
+"""Compiled code for the modes of a rod over arrays of loads."""

@@ -1,0 +1,225 @@
+"""Kernels for the modes of a rod: a family of Mathieu equations alpha_m = A m^2, beta_m = B m^2 - C m^4 - D.
+
+A comes from the forcing, the amplitude of the axial force; B from its mean, a compression where positive; C from
+bending; D from gravity, which makes the rod swing in the channel like a pendulum.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from floquetrod._util.compilation import kernel
+from floquetrod.floquet.kernels.mathieu import growth, growth_bound, is_stable
+from floquetrod.floquet.kernels.mathieu_counts import STABLE, shown_by_count
+
+
+@kernel
+def mode_family(
+    w2: Any, mass: Any, rigidity: Any, pendulum: Any, mean: Any, amplitude: Any, frequency: Any
+) -> tuple[Any, Any, Any, Any]:
+    """Return A, B, C, D of a rod's modes, Eq. (4) of DOI 10.1115/1.4031710.
+
+    ``w2`` is the square of the first mode's wavenumber, ``mass`` per length, ``rigidity`` E I, ``pendulum`` the
+    frequency of swinging in the channel; all in SI units.
+    """
+    inertia = mass * frequency * frequency
+    swing = pendulum / frequency
+    return w2 * amplitude / inertia, w2 * mean / inertia, rigidity * w2 * w2 / inertia, swing * swing
+
+
+@kernel
+def mode_coefficients(forcing: Any, compression: Any, bending: Any, gravity: Any, mode: Any) -> tuple[Any, Any]:
+    """Return alpha = A m^2 and beta = B m^2 - C m^4 - D of a mode m, or of an array of them."""
+    m2 = 1.0 * mode * mode
+    return forcing * m2, (compression - bending * m2) * m2 - gravity
+
+
+@kernel
+def modes_left_out(forcing: float, compression: float, bending: float, gravity: float, last: int) -> float:
+    """Return a bound on the growth per unit tau of every mode after ``last``, infinite where none is known.
+
+    From m = last + 1 on, and m^4 >= D / C, the ratio a / q grows with m and so does k1, so that the products of
+    `growth_bound` only fall; its prefactor is A / 4 over the square root of C - (A + B) / m^2 + D / m^4, which is at
+    least what it is with (A + B) and -D replaced by zero where negative.
+    """
+    m2 = (last + 1.0) * (last + 1.0)
+    room = bending - max(forcing + compression, 0.0) / m2 + min(gravity, 0.0) / (m2 * m2)
+    if room <= 0.0 or bending * m2 * m2 < gravity:
+        return math.inf
+    if forcing == 0.0:
+        return 0.0
+    q = 2.0 * forcing * m2
+    a = 4.0 * ((bending * m2 - compression) * m2 + gravity)
+    if not a > 2.0 * q:
+        return math.inf  # equal to rounding: ``room`` is all but used up
+    here = growth_bound(a, q)
+    return here / (0.25 * q / math.sqrt(a - 2.0 * q)) * 0.25 * forcing / math.sqrt(room)
+
+
+@kernel
+def modes_needed(forcing: float, compression: float, bending: float, gravity: float, target: float, guess: int) -> int:
+    """Return the least M >= 1 such that every mode after M grows at no more than ``target`` per unit tau.
+
+    A good ``guess``, the answer for a load nearby, makes it quick.
+    """
+    low, high = 0, guess
+    step = 1
+    if modes_left_out(forcing, compression, bending, gravity, guess) > target:
+        low, high = guess, guess + 1
+        while modes_left_out(forcing, compression, bending, gravity, high) > target:
+            step *= 2
+            low, high = high, high + step
+    else:
+        while high > 1 and modes_left_out(forcing, compression, bending, gravity, max(1, high - step)) <= target:
+            high = max(1, high - step)
+            step *= 2
+        low = max(0, high - step)
+    while high - low > 1:
+        middle = (low + high) // 2
+        if modes_left_out(forcing, compression, bending, gravity, middle) > target:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+@kernel
+def modes_needed_fill(forcing: Any, compression: Any, bending: Any, gravity: Any, target: Any, out: Any) -> None:
+    """Fill ``out`` with `modes_needed`."""
+    last = 1
+    for i in range(len(forcing)):
+        last = modes_needed(forcing[i], compression[i], bending[i], gravity[i], target[i], last)
+        out[i] = last
+
+
+@kernel
+def _modes_of_load(
+    w2: float,
+    mass: float,
+    rigidity: float,
+    pendulum: float,
+    mean: float,
+    amplitude: float,
+    omega: float,
+    damping_rate: float,
+    slowest: float,
+    guess: int,
+) -> tuple[float, float, float, float, float, int]:
+    """Return A, B, C, D and c of a rod under a load, and how many modes to test if ``slowest`` (1/s) is to be seen."""
+    c = damping_rate / omega
+    forcing, compression, bending, gravity = mode_family(w2, mass, rigidity, pendulum, mean, amplitude, omega)
+    last = modes_needed(forcing, compression, bending, gravity - c * c, c + slowest / omega, guess)
+    return forcing, compression, bending, gravity, c, last
+
+
+@kernel
+def _mode_stable(
+    forcing: float, compression: float, bending: float, gravity: float, mode: int, damping: float, tolerance: float
+) -> bool:
+    """Return whether one mode of a family grows no faster than ``tolerance``."""
+    alpha, beta = mode_coefficients(forcing, compression, bending, gravity, mode)
+    return is_stable(alpha, beta, damping, tolerance)
+
+
+@kernel
+def rod_is_stable(
+    w2: float,
+    mass: float,
+    rigidity: float,
+    pendulum: float,
+    mean: float,
+    amplitude: float,
+    omega: float,
+    damping_rate: float,
+    tolerance: float,
+    slowest: float,
+    last: int,
+    suspect: int,
+) -> tuple[bool, int, int]:
+    """Return whether no mode of a rod grows faster than ``tolerance`` (1/s), how many were needed and which to suspect.
+
+    Growth below ``slowest`` (1/s) may be left out.  ``last`` and ``suspect`` are the answers for a rod and load nearby:
+    neighbours need about as many modes and mostly fail in the same one, which is tested first.
+    """
+    forcing, compression, bending, gravity, c, last = _modes_of_load(
+        w2, mass, rigidity, pendulum, mean, amplitude, omega, damping_rate, slowest, last
+    )
+    level = tolerance / omega
+    suspect = min(suspect, last)
+    if not _mode_stable(forcing, compression, bending, gravity, suspect, c, level):
+        return False, last, suspect
+    for mode in range(1, last + 1):
+        if mode != suspect and not _mode_stable(forcing, compression, bending, gravity, mode, c, level):
+            return False, last, mode
+    return True, last, suspect
+
+
+@kernel
+def modes_stable_fill(
+    mean: Any,
+    amplitude: Any,
+    frequency: Any,
+    out: Any,
+    w2: float,
+    mass: float,
+    rigidity: float,
+    pendulum: float,
+    damping_rate: float,
+    tolerance: float,
+    smallest: float,
+) -> None:
+    """Fill ``out`` with whether no mode of a rod grows faster than ``tolerance`` under each load (rates per second).
+
+    Rates below ``smallest`` may be left out.
+    """
+    slowest = max(tolerance, smallest)
+    last = 1
+    suspect = 1
+    for i in range(len(mean)):
+        out[i], last, suspect = rod_is_stable(
+            w2,
+            mass,
+            rigidity,
+            pendulum,
+            mean[i],
+            amplitude[i],
+            frequency[i],
+            damping_rate,
+            tolerance,
+            slowest,
+            last,
+            suspect,
+        )
+
+
+@kernel
+def modes_growth_fill(
+    mean: Any,
+    amplitude: Any,
+    frequency: Any,
+    out: Any,
+    w2: float,
+    mass: float,
+    rigidity: float,
+    pendulum: float,
+    damping_rate: float,
+    smallest: float,
+) -> None:
+    """Fill ``out`` (n, 2) with the largest growth rate per second and the mode that has it (0 where none grows)."""
+    last = 1
+    for i in range(len(mean)):
+        forcing, compression, bending, gravity, c, last = _modes_of_load(
+            w2, mass, rigidity, pendulum, mean[i], amplitude[i], frequency[i], damping_rate, smallest, last
+        )
+        best = 0.0
+        first = 0
+        for mode in range(1, last + 1):
+            alpha, beta = mode_coefficients(forcing, compression, bending, gravity, mode)
+            if shown_by_count(alpha, beta + c * c) != STABLE:
+                rate = growth(alpha, beta, c)
+                if rate > best:
+                    best = rate
+                    first = mode
+        out[i, 0] = best * frequency[i]
+        out[i, 1] = first

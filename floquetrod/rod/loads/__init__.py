@@ -1,0 +1,1 @@
+"""The force on a rod: sines, axial waves, measured records."""

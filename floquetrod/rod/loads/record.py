@@ -1,0 +1,394 @@
+"""A measured force: a record with noise, fitted by a mean and a Fourier series."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import units
+from floquetrod._util import validate
+from floquetrod._util.arguments import located
+from floquetrod._util.arrays import shaped
+from floquetrod._util.caching import cached_property
+from floquetrod._util.calling import tells_arguments
+from floquetrod._util.content import ByContent
+from floquetrod.rod.loads.load import LIMITS, AxialLoad, LoadSource, load_number
+from floquetrod.rod.loads.record_file import column_argument, delimiter_argument, read_columns
+from floquetrod.rod.loads.record_fit import Samples, series
+from floquetrod.rod.loads.record_period import Found, find, power_spectrum
+
+_LATEST = 1e12  # s
+_FEWEST = 12  # samples
+_MOST_HARMONICS = 1000  # largest value of ``harmonics`` (a choice)
+
+
+@tells_arguments()
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class ForceRecord(LoadSource, ByContent):
+    """Force measured over time, with noise and over any number of periods, fitted by a mean and a Fourier series.
+
+    It can be given in place of a load; its `load` is then used.
+
+    F(t) = mean + Re sum of c_h exp(i h frequency t), with the frequency and all coefficients fitted together by least
+    squares.  The samples may be uneven and have gaps.  A linear trend is fitted too where there is one; it is not part
+    of the force.
+
+    Parameters
+    ----------
+    time : array_like (n,)
+        In s, increasing.
+    force : array_like (n,)
+        In N.  Samples whose time or force is NaN are left out, at most half of them.
+    harmonics : int, optional
+        Largest number of harmonics searched for, 20 by default; fewer where the sampling rate or the number of samples
+        allows no more, which ``note`` says where ``harmonics`` is given.
+    frequency : float, optional
+        Approximate frequency of the fundamental in rad/s, known to within a tenth or half a period per record; it is
+        refined.  By default it is searched for: the strongest frequency of the record is then one of its first ten
+        harmonics.
+
+    Attributes
+    ----------
+    time, samples : ndarray
+        The samples fitted, in s and N.
+    mean, mean_error : float
+        Mean force in N, at the middle of the record, and its standard error.
+    trend : float
+        Drift of the mean in N/s, 0 unless noise alone would cause one as large in less than one record of 100.
+    frequency, frequency_error : float
+        Of the fundamental in rad/s, and its standard error.
+    harmonics : ndarray of complex
+        Amplitudes c_h in N of the harmonics 1, 2, ... looked for, 0 for those in the noise.
+    harmonic_errors : ndarray
+        Standard errors of their sizes in N.
+    noise : float
+        Root mean square in N of the residual of the fit.
+    note : str
+        What was left out or limited, and where the noise is not white.
+    force_unit_named : bool
+        Whether the unit of force is known: False for a file that names none and was read without ``force_unit``.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For unusable samples: a time that does not increase, or a force that does instead; fewer than 12 samples or two
+        periods; a force without a period above the noise.
+
+    Notes
+    -----
+    A harmonic counts as present where noise alone would give one as large, among all searched for, in less than one
+    record of 100 (F test): from about 3.9 times the noise of an amplitude, noise * sqrt(2/n), for 20 harmonics.  A
+    longer period than that of the strongest frequency is chosen where its further harmonics pass a sharper test, one in
+    1000 records, and, where the record has fewer than four such periods, are a tenth of all: those of a drift are less.
+    Errors are those of least squares with white noise; about harmonics where the spectrum of the residual is
+    significantly higher than that, they grow with it.  Aliases of frequencies above half the sampling rate cannot be
+    distinguished from the harmonics that they coincide with.
+
+    Examples
+    --------
+    >>> t = np.arange(730) / 1600.0
+    >>> push = 3.0 + 2.0 * np.sin(100.0 * t) + 0.5 * np.cos(200.0 * t)
+    >>> record = ForceRecord(t, push + 0.1 * np.random.default_rng(1).standard_normal(t.size))
+    >>> record.kept, round(record.mean, 1), round(float(abs(record.harmonics[0])), 1)
+    ((1, 2), 3.0, 2.0)
+    >>> abs(record.frequency - 100.0) < 4.0 * record.frequency_error < 0.1
+    True
+    """
+
+    time: NDArray[np.float64]
+    samples: NDArray[np.float64]
+    mean: float
+    mean_error: float
+    trend: float
+    frequency: float
+    frequency_error: float
+    harmonics: NDArray[np.complex128]
+    harmonic_errors: NDArray[np.float64]
+    noise: float
+    note: str
+    force_unit_named: ClassVar[bool] = True
+
+    def __init__(self, time: Any, force: Any, harmonics: int | None = None, frequency: float | None = None) -> None:
+        """Check the samples and fit them."""
+        most = None if harmonics is None else validate.integer("harmonics", harmonics, 1, _MOST_HARMONICS)
+        guess = None if frequency is None else load_number("frequency", frequency)
+        times, forces = _checked(time, force)
+        if most is not None and 2 * most + 4 > times.size:
+            raise ValueError(
+                f"harmonics must be at most {times.size // 2 - 2} for {times.size} samples, got {most}: a harmonic has "
+                "two unknowns, mean, trend and frequency one each"
+            )
+        missing = np.size(time) - times.size
+        samples = Samples.of(times, forces)
+        found = find(samples, None if guess is None else guess * samples.half / math.pi, most)
+        values = {
+            "time": times,
+            "samples": forces,
+            **_in_units(samples, found),
+            "note": _note(samples, found, missing, most),
+        }
+        for name, value in values.items():
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_csv(
+        cls,
+        path: str | Path,
+        time: str | int | None = None,
+        force: str | int | None = None,
+        *,
+        time_unit: str | None = None,
+        force_unit: str | None = None,
+        delimiter: str | None = None,
+        harmonics: int | None = None,
+        frequency: float | None = None,
+    ) -> Self:
+        """Read a record from a text file of columns; lines that begin with # are comments.
+
+        The text is in UTF-8 or, where it cannot be, in Windows-1252.  Times are numbers, times of day such as
+        12:00:00.000, or dates with them such as 2024-01-31T12:00:00.000+01:00.
+
+        Parameters
+        ----------
+        path : path
+            The first line may hold headings.
+        time : str or int, optional
+            Heading of the column of times, or its number from 0.  By default the one headed time or t; of two columns
+            with other headings or none, the first.
+        force : str or int, optional
+            Heading of the column of forces, or its number from 0.  By default the one headed force or f; of two columns
+            with other headings or none, the second.
+        time_unit : str, optional
+            Unit of the times, such as "ms".  By default that in the heading, as in "t [ms]" or "time_ms", else s.
+        force_unit : str, optional
+            Unit of the forces, such as "lbf".  By default that in the heading, as in "force (kN)", "F / N",
+            "FORCE_LBF" or "lbf" alone, else N: then `force_unit_named` is False, and verdicts warn where kN or mN are
+            more likely, or where lbf are as likely and matter.
+        delimiter : str, optional
+            What separates columns, by default the first of semicolon, tab, comma and space that the first line holds.
+            With another one than the comma, numbers may have decimal commas.
+        harmonics : int, optional
+            As for `ForceRecord`.
+        frequency : float, optional
+            In rad/s, as for `ForceRecord`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a file that cannot be read, naming argument or line, and for samples that `ForceRecord` refuses.
+        """
+        path = validate.path("path", path)
+        wanted = column_argument("time", time), column_argument("force", force)
+        for name, unit in (("time", time_unit), ("force", force_unit)):
+            if unit is not None:
+                units.unit(unit, f"{name}_unit", name)
+        delimiter = delimiter_argument(delimiter)
+        if harmonics is not None:
+            validate.integer("harmonics", harmonics, 1, _MOST_HARMONICS)
+        if frequency is not None:
+            load_number("frequency", frequency)
+        try:
+            found = read_columns(path, *wanted, time_unit, force_unit, delimiter)
+            record = cls(found.time, found.force, harmonics, frequency)
+        except (OSError, ValueError) as error:
+            raise located(f"force record {path}", error) from None
+        object.__setattr__(record, "force_unit_named", found.has_unit)
+        return record
+
+    @property
+    def period(self) -> float:
+        """Period in s."""
+        return 2.0 * math.pi / self.frequency
+
+    @property
+    def periods(self) -> float:
+        """Number of periods in the record."""
+        return float(self.time[-1] - self.time[0]) / self.period
+
+    @property
+    def load(self) -> AxialLoad:
+        """The fitted force as a load, the same all along a rod; its harmonics are the waveform."""
+        return AxialLoad(self.mean, self.amplitude, self.frequency, waveform=self.waveform)
+
+    @cached_property
+    def kept(self) -> tuple[int, ...]:
+        """Numbers of the harmonics above the noise."""
+        return tuple((np.flatnonzero(self.harmonics) + 1).tolist())
+
+    @cached_property
+    def amplitude(self) -> float:
+        """Half the distance in N between the largest and the smallest value of the fit."""
+        return 0.5 * (self._extreme(1.0) + self._extreme(-1.0))
+
+    @cached_property
+    def waveform(self) -> tuple[complex, ...]:
+        """The harmonics up to the last one kept, over the amplitude."""
+        return tuple((self.harmonics[: self.kept[-1]] / self.amplitude).tolist())
+
+    def force(self, t: Any) -> Any:
+        """Return the fitted force, mean and harmonics, in N at times in s, in their shape."""
+        times = validate.array("t", t, least=-_LATEST, largest=_LATEST)
+        values = self.mean + self._vibration(self.frequency * times)
+        return shaped(np.asarray(values), times.shape)
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the record with the fit, and the spectrum with the noise, on two matplotlib axes; return these."""
+        from floquetrod.plotting.record import draw_record
+
+        return draw_record(self, ax)
+
+    def spectrum(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Return frequencies in Hz, up to half of the sampling rate, and amplitudes in N of record and residual there.
+
+        Those of the record without its mean and trend, and of the residual of the fit.
+        """
+        samples = Samples.of(self.time, self.samples)
+        level = self.samples - self.mean - self.trend * (self.time - samples.centre)
+        record = power_spectrum(samples, level)
+        residual = power_spectrum(samples, level - self._vibration(self.frequency * self.time))
+        frequency: NDArray[Any] = record.step * np.arange(1, record.power.size + 1) / (2.0 * samples.half)
+        whole, left = (2.0 * np.sqrt(found.power / self.time.size) for found in (record, residual))
+        return frequency, whole, left
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the fit as numbers for JSON, units in the keys."""
+        return {
+            "mean_N": self.mean,
+            "mean_error_N": self.mean_error,
+            "amplitude_N": self.amplitude,
+            "frequency_rad_per_s": self.frequency,
+            "frequency_error_rad_per_s": self.frequency_error,
+            "harmonics_kept": list(self.kept),
+            "noise_N": self.noise,
+            "periods": self.periods,
+            "note": self.note,
+        }
+
+    def __repr__(self) -> str:
+        """Return the fit as a sentence."""
+        kept = ", ".join(map(str, self.kept))
+        text = (
+            f"force of mean {self.mean:.6g} N and amplitude {self.amplitude:.6g} N, period {self.period:.8g} s +- "
+            f"{self.period * self.frequency_error / self.frequency:.1g} s, harmonic{'s' * (len(self.kept) > 1)} {kept} "
+            f"above a noise of {self.noise:.3g} N; {self.periods:.4g} periods, {self.time.size} samples"
+        )
+        return f"<{text}; {self.note}>" if self.note else f"<{text}>"
+
+    def _vibration(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
+        return series(angle, self.kept, self.harmonics[np.array(self.kept) - 1])
+
+    def _extreme(self, sign: float) -> float:
+        """Return the largest value of the vibration, or of its negative: on a grid, then by Newton's method."""
+        angles = np.linspace(0.0, 2.0 * math.pi, 64 * self.kept[-1], endpoint=False)
+        values = sign * self._vibration(angles)
+        angle, numbers = float(angles[values.argmax()]), np.arange(1, self.harmonics.size + 1)
+        for _ in range(5):
+            terms = sign * self.harmonics * np.exp(1j * numbers * angle)
+            slope, bend = float((1j * numbers * terms).real.sum()), -float((numbers**2 * terms).real.sum())
+            if bend < 0.0:
+                angle -= slope / bend
+        return max(float(values.max()), sign * float(self._vibration(np.array(angle))))
+
+
+def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the samples that are there, after checking them."""
+    times = _column("time", time, -_LATEST, _LATEST)
+    forces = _column("force", force, LIMITS["mean"].least, LIMITS["mean"].largest)
+    if times.size != forces.size:
+        raise ValueError(f"time and force must have one length, got {times.size} and {forces.size}")
+    there = ~(np.isnan(times) | np.isnan(forces))
+    if times.size and 2 * int(there.sum()) < times.size:
+        raise ValueError(
+            f"time and force must be numbers in half of the samples at least, got NaN in {int((~there).sum())} of "
+            f"{times.size}"
+        )
+    times, forces = times[there], forces[there]
+    if times.size < _FEWEST:
+        raise ValueError(f"time and force must have {_FEWEST} samples or more, got {times.size}")
+    steps = np.diff(times)
+    if not (steps > 0.0).all():
+        at = int(np.flatnonzero(steps <= 0.0)[0])
+        if (np.diff(forces) > 0.0).all():
+            raise ValueError("time must increase; force does in its place: the two columns are swapped")
+        remedy = "sort the samples by time"
+        if not (steps < 0.0).any():
+            remedy = "equal times may have lost digits where they were written; keep one sample of each"
+        raise ValueError(
+            f"time must increase, got {float(times[at + 1])!r} after {float(times[at])!r} s "
+            f"({int((steps <= 0.0).sum())} of {steps.size} steps do not increase); {remedy}"
+        )
+    if np.ptp(forces) <= 4.0 * np.finfo(float).eps * np.abs(forces).max():
+        raise ValueError(f"force must vary, got {float(forces[0])!r} N throughout; for a constant force use AxialLoad")
+    return times, forces
+
+
+def _column(name: str, values: Any, least: float, largest: float) -> NDArray[np.float64]:
+    """Return one column of samples as a new array, in which there may be NaN."""
+    values = validate.untyped(name, values)
+    try:
+        holes = np.isnan(values)
+    except TypeError:  # of another kind, which the check names
+        holes = np.array(False)
+    if holes.any():
+        values = np.where(holes, 0.0, values)
+    result = np.where(holes, np.nan, validate.array(name, values, least=least, largest=largest))
+    if result.ndim != 1:
+        raise ValueError(f"{name} must be one-dimensional, got an array of shape {result.shape}")
+    return result
+
+
+def _in_units(samples: Samples, found: Found) -> dict[str, Any]:
+    """Return what was found in s and N, phases from time 0."""
+    best, every = found.fit, found.every
+    frequency = best.omega / samples.half
+    harmonics = np.zeros(len(every.numbers), dtype=complex)
+    errors = samples.scale * every.sizes()[1]
+    places = np.array(best.numbers) - 1
+    harmonics[places] = (
+        samples.scale * best.amplitudes * np.exp(-1j * np.array(best.numbers) * (frequency * samples.centre))
+    )
+    errors[places] = samples.scale * best.sizes()[1]
+    deviations = np.sqrt(best.covariance.diagonal())
+    return {
+        "mean": float(samples.offset + samples.scale * best.coefficients[0]),
+        "mean_error": float(samples.scale * deviations[0]),
+        "trend": float(samples.scale * best.coefficients[1] / samples.half),
+        "frequency": float(frequency),
+        "frequency_error": float(deviations[-1] / samples.half),
+        "harmonics": harmonics,
+        "harmonic_errors": errors,
+        "noise": float(samples.scale * math.sqrt(best.variance)),
+    }
+
+
+def _note(samples: Samples, found: Found, missing: int, most: int | None) -> str:
+    """Return what a reader of the fit should know."""
+    parts = []
+    if missing:
+        parts.append(f"{missing} sample{'s' * (missing > 1)} without a number left out")
+    slope, error = found.fit.coefficients[1], math.sqrt(found.fit.covariance[1, 1])
+    if slope:
+        size = samples.scale / samples.half
+        parts.append(f"trend of {size * slope:.3g} +- {size * error:.1g} N/s, removed from the force")
+    tested = len(found.every.numbers)
+    if most is not None and tested < most:
+        parts.append(f"{tested} harmonics fitted: the sampling allows no more")
+    if found.beyond:
+        some = ", ".join(map(str, found.beyond[:3])) + (" and others" if len(found.beyond) > 3 else "")
+        parts.append(f"harmonics {some} above the noise but not fitted: give harmonics={found.beyond[-1]} or so")
+    loud = [number for number, factor in zip((0, *found.fit.numbers), found.factors, strict=True) if factor > 1.0]
+    if loud:
+        where = " and ".join(
+            [*["frequency 0"] * (0 in loud), *[f"harmonics {', '.join(map(str, filter(None, loud)))}"] * any(loud)]
+        )
+        parts.append(
+            f"noise about {where} up to {found.factors.max():.2g} times its average, which the errors account for"
+        )
+    return "; ".join(parts)

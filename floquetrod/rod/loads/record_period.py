@@ -1,0 +1,331 @@
+"""The period of samples: where their spectrum is strongest, which harmonic that is, and which harmonics there are."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod.rod.loads.record_fit import Fit, Floats, Samples, fit
+
+FALSE_HARMONIC = 0.01
+"""Chance that white noise alone puts any harmonic of a record among those kept (a choice)."""
+
+FEWEST_PERIODS = 1.9
+"""Periods that a record has at least: two, but for the error of the period."""
+
+_MOST_HARMONICS = 20  # looked for by default (a choice)
+_DEEPEST = 10  # number of the strongest harmonic at most (a choice)
+_FALSE_PERIOD = 1e-3  # chance that white noise alone passes for a period, or multiplies it (a choice)
+_COLOURED = 1e-3  # chance that white noise counts as stronger about one frequency than on average (a choice)
+_FALSE_TREND = 0.01  # chance that white noise alone passes for a trend (a choice)
+_WORTH_A_FIT = 8.0  # power over that of the noise above which a frequency between harmonics is fitted (a choice)
+_PRIMES = (2, 3, 5, 7)  # factors of the numbers up to `_DEEPEST`
+_SLOW = 4.0  # periods in the record up to which a fundamental may be a drift (a choice)
+_DRIFT = 0.1  # size of harmonics, relative to all, up to which they may be those of a drift (a choice)
+_GUESS = 0.1  # how far off a given frequency may be, relative to it (a choice)
+_GUESS_HARMONICS = 5  # whose power tells where the frequency is (a choice)
+_COARSE = 0.05  # error of a frequency that is refined later, relative to its standard error (a choice)
+_KNOWN = 0.1  # radians at the ends of a record that the frequency leaves open in its highest harmonic (a choice)
+_MOST_CELLS = 1 << 21  # of the grid of a spectrum, which takes half a second (a choice)
+_PADDING = 4  # frequencies of a spectrum per reciprocal of the duration
+
+
+class Found(NamedTuple):
+    """What a record was found to be.
+
+    Attributes
+    ----------
+    fit : Fit
+        Of the harmonics kept.
+    every : Fit
+        Of all harmonics looked for.
+    beyond : tuple of int
+        Harmonics above the noise that were not looked for.
+    factors : ndarray
+        How many times the noise about frequency 0 and about each harmonic kept exceeds its average, in amplitude.
+    """
+
+    fit: Fit
+    every: Fit
+    beyond: tuple[int, ...]
+    factors: Floats
+
+
+def find(samples: Samples, guess: float | None, most: int | None) -> Found:
+    """Return the fit of a mean, a trend and harmonics.
+
+    Parameters
+    ----------
+    samples : Samples
+    guess : float or None
+        Periods in the record, known within a tenth or half a period.
+    most : int or None
+        Harmonics looked for at most.
+
+    Raises
+    ------
+    ValueError
+        For a record without a period above the noise, or of less than two.
+    """
+    line = np.polynomial.polynomial.polyfit(samples.tau, samples.values, 1)
+    level = samples.values - np.polynomial.polynomial.polyval(samples.tau, line)
+    power = power_spectrum(samples, level)
+    most = _MOST_HARMONICS if most is None else most
+    if guess is None:
+        periods, tried = _strongest(samples, power, level), power.power.size * power.step
+        first = _climb(samples, periods, most)
+        best = None if first is None else _longer(samples, first, periods, most)
+    else:
+        periods, tried = _near(samples, power, guess, most)
+        best = _climb(samples, periods, most, _GUESS_HARMONICS)
+    if best is None:
+        raise ValueError(_none("the fit does not settle"))
+    if best.omega < FEWEST_PERIODS * math.pi:
+        raise ValueError(_short(best.omega / math.pi))
+    return _kept(samples, best, tried, most)
+
+
+def _none(why: str) -> str:
+    return f"force shows no period above the noise: {why}; record longer, or give its frequency in rad/s"
+
+
+def _short(periods: float) -> str:
+    return (
+        f"force must be recorded for two periods or more, got {periods:.2g}: its strongest variation takes "
+        f"{1.0 / periods:.2g} of the time recorded; record longer, or give its frequency (rad/s) where that is a drift"
+    )
+
+
+# --- where to start ---
+
+
+def _strongest(samples: Samples, power: Spectrum, level: Floats) -> float:
+    """Return the strongest frequency in periods per record; ValueError where noise alone may be as strong."""
+    if not power.power.size:
+        raise ValueError(f"force must have more samples than {samples.tau.size} for its period to be found")
+    top = int(power.power.argmax())
+    variance = max(float(level @ level) / level.size, samples.rounding**2)
+    tried = power.power.size * power.step
+    if math.log(tried) - power.power[top] / variance > math.log(_FALSE_PERIOD):
+        raise ValueError(_none("white noise would have as strong a frequency"))
+    shift = 0.0
+    if 0 < top < power.power.size - 1:
+        before, at, after = power.power[top - 1 : top + 2]
+        bend = before - 2.0 * at + after
+        shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
+    periods = power.step * (top + 1 + shift)
+    if periods < FEWEST_PERIODS:
+        raise ValueError(_short(periods))
+    return periods
+
+
+def _near(samples: Samples, power: Spectrum, guess: float, most: int) -> tuple[float, float]:
+    """Return the frequency near a guess whose harmonics are strongest, and among how many it was chosen."""
+    reach = max(_GUESS * guess, 0.5)
+    if guess + reach < FEWEST_PERIODS:
+        raise ValueError(
+            f"frequency must have two periods or more in the record, got {guess:.2g}; give it in rad/s or record longer"
+        )
+    if not guess + reach < samples.highest:
+        raise ValueError(
+            f"frequency must lie below half of the sampling rate, got {guess * math.pi / samples.half:.6g} rad/s for "
+            f"samples that are {samples.interval * samples.half:.3g} s apart; give it in rad/s"
+        )
+    numbers = np.arange(1, min(most, _GUESS_HARMONICS, int(samples.highest / guess)) + 1)
+    tries = np.arange(max(guess - reach, power.step), guess + reach, 0.5 * power.step / numbers[-1])
+    strength = power.at(tries[:, None] * numbers).sum(axis=1)
+    return float(tries[strength.argmax()]), max(1.0, 2.0 * reach * numbers[-1])
+
+
+def _limit(samples: Samples, periods: float, most: int) -> int:
+    """Return the number of harmonics fitted to a record of this many periods: at most two thirds of the samples."""
+    return max(0, min(most, int(samples.highest / periods), (samples.tau.size // 3 * 2 - 3) // 2))
+
+
+def _climb(samples: Samples, periods: float, most: int, first: int = 1) -> Fit | None:
+    """Return the fit of all harmonics: of few at first, which know the frequency well enough for more."""
+    most = _limit(samples, periods, most)
+    omega, size = math.pi * periods, min(first, most)
+    while size:
+        following = min(2 * size, most)
+        few = size < most and samples.is_long
+        found = fit(samples.some if few else samples, omega, tuple(range(1, size + 1)), precision=_COARSE)
+        if few and (found is None or found.frequency_error * following > _KNOWN):
+            found = fit(samples, omega, tuple(range(1, size + 1)), precision=_COARSE)
+        if found is None or size == most:
+            return found
+        omega, size = found.omega, following
+    return None
+
+
+# --- which harmonic the strongest is ---
+
+
+def _longer(samples: Samples, first: Fit, periods: float, most: int) -> Fit:
+    """Return the fit whose fundamental is the strongest frequency, or a fraction of it that explains more.
+
+    A longer period is chosen where its further harmonics lower the residual by more than chance, once in a thousand
+    records, would, and which no drift explains.
+    """
+    penalty = math.log(most * _DEEPEST / _FALSE_PERIOD)
+    told = _significant(samples, first, penalty)
+    if told is None:
+        sparse = fit(samples, first.omega, (1,), precision=_COARSE) or first
+        left = _left(samples, sparse)
+    else:
+        sparse, left = told
+    best, score = first, _score(samples, sparse, penalty)
+    for part in range(2, min(_DEEPEST, most) + 1):
+        base = periods / part
+        between = [k for k in range(1, _limit(samples, base, most) + 1) if math.gcd(k, part) == 1]
+        if not between or left.at(base * np.array(between)).max() < _WORTH_A_FIT * sparse.variance:
+            continue
+        found = _climb(samples, base, most, part)
+        chosen = None if found is None else _significant(samples, found, penalty)
+        if found is None or chosen is None:
+            continue
+        if _telling(chosen[0]) and (other := _score(samples, chosen[0], penalty)) < score:
+            best, score = found, other
+    return best
+
+
+def _telling(found: Fit) -> bool:
+    """Return whether the harmonics have no shorter period.
+
+    With few periods in the record, those that a shorter one would leave out must be a tenth of all: a drift is not.
+    """
+    sizes, numbers = np.abs(found.amplitudes), np.array(found.numbers)
+    least = _DRIFT * float(np.linalg.norm(sizes)) if found.omega < _SLOW * math.pi else 0.0
+    return all(float(np.linalg.norm(sizes[numbers % prime > 0])) > least for prime in _PRIMES)
+
+
+def _significant(samples: Samples, found: Fit, penalty: float) -> tuple[Fit, Spectrum] | None:
+    """Return the fit of the harmonics that are chance at exp(-penalty) at most, and the spectrum of its residual.
+
+    They are tested twice: the noise about those chosen is seen only once the others have been left out.
+    """
+    left = _left(samples, found)
+    for _ in range(2):
+        chances = found.with_noise(coloured(samples, found, left)).log_chances()
+        chosen = tuple(np.array(found.numbers)[chances < -penalty].tolist())
+        if chosen == found.numbers:
+            break
+        sparse = fit(samples, found.omega, chosen, precision=_COARSE) if chosen else None
+        if sparse is None:
+            return None
+        found, left = sparse, _left(samples, sparse)
+    return found, left
+
+
+def _left(samples: Samples, found: Fit) -> Spectrum:
+    """Return the spectrum of the residual."""
+    return power_spectrum(samples, samples.values - found.values(samples.tau))
+
+
+def _score(samples: Samples, found: Fit, penalty: float) -> float:
+    """Return the negative logarithm of the likelihood, with a penalty for each harmonic."""
+    return 0.5 * samples.tau.size * math.log(found.squares) + penalty * len(found.numbers)
+
+
+# --- which harmonics there are ---
+
+
+def _kept(samples: Samples, best: Fit, tried: float, most: int) -> Found:
+    """Return the fit of the harmonics above the noise, with a trend where there is one."""
+    left = _left(samples, best)
+    every = best.with_noise(coloured(samples, best, left))
+    chances = every.log_chances()
+    numbers = tuple(np.array(every.numbers)[chances < math.log(FALSE_HARMONIC / len(every.numbers))].tolist())
+    if not numbers or chances.min() + math.log(tried) > math.log(_FALSE_PERIOD):
+        raise ValueError(_none("noise would have as strong a frequency"))
+    trend = every.trend_chance() < math.log(_FALSE_TREND)
+    found = fit(samples, every.omega, numbers, trend=trend)
+    if found is None:
+        raise ValueError(_none("the fit does not settle"))
+    left = _left(samples, found)
+    factors = coloured(samples, found, left)
+    beyond: list[int] = []
+    if len(every.numbers) == most:
+        further = np.arange(most + 1, int(samples.highest * math.pi / found.omega) + 1)
+        power = left.at(further * (found.omega / math.pi))
+        beyond = further[power > found.variance * math.log(max(1, further.size) / FALSE_HARMONIC)].tolist()
+    return Found(found.with_noise(factors), every, tuple(beyond), factors)
+
+
+# --- spectra ---
+
+
+class Spectrum(NamedTuple):
+    """Power abs(sum y exp(-i omega tau))^2 / n at the frequencies ``step``, 2 ``step``, ... in periods per record."""
+
+    step: float
+    power: Floats
+
+    def at(self, frequency: Any) -> Floats:
+        """Return the power at the nearest frequencies, 0 beyond the largest."""
+        place = np.rint(np.asarray(frequency) / self.step).astype(int) - 1
+        return np.where(place < self.power.size, self.power[np.clip(place, 0, self.power.size - 1)], 0.0)
+
+    def within(self, low: float, high: float) -> slice:
+        """Return where the frequencies lie between two others."""
+        return slice(max(0, math.floor(low / self.step)), max(0, math.ceil(high / self.step) - 1))
+
+
+def power_spectrum(samples: Samples, values: Floats) -> Spectrum:
+    """Return the power of values at the times of the samples.
+
+    Where the times are not even each is shared out to the two nearest points of a grid four times as fine as the median
+    interval, or as fine as memory allows; the spectrum ends where that would be felt.
+    """
+    from scipy.fft import next_fast_len
+
+    if samples.is_even:
+        cells = samples.tau.size - 1
+        return _transformed(values, cells, next_fast_len(_PADDING * cells, real=True), samples.highest, cells + 1)
+    cells = int(min(_MOST_CELLS, math.ceil(8.0 / samples.interval)))
+    place = (samples.tau + 1.0) * (0.5 * cells)
+    left = np.minimum(place.astype(int), cells - 1)
+    right = place - left
+    grid = np.zeros(cells + 1)
+    grid += np.bincount(left, values * (1.0 - right), cells + 1)
+    grid += np.bincount(left + 1, values * right, cells + 1)
+    size = next_fast_len(_PADDING * cells, real=True)
+    return _transformed(grid, cells, size, min(samples.highest, cells / 8.0), samples.tau.size)
+
+
+def _transformed(grid: Floats, cells: int, size: int, highest: float, count: int) -> Spectrum:
+    """Return the power, up to the highest frequency, of ``count`` samples on a grid, padded to a size."""
+    from scipy.fft import rfft
+
+    step = cells / size
+    found = rfft(grid, size)[1 : int(highest / step) + 1]
+    return Spectrum(step, (found.real**2 + found.imag**2) / count)
+
+
+def coloured(samples: Samples, found: Fit, residual: Spectrum) -> Floats:
+    """Return how many times the noise about frequency 0 and about each harmonic exceeds its average, in amplitude.
+
+    1 where the excess may be chance.  The noise about a harmonic is the power of the residual within half the
+    fundamental, or four frequencies that the record tells apart, but for what the fit has taken out: on the side where
+    it is stronger, as the noise of a drift falls with frequency.
+    """
+    from scipy.special import chdtri
+
+    base = found.omega / math.pi
+    free = np.ones(residual.power.size, dtype=bool)
+    for number in (0, *found.numbers):
+        free[residual.within(number * base - 0.75, number * base + 0.75)] = False
+    reach = max(4.0, 0.5 * base)
+    factors = np.ones(len(found.numbers) + 1)
+    for place, number in enumerate((0, *found.numbers)):
+        at = number * base
+        for side in (residual.within(at - reach, at), residual.within(at, at + reach)):
+            power = residual.power[side][free[side]]
+            freedom = 2.0 * power.size * residual.step
+            if freedom >= 2.0:
+                ratio = power.mean() / found.variance
+                if ratio > chdtri(freedom, _COLOURED) / freedom:
+                    factors[place] = max(factors[place], math.sqrt(ratio))
+    return factors

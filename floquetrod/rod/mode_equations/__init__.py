@@ -1,0 +1,1 @@
+"""From a rod and a load to the equations of its modes."""

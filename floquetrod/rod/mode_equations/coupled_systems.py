@@ -1,0 +1,216 @@
+"""Modes as systems of equations in seconds: what is asked of any number of them under many loads of one kind."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.equations import HillSystem
+from floquetrod.floquet.systems.many import ManyVerdicts
+from floquetrod.floquet.systems.result import Resonance
+from floquetrod.floquet.verdict import tolerated
+from floquetrod.rod.loads.load import Load, Loads, Progress, shifted
+
+Floats = NDArray[np.float64]
+
+_AT_ONCE = 1 << 22  # numbers in the matrices of systems that are held at once (a choice: 32 megabytes)
+
+
+class ModeSystems(ABC):
+    """The equations q'' + 2 c q' + K(t) q = 0 of so many modes under any load of a kind, as systems in seconds.
+
+    Attributes
+    ----------
+    like : Load
+        What the loads have in common: everything but mean, amplitude and frequency.
+    count : int
+        Number of modes: that of equations, or less where something is added to them.
+    """
+
+    like: Load
+    count: int
+
+    @property
+    @abstractmethod
+    def size(self) -> int:
+        """Number of equations."""
+
+    @property
+    @abstractmethod
+    def damping_rate(self) -> float:
+        """Decay rate c of free motion in 1/s, the same in all."""
+
+    @abstractmethod
+    def damped(self, rate: float) -> Self:
+        """Return the same equations with another decay rate."""
+
+    @abstractmethod
+    def system(self, loads: Loads) -> HillSystem:
+        """Return the systems of flat loads as one batch, or a single one where there is one load of the shape ()."""
+
+    @abstractmethod
+    def stiffness(self, mean: Floats) -> Floats:
+        """Return the mean of K under mean forces in N, in 1/s^2: (loads, size, size)."""
+
+    def shapes(self, x: Floats) -> Floats:
+        """Return the deflection along the rod of each coordinate, at x = s / L: (size, len(x))."""
+        raise ValueError(f"{type(self).__name__} does not say how its coordinates bend the rod, so there is no shape")
+
+    @property
+    def are_apart(self) -> bool:
+        """Whether the coordinates are the modes themselves, each with an equation of its own."""
+        return False
+
+    def answers(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        *,
+        quick: bool = False,
+        progress: Progress | None = None,
+    ) -> ManyVerdicts:
+        """Return statuses and growth rates in 1/s of the fastest solutions, estimates where undecided.
+
+        The status is 1 where no solution grows faster than the tolerance (1/s), 0 where one does, -1 where undecided.
+        With ``quick`` more loads are undecided, those next to a boundary, none of which then takes long.
+        ``progress`` is called now and then with the numbers of loads done and of all.
+        """
+        status, growth = np.empty(loads.size, dtype=np.int8), np.empty(loads.size)
+        for part in self._parts(loads):
+            told = shifted(progress, part.start, loads.size - part.stop + part.start)
+            status[part], growth[part] = self._answers(loads.part(part), workers, quick, told)
+            if progress is not None:
+                progress(part.stop, loads.size)
+        status[tolerated(growth, growth_tolerance)] = 1
+        return ManyVerdicts(status, growth)
+
+    def _answers(self, loads: Loads, workers: int | None, quick: bool, progress: Progress | None) -> ManyVerdicts:
+        """Return statuses without tolerance, and growth rates, of loads whose matrices are held at once."""
+        still = loads.amplitude == 0.0
+        if not still.any():
+            return self._judged(self.system(loads), workers, quick, progress)
+        status, growth = np.empty(loads.size, dtype=np.int8), np.empty(loads.size)
+        status[still], growth[still] = self.static_answers(loads.mean[still])
+        if not still.all():
+            at = np.flatnonzero(~still)
+            moving = Loads((at.size,), *(values[at] for values in loads.flat))
+            told = shifted(progress, loads.size - at.size, loads.size - at.size)
+            status[at], growth[at] = self._judged(self.system(moving), workers, quick, told)
+        return ManyVerdicts(status, growth)
+
+    def static_answers(self, mean: Floats) -> ManyVerdicts:
+        """Return statuses and growth rates in 1/s under mean forces (N) alone, from the least eigenvalue of stiffness.
+
+        Undecided where rounding hides its sign; the growth rate is the largest possible one then.
+        """
+        squared = np.linalg.eigvalsh(self.stiffness(mean))
+        error = self.size * np.finfo(np.float64).eps * np.abs(squared).max(axis=1)
+        least, rate = squared[:, 0], self.damping_rate
+        status = np.where(least > error, 1, np.where(least < -error, 0, -1)).astype(np.int8)
+        against = np.maximum(0.0, np.where(status == -1, error - least, -least))
+        return ManyVerdicts(status, against / (rate + np.sqrt(rate * rate + against) + (against == 0.0)))
+
+    def growth_without_decay(self, loads: Loads) -> Floats:
+        """Return the growth in 1/s of exp(c t) q, c the damping rate: that of q and c more; NaN where unknown."""
+        system = self.system(loads)
+        freed, _ = system.undamped or (system, 0.0)
+        return self._judged(freed, None, quick=True).growth
+
+    def _judged(
+        self, system: HillSystem, workers: int | None, quick: bool, progress: Progress | None = None
+    ) -> ManyVerdicts:
+        """Return statuses and growth rates of systems, where modes are apart each by its own equation."""
+        from floquetrod.systems.arrays import verdicts
+
+        if not self.are_apart:
+            return verdicts(system, workers=workers, quick=quick, progress=progress)
+        status, growth = verdicts(_one_by_one(system), workers=workers, quick=quick)
+        status, growth = status.reshape(-1, self.size), growth.reshape(-1, self.size)
+        worst = np.where((status == 0).any(axis=1), 0, status.min(axis=1)).astype(np.int8)
+        return ManyVerdicts(worst, growth.max(axis=1))
+
+    def changed(self, bending: float, force: float, weight: float) -> Self:
+        """Return the same modes with bending stiffness, weight along and weight across the rod changed by factors."""
+        raise ValueError(f"{type(self).__name__} does not say what its equations owe to the rod, so it cannot change")
+
+    def growth_of(self, load: Load, mode: int | None) -> float:
+        """Return the growth in 1/s under one load: of the last mode, if it has an equation of its own, else of all."""
+        from floquetrod.floquet.dispatch import stability
+
+        if mode is not None and self.are_apart:
+            return stability(_last(self.system(Loads.single(load)))).growth_rate
+        return float(self.answers(Loads.single(load)).growth[0])
+
+    def resonances(self, load: Load) -> tuple[Resonance, ...]:
+        """Return what grows under one load, the fastest first, modes numbered as those without axial force."""
+        from floquetrod.floquet.dispatch import stability
+
+        system = self.system(Loads.single(load))
+        return self.named(system, stability(system).resonances)
+
+    def named(self, system: HillSystem, resonances: tuple[Resonance, ...]) -> tuple[Resonance, ...]:
+        """Return resonances whose modes are counted by frequency under the mean force, with their own numbers."""
+        if not resonances:
+            return ()
+        if self.are_apart:
+            return _direct(system)
+        left = np.abs(np.linalg.eigh(system.stiffness)[1])  # functions by modes
+        names = {}
+        for _ in range(len(left)):  # each mode is named after the function that it has most of, the clearest first
+            function, mode = np.unravel_index(left.argmax(), left.shape)
+            names[int(mode) + 1] = int(function) + 1
+            left[function, :] = left[:, mode] = -1.0
+        return tuple(r._replace(modes=tuple(sorted(names[i] for i in r.modes))) for r in resonances)
+
+    def _parts(self, loads: Loads) -> list[slice]:
+        each = self.size**2 * (1 + 2 * len(self.like.harmonics))
+        step = max(1, _AT_ONCE // each)
+        return [slice(i, min(i + step, loads.size)) for i in range(0, loads.size, step)]
+
+
+def _direct(system: HillSystem) -> tuple[Resonance, ...]:
+    """Return what grows in a system of modes that are apart, each by its own equation, the fastest first."""
+    from floquetrod.systems.arrays import verdicts
+
+    status, growth = verdicts(_one_by_one(system))
+    found = []
+    for i in np.argsort(-growth, kind="stable").tolist():
+        if status[i] == 0:
+            squared = float(system.stiffness[i, i])
+            order = round(math.sqrt(max(squared, 0.0)) * float(system.period) / math.pi)
+            kind: Literal["direct", "buckling"] = "direct" if squared > 0.0 else "buckling"
+            found.append(Resonance(kind, (i + 1,), max(order, 1) if squared > 0.0 else 0, float(growth[i])))
+    return tuple(found)
+
+
+def _one_by_one(systems: HillSystem) -> HillSystem:
+    """Return the diagonals of a system (n, n), or of a batch (b, n, n), as single equations (b n, 1, 1)."""
+
+    def diagonal(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.diagonal(matrix, axis1=-2, axis2=-1).reshape(-1, 1, 1)
+
+    damping = systems.damping
+    return HillSystem(
+        diagonal(systems.stiffness),
+        [diagonal(matrix) for matrix in systems.cosines],
+        [diagonal(matrix) for matrix in systems.sines],
+        damping=None if damping is None else damping[..., :1, :1],
+        period=np.repeat(systems.period, systems.order),
+    )
+
+
+def _last(system: HillSystem) -> HillSystem:
+    """Return the last equation of a system whose equations are independent."""
+    damping = system.damping
+    return HillSystem(
+        system.stiffness[-1:, -1:],
+        [matrix[-1:, -1:] for matrix in system.cosines],
+        [matrix[-1:, -1:] for matrix in system.sines],
+        damping=None if damping is None else damping[-1:, -1:],
+        period=system.period,
+    )

@@ -1,0 +1,34 @@
+"""What keeps the modes of a rod from obeying an equation of Mathieu's each."""
+
+from __future__ import annotations
+
+from floquetrod._util.arguments import wrong_value
+from floquetrod.rod.loads.load import Load
+from floquetrod.rod.model.parts import Ends
+
+WAVEFORM = "a waveform other than a sine"
+"""It leaves each mode an equation of its own."""
+
+
+def coupling(ends: Ends, weight_along: float, load: Load) -> tuple[str, ...]:
+    """Return in words what keeps the modes from obeying an equation of Mathieu's each, empty where nothing does.
+
+    They do with hinged ends, under a force that is a sine and uniform along the rod; ``weight_along`` in N/m.
+    """
+    every = (
+        (f"{ends} ends", not ends.are_hinged),
+        ("weight along the rod", weight_along > 0.0 and load.mean_at is not None),
+        ("axial waves", not load.is_uniform),
+        (WAVEFORM, load.waveform != "sine"),
+    )
+    return tuple(name for name, present in every if present)
+
+
+def refusal(name: str, found: tuple[str, ...]) -> ValueError:
+    """Return the error for what independent modes are needed for, given what couples them, in words."""
+    remedy = "; mean_at=None neglects the weight along the rod" if "weight along the rod" in found else ""
+    return wrong_value(
+        name,
+        "needs independent modes, those of hinged ends under a sine that is uniform along the rod, got "
+        f"{', '.join(found)}{remedy}",
+    )

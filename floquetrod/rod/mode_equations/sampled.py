@@ -1,0 +1,408 @@
+"""Where coupled modes grow along one quantity of the load: sampled, and every change found located by bisection.
+
+No count tells how many boundaries lie between two loads when modes are coupled, so that an unstable part narrower than
+the distance of two samples may be missed; results say how wide that is.  Samples are evenly spaced, and more are taken
+where the modes that may resonate, most often far fewer than all, grow faster than between them: freed of its damping a
+tongue is wider than the part of it that outgrows the damping, about four times the largest growth in frequency.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.equations import HillSystem
+from floquetrod.floquet.systems.result import Resonance
+from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity
+from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+from floquetrod.systems.arrays import verdicts
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+SAMPLES = 257  # of a search between bounds, or of a piece of a search for a margin (a choice)
+_AT_ONCE = 128  # steps between samples of all modes, unless fewer modes tell of more, and between reports (a choice)
+_ACCURACY = 1e-10  # relative, of a change
+_MOST_STEPS = 80  # to it: most often about ten
+_UNTOLD = 2.0  # seconds between two reports, about (a choice)
+_CLOSE_LOOKS = 1.5  # verdicts of few modes for each step: some are looked at more closely
+_FEWEST_STEPS = 8  # of a search: with fewer it tells little (a choice)
+_IN_REACH = 2.5  # frequencies of the load up to which a mode may resonate: to order five (a choice)
+_NEAR = 0.2  # frequencies of the load about half of it within which modes grow fast (a choice)
+_RULED = 5.0  # squared frequency over vibration up to which a mode is no follower of others (a choice)
+_FEWEST = 4  # modes that are asked in place of all (a choice)
+_ABOUT = np.arange(-8.0, 9.0)  # steps from where all modes do not answer as few did, asked of all (a choice)
+_CLOSER, _ROUNDS = 9, 2  # places between the neighbours of an extremum, each time it is looked at more closely
+_MOST_EXTREMA = 16  # that are looked at more closely, those next to the level first (a choice)
+
+
+@dataclass(frozen=True)
+class UnstablePart:
+    """A part that is not stable between ``low`` and ``high``, and what grows just inside each end, if it has a name."""
+
+    low: float
+    high: float
+    low_cause: Resonance | Literal["unnamed"]
+    high_cause: Resonance | Literal["unnamed"]
+
+
+def unstable_parts(
+    varied: Quantity,
+    modes: ModeSystems,
+    load: Load,
+    bounds: tuple[float, float],
+    tolerance: float,
+    progress: Progress | None = None,
+    samples: int = SAMPLES,
+) -> tuple[list[UnstablePart], float]:
+    """Return the parts of ``bounds`` that are not stable, in order, and the distance of samples."""
+    search = _Search(varied, modes, load, tolerance)
+    even = np.linspace(*bounds, samples)
+    answers = []
+    for start in range(0, even.size, _AT_ONCE):
+        answers.append(search.stable(even[start : start + _AT_ONCE]))
+        if progress is not None:
+            progress(min(start + _AT_ONCE, even.size), even.size)
+    places, stable = search.completed(even, np.concatenate(answers), even)
+    inside = search.changes(places, stable)
+    ends = dict(zip(np.flatnonzero(stable[1:] != stable[:-1]).tolist(), inside.tolist(), strict=True))
+    parts: list[UnstablePart] = []
+    runs = np.flatnonzero(np.diff(np.concatenate([[True], stable, [True]]).astype(np.int8)))
+    for first, after in zip(runs[::2].tolist(), runs[1::2].tolist(), strict=True):
+        low, high = ends.get(first - 1, bounds[0]), ends.get(after - 1, bounds[1])
+        # Named where something is sure to grow: at the samples next to the ends; an end of the search needs no name.
+        causes = (
+            "unnamed" if at_end else _cause(varied, modes, load, float(places[i]))
+            for i, at_end in ((first, first == 0), (after - 1, after == places.size))
+        )
+        parts.append(UnstablePart(float(low), float(high), *causes))
+    return parts, float(even[1] - even[0])
+
+
+class Change(NamedTuple):
+    """Where the verdict first changes, None where it is seen not to, up to where was searched, and how finely.
+
+    ``seconds`` is what searching so far takes, as estimated.
+    """
+
+    at: float | None
+    searched: float
+    resolution: float
+    seconds: float = 0.0
+
+
+def first_change(
+    varied: Quantity,
+    modes: ModeSystems,
+    load: Load,
+    piece: tuple[float, float],
+    tolerance: float,
+    *,
+    begins_stable: bool | None = None,
+    most_seconds: float = math.inf,
+    progress: Progress | None = None,
+) -> Change:
+    """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``.
+
+    ``begins_stable`` is the verdict it changes from, that at ``piece[0]`` by default.  Samples are further apart where
+    that many would take more than ``most_seconds``, as estimated; nothing is searched where even few would.
+    ``progress`` is called with the numbers of samples looked at and to look at.
+    """
+    search = _Search(varied, modes, load, tolerance)
+    if not search.costs(piece, grows=not begins_stable).steps(most_seconds):
+        return Change(None, piece[0], 0.0)
+    here = search.stable(np.array(piece[:1]))
+    begins = bool(here[0]) if begins_stable is None else begins_stable
+    costs = search.costs(piece, grows=not begins)
+    steps = costs.steps(most_seconds)
+    if not steps:
+        return Change(None, piece[0], 0.0, costs.each)
+    places = np.linspace(*piece, steps + 1)
+    step, spent = abs(float(places[1] - places[0])), costs.seconds(steps)
+    if here[0] != begins:
+        return Change(piece[0], piece[0], step, costs.each)
+    for start in range(0, steps, costs.at_once):  # nothing beyond the first change matters
+        closer = places[start : start + costs.at_once + 1]
+        told = np.append(here, search.stable(closer[-1:]))
+        seen, stable = search.completed(closer[[0, -1]], told, closer, grows=not begins)
+        differ = np.flatnonzero(stable != begins)
+        if differ.size:
+            last = int(differ[0]) + 1
+            at = float(search.changes(seen[last - 2 : last], stable[last - 2 : last])[0])
+            return Change(at, at, step, spent)
+        here = stable[-1:]
+        if progress is not None:
+            progress(min(start + costs.at_once, steps), steps)
+    return Change(None, piece[1], step, spent)
+
+
+class _Search(NamedTuple):
+    """What is asked along one quantity of a load: where coupled modes grow faster than a tolerance."""
+
+    varied: Quantity
+    modes: ModeSystems
+    load: Load
+    tolerance: float
+
+    def stable(self, places: Floats) -> Bools:
+        """Return where all modes are stable."""
+        return np.equal(self.modes.answers(self._loads(places), self.tolerance, quick=True).status, 1)
+
+    @property
+    def level(self) -> float:
+        """Growth in 1/s, freed of damping, up to which loads are stable."""
+        return self.modes.damping_rate + self.tolerance
+
+    def _loads(self, places: Floats) -> Loads:
+        return Loads.along(self.load, self.varied, places)
+
+    def changes(self, places: Floats, stable: Bools) -> Floats:
+        """Return the last stable place before each change of the verdicts of neighbouring places."""
+        return np.array(
+            [
+                self._change(*((near, far) if here else (far, near)))
+                for (near, far), (here, there) in zip(pairwise(places.tolist()), pairwise(stable.tolist()), strict=True)
+                if here != there
+            ]
+        )
+
+    def _change(self, good: float, bad: float) -> float:
+        """Return the last stable place between one that is stable and one that is not."""
+        damping = self.modes.damping_rate
+        secants = _Secants(self.level**2)
+        widths = [math.inf] * 3
+        for _ in range(_MOST_STEPS):
+            width = abs(bad - good)
+            if width <= _ACCURACY * abs(bad):
+                break
+            halve = width > 0.5 * widths.pop(0)
+            widths.append(width)
+            at = 0.5 * (good + bad) if halve else secants.proposal(good, bad)
+            status, growth = self.modes.answers(self._loads(np.array([at])), self.tolerance, quick=True)
+            if status[0] == 1:
+                good = at
+            else:
+                bad = at
+            if growth[0] > 0.0:
+                secants.add(at, (damping + float(growth[0])) ** 2)
+        return good
+
+    def completed(self, places: Floats, stable: Bools, closer: Floats, *, grows: bool = False) -> tuple[Floats, Bools]:
+        """Return places and answers with those where the modes that may resonate tell of a part without a place.
+
+        These few modes are asked at the places ``closer`` and about their extrema; where most places are expected to
+        grow, first the fewer that may do so fast.
+        """
+        level = self.level
+
+        def values(at: Floats) -> Floats:
+            growth = self._growth_of_few(at, self._fast if grows else self._in_reach)
+            quiet = growth <= level
+            if grows and quiet.any():
+                growth[quiet] = self._growth_of_few(at[quiet], self._in_reach)
+            return growth
+
+        at, growth = _with_extrema(values, closer, values(closer), level)
+        above = growth > level
+        ends = np.flatnonzero(np.diff(above)) + 1
+        more: list[float] = []
+        expected: list[bool] = []
+        for run in np.split(np.arange(at.size), ends):
+            low, high = sorted((at[run[0]], at[run[-1]]))
+            here = (places >= low) & (places <= high)
+            if not (stable[here] != above[run[0]]).any():
+                expected.append(not above[run[0]])
+                more.append(at[run[growth[run].argmax()]] if above[run[0]] else at[run[run.size // 2]])
+        if not more:
+            return places, stable
+        at_once = np.array(more)
+        told = self.stable(at_once)
+        moved = at_once[told != np.array(expected)]  # few modes have it elsewhere, or all of them not at all
+        about = moved[:, None] + (closer[1] - closer[0]) * _ABOUT
+        about = np.clip(about.ravel(), closer.min(), closer.max())
+        every = np.concatenate([places, at_once, about])
+        answers = np.concatenate([stable, told, self.stable(about) if about.size else told[:0]])
+        _, order = np.unique(np.abs(every - places[0]), return_index=True)
+        return every[order], answers[order]
+
+    def costs(self, piece: tuple[float, float], *, grows: bool) -> _Costs:
+        """Return what verdicts cost on a piece whose loads are expected to grow, or not."""
+        loads = self._loads(np.array(piece))
+        each = _seconds(self.modes.system(loads))
+        step = 0.1 * each + _CLOSE_LOOKS * _seconds(self._few(loads, self._fast if grows else self._in_reach))
+        return _Costs(each, step)
+
+    @property
+    def _in_reach(self) -> tuple[float, float]:
+        """Frequencies of the load between which natural frequencies may resonate."""
+        return -math.inf, _IN_REACH * len(self.load.harmonics)
+
+    @property
+    def _fast(self) -> tuple[float, float]:
+        """Frequencies of the load between which those lie that resonate alone, or nearly, to order one."""
+        return 0.5 - _NEAR, 0.5 * len(self.load.harmonics) + _NEAR
+
+    def _growth_of_few(self, places: Floats, reach: tuple[float, float]) -> Floats:
+        """Return the growth in 1/s of the modes that may resonate, freed of their damping; infinite where unknown."""
+        found = []
+        for start in range(0, places.size, _AT_ONCE):
+            system = self._few(self._loads(places[start : start + _AT_ONCE]), reach)
+            growth = verdicts(_freed(system), quick=True).growth
+            found.append(np.where(np.isnan(growth), np.inf, growth))
+        return np.concatenate(found)
+
+    def _few(self, loads: Loads, reach: tuple[float, float]) -> HillSystem:
+        """Return the systems of modes under the mean force: the lowest, those in reach, and those the vibration rules.
+
+        In reach are natural frequencies between so many frequencies of the load; the vibration rules modes whose
+        stiffness it may outweigh.
+        """
+        every = self.modes.system(loads)
+        means = every.stiffness if self.varied == "mean" else every.stiffness[:1]  # the same at all places
+        squared, shapes = np.linalg.eigh(means)
+        strongest = slice(None) if self.varied == "frequency" else [loads.amplitude.argmax()]
+        vibration = sum(np.linalg.norm(part[strongest] @ shapes, axis=1) for part in every.cosines + every.sines)
+        low, high = (share * loads.frequency[:, None] for share in reach)
+        chosen = (squared <= _RULED * vibration) | ((squared >= low * abs(low)) & (squared <= high**2))
+        kept = chosen.any(axis=0)
+        kept[:_FEWEST] = True
+        few, others = shapes[:, :, kept], shapes[:, :, ~kept]
+
+        def projected(matrix: Floats) -> Floats:
+            return np.asarray(few.swapaxes(1, 2) @ matrix @ few)
+
+        mean, cosines, sines = _followed(every, few, others, squared[:, ~kept])
+        rate = self.modes.damping_rate
+        return HillSystem(
+            projected(every.stiffness) - mean,
+            _less([projected(part) for part in every.cosines], cosines),
+            _less([projected(part) for part in every.sines], sines),
+            damping=2.0 * rate * np.eye(few.shape[2]) if rate else None,
+            period=every.period,
+        )
+
+
+def _followed(
+    every: HillSystem, few: Floats, others: Floats, squared: Floats
+) -> tuple[Floats, list[Floats], list[Floats]]:
+    """Return by how much the vibration of other modes softens a few: mean, and harmonics of cosines and sines.
+
+    The others, of natural frequencies far above, follow at once what couples them to the few, K_of(t): they take
+    K_of(t)^T K_oo^-1 K_of(t) from the stiffness of the few.  Without that, resonances of the few are displaced where
+    the vibration is strong.
+    """
+    zero = np.zeros_like(every.stiffness)
+    count = max(len(every.cosines), len(every.sines))
+    waves: dict[int, NDArray[np.complex128]] = {}
+    for k in range(count):
+        cosine = every.cosines[k] if k < len(every.cosines) else zero
+        sine = every.sines[k] if k < len(every.sines) else zero
+        found = np.asarray(others.swapaxes(1, 2) @ (0.5 * (cosine - 1j * sine)) @ few, dtype=np.complex128)
+        waves[k + 1], waves[-k - 1] = found, found.conj()
+    products = [np.zeros((every.stiffness.shape[0], few.shape[2], few.shape[2]), complex) for _ in range(2 * count + 1)]
+    for j, one in waves.items():
+        for k, other in waves.items():
+            if j + k >= 0:
+                products[j + k] = products[j + k] + one.swapaxes(1, 2) @ (other / squared[:, :, None])
+    return products[0].real, [2.0 * each.real for each in products[1:]], [-2.0 * each.imag for each in products[1:]]
+
+
+def _less(parts: list[Floats], taken: list[Floats]) -> list[Floats]:
+    """Return harmonics less others, of which there are as many or more."""
+    return [parts[k] - each if k < len(parts) else -each for k, each in enumerate(taken)]
+
+
+class _Costs(NamedTuple):
+    """Estimated seconds of a verdict with all modes, and of a step looked at with few; none depends on the machine."""
+
+    each: float
+    step: float
+
+    @property
+    def at_once(self) -> int:
+        """Number of steps between verdicts with all modes, few enough that progress is reported now and then."""
+        return int(min(_AT_ONCE, max(_FEWEST_STEPS, _UNTOLD / self.step)))
+
+    def seconds(self, steps: int) -> float:
+        """Return how long so many steps take in which nothing changes; where there is a change some verdicts more."""
+        return steps * self.step + (1 + math.ceil(steps / self.at_once)) * self.each
+
+    def steps(self, seconds: float) -> int:
+        """Return how many steps take no more than some seconds, 0 where even few would."""
+        most = min(SAMPLES - 1.0, (seconds - 2.0 * self.each) / (self.step + self.each / self.at_once))
+        return int(most) if most >= _FEWEST_STEPS else 0
+
+
+def _seconds(systems: HillSystem) -> float:
+    """Return about how many seconds the longest verdict on some systems takes (measured)."""
+    fastest = np.sqrt(np.abs(np.linalg.eigvalsh(systems.stiffness)).max(axis=1))
+    phase = 0.5 * float((fastest * systems.period).max())
+    each = 3e-7 if _freed(systems).even_form is None else 4e-8
+    return 1e-4 + phase * (1e-6 + each * systems.order**2) + 2e-8 * systems.order**3
+
+
+def _freed(systems: HillSystem) -> HillSystem:
+    """Return systems freed of uniform damping."""
+    return (systems.undamped or (systems, 0.0))[0]
+
+
+class _Secants:
+    """Where the squared growth, freed of damping, comes down to a level: at an edge it ends like a straight line.
+
+    Only places with growth tell, most often those to one side; what is proposed lies beyond the zero of secants, as
+    seen from the end next to it, by as much as that zero moved last, for both ends to close in on it.
+    """
+
+    def __init__(self, level: float) -> None:
+        self.level = level
+        self.known: list[tuple[float, float]] = []
+        self.zero, self.moved = math.nan, math.nan
+
+    def add(self, at: float, value: float) -> None:
+        """Take a place with the squared growth there."""
+        self.known = [*self.known[-1:], (at, value)]
+        if len(self.known) < 2:
+            return
+        (x, fx), (y, fy) = self.known
+        before = self.zero
+        self.zero = y + (self.level - fy) * (y - x) / (fy - fx) if fx != fy else math.nan
+        self.moved = abs(self.zero - (y if math.isnan(before) else before))
+
+    def proposal(self, good: float, bad: float) -> float:
+        """Return where to look next between two places: the middle where nothing better is known."""
+        far = good if abs(bad - self.zero) < abs(good - self.zero) else bad
+        at = self.zero + math.copysign(max(self.moved, 0.25 * _ACCURACY * abs(bad)), far - self.zero)
+        return at if min(good, bad) < at < max(good, bad) else 0.5 * (good + bad)
+
+
+def _with_extrema(
+    values: Callable[[Floats], Floats], places: Floats, found: Floats, level: float
+) -> tuple[Floats, Floats]:
+    """Return places and values with others about the extrema that may lie beyond the level, in the same order."""
+    begin, nearest = places[0], math.log(max(level, sys.float_info.min))
+    for _ in range(_ROUNDS):
+        inner, left, right = found[1:-1], found[:-2], found[2:]
+        below = (inner > 0.0) & (inner <= level) & (inner >= left) & (inner > right)
+        above = (inner > level) & (inner <= left) & (inner < right)
+        at = np.flatnonzero(below | above) + 1
+        at = at[np.argsort(np.abs(np.log(found[at]) - nearest), kind="stable")[:_MOST_EXTREMA]]
+        if not at.size:
+            break
+        more = np.linspace(places[at - 1], places[at + 1], _CLOSER + 2)[1:-1].ravel()
+        every, all_values = np.concatenate([places, more]), np.concatenate([found, values(more)])
+        _, order = np.unique(np.abs(every - begin), return_index=True)
+        places, found = every[order], all_values[order]
+    return places, found
+
+
+def _cause(varied: Quantity, modes: ModeSystems, load: Load, at: float) -> Resonance | Literal["unnamed"]:
+    """Return the fastest resonance at a place, "unnamed" where there is no name for it."""
+    named = modes.resonances(load.varied(varied, at))
+    return named[0] if named else "unnamed"

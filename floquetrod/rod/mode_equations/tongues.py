@@ -1,0 +1,165 @@
+"""Where a rod's modes grow along one quantity of the load, mean force, amplitude or frequency, without a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from floquetrod.mathieu import tongues
+from floquetrod.mathieu.bands import Floats, Ints
+from floquetrod.mathieu.tongues import Tongues
+from floquetrod.rod.loads.load import Progress, Quantity
+from floquetrod.rod.mode_equations.modal_systems import ModalSystem
+
+
+class UnstableInterval(NamedTuple):
+    """The rod's ``mode`` grows for loads between ``low`` and ``high``, in its resonance tongue ``tongue``."""
+
+    low: float
+    high: float
+    mode: int
+    tongue: int
+
+
+class UnstableLoads(NamedTuple):
+    """What a search found.
+
+    Attributes
+    ----------
+    intervals : list of UnstableInterval
+        Where modes grow.
+    hairlines : int
+        Resonance tongues that nowhere exceed the tolerance.
+    resolution : float
+        Width, in N or rad/s, up to which an interval may have been missed; 0 where none can be.
+    """
+
+    intervals: list[UnstableInterval]
+    hairlines: int
+    resolution: float
+
+
+def unstable_loads(
+    varied: Quantity,
+    system: ModalSystem,
+    tolerance: float,
+    bounds: tuple[float, float],
+    *,
+    union: bool = False,
+    nearest: float | None = None,
+    progress: Progress | None = None,
+) -> UnstableLoads:
+    """Return where modes grow faster than ``tolerance`` (1/s) as one quantity of the load goes through ``bounds``.
+
+    ``system`` has the modes, and the load's other quantities.  With ``union`` only the union of all intervals is right:
+    modes likely to grow are searched first, and what they cover is not searched again, nor are its tongues counted.
+    With ``nearest``, one of the ``bounds``, only the edge nearest to it is: what lies beyond the nearest interval found
+    is not searched either.
+    """
+    if not union:
+        return tongues_within(varied, system, tolerance, [bounds])
+    chosen = _likely_first(varied, system, bounds)
+    found: list[UnstableInterval] = []
+    hairlines, resolution, done, size = 0, 0.0, 0, 1
+    while done < len(chosen):
+        left = gaps(found, bounds)
+        if nearest is not None:
+            left = [gap for gap in left if nearest in gap]
+        if not left:
+            break
+        part = tongues_within(varied, replace(system, modes=chosen[done : done + size]), tolerance, left)
+        found += part.intervals
+        hairlines, resolution = hairlines + part.hairlines, max(resolution, part.resolution)
+        done, size = done + size, 2 * size
+        if progress is not None:
+            progress(min(done, len(chosen)), len(chosen))
+    return UnstableLoads(found, hairlines, resolution)
+
+
+def gaps(intervals: Sequence[UnstableInterval], bounds: tuple[float, float]) -> list[tuple[float, float]]:
+    """Return what ``intervals`` leave of ``bounds``."""
+    at, high = bounds
+    left = []
+    for part in sorted(intervals):
+        if part.low > at:
+            left.append((at, min(part.low, high)))
+        at = max(at, part.high)
+        if at >= high:
+            return left
+    return [*left, (at, high)]
+
+
+def _likely_first(varied: Quantity, system: ModalSystem, bounds: tuple[float, float]) -> tuple[int, ...]:
+    """Return the modes, those first whose stiffness the largest push lowers most."""
+    top = replace(system, load=system.load.varied(varied, bounds[1]))
+    return tuple(system.modes[i] for i in np.argsort(-(top.beta + top.alpha), kind="stable"))
+
+
+def tongues_within(
+    varied: Quantity, system: ModalSystem, tolerance: float, intervals: Sequence[tuple[float, float]]
+) -> UnstableLoads:
+    """Search every mode over every interval: return all that grows there, ends to the bit those of the intervals."""
+    mode = np.repeat(np.arange(len(system.modes)), len(intervals))  # the index of each search's mode
+    low, high = (
+        np.tile(np.asarray(ends, dtype=np.float64), len(system.modes)) for ends in zip(*intervals, strict=True)
+    )
+    along = {"mean": _along_mean, "amplitude": _along_amplitude, "frequency": _along_frequency}[varied]
+    found, resolution = along(system, mode, tolerance, low, high)
+    unstable = [
+        UnstableInterval(first, last, system.modes[mode[which]], order)
+        for which, order, first, last in zip(
+            found.which.tolist(), found.order.tolist(), found.first.tolist(), found.last.tolist(), strict=True
+        )
+        if last > first
+    ]
+    return UnstableLoads(unstable, found.left_out, resolution)
+
+
+def _along_mean(system: ModalSystem, mode: Ints, tolerance: float, low: Floats, high: Floats) -> tuple[Tongues, float]:
+    """At a given amplitude a mode's alpha is fixed, and beta is linear in the mean force."""
+    c, gain = system.damping, system.per_newton[mode]
+    offset = system.load.mean - (system.beta[mode] + c * c) / gain
+    ends = [(force - offset) * gain for force in (low, high)]
+    found = tongues.along_mean(system.alpha[mode], _level(system, mode, tolerance), *ends)
+    return _converted(found, lambda b, i: offset[i] + b / gain[i], ends, (low, high)), 0.0
+
+
+def _along_amplitude(
+    system: ModalSystem, mode: Ints, tolerance: float, low: Floats, high: Floats
+) -> tuple[Tongues, float]:
+    """At a given mean force a mode's beta is fixed, and alpha is proportional to the amplitude."""
+    c, gain = system.damping, system.per_newton[mode]
+    ends = [force * gain for force in (low, high)]
+    found = tongues.along_amplitude(system.beta[mode] + c * c, _level(system, mode, tolerance), *ends)
+    resolution = float(np.max(found.resolution / gain, initial=0.0))
+    return _converted(found, lambda alpha, i: alpha / gain[i], ends, (low, high)), resolution
+
+
+def _along_frequency(
+    system: ModalSystem, mode: Ints, tolerance: float, low: Floats, high: Floats
+) -> tuple[Tongues, float]:
+    """At given forces alpha, beta and c^2 are all proportional to 1 / omega^2."""
+    (alpha, beta), damping_rate = system.in_seconds, system.constants.damping_rate
+    rate = np.full(mode.size, damping_rate + tolerance)
+    return tongues.along_frequency(alpha[mode], beta[mode] + damping_rate**2, rate, low, high), 0.0
+
+
+def _level(system: ModalSystem, mode: Ints, tolerance: float) -> Floats:
+    """Return the growth per unit tau without damping above which a mode grows faster than the tolerance."""
+    return np.full(mode.size, system.damping + tolerance / system.frequency)
+
+
+def _converted(
+    found: Tongues,
+    back: Callable[[Floats, Ints], Floats],
+    ends: Sequence[Floats],
+    limits: tuple[Floats, Floats],
+) -> Tongues:
+    """Return parts in the quantity of the load; one that ends where its search does ends there to the bit."""
+    i = found.which
+    first = np.where(found.first <= ends[0][i], limits[0][i], back(found.first, i))
+    last = np.where(found.last >= ends[1][i], limits[1][i], back(found.last, i))
+    return found._replace(first=first, last=last)

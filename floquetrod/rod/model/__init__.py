@@ -1,0 +1,1 @@
+"""The rod as a value: its parts, its formulas, its files and catalogue."""

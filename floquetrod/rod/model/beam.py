@@ -1,0 +1,254 @@
+"""Beam functions: the free vibrations of a beam without axial force, for all ends, as a basis on 0 <= x <= 1.
+
+phi'''' = k^4 phi with two conditions at each end: phi is a sine and a cosine, with an exponential that decays from
+each end.  Where an end is clamped or free, solutions under an axial force have derivatives there that no beam function
+has, and eigenvalues converge only like n^-5 or n^-3; a few polynomials that fulfil the essential conditions mend that.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util.roots import roots
+from floquetrod.rod.model.parts import Ends
+
+Floats = NDArray[np.float64]
+
+_ASYMPTOTIC = 40.0  # wavenumber from which the ends no longer feel each other: e^-40 is below rounding
+_ENRICHED_UP_TO = 64  # functions to which polynomials are added; beyond, n^-3 is small enough (a choice)
+_POLYNOMIALS = 4  # added (a choice: more would raise the highest frequency further, for little)
+_SAME = 1e-7  # length of what is left of a polynomial beside the beam functions below which it adds nothing
+_POINTS = 24  # of Gauss-Legendre quadrature in a panel, exact to rounding for 6 half waves of a product
+_PER_PANEL = 12.0  # largest wavenumber times length of a panel
+_LARGE = 200  # functions beyond which only one basis is kept (a choice)
+
+_DERIVATIVES = {"hinged": (0, 2), "clamped": (0, 1), "guided": (1, 3), "free": (2, 3)}
+"""Derivatives that vanish at an end."""
+
+_PHASES = {"hinged": 0.0, "clamped": 0.25 * math.pi, "free": 0.25 * math.pi, "guided": -0.5 * math.pi}
+"""What an end adds to m pi in the wavenumbers of high modes."""
+
+_ESSENTIAL = {"hinged": (0,), "clamped": (0, 1), "guided": (1,), "free": ()}
+"""Derivatives up to the first that vanish at an end: what every function of a Ritz basis must fulfil."""
+
+
+@dataclass(frozen=True, eq=False)
+class Basis:
+    """Orthonormal functions on 0 <= x <= 1 with their derivatives at the nodes of a quadrature.
+
+    Attributes
+    ----------
+    ends : Ends
+    count : int
+        Number of beam functions, which come first, rigid motions before all; any others are polynomials.
+    bending : ndarray (n, n)
+        Integrals of phi_i'' phi_j''.
+    nodes, weights : ndarray (q,)
+        Of the quadrature.
+    values, slopes : ndarray (n, q)
+        phi and phi' at the nodes.
+    transform : ndarray
+        From plain beam functions and polynomials to these.
+    """
+
+    ends: Ends
+    count: int
+    bending: Floats
+    nodes: Floats
+    weights: Floats
+    values: Floats
+    slopes: Floats
+    transform: Floats
+
+    @property
+    def size(self) -> int:
+        """Number of functions."""
+        return len(self.bending)
+
+    def coupling(self, force: Floats) -> Floats:
+        """Return the integrals of F phi_i' phi_j', symmetric to the bit; force (..., q) at the nodes."""
+        found = (self.slopes * (force * self.weights)[..., None, :]) @ self.slopes.T
+        return np.asarray(0.5 * (found + np.swapaxes(found, -1, -2)))
+
+    def shapes(self, x: Floats) -> Floats:
+        """Return the functions at points, (n, len(x))."""
+        return np.asarray(self.transform @ _all_functions(self.ends, self.count, x)[0])
+
+
+def basis(ends: Ends, count: int) -> Basis:
+    """Return the first ``count`` beam functions, rigid motions included, and polynomials where they help.
+
+    The last ones are kept, but of those with more than 200 functions, up to a hundred megabytes each, only one.
+    """
+    return (_large_basis if count > _LARGE else _small_basis)(ends, count)
+
+
+def _basis(ends: Ends, count: int) -> Basis:
+    """Return what `basis` does, computed."""
+    waves = wavenumbers(ends, count)
+    panels = math.ceil(float(waves[-1]) / _PER_PANEL) + 1
+    points, weights = np.polynomial.legendre.leggauss(_POINTS)
+    edges = np.arange(panels) / panels
+    nodes = (edges[:, None] + 0.5 * (points + 1.0) / panels).ravel()
+    weights = np.tile(0.5 * weights / panels, panels)
+    values, slopes, curvatures = _all_functions(ends, count, nodes)
+    root = np.sqrt(weights)
+    transform = _orthogonal(values * root, count)
+    kept = len(transform)
+    if kept > count:
+        parts = [transform @ part for part in (values, slopes, curvatures)]
+        # Combinations that nearly cancel have lost digits: they are made orthonormal at the nodes, where they are used.
+        size = np.linalg.cholesky((parts[0] * weights) @ parts[0].T)
+        transform, values, slopes, curvatures = (np.linalg.solve(size, part) for part in (transform, *parts))
+        curved = curvatures * root
+        bending = curved @ curved.T
+        bending = 0.5 * (bending + bending.T)
+    else:
+        sizes = np.diagonal(transform)[:, None]
+        values, slopes = sizes * values, sizes * slopes
+        bending = np.zeros((kept, kept))
+    bending[np.arange(count), np.arange(count)] = waves**4
+    for part in (nodes, weights, bending, values, slopes, transform):
+        part.flags.writeable = False
+    return Basis(ends, count, bending, nodes, weights, values, slopes, transform)
+
+
+_small_basis = functools.lru_cache(maxsize=16)(_basis)
+_large_basis = functools.lru_cache(maxsize=1)(_basis)
+
+
+def _orthogonal(rows: Floats, count: int) -> Floats:
+    """Return combinations of rows that are orthonormal, nearly; the first ``count`` are so but for their sizes."""
+    found = np.zeros((len(rows), len(rows)))
+    np.fill_diagonal(found[:count, :count], 1.0 / np.linalg.norm(rows[:count], axis=1))
+    kept = count
+    for i in range(count, len(rows)):
+        unit = np.zeros(len(rows))
+        unit[i] = 1.0 / np.linalg.norm(rows[i])
+        for _ in range(2):
+            unit -= (found[:kept] @ rows @ (unit @ rows)) @ found[:kept]
+        left = float(np.linalg.norm(unit @ rows))
+        if left > _SAME:
+            found[kept] = unit / left
+            kept += 1
+    return found[:kept]
+
+
+def wavenumbers(ends: Ends, count: int) -> Floats:
+    """Return k of the first ``count`` beam functions, for a length of 1; 0 for rigid motions."""
+    near = np.arange(count + 3) * math.pi + (_PHASES[ends.upper] + _PHASES[ends.lower])
+    near = near[near > 0.3]
+    if not _are_trigonometric(ends):
+        near = np.concatenate([_roots(ends, near[near < _ASYMPTOTIC]), near[near >= _ASYMPTOTIC]])
+    return np.concatenate([np.zeros(_rigid(ends)), near])[:count]
+
+
+def _roots(ends: Ends, near: NDArray[Any]) -> Floats:
+    """Return the wavenumbers within 0.6 of asymptotic values, of which the lowest may have none."""
+
+    def determinant(k: Floats, _: Any = None) -> Floats:
+        return np.asarray(np.linalg.det(_conditions(ends, k)))
+
+    low, high = np.maximum(near - 0.6, 0.2), near + 0.6
+    at_low, at_high = determinant(low), determinant(high)
+    found = at_low * at_high <= 0.0
+    return roots(determinant, low[found], high[found], at_low[found], at_high[found])
+
+
+def _are_trigonometric(ends: Ends) -> bool:
+    """Return whether the beam functions are sines and cosines alone."""
+    return {ends.upper, ends.lower} <= {"hinged", "guided"}
+
+
+def _rigid(ends: Ends) -> int:
+    """Return how many rigid motions the ends allow: a shift, a rotation about a hinge, or both."""
+    pair = {ends.upper, ends.lower}
+    if pair == {"free"}:
+        return 2
+    return int(pair in ({"free", "hinged"}, {"free", "guided"}, {"guided"}))
+
+
+def _conditions(ends: Ends, k: Floats) -> Floats:
+    """Return the four end conditions on (sin kx, cos kx, e^-kx, e^-k(1-x)), (len(k), 4, 4), scaled by powers of k."""
+    rows = []
+    for at, end in ((0.0, ends.upper), (1.0, ends.lower)):
+        derivatives = _functions(k, at)
+        rows += [derivatives[d] for d in _DERIVATIVES[end]]
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def _functions(k: Floats, x: float | Floats) -> list[Floats]:
+    """Return (sin kx, cos kx, e^-kx, e^-k(1-x)) and derivatives over k to the third, each (4, ...)."""
+    sine, cosine = np.sin(k * x), np.cos(k * x)
+    first, last = np.exp(-k * x), np.exp(-k * (1.0 - x))
+    return [
+        np.array([sine, cosine, first, last]),
+        np.array([cosine, -sine, -first, last]),
+        np.array([-sine, -cosine, first, last]),
+        np.array([-cosine, sine, -first, last]),
+    ]
+
+
+def _all_functions(ends: Ends, count: int, x: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return values, slopes and second derivatives of beam functions and polynomials, (n, len(x)) each."""
+    waves = wavenumbers(ends, count)
+    rigid = min(_rigid(ends), count)
+    beams = _beam_functions(ends, waves[rigid:], x)
+    rows = [np.concatenate([_rigid_motions(ends, x)[d][:rigid], beams[d]]) for d in range(3)]
+    if not has_polynomials(ends, count):
+        return rows[0], rows[1], rows[2]
+    added = _polynomials(ends, x)
+    return tuple(np.concatenate([row, more]) for row, more in zip(rows, added, strict=True))  # type: ignore[return-value]
+
+
+def has_polynomials(ends: Ends, count: int) -> bool:
+    """Return whether polynomials are added to as many beam functions."""
+    return not _are_trigonometric(ends) and count <= _ENRICHED_UP_TO
+
+
+def _rigid_motions(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return the rigid motions that the ends allow."""
+    one, nothing = np.ones_like(x), np.zeros_like(x)
+    if "hinged" in (ends.upper, ends.lower):
+        about = x if ends.upper == "hinged" else 1.0 - x
+        return np.array([about]), np.array([one if ends.upper == "hinged" else -one]), np.array([nothing])
+    return np.array([one, x - 0.5]), np.array([nothing, one]), np.array([nothing, nothing])
+
+
+def _beam_functions(ends: Ends, waves: Floats, x: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return elastic beam functions and two derivatives, each with a sine of amplitude about 1."""
+    if not waves.size:
+        empty = np.empty((0, len(x)))
+        return empty, empty, empty
+    mixture = np.linalg.svd(_conditions(ends, waves))[2][:, -1, :]
+    largest = np.take_along_axis(mixture, np.abs(mixture[:, :2]).argmax(axis=1)[:, None], axis=1)
+    mixture = mixture / largest
+    k = waves[:, None]
+    a, b, c, d = (part[:, None] for part in mixture.T)
+    sine, cosine = np.sin(k * x), np.cos(k * x)
+    waving, turned = a * sine + b * cosine, a * cosine - b * sine
+    if _are_trigonometric(ends):
+        return waving, k * turned, -k * k * waving
+    first, last = c * np.exp(-k * x), d * np.exp(-k * (1.0 - x))
+    return waving + first + last, k * (turned - first + last), k * k * (first + last - waving)
+
+
+def _polynomials(ends: Ends, x: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return polynomials of lowest degree that fulfil the essential conditions, with two derivatives."""
+    from numpy.polynomial import Legendre
+
+    needed = [(at, d) for at, end in ((0.0, ends.upper), (1.0, ends.lower)) for d in _ESSENTIAL[end]]
+    degrees = _POLYNOMIALS + _rigid(ends) + len(needed)  # rigid motions are polynomials too
+    whole = [Legendre.basis(j, domain=[0.0, 1.0]) for j in range(degrees)]
+    if needed:
+        conditions = np.array([[p.deriv(d)(at) if d else p(at) for p in whole] for at, d in needed])
+        space = np.linalg.svd(conditions)[2][len(needed) :]
+    else:
+        space = np.eye(degrees)
+    return tuple(space @ np.array([p.deriv(d)(x) if d else p(x) for p in whole]) for d in range(3))

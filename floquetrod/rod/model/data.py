@@ -1,0 +1,456 @@
+"""The rod's data sheet: its parts, and what follows from them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
+from floquetrod._util.caching import cached_property
+from floquetrod._util.calling import TellsAttributes, tells_arguments
+from floquetrod.rod.loads.axial import AxialResponse, axial_response
+from floquetrod.rod.loads.load import AnyLoad, Load, require_load
+from floquetrod.rod.model import formulas
+from floquetrod.rod.model.beam import wavenumbers
+from floquetrod.rod.model.buckling import BucklingForce, buckling_forces
+from floquetrod.rod.model.catalogue import pipe_in_a_hole
+from floquetrod.rod.model.constants import MOST_MODES, ModeConstants
+from floquetrod.rod.model.files import read_rod
+from floquetrod.rod.model.lock_up import LockUp
+from floquetrod.rod.model.parts import (
+    MEANT,
+    ON_A_FLOOR,
+    Channel,
+    Ends,
+    Fluids,
+    Material,
+    Section,
+    decay_rate,
+    friction_coefficient,
+    in_si,
+    inside_wall,
+    parameter,
+    radius_of,
+    size,
+)
+from floquetrod.rod.model.plausibility import warn_of_rod
+
+INSTEAD = {
+    "diameter": "radius",
+    "inner_diameter": "inner_radius",
+    "wall_thickness": "inner_radius",
+    "channel_diameter": "channel_radius",
+}
+"""Arguments that may be given in place of a parameter."""
+
+_PLAIN: dict[str, float | str] = {
+    "inner_radius": 0.0,
+    "fluid_inside": 0.0,
+    "fluid_outside": 0.0,
+    "inclination": 0.5 * math.pi,
+    "ends": "hinged",
+}
+"""Values of a solid rod in a horizontal channel without fluids."""
+
+
+@tells_arguments(**MEANT)
+@dataclass(frozen=True, init=False, repr=False)
+class RodData(TellsAttributes):
+    """Data sheet of a straight elastic rod or tube on the floor of a straight circular channel.
+
+    Its parameters, in SI units, are described at `floquetrod.Rod`, which adds the verdicts.  They are what is typed,
+    compared and stored; the parts made of them, `material`, `section`, `fluids`, `channel` and `end_conditions`, are
+    what everything else is computed from.
+
+    Notes
+    -----
+    Eq. (1) of DOI 10.1115/1.4031710.  Force uniform along the rod, small angles.  Inertia is not weight: the fluid
+    outside adds to the one and takes from the other.
+
+    Examples
+    --------
+    >>> rod = RodData.nitinol()
+    >>> round(rod.critical_force, 3), round(rod.critical_mode, 2)
+    (1.696, 6.14)
+    >>> rod.section
+    Section(radius=0.0008, inner_radius=0.0)
+    """
+
+    youngs_modulus: float
+    density: float
+    radius: float
+    length: float
+    channel_radius: float
+    gravity: float = 9.81
+    damping_rate: float = 0.0
+    inner_radius: float = 0.0
+    fluid_inside: float = 0.0
+    fluid_outside: float = 0.0
+    added_mass_coefficient: float = ON_A_FLOOR
+    inclination: float = 0.5 * math.pi
+    ends: str = "hinged"
+
+    def __init__(
+        self,
+        youngs_modulus: float | str,
+        density: float | str,
+        radius: float | str | None = None,
+        length: float | str | None = None,
+        channel_radius: float | str | None = None,
+        gravity: float | str = 9.81,
+        damping_rate: float | str = 0.0,
+        *,
+        inner_radius: float | str | None = None,
+        fluid_inside: float | str = 0.0,
+        fluid_outside: float | str = 0.0,
+        added_mass_coefficient: float | str = ON_A_FLOOR,
+        inclination: float | str = 0.5 * math.pi,
+        ends: str = "hinged",
+        diameter: float | str | None = None,
+        inner_diameter: float | str | None = None,
+        channel_diameter: float | str | None = None,
+        wall_thickness: float | str | None = None,
+    ) -> None:
+        """Check and clean the parameters."""
+        outer = radius_of(radius, diameter, ("radius", "diameter"))
+        hole = radius_of(channel_radius, channel_diameter, ("channel_radius", "channel_diameter"))
+        for name, given in (("radius", outer), ("length", length), ("channel_radius", hole)):
+            if given is None:
+                other = next((f", or {other}" for other, instead in INSTEAD.items() if instead == name), "")
+                raise validate.wrong_type(name, f"must be given, in m{other}")
+        if wall_thickness is not None:
+            others = {"inner_radius": inner_radius, "inner_diameter": inner_diameter}
+            inner = inside_wall(outer, wall_thickness, others)
+        else:
+            inner = radius_of(inner_radius, inner_diameter, ("inner_radius", "inner_diameter"), size)
+        material = Material(in_si("youngs_modulus", youngs_modulus), in_si("density", density))
+        section = Section(outer, 0.0 if inner is None else inner)
+        length = parameter("length", length, "m")
+        channel = Channel(hole, in_si("gravity", gravity), in_si("inclination", inclination))
+        inside, outside = in_si("fluid_inside", fluid_inside), in_si("fluid_outside", fluid_outside)
+        fluids = Fluids(inside, outside, in_si("added_mass_coefficient", added_mass_coefficient))
+        cleaned: dict[str, float | str] = {
+            "youngs_modulus": material.youngs_modulus,
+            "density": material.density,
+            "radius": section.radius,
+            "length": length,
+            "channel_radius": channel.radius,
+            "gravity": channel.gravity,
+            "damping_rate": decay_rate(damping_rate),
+            "inner_radius": section.inner_radius,
+            "fluid_inside": fluids.inside,
+            "fluid_outside": fluids.outside,
+            "added_mass_coefficient": fluids.added_mass_coefficient,
+            "inclination": channel.inclination,
+            "ends": str(Ends.of(ends)),
+        }
+        channel.clearance(section)  # raises where the rod does not fit
+        for name, number in cleaned.items():
+            object.__setattr__(self, name, number)
+        if not formulas.sinks(self._own_mass, self._weighing):
+            raise validate.wrong_value(
+                "fluid_outside",
+                f"must be lighter than the rod with what is inside, got {self.fluid_outside:g} kg/m^3 "
+                f"for density = {self.density:g} and fluid_inside = {self.fluid_inside:g}, a weight of "
+                f"{self.weight_per_length:.4g} N/m: this rod floats",
+            )
+        warn_of_rod(self)
+
+    def __repr__(self) -> str:
+        """Return the expression that makes this rod."""
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in self.as_dict().items())})"
+
+    @classmethod
+    def nitinol(cls) -> Self:
+        """Return the reference rod: Nitinol, 3.1 m long, in a plastic pipe.
+
+        The paper's text calls 9.4 mm the channel radius; its own critical force (1.70 N) and mode (6) hold only if that
+        is the diameter, so the radius here is 4.7 mm.
+        """
+        return cls(youngs_modulus=68e9, density=6500.0, radius=0.8e-3, length=3.1, channel_radius=4.7e-3)
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """Read a rod from a TOML file.
+
+        Keys are the parameters of `floquetrod.Rod`, or diameters and a wall in place of radii; values are numbers in SI
+        units, or strings with a unit such as "68GPa", "0.8mm", "2.375in" or "60deg".  With ``catalogue``, the name of a
+        pipe, and ``bore`` they are the arguments of `catalogue`.  Raises ValueError, naming file and key, for what
+        cannot be read, is missing or unknown.
+        """
+        return read_rod(path, cls, INSTEAD)
+
+    @classmethod
+    def catalogue(cls, name: str, *, bore: float | str, length: float | str, **changes: Any) -> Self:
+        """Return a steel pipe of the catalogue, `floquetrod.rod.model.catalogue.pipes`, in a hole.
+
+        Raises ValueError or TypeError for names that are not in the catalogue and for what a rod refuses.
+
+        Parameters
+        ----------
+        name : str
+            Outer diameter x wall thickness in inches, and a grade if wanted: "2.00x0.156 CT90".  The grade does not
+            change the rod, which is linearly elastic; `floquetrod.rod.model.catalogue.pipe` returns its yield strength.
+        bore : float or str
+            Inner diameter of the hole in m, or a string with a unit such as "4.778in".
+        length : float or str
+            Length in m, or a string with a unit such as "200ft".
+        **changes
+            Other parameters of a rod, which replace those of the pipe; also with a unit.
+
+        Examples
+        --------
+        >>> pipe = RodData.catalogue("2.00x0.156 CT90", bore="4.778in", length="200ft", inclination="60deg")
+        >>> round(pipe.flexural_rigidity), round(pipe.length, 2)
+        (33333, 60.96)
+        """
+        return cls(**pipe_in_a_hole(name, bore, length, changes))
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a copy with some parameters changed, also by ``diameter``, ``wall_thickness`` and so on."""
+        replaced = {INSTEAD[name] for name in changes if name in INSTEAD}
+        kept = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in replaced}
+        return type(self)(**(kept | changes))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the data sheet, plain numbers in SI units and the word for its ends, what makes an equal rod.
+
+        Parameters of tubes, fluids, inclined channels and ends are left out where they have their defaults.
+
+        >>> list(RodData.nitinol().replace(inner_radius=0.4e-3).as_dict())[-2:]
+        ['damping_rate', 'inner_radius']
+        """
+        sheet: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
+        optional = _PLAIN | {"added_mass_coefficient": ON_A_FLOOR}
+        return {name: value for name, value in sheet.items() if value != optional.get(name)}
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """All parameters but the ends, numbers in SI units by name."""
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.name != "ends"}
+
+    @property
+    def departures(self) -> str:
+        """What this rod has that a solid rod in a horizontal channel without fluids has not, "" where nothing."""
+        found = ((name, getattr(self, name)) for name, plain in _PLAIN.items() if getattr(self, name) != plain)
+        return ", ".join(f"{name} = {value if isinstance(value, str) else f'{value:g}'}" for name, value in found)
+
+    # --- parts ---
+
+    @cached_property
+    def material(self) -> Material:
+        """Young's modulus and density."""
+        return Material(self.youngs_modulus, self.density)
+
+    @cached_property
+    def section(self) -> Section:
+        """Radii, areas and second moment."""
+        return Section(self.radius, self.inner_radius)
+
+    @cached_property
+    def fluids(self) -> Fluids:
+        """Densities inside and outside, and how much of the outer fluid moves with the rod."""
+        return Fluids(self.fluid_inside, self.fluid_outside, self.added_mass_coefficient)
+
+    @cached_property
+    def channel(self) -> Channel:
+        """Inner radius, inclination, and gravity across it."""
+        return Channel(self.channel_radius, self.gravity, self.inclination)
+
+    @cached_property
+    def end_conditions(self) -> Ends:
+        """How the ends are held."""
+        return Ends.of(self.ends)
+
+    # --- what follows from them ---
+
+    @property
+    def area(self) -> float:
+        """Area of the material of the section in m^2."""
+        return self.section.area
+
+    @property
+    def second_moment(self) -> float:
+        """Second moment of the section, I, in m^4."""
+        return self.section.second_moment
+
+    @property
+    def flexural_rigidity(self) -> float:
+        """E I in N m^2."""
+        return float(formulas.rigidity(self.youngs_modulus, self.section.numbers))
+
+    @property
+    def axial_rigidity(self) -> float:
+        """E A_s in N."""
+        return self.youngs_modulus * self.area
+
+    @property
+    def mass_along(self) -> float:
+        """Inertia rho A_s in kg/m of motion along the channel, that of the material alone."""
+        return self.density * self.area
+
+    @property
+    def mass_per_length(self) -> float:
+        """Inertia m_t = rho A_s + rho_i A_i + C_a rho_o A_o in kg/m, of material, fluid inside and added mass."""
+        fluids = self.fluids
+        return float(
+            formulas.inertia(self._own_mass, fluids.outside, fluids.added_mass_coefficient, self.section.numbers)
+        )
+
+    @property
+    def weight_per_length(self) -> float:
+        """Weight in fluid w_e = g (rho A_s + rho_i A_i - rho_o A_o) in N/m."""
+        return self.channel.gravity * self._weighing
+
+    @property
+    def weight_along(self) -> float:
+        """Weight in fluid along the channel, w_e cos(inclination) in N/m, by which compression grows downwards."""
+        return self.channel.gravity_along * self._weighing
+
+    @property
+    def effective_gravity(self) -> float:
+        """What pulls the rod to the floor over its inertia, w_e sin(inclination) / m_t, in m/s^2."""
+        return float(formulas.effective_gravity(self.channel.gravity_across, self._weighing / self.mass_per_length))
+
+    @property
+    def _own_mass(self) -> float:
+        """Mass of the material and of the fluid inside, in kg/m."""
+        return float(formulas.own_mass(self.material.density, self.fluids.inside, self.section.numbers))
+
+    @property
+    def _weighing(self) -> float:
+        """Own mass less that of the fluid displaced, in kg/m."""
+        return float(formulas.weighing_mass(self._own_mass, self.fluids.outside, self.section.numbers))
+
+    @property
+    def radial_clearance(self) -> float:
+        """R = channel radius - rod radius in m, the radius of the motion of the rod's axis."""
+        return self.channel.clearance(self.section)
+
+    @property
+    def pendulum_frequency(self) -> float:
+        """Frequency sqrt(w_e sin(inclination) / (R m_t)) in rad/s at which a rigid rod swings in the channel."""
+        return math.sqrt(formulas.pendulum_squared(self.effective_gravity, self.radial_clearance))
+
+    @property
+    def critical_force(self) -> float:
+        """F_cr = 2 sqrt(E I w_e sin(inclination) / R) in N; a constant push beyond it buckles a long rod."""
+        return self.mode_constants.critical_force
+
+    @property
+    def critical_mode(self) -> float:
+        """m_cr = [w_e sin(inclination) L^4 / (pi^4 R E I)]^(1/4), the mode (not rounded) that F_cr buckles."""
+        stiffness = self.flexural_rigidity / self.mass_per_length
+        return self.length / math.pi * math.sqrt(self.pendulum_frequency / math.sqrt(stiffness))
+
+    @property
+    def critical_half_wave(self) -> float:
+        """L / m_cr = pi [E I R / (w_e sin(inclination))]^(1/4) in m."""
+        return self.length / self.critical_mode
+
+    def critical_forces(self) -> dict[str, BucklingForce]:
+        """Return constant forces at which the rod buckles, by every criterion known here, each with its source.
+
+        Literature for long rods that nothing shakes; the first is `critical_force`.
+
+        Examples
+        --------
+        >>> for name, (force, _, source) in RodData.nitinol().critical_forces().items():
+        ...     print(f"{name:16} {force:.3f} N  {source}")
+        sinusoidal       1.696 N  Dawson & Paslay 1984
+        helical, energy  2.399 N  Chen, Lin & Cheatham 1990
+        helical, loading 3.104 N  Wu & Juvkam-Wold 1993
+        helical, alone   4.797 N  Mitchell 1996
+        vertical         0.138 N  Lubinski 1950
+        """
+        return buckling_forces(self.critical_force, self.flexural_rigidity, self.weight_per_length)
+
+    def lock_up(self, friction: float, far_force: float = 0.0) -> LockUp:
+        """Return how far a string of this section, of any length, can be pushed down the channel from its upper end.
+
+        ``friction`` is its coefficient along the channel, and ``far_force`` the effective compression at the lower end
+        in N, negative for a pull; ValueError or TypeError for what is neither.
+
+        >>> RodData.nitinol().lock_up(friction=0.2)
+        <locks up 103.9 m from the far end with friction 0.2>
+        """
+        friction = friction_coefficient(friction)
+        across = self.channel.gravity_across * self._weighing
+        return LockUp(friction, far_force, self.critical_force, across, self.weight_along)
+
+    @property
+    def wave_speed(self) -> float:
+        """Speed of axial waves, sqrt(E / rho), in m/s."""
+        return self.material.wave_speed
+
+    def wave_ratio(self, load: Load) -> float:
+        """Return omega L / (2 pi c_0), the length in axial waves; far below 1 the force is uniform along the rod."""
+        return require_load("load", load).frequency * self.length / (2.0 * math.pi) / self.wave_speed
+
+    def axial_response(self, load: AnyLoad) -> AxialResponse:
+        """Return how large the vibration of a load becomes along the rod, where, and the nearest axial resonances.
+
+        Parameters
+        ----------
+        load : AxialLoad, AxialWave or ForceRecord
+
+        Returns
+        -------
+        AxialResponse
+            Its ``largest`` in N at ``position`` (m from the upper end), ``factor`` times the vibration at the driven
+            end; its ``resonances`` in rad/s, by the formulas of `AxialWave`: cos(omega L / c_0) = 0 with the far end
+            held, sin(omega L / c_0) = 0 free, cos(omega L / (2 c_0)) = 0 driven.  The force of an `AxialLoad` is
+            uniform and has none.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> tubing = RodData.catalogue("2.00x0.156 CT90", bore="4.778in", length=600.0)
+        >>> response = tubing.axial_response(fr.AxialWave(0.0, "2kN", "15Hz"))
+        >>> round(response.factor, 1), [round(r.hertz, 2) for r in response.resonances]
+        (60.3, [14.98, 19.26])
+        """
+        load = require_load("load", load)
+        return axial_response(load, self.wave_speed, self.length, self.critical_force)
+
+    def wavenumber(self, mode: Any) -> Any:
+        """Return the wavenumber in 1/m of free motion in a mode without axial force: m pi / L where ends are hinged.
+
+        With other ends modes are whole numbers from 1 on, rigid motions, whose wavenumber is 0, before all others;
+        ValueError for any other number.
+        """
+        modes = _modes(mode)
+        if self.end_conditions.are_hinged:
+            return shaped(modes * self.end_conditions.first_wavenumber(self.length), modes.shape)
+        wrong = (modes < 1.0) | (modes != np.floor(modes))
+        if wrong.any():
+            raise validate.wrong_value(
+                "mode",
+                f"must be a whole number from 1 on for a rod with {self.ends} ends, got {modes[wrong][0]:g}; "
+                "modes in between have a wavenumber with hinged ends only",
+            )
+        chosen = modes.astype(np.int64)
+        waves = wavenumbers(self.end_conditions, int(chosen.max(initial=1))) / self.length
+        return shaped(waves[chosen - 1], modes.shape)
+
+    def natural_frequency(self, mode: Any) -> Any:
+        """Return the frequency in rad/s of free motion in a mode, without axial force or damping."""
+        bending = self.flexural_rigidity / self.mass_per_length * self.wavenumber(mode) ** 4
+        return (bending + self.pendulum_frequency**2) ** 0.5
+
+    @cached_property
+    def mode_constants(self) -> ModeConstants:
+        """What the mode equations need of the rod."""
+        found = formulas.mode_parameters(self.parameters)
+        swing = math.sqrt(found.pendulum_squared)
+        return ModeConstants(found.w2, found.mass_per_length, found.rigidity, swing, found.damping_rate)
+
+
+def _modes(mode: Any) -> NDArray[np.float64]:
+    return validate.array("mode", mode, least=0.0, largest=10.0 * MOST_MODES)

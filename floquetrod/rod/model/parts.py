@@ -1,0 +1,310 @@
+"""The parts of a rod in a channel: material, section, channel and ends, each a frozen value checked when it is made."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from floquetrod import units
+from floquetrod._util import validate
+from floquetrod._util.suggest import did_you_mean
+from floquetrod.rod.model import formulas
+from floquetrod.rod.model.formulas import SectionNumbers
+
+_LEAST, _LARGEST = 1e-12, 1e15  # of any parameter in its SI unit: what is computed from them stays in range (a choice)
+_LARGEST_FRICTION = 1e6  # (a choice: beyond any)
+
+ON_A_FLOOR = math.pi**2 / 3.0 - 1.0
+"""Added-mass coefficient of a cylinder that touches a plane floor, 2.29."""
+
+LIMITS: dict[str, tuple[float, float]] = {
+    **dict.fromkeys(("youngs_modulus", "density", "radius", "length", "channel_radius", "gravity"), (_LEAST, _LARGEST)),
+    **dict.fromkeys(("damping_rate", "inner_radius", "fluid_inside", "fluid_outside"), (0.0, _LARGEST)),
+    "added_mass_coefficient": (0.0, _LARGEST),
+    "inclination": (_LEAST, 0.5 * math.pi),
+}
+"""Least and largest of each parameter of a rod that is a number, whatever the others are."""
+
+
+MEANT = {
+    "outer_diameter": "the outer diameter is diameter",
+    "outer_radius": "the outer radius is radius",
+    "od": "the outer diameter is diameter",
+    "id": "the inner diameter is inner_diameter",
+    "wall": "did you mean wall_thickness?",
+    "clearance": "give channel_radius, that of the rod and the clearance together",
+}
+"""What is often written for a parameter of a rod, with the remedy."""
+
+
+def in_si(name: str, value: Any) -> Any:
+    """Return a parameter that is a string with a unit, such as "0.8mm", as a number in its SI unit, else as it is."""
+    return units.quantity(value, name, units.ROD_KINDS[name]) if isinstance(value, str) else value
+
+
+def parameter(name: str, value: Any, unit: str) -> float:
+    """Return a parameter of a rod, greater than zero, in its SI unit."""
+    value = in_si(name, value)
+    number = validate.positive(name, value, f"give it in {unit}")
+    return validate.within(name, number, _LEAST, _LARGEST, f"give it in {unit}")
+
+
+def size(name: str, value: Any, unit: str) -> float:
+    """Return a parameter that may be zero, in its SI unit."""
+    value = in_si(name, value)
+    number = validate.nonnegative(name, value, f"give it in {unit}")
+    return validate.within(name, number, 0.0, _LARGEST, f"give it in {unit}")
+
+
+def radius_of(
+    radius: Any, diameter: Any, names: tuple[str, str], check: Callable[[str, Any, str], float] = parameter
+) -> Any:
+    """Return a radius in m given by itself or by its diameter, None where neither is; ``names`` are both arguments'."""
+    if diameter is None:
+        return radius
+    if radius is not None:
+        raise ValueError(
+            f"{names[1]} must not be given with {names[0]}, got {validate.short(diameter)} and "
+            f"{validate.short(radius)}; give one of them"
+        )
+    return 0.5 * check(names[1], diameter, "m")
+
+
+def inside_wall(radius: Any, wall_thickness: Any, inner: dict[str, Any]) -> float:
+    """Return the inner radius in m of a tube given by its outer radius and wall; ``inner`` must hold only None."""
+    for name, value in inner.items():
+        if value is not None:
+            raise validate.wrong_value(
+                "wall_thickness",
+                f"must not be given with {name}, got {validate.short(wall_thickness)} and "
+                f"{validate.short(value)}; give one of them",
+            )
+    outer, wall = parameter("radius", radius, "m"), parameter("wall_thickness", wall_thickness, "m")
+    if wall >= outer:
+        raise validate.wrong_value(
+            "wall_thickness",
+            f"must be less than the outer radius, got wall_thickness = {wall:g} m and radius = "
+            f"{outer:g} m; leave it out for a solid rod",
+        )
+    return outer - wall
+
+
+def decay_rate(value: Any) -> float:
+    """Return the decay rate of free motion in 1/s, zero or more."""
+    rate = validate.nonnegative("damping_rate", in_si("damping_rate", value), "give the decay rate in 1/s")
+    return validate.within("damping_rate", rate, 0.0, _LARGEST)
+
+
+def friction_coefficient(value: Any) -> float:
+    """Return a coefficient of friction as a float."""
+    number = validate.nonnegative("friction", value, "friction opposes the motion")
+    return validate.within("friction", number, 0.0, _LARGEST_FRICTION, "it is a coefficient such as 0.1")
+
+
+@dataclass(frozen=True)
+class Material:
+    """Linear elastic material.
+
+    Parameters
+    ----------
+    youngs_modulus : float
+        E in Pa.
+    density : float
+        rho in kg/m^3.
+    """
+
+    youngs_modulus: float
+    density: float
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        object.__setattr__(self, "youngs_modulus", parameter("youngs_modulus", self.youngs_modulus, "Pa"))
+        object.__setattr__(self, "density", parameter("density", self.density, "kg/m^3"))
+
+    @property
+    def wave_speed(self) -> float:
+        """Speed of axial waves, sqrt(E / rho), in m/s."""
+        return math.sqrt(self.youngs_modulus / self.density)
+
+
+@dataclass(frozen=True)
+class Section:
+    """Circular section, solid or of a tube.
+
+    Parameters
+    ----------
+    radius : float
+        Outer radius r_o in m.
+    inner_radius : float
+        r_i in m, less than the outer radius; 0 for a solid section.
+    """
+
+    radius: float
+    inner_radius: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        radius = parameter("radius", self.radius, "m")
+        inner = size("inner_radius", self.inner_radius, "m; 0 for a solid rod")
+        if not formulas.has_wall(radius, inner):
+            raise ValueError(
+                f"inner_radius, half of inner_diameter, must be less than the outer radius, got inner_radius = "
+                f"{inner:g} m and radius = {radius:g} m, half the diameters {2.0 * inner:g} m and {2.0 * radius:g} m"
+            )
+        object.__setattr__(self, "radius", radius)
+        object.__setattr__(self, "inner_radius", inner)
+
+    @property
+    def area(self) -> float:
+        """Area of the material, A_s = pi (r_o^2 - r_i^2), in m^2."""
+        return float(formulas.ring(self.radius, self.inner_radius))
+
+    @property
+    def outer_area(self) -> float:
+        """Area within the outer radius, A_o = pi r_o^2, in m^2."""
+        return float(formulas.disc(self.radius))
+
+    @property
+    def inner_area(self) -> float:
+        """Area of the bore, A_i = pi r_i^2, in m^2."""
+        return float(formulas.disc(self.inner_radius))
+
+    @property
+    def second_moment(self) -> float:
+        """Second moment of area, I = pi (r_o^4 - r_i^4) / 4, in m^4."""
+        return float(formulas.second_moment(self.radius, self.inner_radius))
+
+    @property
+    def numbers(self) -> SectionNumbers:
+        """The areas and the second moment together."""
+        return formulas.section_numbers(self.radius, self.inner_radius)
+
+
+@dataclass(frozen=True)
+class Fluids:
+    """Fluids inside and outside of a rod, at rest but for what its motion moves.
+
+    Parameters
+    ----------
+    inside, outside : float
+        Densities rho_i and rho_o in kg/m^3, 0 for none; the arguments ``fluid_inside`` and ``fluid_outside`` of a rod.
+    added_mass_coefficient : float
+        C_a, the mass of outer fluid that moves with the rod over the mass that the rod displaces; by default that of a
+        cylinder touching a plane floor, pi^2/3 - 1 = 2.29.
+    """
+
+    inside: float = 0.0
+    outside: float = 0.0
+    added_mass_coefficient: float = ON_A_FLOOR
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        object.__setattr__(self, "inside", size("fluid_inside", self.inside, "kg/m^3"))
+        object.__setattr__(self, "outside", size("fluid_outside", self.outside, "kg/m^3"))
+        added = validate.nonnegative("added_mass_coefficient", self.added_mass_coefficient)
+        hint = "it is a ratio of masses such as 2.29"
+        added = validate.within("added_mass_coefficient", added, 0.0, _LARGEST, hint)
+        object.__setattr__(self, "added_mass_coefficient", added)
+
+
+@dataclass(frozen=True)
+class Channel:
+    """Straight circular channel, horizontal or inclined, the rod on its floor.
+
+    Parameters
+    ----------
+    radius : float
+        Inner radius in m; the argument ``channel_radius`` of a rod.
+    gravity : float
+        g in m/s^2.
+    inclination : float
+        Angle from the vertical in radians, above 0 and at most pi/2, which is horizontal.
+    """
+
+    radius: float
+    gravity: float
+    inclination: float = 0.5 * math.pi
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        object.__setattr__(self, "radius", parameter("channel_radius", self.radius, "m"))
+        object.__setattr__(self, "gravity", parameter("gravity", self.gravity, "m/s^2"))
+        hint = 'it is the angle from the vertical in radians: math.radians(60), or "60deg"'
+        inclination = validate.finite("inclination", self.inclination, hint)
+        if not _LEAST <= inclination <= 0.5 * math.pi:
+            raise validate.wrong_value(
+                "inclination", f"must be above 0 and at most pi/2 = 1.5708 (horizontal), got {inclination:g}; {hint}"
+            )
+        object.__setattr__(self, "inclination", inclination)
+
+    @property
+    def gravity_across(self) -> float:
+        """Component of gravity across the channel, g sin(inclination), in m/s^2."""
+        return float(formulas.gravity_across(self.gravity, self.inclination))
+
+    @property
+    def gravity_along(self) -> float:
+        """Component of gravity along the channel, g cos(inclination), in m/s^2; exactly 0 in a horizontal one."""
+        return self.gravity * math.cos(self.inclination) if self.inclination < 0.5 * math.pi else 0.0
+
+    def clearance(self, section: Section) -> float:
+        """Return R = channel radius - rod radius in m; ValueError where the section does not fit."""
+        if not formulas.fits(section.radius, self.radius):
+            raise validate.wrong_value(
+                "channel_radius",
+                f"must exceed the rod's radius, got channel_radius = {self.radius:g} m and "
+                f"radius = {section.radius:g} m, half the diameters {2.0 * self.radius:g} m and "
+                f"{2.0 * section.radius:g} m",
+            )
+        return float(formulas.clearance(section.radius, self.radius))
+
+
+CONDITIONS = ("hinged", "clamped", "guided", "free")
+"""What an end of a rod may be."""
+
+
+@dataclass(frozen=True)
+class Ends:
+    """How the two ends are held across the channel; the axial force acts through both, along the channel.
+
+    Parameters
+    ----------
+    upper, lower : {"hinged", "clamped", "guided", "free"}
+        At s = 0, the upper end of an inclined rod, and at s = L.  Hinged: no displacement, no moment.  Clamped: no
+        displacement, no rotation.  Guided: no rotation, no force across.  Free: no moment, no force across.
+    """
+
+    upper: str = "hinged"
+    lower: str = "hinged"
+
+    @classmethod
+    def of(cls, word: Any) -> Ends:
+        """Return the ends that a word names: "clamped" for both, or "clamped-hinged", the upper end first."""
+        parts = word.lower().replace(" ", "").split("-") if isinstance(word, str) else []
+        if not 1 <= len(parts) <= 2 or not set(parts) <= set(CONDITIONS):
+            raise validate.wrong_value(
+                "ends",
+                f"must be one of {', '.join(CONDITIONS)}, or two of them joined by a hyphen, the upper end first, "
+                f'such as "clamped-hinged"; got {validate.short(word)}{_meant(parts)}',
+            )
+        return cls(parts[0], parts[-1])
+
+    @property
+    def are_hinged(self) -> bool:
+        """Whether both are hinged, so that the modes of a rod under a uniform force are independent sines."""
+        return self.upper == self.lower == "hinged"
+
+    def __str__(self) -> str:
+        """Return the word for them."""
+        return self.upper if self.upper == self.lower else f"{self.upper}-{self.lower}"
+
+    def first_wavenumber(self, length: float) -> float:
+        """Return w_1 = pi / L in 1/m; mode m of a rod with hinged ends has m times as much."""
+        return float(formulas.first_wavenumber(length))
+
+
+def _meant(parts: list[str]) -> str:
+    """Return the question whether the condition nearest to the first unknown one was meant, "" where none is near."""
+    return next((did_you_mean(part, CONDITIONS) for part in parts if part not in CONDITIONS), "")

@@ -1,0 +1,286 @@
+"""Numbers that are allowed but look like a mistake: another unit, a diameter for a radius, Hz for rad/s.
+
+Every limit here is a heuristic choice.  It leaves room for what is built, from glass fibres of 0.1 mm to strings of
+10 km: a warning that is often wrong would be silenced once and for all.  For the same reason a number is suspected only
+where it has few digits, as typed, and where a mistake would explain it: in the other unit it is plausible.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import warnings
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from floquetrod._util.calling import level_of_caller
+from floquetrod.rod.model.catalogue import pipes
+from floquetrod.units import unit_of, units_of
+
+SILENCE = ' (silence with warnings.simplefilter("ignore", fr.PlausibilityWarning))'
+"""The end of every warning; a terminal leaves it out."""
+
+_MAKERS = (
+    "rod.model.data",
+    "rod.model.files",
+    "rod.model.catalogue",
+    "rod.reading",
+    "ensembles.study",
+    "_util.calling",
+)
+"""Modules through which a user's call makes a rod; other code of the package makes its rods from the user's."""
+
+_SLENDEREST = 1e6  # length over diameter: 6 km of capillary string of 1/4 inch, the slenderest string run, has 9e5
+_STUBBIEST = 3.0  # length over diameter: no rod, and no theory of one
+_THICKEST = 0.75  # radius in m: pipelines reach 0.71 m
+_WIDEST = 500.0  # channel over rod: a glass fibre of 0.125 mm in a pipe of 50 mm has 400
+_SOFTEST, _STIFFEST = 1e8, 2e12  # Pa: what numbers in GPa are of; diamond has 1.2e12
+_LARGEST_IN_MPA = 1e6  # of a metal; numbers in psi are larger
+_METAL = 2500.0, 1e9  # kg/m^3 and Pa: nothing as heavy as aluminium is softer
+_LIGHTEST, _HEAVIEST = 25.0, 1e5  # kg/m^3: stiff foam; four times osmium, for fluids counted in
+_SOLID = 1e8  # Pa: nothing as stiff as this is lighter than stiff foam
+_GRAVITIES = {980.665: "cm/s^2", 9806.65: "mm/s^2", 32.174: "ft/s^2", 386.09: "in/s^2"}
+_STRONG, _WEAK = 100.0, 1e-3  # critical forces; ten times a usual mean, in a unit a thousand times too large or small
+_THICK_STRING = 1e3  # N: critical force from which kN are usual
+_ORDER = 3.0  # tongues of a higher order are narrow
+
+
+class PlausibilityWarning(UserWarning):
+    """A number that is allowed, and is probably in another unit or of another kind than it is taken to be."""
+
+
+class HertzWarning(PlausibilityWarning):
+    """A frequency that is probably in Hz; the terminal, which knows what was typed, says so itself."""
+
+
+def warn_of_rod(rod: Any) -> None:
+    """Warn of a rod's suspicious parameters, when a user's call has made it."""
+    for suspicion in suspicions_of_rod(rod):
+        level = _level_of_user()
+        if level is None:
+            return
+        warnings.warn(suspicion + SILENCE, PlausibilityWarning, stacklevel=level)
+
+
+def _level_of_user() -> int | None:
+    """Return the stack level of the user for the caller of this function, None where the package made the rod."""
+    level, frame = 1, sys._getframe(1)
+    while frame.f_back is not None:
+        level, frame = level + 1, frame.f_back
+        package, _, module = frame.f_globals.get("__name__", "").partition(".")
+        if package != "floquetrod" or module.startswith("cli"):
+            return level
+        if module not in _MAKERS:
+            return None
+    return level
+
+
+def suspicions_of_rod(rod: Any) -> Iterator[str]:
+    """Yield what is suspicious about a rod, each with the numbers that say so and a remedy."""
+    diameter, slenderness = 2.0 * rod.radius, 0.5 * rod.length / rod.radius
+    if _is_typed(rod.radius) and _THICKEST < rod.radius <= 1e3 * _THICKEST:
+        yield (
+            f"radius = {rod.radius:g} m makes a rod {diameter:g} m thick; were these millimetres? A number is taken in "
+            f'm: radius="{rod.radius:g}mm"'
+        )
+    elif _is_typed(rod.length) and _SLENDEREST < slenderness <= 1e3 * _SLENDEREST:
+        yield (
+            f"length = {rod.length:g} m is {slenderness:.3g} times the diameter of {diameter:g} m, and the rod would "
+            f"buckle into mode {rod.critical_mode:.0f}; were these millimetres? A number is taken in m: "
+            f'length="{rod.length:g}mm"'
+        )
+    elif _is_typed(rod.radius) and 1e-3 * _STUBBIEST <= slenderness < _STUBBIEST:
+        yield (
+            f"length = {rod.length:g} m is {slenderness:.3g} times the diameter of {diameter:g} m, which is no slender "
+            f'rod; is the radius of {rod.radius:g} m in another unit? Give it as "{rod.radius:g}mm", say'
+        )
+    elif _is_typed(rod.channel_radius) and _WIDEST < rod.channel_radius / rod.radius <= 1e3 * _WIDEST:
+        yield (
+            f"channel_radius = {rod.channel_radius:g} m is {rod.channel_radius / rod.radius:.3g} times the radius of "
+            f"the rod, {rod.radius:g} m; were these millimetres? A number is taken in m: "
+            f'channel_radius="{rod.channel_radius:g}mm"'
+        )
+    yield from _doubled(rod)
+    yield from _material(rod)
+    for value, unit in _GRAVITIES.items():
+        if abs(rod.gravity / value - 1.0) < 5e-3:
+            yield f"gravity = {rod.gravity:g} m/s^2 looks like {unit}; a number is taken in m/s^2: gravity=9.81"
+
+
+def _doubled(rod: Any) -> Iterator[str]:
+    """Yield the suspicion that diameters were given as radii, where a pipe of the catalogue shows it."""
+    wall = rod.radius - rod.inner_radius
+    for pipe in pipes() if rod.inner_radius > 0.0 else ():
+        walls = (pipe.wall_thickness, 2.0 * pipe.wall_thickness)  # the second where both diameters are taken for radii
+        if _alike(rod.radius, pipe.diameter) and any(_alike(wall, each) for each in walls):
+            yield (
+                f"radius = {rod.radius:g} m is the diameter of the catalogue's {pipe.name} {pipe.product}, whose wall "
+                f"this rod has too; give diameter={rod.radius:g}, or Rod.catalogue({pipe.name!r}, ...)"
+            )
+
+
+def _alike(one: float, other: float) -> bool:
+    return abs(one / other - 1.0) < 2e-3
+
+
+def _material(rod: Any) -> Iterator[str]:
+    """Yield what is suspicious about Young's modulus and the densities."""
+    modulus, density = rod.youngs_modulus, rod.density
+    if _is_typed(modulus):
+        yield from _modulus(modulus, density)
+    if _is_typed(density) and 1e-3 * _LIGHTEST < density < _LIGHTEST and modulus > _SOLID:
+        yield (
+            f"density = {density:g} kg/m^3 is too light for what has youngs_modulus = {modulus:g} Pa; was it in "
+            f'g/cm^3? A number is taken in kg/m^3: density="{density:g}g/cm3"'
+        )
+    for name in ("density", "fluid_inside", "fluid_outside"):
+        if _is_typed(value := getattr(rod, name)) and _HEAVIEST < value <= 1e3 * _HEAVIEST:
+            yield f"{name} = {value:g} kg/m^3 is heavier than any metal; a number is taken in kg/m^3"
+
+
+def _modulus(modulus: float, density: float) -> Iterator[str]:
+    """Yield what is suspicious about Young's modulus."""
+    heavy, stiff = _METAL
+    if 1e-9 * _SOFTEST <= modulus <= 1e-9 * _STIFFEST:
+        yield (
+            f"youngs_modulus = {modulus:g} Pa is softer than any rod; was it in GPa? A number is taken in Pa: "
+            f'youngs_modulus="{modulus:g}GPa"'
+        )
+    elif 1e-6 * stiff < modulus < stiff and density > heavy:
+        unit = "MPa" if modulus < _LARGEST_IN_MPA else "psi"
+        yield (
+            f"youngs_modulus = {modulus:g} Pa is that of rubber, and density = {density:g} kg/m^3 that of a metal; was "
+            f'it in {unit}? A number is taken in Pa: youngs_modulus="{modulus:g}{unit}"'
+        )
+    elif _STIFFEST < modulus <= 1e3 * _STIFFEST:
+        yield (
+            f"youngs_modulus = {modulus:g} Pa is stiffer than diamond; a number is taken in Pa: "
+            f'youngs_modulus="200GPa", say'
+        )
+
+
+def suspicions_of_load(rod: Any, load: Any) -> Iterator[str]:
+    """Yield what is suspicious about a load on a rod, each with the numbers that say so and a remedy."""
+    mean, amplitude, critical = load.mean, load.amplitude, rod.critical_force
+    measured = load.waveform != "sine"  # in a file, whose heading may say kN
+    if (measured or _is_typed(mean)) and _STRONG * critical < mean <= 30.0 * _STRONG * critical:
+        yield (
+            f"mean = {mean:g} N is {mean / critical:.3g} times the critical force of {critical:.3g} N; was it in mN? A "
+            f'number is taken in N: mean="{mean:g}mN", or a part of rod.critical_force'
+        )
+    elif (
+        critical > _THICK_STRING
+        and all(0.01 * _WEAK < force / critical < _WEAK for force in (mean, amplitude))
+        and _is_typed(mean)
+    ):
+        yield (
+            f"mean = {mean:g} N and amplitude = {amplitude:g} N are less than a thousandth of the critical force of "
+            f'{critical:.3g} N; were they in kN? A number is taken in N: mean="{mean:g}kN", amplitude="{amplitude:g}kN"'
+        )
+
+
+def suspicions_of_record(rod: Any, record: Any) -> Iterator[str]:
+    """Yield the suspicion that a record without a unit of force is not in N: in another unit it would matter.
+
+    In kN or mN it would be about the critical force, and in N it is far from it.  Pounds are so near to newtons that
+    both may be plausible; they are as usual for strings as newtons, so that the file has to say which.
+    """
+    share = (abs(record.mean) + record.amplitude) / rod.critical_force
+    is_string, is_far = rod.critical_force > _THICK_STRING, not _matters(share)
+    usual = {"kN": is_string and is_far, "mN": rod.critical_force < 1e-2 * _THICK_STRING and is_far, "lbf": is_string}
+    others = {unit: share * units_of("force")[unit] for unit, is_usual in usual.items() if is_usual}
+    others = {unit: other for unit, other in others.items() if _matters(other)}
+    if others:
+        yield (
+            f"the record names no unit of force: taken in N, its {record.mean:.4g} +- {record.amplitude:.4g} N are "
+            f"{share:.2g} of the critical force, in "
+            + ", in ".join(f"{unit} {other:.2g}" for unit, other in others.items())
+            + f"; give force_unit, {', '.join(['N', *others][:-1])} or {list(others)[-1]}"
+        )
+
+
+def _matters(share: float) -> bool:
+    """Return whether a force of so many critical forces is plausible (the limits are choices)."""
+    return 0.02 < share < 20.0
+
+
+def may_be_hertz(rod: Any, load: Any) -> bool:
+    """Return whether a frequency in rad/s may have been meant in Hz: short, too low for all but narrow tongues.
+
+    All modes are faster than sqrt(1 - (mean / F_cr)^2) times the pendulum frequency, and a tongue of order k lies about
+    2 / k times a mode's frequency.  The number lies below all tongues up to order 3, and as one of Hz above the first
+    of order 1.
+    """
+    share = max(0.0, load.mean) / rod.critical_force
+    if share >= 1.0 or load.amplitude == 0.0 or load.waveform != "sine" or not _is_typed(load.frequency):
+        return False
+    first = 2.0 * rod.pendulum_frequency * math.sqrt(1.0 - share * share)
+    return bool(_ORDER * load.frequency < first <= 2.0 * math.pi * load.frequency)
+
+
+def _is_typed(value: float) -> bool:
+    """Return whether a number has four digits or fewer, as people type them."""
+    return value == float(f"{value:.4g}")
+
+
+def warn_of_load(rod: Any, load: Any) -> None:
+    """Warn of a load, or a record, that is suspicious on this rod."""
+    is_unnamed = not getattr(load, "force_unit_named", True)
+    for suspicion in suspicions_of_record(rod, load) if is_unnamed else suspicions_of_load(rod, load):
+        warnings.warn(suspicion + SILENCE, PlausibilityWarning, stacklevel=level_of_caller())
+
+
+def _verdict(rod: Any, load: Any, frequency: float, growth_tolerance: float) -> int:
+    """Return the verdict on a load of independent modes at another frequency."""
+    found = rod.verdicts(load.mean, load.amplitude, frequency, growth_tolerance=growth_tolerance, like=load)
+    return int(found)
+
+
+def warn_of_hertz(rod: Any, load: Any, growth_tolerance: float) -> None:
+    """Warn where a load of independent modes that is stable may have been meant in Hz, and in Hz is unstable."""
+    if may_be_hertz(rod, load) and _verdict(rod, load, 2.0 * math.pi * load.frequency, growth_tolerance) == 0:
+        warnings.warn(
+            f"frequency = {load.frequency:g} rad/s is below all but the narrowest tongues of this rod, and with it "
+            f"nothing grows; with {load.frequency:g} Hz something would. Was it in Hz? AxialLoad.hertz takes Hz, and "
+            f'so does frequency="{load.frequency:g}Hz"{SILENCE}',
+            HertzWarning,
+            stacklevel=level_of_caller(),
+        )
+
+
+def suspicion_of_hertz(
+    name: str, text: str, rod: Any, loads: Iterable[Any], tolerance: float = 0.0, known: int | None = None
+) -> str:
+    """Return the suspicion that a frequency written without a unit was meant in Hz, "" without one.
+
+    ``name`` is what gave ``text``, a frequency or a range.  Suspected is what would, in Hz, change the verdict without
+    friction on one of the loads.  Where modes are coupled, and a verdict takes its time, a single load is suspected as
+    in `may_be_hertz`.  ``known`` is the verdict on a single load where it has been found: 1, 0 or -1.
+    """
+    if unit_of(text.rpartition(":")[2]) != "":
+        return ""
+    loads = list(loads)
+    for load in loads:
+        reading = ""
+        if rod.modes_under(load).prompt:
+            reading = _in_hertz(rod, load, tolerance, known)
+        elif len(loads) == 1 and may_be_hertz(rod, load):
+            reading = "below all but the narrowest resonances of this rod, which as many Hz are not"
+        if reading:
+            at = "" if len(loads) == 1 else f", under mean {load.mean:.4g} N and amplitude {load.amplitude:.4g} N"
+            typed = text.strip()
+            return f"{name} {text} is taken in rad/s: {reading}{at}; write {typed}rad/s or {typed}Hz"
+    return ""
+
+
+def _in_hertz(rod: Any, load: Any, tolerance: float, known: int | None) -> str:
+    """Return how the verdict differs where a frequency is read in Hz, "" where it does not or is not known."""
+    if load.amplitude == 0.0 or known == -1:  # the frequency of nothing, or nothing to differ from
+        return ""
+    try:
+        in_hertz = _verdict(rod, load, 2.0 * math.pi * load.frequency, tolerance)
+        verdicts = _verdict(rod, load, load.frequency, tolerance) if known is None else known, in_hertz
+    except ValueError:  # as many Hz are far beyond this rod
+        return ""
+    words = {(1, 0): ("no mode grows", "one does"), (0, 1): ("a mode grows", "none does")}.get(verdicts)
+    return f"at {load.frequency:.4g} rad/s {words[0]}, at {load.frequency:.4g} Hz {words[1]}" if words else ""

@@ -1,0 +1,172 @@
+"""Coupled modes: beam functions under a force that varies along the rod, or between ends that are not hinged."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.caching import cached_property
+from floquetrod.equations import HillSystem
+from floquetrod.floquet.systems.many import ManyVerdicts
+from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.loads.axial import AxialResonanceError
+from floquetrod.rod.loads.load import Load, Loads, Progress, shifted
+from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, CoupledModes, RodNumbers, rod_numbers
+from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+from floquetrod.rod.model.constants import HAIRLINE_GROWTH
+from floquetrod.rod.modes.coupled_verdict import classify_coupled
+from floquetrod.rod.modes.mode_model import Answers, Floats, Ints, ModeModel, Statuses
+from floquetrod.rod.modes.sampled_ranges import sampled_first_unstable, sampled_ranges
+from floquetrod.rod.modes.unstable_bands import sampled_bands
+
+_GROUPS = 16  # of loads by frequency, each with its own number of modes (a choice)
+
+
+@dataclass(frozen=True)
+class CoupledModel(ModeModel):
+    """Modes that move together; a model with other equations overrides `in_modes` and `count_for`."""
+
+    loads_at_once: ClassVar[int | None] = 2000  # some seconds (a choice)
+
+    @cached_property
+    def numbers(self) -> RodNumbers:
+        """What the modes need of the rod."""
+        return rod_numbers(self.rod)
+
+    # --- equations ---
+
+    def equations(self, load: Load, modes: Iterable[int] | None = None) -> HillSystem:
+        """Return the system of the first modes, by default of all that can matter, under one load."""
+        count = self.count_for(Loads.single(load), 0.0) if modes is None else chosen_count(modes)
+        return self.in_modes(count).system(Loads.single(load))
+
+    def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
+        """Return how many modes to take, and the growth in 1/s that all others are expected not to exceed."""
+        return self.count_for(Loads.single(load), growth_tolerance), max(growth_tolerance, HAIRLINE_GROWTH)
+
+    def in_modes(self, count: int) -> ModeSystems:
+        """Return the first modes as systems of equations under any load of the kind."""
+        return CoupledModes(self.numbers, self.like, count)
+
+    def count_for(self, loads: Loads, growth_tolerance: float) -> int:
+        """Return how many modes serve all of some loads; ValueError where that would be too many."""
+        return self.numbers.modes_needed(loads, self.like, growth_tolerance)
+
+    # --- verdicts ---
+
+    def verdict(
+        self,
+        load: Load,
+        modes: Iterable[int] | None = None,
+        growth_tolerance: float = 0.0,
+        progress: Progress | None = None,
+    ) -> RodStability:
+        """Return the verdict under one load, with as many modes as two numbers of them agree upon."""
+        count = None if modes is None else chosen_count(modes)
+        return classify_coupled(self, load, count, growth_tolerance, progress)
+
+    def status(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> Statuses:
+        """Return 1 where nothing grows faster than the tolerance, 0 where something does, -1 where undecided."""
+        return self.judged(loads, growth_tolerance, workers, progress=progress).status
+
+    def fastest(
+        self, loads: Loads, workers: int | None = None, progress: Progress | None = None
+    ) -> tuple[Floats, Ints]:
+        """Return the growth in 1/s, NaN where unknown, and -1 where something grows: `verdict` names the modes."""
+        growth = self.judged(loads, 0.0, workers, progress=progress).growth
+        return growth, np.where(growth > 0.0, -1, 0)
+
+    def answers(self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None) -> Answers:
+        """Return status, growth and mode, all from one computation."""
+        status, growth = self.judged(loads, growth_tolerance, workers)
+        return Answers(status, growth, np.where(growth > 0.0, -1, 0))
+
+    def growth_estimate(self, loads: Loads, growth_tolerance: float = 0.0) -> Floats:
+        """Return the growth in 1/s, NaN where unknown, estimated next to a boundary."""
+        return self.judged(loads, growth_tolerance, quick=True).growth
+
+    def judged(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        *,
+        quick: bool = False,
+        progress: Progress | None = None,
+    ) -> ManyVerdicts:
+        """Return statuses and growth rates in 1/s as `ModeSystems.answers` does; -1 and NaN at axial resonances."""
+        status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
+        done = 0
+        for chosen, modes, part in self._groups(loads, growth_tolerance):
+            told = shifted(progress, done, loads.size - part.size)
+            status[chosen], growth[chosen] = modes.answers(part, growth_tolerance, workers, quick=quick, progress=told)
+            done += part.size
+        return ManyVerdicts(status, growth)
+
+    def _groups(self, loads: Loads, growth_tolerance: float) -> Iterator[tuple[NDArray[np.intp], ModeSystems, Loads]]:
+        """Yield loads of neighbouring frequencies, by their indices, with their modes."""
+        order = np.argsort(loads.frequency, kind="stable")
+        edges = np.searchsorted(loads.frequency[order], np.unique(loads.frequency))
+        edges = edges[:: max(1, -(-len(edges) // _GROUPS))]
+        for chosen in np.split(order, edges[1:]):
+            if chosen.size:
+                yield from self._with_modes(loads, growth_tolerance, chosen)
+
+    def _with_modes(
+        self, every: Loads, growth_tolerance: float, chosen: NDArray[np.intp]
+    ) -> Iterator[tuple[NDArray[np.intp], ModeSystems, Loads]]:
+        """Yield loads, in the order of their frequencies, with their modes; without those at axial resonances.
+
+        A single load, of the shape (), is refused there.
+        """
+        loads = Loads((chosen.size,), *(values[chosen] for values in every.flat))
+        try:
+            count = self.count_for(loads, growth_tolerance)
+        except AxialResonanceError:
+            if every.shape == ():
+                raise
+            edges = np.searchsorted(loads.frequency, np.unique(loads.frequency))
+            if len(edges) > 1:
+                for part in np.split(chosen, [edges[len(edges) // 2]]):
+                    yield from self._with_modes(every, growth_tolerance, part)
+        else:
+            yield chosen, self.in_modes(count), loads
+
+    # --- along a quantity ---
+
+    def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
+        """Return the stability intervals of one quantity of the load, sampled; ``resolution`` is their distance."""
+        return sampled_ranges(self, search, progress)
+
+    def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
+        """Return where a quantity that grows from zero first meets growth; infinite without any."""
+        return sampled_first_unstable(self, search, progress)
+
+    def unstable_bands(
+        self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
+    ) -> tuple[UnstableBand, ...]:
+        """Return what grows in each band, sampled, and the damping that the load of fastest growth requires."""
+        return sampled_bands(self, search, bands, progress)
+
+
+def chosen_count(modes: Iterable[int]) -> int:
+    """Return how many modes a caller chose: coupled modes are taken from the first on, without gaps."""
+    chosen = validate.modes(modes)
+    if chosen != tuple(range(1, len(chosen) + 1)):
+        raise ValueError(
+            f"modes of a rod whose modes are coupled must be 1 to some number, got {validate.short(list(chosen))}; "
+            "give range(1, n + 1)"
+        )
+    return validate.integer("modes", len(chosen), 1, MOST_COUPLED)

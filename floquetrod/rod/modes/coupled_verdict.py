@@ -1,0 +1,407 @@
+"""The verdict on a rod whose modes are coupled: how many are enough, which resonate, and the shape that grows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util.caching import cached_property
+from floquetrod._util.report import number
+from floquetrod.equations import HillSystem
+from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.systems.classification import undamped_pairs
+from floquetrod.floquet.systems.damping import least_damping
+from floquetrod.floquet.systems.result import Resonance, SystemStability
+from floquetrod.floquet.systems.whole import period_maps
+from floquetrod.floquet.verdict import Status
+from floquetrod.rod.answers.verdict import Edge, Evidence, RodStability, Shape
+from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity
+from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, rod_numbers
+from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+from floquetrod.rod.mode_equations.modal_systems import ModalSystems
+from floquetrod.rod.mode_equations.sampled import first_change
+from floquetrod.rod.model.assumptions import assumptions
+from floquetrod.rod.model.beam import has_polynomials
+from floquetrod.rod.modes.mode_model import ModeModel
+
+_LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4.3 where it falls as n^-2 (an estimate)
+_LEFT_OUT_BY_MORE = 3.0  # the same from 7/9 and less: 1.5 where it falls as n^-2
+_LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter (a choice)
+_ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
+_SHAPE_POINTS, _SHAPE_INSTANTS = 12, 48  # for each mode, and in a period
+_LISTED = 10  # resonances in a report, the fastest
+
+
+@dataclass(frozen=True)
+class ModesTogether(Evidence):
+    """Coupled modes, as many as two numbers of them agree upon.
+
+    Attributes
+    ----------
+    model : ModeModel
+        What the modes are under this load.
+    coupled : ModeSystems
+        The coordinates in which the motion is written.
+    system : HillSystem
+        The equations of motion, in seconds.
+    whole : SystemStability
+        Verdict on them.
+    convergence : tuple of (int, float)
+        Numbers of modes and the growth rate in 1/s with each; the last one is the answer.
+    named : tuple of Resonance
+        What grows, the fastest first.
+    """
+
+    kind: ClassVar[str] = "coupled modes"
+
+    model: ModeModel = field(compare=False)
+    coupled: ModeSystems = field(compare=False)
+    system: HillSystem = field(compare=False)
+    whole: SystemStability = field(compare=False)
+    convergence: tuple[tuple[int, float], ...]
+    named: tuple[Resonance, ...]
+
+    @property
+    def resonances(self) -> tuple[Resonance, ...]:
+        """What grows, the fastest first."""
+        return self.named
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite for the methods used."""
+        return self.whole.references
+
+    @property
+    def load(self) -> Load:
+        """The load."""
+        return self.coupled.like
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Modes looked at."""
+        return tuple(range(1, self.coupled.count + 1))
+
+    @property
+    def cutoff(self) -> str:
+        """Why these modes and no others."""
+        if len(self.convergence) == 1:
+            return f"{self.coupled.count} coupled modes, as requested"
+        (fewer, first), (last, final) = self.convergence[-2:]
+        change = abs(final - first)
+        known = f"growth differs by {change:.1g} 1/s" if math.isfinite(change) else "growth could not be compared"
+        return f"{last} coupled modes; with {fewer} {known}"
+
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return the damping rate in 1/s at which this load no longer makes the rod grow faster than the tolerance.
+
+        Found to ten digits, and tried at two, four and eight times as much.
+        """
+        if float(np.linalg.eigvalsh(self.system.stiffness)[0]) <= 0.0:
+            return math.inf
+        loads = Loads.single(self.load)
+
+        def excess(rate: float) -> float:
+            """Return the growth beyond the tolerance at a damping rate; below zero where everything decays."""
+            growth = float(self.coupled.damped(rate).growth_without_decay(loads)[0])
+            return -1.0 if math.isnan(growth) else growth - rate - verdict.growth_tolerance
+
+        return least_damping(excess, verdict.growth_rate, self.load.frequency)
+
+    @cached_property
+    def shape(self) -> Shape:
+        """Where along the rod the fastest solution moves most, growing or not."""
+        from scipy.integrate import solve_ivp
+
+        system = self.system
+        undamped, _ = system.undamped or (system, 0.0)  # the factor of damping changes no shape
+        first, n, period = undamped.as_periodic_system(), self.coupled.size, self.whole.period
+        maps = period_maps(first.mean[None], first.harmonics[None], np.array([period]), 0.0, 1e-10, paired=True)
+        values, vectors = np.linalg.eig(maps.matrix[0])
+        fastest = int(np.abs(values).argmax())
+        rate = math.log(abs(values[fastest])) / period
+        start = (vectors[:, fastest] * maps.scaling[0]).astype(complex)
+        series = np.concatenate([first.mean[None], first.harmonics])
+
+        def slope(t: float, state: NDArray[np.complex128]) -> NDArray[np.complex128]:
+            found = series[0] @ state
+            for k, matrix in enumerate(series[1:], start=1):
+                found = found + (matrix * np.exp(2j * math.pi * k * t / period)).real @ state
+            return np.asarray(found)
+
+        times = np.linspace(0.0, period, _SHAPE_INSTANTS + 1)
+        path = solve_ivp(slope, (0.0, period), start, method="DOP853", t_eval=times, rtol=1e-8, atol=1e-12).y[:n]
+        path = path * np.exp(-rate * times)
+        x = np.linspace(0.0, 1.0, _SHAPE_POINTS * self.coupled.size + 1)
+        moving = self.coupled.shapes(x).T @ path  # complex: its real part at any phase is a solution
+        envelope = np.abs(moving).max(axis=1)
+        size = float(envelope.max())
+        at, instant = np.unravel_index(np.abs(moving).argmax(), moving.shape)
+        turned = moving[:, instant] * np.exp(-1j * np.angle(moving[at, instant]))
+        return Shape(x * self.model.rod.length, turned.real / size, envelope / size)
+
+    def growth_of(self, verdict: RodStability, mode: int) -> float:
+        """Return the growth rate of the rod in 1/s: where modes are coupled, none of them has one of its own."""
+        return verdict.growth_rate
+
+    def is_fastest(self, verdict: RodStability, mode: int | None) -> bool:
+        """Return that the growth rate is that of any mode: all take part in it."""
+        return True
+
+    def headline(self, verdict: RodStability) -> str:
+        """Return the resonance that grows fastest, and how many more do."""
+        if verdict.status == "undecided":
+            return "the error of the growth rate is too large to decide whether the rod is stable"
+        if verdict.status != "unstable":
+            return ""
+        growing = [r for r in self.resonances if r.growth_rate > verdict.growth_tolerance]
+        name = str(growing[0]) if growing else f"grows at {verdict.growth_rate:.6g} 1/s"
+        return name + (f", and {len(growing) - 1} more" if len(growing) > 1 else "")
+
+    def named_lines(self, verdict: RodStability) -> list[tuple[str, str]]:
+        """Return the fastest resonances by name."""
+        lines = [
+            ("" if i else "grows", f"{resonance}, {resonance.growth_rate:.6g} 1/s")
+            for i, resonance in enumerate(self.resonances[:_LISTED])
+        ]
+        more = len(self.resonances) - _LISTED
+        return lines + ([("", f"and {more} more, which grow more slowly (the JSON lists them)")] if more > 0 else [])
+
+    def method(self, verdict: RodStability) -> str:
+        """Return the method, and how good the growth rate is, unless only a lower bound is known, as the note says."""
+        good = f"; growth good to {verdict.error:.0e} 1/s" if math.isfinite(verdict.error) else ""
+        return f"{self.whole.method}, {verdict.cost}{good}"
+
+    def numbers(self, verdict: RodStability) -> dict[str, Any]:
+        """Return error, numbers of modes tried, resonances and the kind of load."""
+        return {
+            "growth_rate_error_per_s": number(verdict.error),
+            "convergence": [{"modes": modes, "growth_rate_per_s": number(rate)} for modes, rate in self.convergence],
+            "resonances": [resonance.as_dict("growth_rate_per_s") for resonance in self.resonances],
+            "load": self.load.kind_as_dict(),
+            "structure": self.whole.structure,
+            "method": self.whole.method,
+            "cost": str(verdict.cost),
+            "note": verdict.note,
+        }
+
+    def edge(
+        self,
+        verdict: RodStability,
+        varied: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
+        """Return where the verdict first changes, with as many modes as the piece needs."""
+        if varied == "frequency":
+            piece = rod_numbers(self.model.rod).up_to_resonance(self.load, piece)
+            if piece[0] == piece[1]:
+                return Edge(None, piece[0], 0.0)
+        begins = None if piece[0] == getattr(self.load, varied) else verdict.stable
+        try:
+            modes = self._modes_for(varied, piece, verdict.margin_tolerance)
+        except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
+            return Edge(None, piece[0], 0.0)
+        return Edge(
+            *first_change(
+                varied,
+                modes,
+                self.load,
+                piece,
+                verdict.margin_tolerance,
+                begins_stable=begins,
+                most_seconds=seconds,
+                progress=progress,
+            )
+        )
+
+    def _modes_for(self, varied: Quantity, piece: tuple[float, float], tolerance: float) -> ModeSystems:
+        """Return as many modes as all loads of a piece need, and not fewer than here, or as many as were asked for."""
+        if len(self.convergence) == 1:
+            return self.coupled
+        loads = Loads.along(self.load, varied, np.linspace(*piece, 33))
+        needed = self.model.count_for(loads, tolerance)
+        return self.model.in_modes(max(needed, self.coupled.count))
+
+    def sentence(self, verdict: RodStability) -> str:
+        """Return status, growth, what grows, and how large the vibration becomes."""
+        wave = "" if self.load.is_uniform or not self.load.amplitude else f"; {verdict.axial.in_words}"
+        if verdict.status != "unstable" or not self.resonances:
+            slow = f": growth {verdict.growth_rate:.6g} 1/s" if verdict.growth_rate > 0.0 else ""
+            return f"{verdict.status}{slow}{wave}"
+        growth = f"{verdict.growth_rate:.6g} 1/s, tenfold in {verdict.time_to_grow():.3g} s"
+        return f"unstable: {self.resonances[0]}; {growth}{wave}"
+
+
+def classify_coupled(
+    model: ModeModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None = None
+) -> RodStability:
+    """Classify a rod with as many modes as two numbers of them agree upon, or with ``count`` of them.
+
+    ``progress`` is called with the numbers of trials made and, as far as is known by then, to make.
+    """
+    model = model.under(load)
+    found = _trials(model, load, count, growth_tolerance, progress)
+    final = found[-1]
+    status, error, note = final.concluded(found[-2] if len(found) > 1 else None, growth_tolerance)
+    whole = final.whole
+    return RodStability(
+        rod=model.rod,
+        evidence=ModesTogether(
+            model,
+            final.modes,
+            final.system,
+            whole,
+            tuple((trial.modes.count, trial.whole.growth_rate) for trial in found),
+            final.modes.named(final.system, whole.resonances),
+        ),
+        growth_tolerance=growth_tolerance,
+        status=status,
+        growth_rate=whole.growth_rate,
+        exponents=whole.exponents,
+        period=whole.period,
+        error=error,
+        cost=whole.cost,
+        note=note,
+        assumptions=assumptions(model.rod, load),
+    )
+
+
+def _trials(
+    model: ModeModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
+) -> list[_Trial]:
+    """Return the trials made, the fewest modes first."""
+    found: list[_Trial] = []
+
+    def add(modes: int, place: int, known: int) -> None:
+        found.insert(place, _Trial.of(model, load, modes))
+        if progress is not None:
+            progress(len(found), max(known, len(found)))
+
+    if count is not None:
+        add(count, 0, 1)
+        return found
+    last = _modes_to_begin_with(model, load, growth_tolerance)
+    add(last, 0, 2)
+    needed = _more_needed(model, load, found[-1], growth_tolerance)
+    if needed:
+        add(needed, 1, 2)
+    else:
+        add(last - max(2, last // _share(model, last)), 0, 2)
+    while _may_be_concluded(found[-1], found[-2], growth_tolerance):
+        larger = math.ceil(1.25 * found[-1].modes.count)
+        if len(found) == 2 + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
+            break
+        add(larger, len(found), 2)
+    needed = _more_needed(model, load, found[-1], growth_tolerance)
+    if needed:
+        add(needed, len(found), 2)
+    return found
+
+
+def _share(model: ModeModel, count: int) -> int:
+    """Return which part of the modes, one in so many, the second trial leaves out.
+
+    More where polynomials join the beam functions: growth then hardly changes over a few numbers of modes and goes on
+    changing after them.
+    """
+    if has_polynomials(model.rod.end_conditions, count):
+        return 4
+    return 6 if count <= _LONG else 10
+
+
+def _may_be_concluded(trial: _Trial, fewer: _Trial, tolerance: float) -> bool:
+    """Return whether more modes may decide what these leave open: not where rounding hides the multipliers."""
+    status, error, _ = trial.concluded(fewer, tolerance)
+    return status == "undecided" and error < math.inf
+
+
+def _more_needed(model: ModeModel, load: Load, trial: _Trial, growth_tolerance: float) -> int:
+    """Return how many modes to take where those left out may grow faster than what was found, else 0.
+
+    So many more that both trials tell how the growth depends on their number.
+    """
+    count = trial.modes.count
+    if count >= MOST_COUPLED:
+        return 0
+    slowest = max(growth_tolerance, 0.5 * trial.whole.growth_rate)
+    needed = model.count_for(Loads.single(load), slowest)
+    return min(max(needed, count + max(2, count // 9)), MOST_COUPLED) if needed > count else 0
+
+
+def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) -> int:
+    """Return how many modes to take; of long strings only those that may grow a quarter as fast as the fastest."""
+    numbers, loads = rod_numbers(model.rod), Loads.single(load)
+    numbers.require_few(loads, load, growth_tolerance)
+    uniform = numbers.largest_uniform(loads, load)
+    every, _ = numbers.constants.modes_needed(uniform, growth_tolerance)
+    if every <= _LONG:
+        return model.count_for(loads, growth_tolerance)
+    fastest = float(ModalSystems(numbers.constants, Loads.single(uniform)).fastest(1)[0][0])
+    return model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
+
+
+class _Trial(NamedTuple):
+    """The verdict with one number of modes, and between what the rate of the fastest solution lies, in 1/s."""
+
+    modes: ModeSystems
+    system: HillSystem
+    whole: SystemStability
+    least: float
+    most: float
+
+    @classmethod
+    def of(cls, model: ModeModel, load: Load, count: int) -> _Trial:
+        """Return the verdict with ``count`` modes."""
+        modes = model.in_modes(count)
+        system = modes.system(Loads.single(load))
+        whole = stability(system)
+        # Where solutions come in pairs only the one that decays more slowly matters of each: the error of the other's
+        # multiplier may exceed it, where the first one grows fast.
+        slower = slice(len(whole.exponents) // (2 if undamped_pairs(system) else 1))
+        rates = np.array([exponent.real for exponent in whole.exponents[slower]])
+        errors = np.array(whole.exponent_errors[slower])
+        if not rates.size:
+            return cls(modes, system, whole, -math.inf, math.inf)
+        return cls(modes, system, whole, float((rates - errors).max()), float((rates + errors).max()))
+
+    @property
+    def rate(self) -> float:
+        """Rate of the fastest solution in 1/s, negative where it decays."""
+        return self.whole.exponents[0].real if self.whole.exponents else math.nan
+
+    @property
+    def is_sharp(self) -> bool:
+        """Whether rounding leaves room for a verdict that more modes could change."""
+        return self.whole.status != "undecided"
+
+    def _factor(self, fewer: _Trial) -> float:
+        """Return the error for the modes left out over the change from fewer modes."""
+        return _LEFT_OUT_BY_MORE if 9 * fewer.modes.count <= 7 * self.modes.count else _LEFT_OUT
+
+    def concluded(self, fewer: _Trial | None, tolerance: float) -> tuple[Status, float, str]:
+        """Return verdict, error of the growth rate in 1/s and note, given another trial with fewer modes."""
+        change = 0.0 if fewer is None else self._factor(fewer) * abs(self.rate - fewer.rate)
+        error = max(self.most - self.rate, self.rate - self.least) + change
+        if not error < math.inf:
+            if self.whole.status == "unstable" and self.least - change > tolerance:
+                least = f"growth is at least {self.least - change:.6g} 1/s"
+                return "unstable", math.inf, f"{least}, beside which slower solutions are lost in rounding"
+            return "undecided", math.inf, self.whole.note or "multipliers could not be computed"
+        if tolerance > 0.0:
+            if self.least - change > tolerance:
+                return "unstable", error, self.whole.note
+            if self.most + change <= tolerance:
+                return "stable", error, self.whole.note
+            return "undecided", error, f"growth {self.rate:.3g} 1/s is within its error {error:.1g} of the tolerance"
+        if fewer is not None and fewer.whole.status != self.whole.status:
+            counts = f"{fewer.modes.count} modes say {fewer.whole.status}, {self.modes.count} {self.whole.status}"
+            return "undecided", error, counts
+        # Without damping stable rates are zero, and as sure as the multipliers' verdict; all others may change sign.
+        if abs(self.rate) <= change and change > self.most - self.rate:
+            return "undecided", error, f"growth {self.rate:.3g} 1/s with {self.modes.count} modes is within its error"
+        return self.whole.status, error, self.whole.note

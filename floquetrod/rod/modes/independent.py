@@ -1,0 +1,291 @@
+"""Independent modes: each an equation of Mathieu's, whose tongues are found by counting."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.compilation import over_chunks
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity
+from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
+from floquetrod.rod.mode_equations.tongues import UnstableInterval, unstable_loads
+from floquetrod.rod.model.constants import NEGLIGIBLE_GROWTH, are_in_reach, at_once, extent
+from floquetrod.rod.modes.independent_verdict import classify_modes
+from floquetrod.rod.modes.mode_model import Bools, Floats, Ints, ModeModel, Statuses
+
+# Loaded by the methods that need them: a first verdict takes a quarter of the package.
+if TYPE_CHECKING:
+    from floquetrod.floquet.proof.region import RegionProof
+    from floquetrod.mathieu.criterion import FiniteTimeCriterion
+    from floquetrod.plane import Axis
+    from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityInterval, UnstableBand
+    from floquetrod.rod.answers.safe_box import SafeBox
+    from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
+    from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+    from floquetrod.rod.modes.independent_bands import ExactRodBands
+
+_PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
+
+
+@dataclass(frozen=True)
+class IndependentModel(ModeModel):
+    """Modes of hinged ends under a sine that is uniform along the rod."""
+
+    prompt: ClassVar[bool] = True
+    counted: ClassVar[str] = "modes"
+    samples_at_once: ClassVar[int] = 1 << 17  # (a choice: some 10 MB)
+    damping_of: ClassVar[str] = "every sampled load of the band"
+    damping_found: ClassVar[str] = "sampled over the band; null where no damping suffices"
+
+    def require(self, name: str) -> None:
+        """Do nothing: independent modes are what all can be asked of."""
+
+    # --- equations ---
+
+    def equations(self, load: Load, modes: Iterable[int] | None = None) -> ModalSystem:
+        """Return the equations of some modes, by default all that can matter, under one load."""
+        if modes is None:
+            return self._equations(load, 0.0)
+        chosen = validate.modes(modes)
+        self.rod.mode_constants.require_in_reach(Loads.single(load))
+        return ModalSystem(self.rod.mode_constants, load, chosen)
+
+    def _equations(self, load: Load, tolerance: float) -> ModalSystem:
+        """Return the equations of all modes that can grow faster than the tolerance."""
+        last, left_out = self.modes_needed(load, tolerance)
+        return ModalSystem(self.rod.mode_constants, load, tuple(range(1, last + 1)), left_out)
+
+    def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
+        """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them."""
+        return self.rod.mode_constants.modes_needed(load, growth_tolerance)
+
+    def in_modes(self, count: int) -> ModeSystems:
+        """Return the first modes as systems of equations, one by one."""
+        from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, rod_numbers
+
+        return CoupledModes(rod_numbers(self.rod), self.like, count)
+
+    def count_for(self, loads: Loads, growth_tolerance: float) -> int:
+        """Return how many modes serve all of some loads, taken to be as strong and as fast as the strongest of them."""
+        largest = self.like.with_numbers(*(float(values.max()) for values in loads.flat))
+        return self.modes_needed(largest, growth_tolerance)[0]
+
+    def systems(self, loads: Loads) -> ModalSystems:
+        """Return the equations of all modes under many loads."""
+        self.rod.mode_constants.require_in_reach(loads)
+        return ModalSystems(self.rod.mode_constants, loads)
+
+    def among_tongues(self, load: Load, modes: Iterable[int]) -> ModalSystem:
+        """Return the equations of some modes."""
+        return self.equations(load, modes)
+
+    # --- verdicts ---
+
+    def verdict(
+        self,
+        load: Load,
+        modes: Iterable[int] | None = None,
+        growth_tolerance: float = 0.0,
+        progress: Progress | None = None,
+    ) -> RodStability:
+        """Return the verdict under one load."""
+        # The growth rate is that of all modes, tolerated or not.
+        return classify_modes(self.rod, self.equations(load, modes), growth_tolerance)
+
+    def status(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> Statuses:
+        """Return 1 where no mode grows faster than the tolerance, else 0."""
+        parts = [
+            self.systems(part).are_stable(growth_tolerance, workers).view(np.int8) for part in loads.in_parts(progress)
+        ]
+        return np.concatenate(parts)
+
+    def fastest(
+        self, loads: Loads, workers: int | None = None, progress: Progress | None = None
+    ) -> tuple[Floats, Ints]:
+        """Return the growth in 1/s and the number of the fastest mode; 0, 0 where none grows."""
+        growth, mode = zip(*(self.systems(part).fastest(workers) for part in loads.in_parts(progress)), strict=True)
+        return np.concatenate(growth), np.concatenate(mode)
+
+    def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
+        """Return the growth in 1/s of modes."""
+        return tuple(self.verdict(load, modes).mode_growth_rates.tolist())
+
+    # --- along a quantity, and over two ---
+
+    def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
+        """Return the stability intervals of one quantity of the load, complete but for ``resolution``."""
+        from floquetrod.rod.answers.intervals import FoundIntervals
+
+        varied, load, bounds, tolerance = search
+        system = self._equations(load, tolerance)
+        found = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
+        stable = tuple(_between(found.intervals, bounds))
+        return FoundIntervals(stable, system.modes[-1], found.hairlines, found.resolution)
+
+    def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
+        """Return where a quantity that grows from zero first meets growth; infinite without any."""
+        varied, load, bounds, tolerance = search
+        ends = np.linspace(*bounds, _PIECES[varied] + 1).tolist()
+        for done, piece in enumerate(pairwise(ends), start=1):
+            modes = self._equations(load.varied(varied, piece[1]), tolerance).modes
+            system = ModalSystem(self.rod.mode_constants, load, modes)
+            found = unstable_loads(varied, system, tolerance, piece, union=True, nearest=piece[0]).intervals
+            if found:
+                return min(part.low for part in found)
+            if progress is not None:
+                progress(done, _PIECES[varied])
+        return math.inf
+
+    def unstable_bands(
+        self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
+    ) -> tuple[UnstableBand, ...]:
+        """Return what grows in each band, sampled in every tongue of it."""
+        from floquetrod.rod.modes.unstable_bands import SearchedTongues
+
+        return SearchedTongues(self.rod, search, modes).unstable_bands(bands)
+
+    def bands(
+        self, across: Quantity, up: Quantity, x: Axis, y: Axis, fixed: float, growth_tolerance: float
+    ) -> ExactRodBands:
+        """Return what finds the unstable bands of a map between exact curves."""
+        from floquetrod.rod.modes.independent_bands import ExactRodBands
+
+        return ExactRodBands(self.rod.mode_constants, across, up, x.ends, y.ends, fixed, growth_tolerance)
+
+    # --- a kick against friction, and a test of finite time ---
+
+    def passing(self, loads: Loads, criterion: FiniteTimeCriterion, workers: int | None) -> Statuses:
+        """Return 1 where every mode passes the test, else 0."""
+        return self.systems(loads).pass_test(criterion, workers).astype(np.int8)
+
+    def kicked(self, loads: Loads, friction: float, kick: float, tolerance: float, workers: int | None) -> Statuses:
+        """Return 1 where a kick in m/s destabilises no mode, 0 where one, and -1 where that could not be decided."""
+        from floquetrod.rod.friction.kicks import kicked_loads
+
+        return kicked_loads(self.rod, self.systems(loads), friction, kick, tolerance, workers)
+
+    def with_kick(self, linear: RodStability, friction: float, kick: float) -> FrictionalRodStability:
+        """Return the verdict with friction that follows on one without."""
+        from floquetrod.rod.friction.kicks import classify_kick
+
+        return classify_kick(linear, friction, kick)
+
+    def critical_kicks(self, loads: Loads, friction: float, tolerance: float, workers: int | None) -> CriticalKick:
+        """Return the smallest kicks that destabilise a mode."""
+        from floquetrod.rod.friction.kicks import critical_kicks
+
+        return critical_kicks(self.rod, self.systems(loads), friction, tolerance, workers)
+
+    # --- samples and proofs ---
+
+    def require_varied(self, names: Iterable[str]) -> None:
+        """Do nothing: every number of rod and load may be different in every sample."""
+
+    def sample_status(
+        self,
+        rods: Mapping[str, Any],
+        loads: Loads,
+        tolerance: float,
+        workers: int | None,
+        require: Callable[[Bools], None],
+    ) -> Statuses:
+        """Return the status of rods, by what is not given as a number an array, under loads, one by one."""
+        from floquetrod.rod.kernels.samples import samples_stable_fill
+        from floquetrod.rod.model import formulas
+
+        mean, amplitude, frequency = loads.flat
+        w2, mass, rigidity, swing, damping = formulas.mode_parameters(rods, np.sin)
+        constants = (w2, mass, rigidity, np.sqrt(swing), damping)
+        extents = extent(*constants[:4], np.maximum(0.0, mean + amplitude), np.abs(mean) + amplitude)
+        require(are_in_reach(constants, extents, frequency))
+        modes, fastest = extents
+        out = np.empty(loads.size, dtype=np.bool_)
+        over_chunks(
+            samples_stable_fill,
+            [*loads.flat, *(np.broadcast_to(np.asarray(part, dtype=np.float64), out.shape) for part in constants)],
+            out,
+            tolerance,
+            NEGLIGIBLE_GROWTH,
+            workers=workers,
+            chunk=at_once(float(np.max(modes)), float(np.max(fastest / frequency))),
+        )
+        return out.view(np.int8)
+
+    def certify(
+        self,
+        sides: tuple[Any, Any, Any],
+        growth_tolerance: float,
+        rod: Mapping[str, Any] | None,
+        max_boxes: int,
+        progress: Progress | None,
+    ) -> RegionProof:
+        """Prove every load of a box stable or unstable."""
+        from floquetrod.rod.answers.region import certify_rods
+
+        return certify_rods(self.rod, self.like, sides, growth_tolerance, rod, max_boxes, progress)
+
+    def largest_safe_box(
+        self,
+        load: Load,
+        vary: Iterable[Quantity],
+        growth_tolerance: float,
+        rod: Mapping[str, Any] | None,
+        accuracy: float,
+        progress: Progress | None,
+    ) -> SafeBox:
+        """Return the largest proved box about a load."""
+        from floquetrod.rod.answers.safe_box import largest_safe_box
+
+        return largest_safe_box(
+            self.rod,
+            load,
+            lambda tolerance: self.verdict(load, None, tolerance),
+            vary,
+            growth_tolerance,
+            rod,
+            accuracy,
+            progress,
+        )
+
+    def certified_cells(
+        self,
+        axes: Mapping[Quantity, Axis],
+        fixed: tuple[Quantity, float],
+        tolerance: float,
+        workers: int | None,
+        progress: Progress | None,
+    ) -> Statuses:
+        """Return what is proved of every cell of a map."""
+        from floquetrod.rod.answers.certified_map import certified_cells
+
+        return certified_cells(self.rod, self.like, axes, fixed, tolerance, workers, progress)
+
+
+def _between(unstable: Sequence[UnstableInterval], bounds: tuple[float, float]) -> Iterator[StabilityInterval]:
+    """Yield what the unstable loads leave of ``bounds``."""
+    from floquetrod.rod.answers.intervals import StabilityInterval
+
+    low, high = bounds
+    at, closed_by = low, None
+    for part in sorted(unstable):
+        if part.high <= at or part.low >= high:
+            continue
+        cause = (part.mode, part.tongue)
+        if part.low > at:
+            yield StabilityInterval(at, part.low, closed_by, cause)
+        at, closed_by = part.high, cause
+    if at < high:
+        yield StabilityInterval(at, high, closed_by, None)

@@ -1,0 +1,258 @@
+"""What the modes of a rod are under a kind of load, and all that is asked of them.
+
+`floquetrod.Rod.modes_under` chooses the model; nothing else asks which one it has.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.equations import HillSystem
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.loads.load import LIMITS, Load, Loads, Progress, Quantity
+from floquetrod.rod.mode_equations.coupling import coupling, refusal
+from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
+from floquetrod.rod.model.data import RodData
+
+# What a first verdict needs not.
+if TYPE_CHECKING:
+    from floquetrod.floquet.proof.region import RegionProof
+    from floquetrod.mathieu.criterion import FiniteTimeCriterion
+    from floquetrod.plane import Axis, BandSource
+    from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
+    from floquetrod.rod.answers.safe_box import SafeBox
+    from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
+    from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+
+Bools = NDArray[np.bool_]
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Statuses = NDArray[np.int8]
+
+
+class Answers(NamedTuple):
+    """Of flat loads: status 1, 0 or -1; growth in 1/s; number of the fastest mode, 0 for none, -1 for several."""
+
+    status: Statuses
+    growth: Floats
+    mode: Ints
+
+
+@dataclass(frozen=True)
+class ModeModel(ABC):
+    """The modes of a rod under any load of one kind.
+
+    What is not abstract here a model may leave as it is: it then refuses, or does without.
+
+    Attributes
+    ----------
+    rod : RodData
+    like : Load
+        The kind of load: everything but mean, amplitude and frequency.
+    """
+
+    rod: RodData
+    like: Load
+
+    prompt: ClassVar[bool] = False
+    """Whether a verdict takes milliseconds, so that one may be had for a hint, or while a slider moves."""
+    counted: ClassVar[str] = "loads"
+    """What searches report their progress in."""
+    loads_at_once: ClassVar[int | None] = None
+    """Loads of a map between two reports of progress; None for as many as charts choose."""
+    samples_at_once: ClassVar[int] = 1 << 8
+    damping_of: ClassVar[str] = "that load"
+    """What the damping required by an unstable band stabilises."""
+    damping_found: ClassVar[str] = "that of the load whose growth is worst"
+    """How that damping is found."""
+
+    def under(self, like: Load) -> Self:
+        """Return the model under another kind of load that couples the modes no more than this one."""
+        return replace(self, like=like)
+
+    @property
+    def coupling(self) -> tuple[str, ...]:
+        """What couples the modes, in words; empty where nothing does."""
+        return coupling(self.rod.end_conditions, self.rod.weight_along, self.like)
+
+    def require(self, name: str) -> None:
+        """Raise ValueError, with the remedy, unless this model can do what an argument or method asks for."""
+        raise refusal(name, self.coupling)
+
+    # --- equations ---
+
+    @abstractmethod
+    def equations(self, load: Load, modes: Iterable[int] | None = None) -> ModalSystem | HillSystem:
+        """Return the equations of some modes, by default all that can matter, under one load."""
+
+    @abstractmethod
+    def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
+        """Return how many modes decide a verdict, and a bound or estimate in 1/s of the growth of all others."""
+
+    @abstractmethod
+    def in_modes(self, count: int) -> ModeSystems:
+        """Return the first modes as systems of equations under any load of the kind."""
+
+    @abstractmethod
+    def count_for(self, loads: Loads, growth_tolerance: float) -> int:
+        """Return how many modes serve all of some loads; ValueError where that would be too many."""
+
+    def told_apart(self, modes: Iterable[int]) -> tuple[int, ...]:
+        """Return those of some modes whose growth can be told from their own motion, whatever the others do."""
+        return tuple(modes) if self.in_modes(1).are_apart else ()
+
+    def showing(self, load: Load, mode: int | None, rate: float) -> ModeSystems:
+        """Return the modes up to one with an equation of its own, else as many as may grow at a rate in 1/s."""
+        if mode is not None and self.told_apart([mode]):
+            return self.in_modes(mode)
+        return self.in_modes(self.count_for(Loads.single(load), rate))
+
+    def systems(self, loads: Loads) -> ModalSystems:
+        """Return the equations of all modes under many loads, where each is Mathieu's."""
+        raise ValueError(
+            f"modal_systems is for rods whose modes are independent, got {', '.join(self.coupling)}; use "
+            "modal_system, one load at a time"
+        )
+
+    def among_tongues(self, load: Load, modes: Iterable[int]) -> ModalSystem | None:
+        """Return the equations of some modes where each is Mathieu's, so that it lies among its tongues; else None."""
+        return None
+
+    # --- verdicts ---
+
+    @abstractmethod
+    def verdict(
+        self,
+        load: Load,
+        modes: Iterable[int] | None = None,
+        growth_tolerance: float = 0.0,
+        progress: Progress | None = None,
+    ) -> RodStability:
+        """Return the verdict under one load, with some modes, by default all that can matter."""
+
+    @abstractmethod
+    def status(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        progress: Progress | None = None,
+    ) -> Statuses:
+        """Return 1 where the rod is stable, 0 where it is not, and -1 where that could not be decided."""
+
+    @abstractmethod
+    def fastest(
+        self, loads: Loads, workers: int | None = None, progress: Progress | None = None
+    ) -> tuple[Floats, Ints]:
+        """Return the growth in 1/s and the number of the fastest mode: 0, 0 where stable, -1 where it has no number."""
+
+    def answers(self, loads: Loads, growth_tolerance: float = 0.0, workers: int | None = None) -> Answers:
+        """Return both of them."""
+        return Answers(self.status(loads, growth_tolerance, workers), *self.fastest(loads, workers))
+
+    def growth_estimate(self, loads: Loads, growth_tolerance: float = 0.0) -> Floats:
+        """Return the growth in 1/s, NaN where unknown, none of which takes long; needed down to a tolerance."""
+        return self.fastest(loads)[0]
+
+    def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
+        """Return the growth in 1/s of modes, which coupled ones share."""
+        return (self.verdict(load).growth_rate,) * len(tuple(modes))
+
+    # --- along a quantity, and over two ---
+
+    @abstractmethod
+    def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
+        """Return the stability intervals of one quantity of the load."""
+
+    @abstractmethod
+    def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
+        """Return where a quantity that grows from zero first meets growth; infinite without any."""
+
+    @abstractmethod
+    def unstable_bands(
+        self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
+    ) -> tuple[UnstableBand, ...]:
+        """Return what grows between the ends of bands, in increasing order, in which nothing is stable."""
+
+    def bands(
+        self, across: Quantity, up: Quantity, x: Axis, y: Axis, fixed: float, growth_tolerance: float
+    ) -> BandSource | None:
+        """Return what finds the unstable bands of a map between exact curves; None where verdicts must be traced."""
+        return None
+
+    # --- a kick against friction, and a test of finite time ---
+
+    def passing(self, loads: Loads, criterion: FiniteTimeCriterion, workers: int | None) -> Statuses:
+        """Return 1 where every mode passes the test, else 0."""
+        raise refusal("criterion", self.coupling)
+
+    def kicked(self, loads: Loads, friction: float, kick: float, tolerance: float, workers: int | None) -> Statuses:
+        """Return 1 where a kick in m/s destabilises no mode, 0 where one, and -1 where that could not be decided."""
+        raise refusal("friction", self.coupling)
+
+    def with_kick(self, linear: RodStability, friction: float, kick: float) -> FrictionalRodStability:
+        """Return the verdict with friction that follows on one without."""
+        raise refusal("friction", self.coupling)
+
+    def critical_kicks(self, loads: Loads, friction: float, tolerance: float, workers: int | None) -> CriticalKick:
+        """Return the smallest kicks that destabilise a mode."""
+        raise refusal("friction", self.coupling)
+
+    # --- samples and proofs ---
+
+    def require_varied(self, names: Iterable[str]) -> None:
+        """Raise ValueError unless numbers of rod and load with these names may be different in every sample."""
+        for name in names:
+            if name not in LIMITS:
+                raise refusal(f"{name} in parameters", self.coupling)
+
+    def sample_status(
+        self,
+        rods: Mapping[str, Any],
+        loads: Loads,
+        tolerance: float,
+        workers: int | None,
+        require: Callable[[Bools], None],
+    ) -> Statuses:
+        """Return the status of rods under loads, one by one; ``require`` raises unless all samples are in reach."""
+        return self.status(loads, tolerance, workers)
+
+    def certify(
+        self,
+        sides: tuple[Any, Any, Any],
+        growth_tolerance: float,
+        rod: Mapping[str, Any] | None,
+        max_boxes: int,
+        progress: Progress | None,
+    ) -> RegionProof:
+        """Prove every load of a box stable or unstable; see `floquetrod.Rod.certify`."""
+        raise refusal("certify", self.coupling)
+
+    def largest_safe_box(
+        self,
+        load: Load,
+        vary: Iterable[Quantity],
+        growth_tolerance: float,
+        rod: Mapping[str, Any] | None,
+        accuracy: float,
+        progress: Progress | None,
+    ) -> SafeBox:
+        """Return the largest proved box about a load; see `floquetrod.Rod.largest_safe_box`."""
+        raise refusal("certify", self.coupling)
+
+    def certified_cells(
+        self,
+        axes: Mapping[Quantity, Axis],
+        fixed: tuple[Quantity, float],
+        tolerance: float,
+        workers: int | None,
+        progress: Progress | None,
+    ) -> Statuses:
+        """Return what is proved of every cell of a map."""
+        raise refusal("certified", self.coupling)

@@ -1,0 +1,157 @@
+"""Stability intervals of coupled modes along one quantity of the load, sampled piece by piece."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from floquetrod._util.calling import level_of_caller
+from floquetrod.friction.fate_of_kicks import UndecidedWarning
+from floquetrod.rod.answers.intervals import QUANTITIES, BucklingWarning, FoundIntervals, Search, StabilityInterval
+from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, added_mean, axial_response, between, gaps, joined
+from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity, shifted
+from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+from floquetrod.rod.mode_equations.sampled import SAMPLES, UnstablePart, first_change, unstable_parts
+from floquetrod.rod.modes.mode_model import ModeModel
+
+_GROUPS = 16  # of neighbouring frequencies of a wave, each with its own number of modes (a choice)
+_LEAST_SAMPLES = 9  # of each (a choice)
+_HALVINGS = 4  # of one that needs too many modes (a choice)
+
+
+def sampled_first_unstable(model: ModeModel, search: Search, progress: Progress | None = None) -> float:
+    """Return where a quantity that grows from zero first meets growth; infinite without any."""
+    varied, largest, bounds, tolerance = search
+    modes = _modes(model, search)
+    none = largest.varied(varied, 0.0)
+    status = modes.answers(Loads.single(none), tolerance, quick=True).status[0]
+    if status != 1:
+        _say_why_at_zero(model, varied, modes, none, status)
+        return 0.0
+    change = first_change(varied, modes, largest, bounds, tolerance, progress=progress).at
+    return math.inf if change is None else change
+
+
+def _say_why_at_zero(model: ModeModel, varied: Quantity, modes: ModeSystems, load: Load, status: int) -> None:
+    """Warn where the weight along the rod buckles it before the quantity grows from zero, or where that is not known.
+
+    BucklingWarning, UndecidedWarning.
+    """
+    name = QUANTITIES[varied][0]
+    if status == -1:
+        warnings.warn(
+            f"whether the rod is stable without {name} could not be decided, and counts as unstable",
+            UndecidedWarning,
+            stacklevel=level_of_caller(),
+        )
+        return
+    along = model.rod.weight_along, model.rod.length
+    added = [float(added_mean(load, *along, x)) for x in (0.0, 1.0)]
+    alone = modes.static_answers(np.array([0.0, load.mean])).status
+    if not any(added) or alone[1] != 0:
+        return
+    end = "upper" if added[0] > added[1] else "lower"
+    what, force = "the weight along the rod alone buckles", max(added)
+    if alone[0] != 0:
+        what, force = "the mean force with the weight along the rod buckles", load.mean + max(added)
+    remedy = "another mean_at" if varied == "mean" else "less mean force, another mean_at"
+    warnings.warn(
+        f"{name} 0 is the limit: {what} it, with {force:.4g} N, {force / model.rod.critical_force:.3g} critical "
+        f"forces, of compression at the {end} end; give {remedy} or a shorter length",
+        BucklingWarning,
+        stacklevel=level_of_caller(),
+    )
+
+
+def _modes(model: ModeModel, search: Search) -> ModeSystems:
+    """Return as many modes as all loads within bounds need."""
+    loads = Loads.along(search.load, search.varied, np.linspace(*search.bounds, 33))
+    return model.in_modes(model.count_for(loads, search.growth_tolerance))
+
+
+def sampled_ranges(model: ModeModel, search: Search, progress: Progress | None) -> FoundIntervals:
+    """Return what is stable, how many modes and what distance of samples were taken, and what was not computed."""
+    varied, largest, bounds, tolerance = search
+    skipped: list[AxialGap] = []
+    if varied == "frequency" and not largest.is_uniform:
+        pieces, skipped = _pieces_of_waves(model, search)
+    else:
+        pieces = [(bounds, _modes(model, search))]
+    samples = [_share(piece, bounds, SAMPLES, _LEAST_SAMPLES) for piece, _ in pieces]
+    segments: list[tuple[tuple[float, float], list[UnstablePart]]] = []
+    resolution, done = 0.0, 0
+    for (piece, modes), number in zip(pieces, samples, strict=True):
+        told = shifted(progress, done, sum(samples) - number)
+        parts, distance = unstable_parts(varied, modes, largest, piece, tolerance, told, number)
+        resolution, done = max(resolution, distance), done + number
+        if segments and segments[-1][0][1] == piece[0]:
+            before, known = segments.pop()
+            if known and parts and known[-1].high == parts[0].low:
+                first = known.pop()
+                parts[0] = replace(parts[0], low=first.low, low_cause=first.low_cause)
+            piece, parts = (before[0], piece[1]), known + parts
+        segments.append((piece, parts))
+    stable = [_ended(part, bounds) for piece, parts in segments for part in _stable_between(parts, piece)]
+    most = max(modes.count for _, modes in pieces)
+    return FoundIntervals(tuple(stable), most, 0, resolution, tuple(skipped))
+
+
+def _pieces_of_waves(
+    model: ModeModel, search: Search
+) -> tuple[list[tuple[tuple[float, float], ModeSystems]], list[AxialGap]]:
+    """Return pieces of neighbouring frequencies with as many modes as each needs, and what axial resonances leave out.
+
+    AxialResonanceError where they leave nothing.
+    """
+    rod, largest, bounds = model.rod, search.load, search.bounds
+    skipped = gaps(largest, rod.wave_speed, rod.length, bounds)
+    left_out = skipped.copy()
+    pieces: list[tuple[tuple[float, float], ModeSystems]] = []
+
+    def add(piece: tuple[float, float], halvings: int) -> None:
+        try:
+            pieces.append((piece, _modes(model, search._replace(bounds=piece))))
+        except AxialResonanceError:  # for all the damping there is
+            middle = 0.5 * sum(piece)
+            if halvings == 0:
+                load = largest.varied("frequency", middle)
+                here = axial_response(load, rod.wave_speed, rod.length, rod.critical_force).resonances
+                left_out.append(AxialGap(*piece, min(here, key=lambda r: abs(r.frequency - middle))))
+                return
+            add((piece[0], middle), halvings - 1)
+            add((middle, piece[1]), halvings - 1)
+
+    for part in between(bounds, skipped):
+        for piece in pairwise(np.linspace(*part, 1 + _share(part, bounds, _GROUPS, 1)).tolist()):
+            add(piece, _HALVINGS)
+    if not pieces:
+        model.count_for(Loads.single(largest), search.growth_tolerance)  # says why
+    return pieces, joined(left_out)
+
+
+def _share(part: tuple[float, float], bounds: tuple[float, float], number: int, least: int) -> int:
+    """Return the share of a number that falls to a part of bounds."""
+    return max(least, math.ceil(number * (part[1] - part[0]) / (bounds[1] - bounds[0])))
+
+
+def _ended(part: StabilityInterval, bounds: tuple[float, float]) -> StabilityInterval:
+    """Return an interval whose ends, where it ends at no resonance of modes and at no bound, are named."""
+    low = "axial resonance" if part.low_end is None and part.low > bounds[0] else part.low_end
+    high = "axial resonance" if part.high_end is None and part.high < bounds[1] else part.high_end
+    return part._replace(low_end=low, high_end=high)
+
+
+def _stable_between(parts: list[UnstablePart], bounds: tuple[float, float]) -> Iterator[StabilityInterval]:
+    """Yield what the unstable parts leave of ``bounds``."""
+    at, closed_by = bounds[0], None
+    for part in parts:
+        if part.low > at:
+            yield StabilityInterval(at, part.low, closed_by, part.low_cause)
+        at, closed_by = part.high, part.high_cause
+    if at < bounds[1]:
+        yield StabilityInterval(at, bounds[1], closed_by, None)

@@ -1,0 +1,159 @@
+"""Between stability intervals: how fast the unstable bands grow at the most, and which damping stabilises them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import mathieu
+from floquetrod.mathieu.tongues import damping_to_stabilise
+from floquetrod.rod.answers.intervals import Named, Search, UnstableBand
+from floquetrod.rod.loads.load import Loads, Progress
+from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
+from floquetrod.rod.mode_equations.tongues import tongues_within
+from floquetrod.rod.model.data import RodData
+from floquetrod.rod.modes.mode_model import ModeModel
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Values: TypeAlias = Callable[[Floats, Ints], Floats]
+"""Values at places, one for each, in the intervals with the numbers given."""
+
+_SAMPLES = 17  # loads at which growth and damping are evaluated in each tongue of a band (a choice)
+_OF_OTHERS = 3  # at which the damping is, in each band, that modes which do not grow there require (a choice)
+_CLOSER = 9  # places in each step of a refinement: the interval then shrinks to a quarter (a choice)
+_STEPS, _FEWER_STEPS = 6, 3  # of a refinement: to 4^-6 of the distance of samples, or to 4^-3
+
+
+@dataclass(frozen=True)
+class SearchedTongues:
+    """The tongues of independent modes along one quantity of a load.
+
+    Attributes
+    ----------
+    rod : RodData
+    search : Search
+    modes : int
+        Modes looked at, 1 to this.
+    """
+
+    rod: RodData
+    search: Search
+    modes: int
+
+    def unstable_bands(self, bands: Sequence[tuple[float, float]]) -> tuple[UnstableBand, ...]:
+        """Return what grows between the ends of bands, in increasing order, in which nothing is stable."""
+        varied, load, _, tolerance = self.search
+        system = ModalSystem(self.rod.mode_constants, load, tuple(range(1, self.modes + 1)))
+        parts = tongues_within(varied, system, tolerance, bands).intervals
+        low, high = (np.array([part[side] for part in parts]) for side in (0, 1))
+        mode = np.array([part.mode for part in parts], dtype=np.int64)
+        found = _peaks(lambda x, i: self._growth(mode[i], x), low, high, _SAMPLES, _STEPS)
+        band = np.searchsorted(np.array([ends[0] for ends in bands]), low, side="right") - 1
+        damping = self._dampings(bands, band, mode, low, high)
+        rows = []
+        for k, ends in enumerate(bands):
+            inside = np.flatnonzero(band == k)
+            rate, at = 0.0, 0.5 * sum(ends)  # where a band is too narrow for doubles in between
+            cause: Named = "unnamed"
+            if inside.size:
+                worst = int(inside[found.value[inside].argmax()])
+                rate, at = float(found.value[worst]), float(found.at[worst])
+                cause = parts[worst].mode, parts[worst].tongue
+            rows.append(UnstableBand(*ends, rate, at, cause, float(damping[k])))
+        return tuple(rows)
+
+    def _dampings(
+        self, bands: Sequence[tuple[float, float]], band: Ints, mode: Ints, low: Floats, high: Floats
+    ) -> Floats:
+        """Return the damping rate that each band requires, sampled in every mode, and in every tongue by itself."""
+        found = _peaks(lambda x, i: self._damping(mode[i], x), low, high, _SAMPLES, 0)
+        known = np.zeros(len(bands))
+        np.maximum.at(known, band, found.value)
+        last, _ = self.rod.replace(damping_rate=0.0).mode_constants.modes_needed(self.search.load, 0.0)
+        other, index = np.divmod(np.arange(len(bands) * last), last)
+        first, after = (np.array([ends[side] for ends in bands])[other] for side in (0, 1))
+        # What asks for less damping than is known by now need not be known.
+        more = _peaks(lambda x, i: self._damping(index[i] + 1, x, known[other[i]]), first, after, _OF_OTHERS, 0)
+        band, mode = np.append(band, other), np.append(mode, index + 1)
+        found = _Peaks(*(np.append(one, two) for one, two in zip(found, more, strict=True)))
+        order = np.lexsort((found.value, band))
+        best = order[np.append(np.diff(band[order]) > 0, True)]  # the last one of each band is its largest
+        closer = _peaks(
+            lambda x, i: self._damping(mode[best[i]], x), found.low[best], found.high[best], _CLOSER, _FEWER_STEPS
+        )
+        return np.asarray(np.maximum(found.value[best], closer.value))
+
+    def _coefficients(self, mode: Ints, values: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return alpha, beta and the frequency of modes, each at its own load."""
+        systems = ModalSystems(self.rod.mode_constants, Loads.along(self.search.load, self.search.varied, values))
+        return *systems.coefficients(mode), systems.loads.frequency
+
+    def _growth(self, mode: Ints, values: Floats) -> Floats:
+        """Return the growth rates of modes in 1/s, each at its own load."""
+        alpha, beta, frequency = self._coefficients(mode, values)
+        return np.asarray(mathieu.growth_rate(alpha, beta, self.rod.damping_rate / frequency) * frequency)
+
+    def _damping(self, mode: Ints, values: Floats, least: Floats | float = 0.0) -> Floats:
+        """Return the damping rates in 1/s above which modes are stable, each at its own load; 0 for some < least."""
+        alpha, beta, frequency = self._coefficients(mode, values)
+        return np.asarray(damping_to_stabilise(alpha, beta, least / frequency) * frequency)
+
+
+def sampled_bands(
+    model: ModeModel, search: Search, bands: Sequence[tuple[float, float]], progress: Progress | None
+) -> tuple[UnstableBand, ...]:
+    """Return what grows in bands where it is not known which modes do: sampled, each cause that of the worst load."""
+    varied, like, _, tolerance = search
+
+    def growth(values: Floats, _: Ints) -> Floats:
+        rate = model.growth_estimate(Loads.along(like, varied, values), tolerance)
+        return np.asarray(np.where(np.isnan(rate), 0.0, rate))
+
+    low, high = (np.array([ends[side] for ends in bands]) for side in (0, 1))
+    found = _peaks(growth, low, high, _SAMPLES, _FEWER_STEPS)
+    rows = []
+    for ends, at, rate in zip(bands, found.at.tolist(), found.value.tolist(), strict=True):
+        load = like.varied(varied, at)
+        count = model.count_for(Loads.single(load), tolerance)
+        worst = model.verdict(load, range(1, count + 1), tolerance)
+        cause: Named = worst.resonances[0] if worst.resonances else "unnamed"
+        rows.append(UnstableBand(*ends, rate, at, cause, worst.damping_to_stabilise))
+        if progress is not None:
+            progress(len(rows), len(bands))
+    return tuple(rows)
+
+
+class _Peaks(NamedTuple):
+    """The largest value found on each interval, where, and the places next to it."""
+
+    at: Floats
+    value: Floats
+    low: Floats
+    high: Floats
+
+
+def _peaks(values: Values, low: Floats, high: Floats, points: int, steps: int) -> _Peaks:
+    """Return the largest of some values on each interval, evaluated ever closer to the largest before."""
+    found = _largest(values, low, high, points)
+    for _ in range(steps):
+        closer = _largest(values, found.low, found.high, _CLOSER)
+        better = closer.value >= found.value
+        at, value = np.where(better, closer.at, found.at), np.where(better, closer.value, found.value)
+        found = _Peaks(at, value, closer.low, closer.high)
+    return found
+
+
+def _largest(values: Values, low: Floats, high: Floats, points: int) -> _Peaks:
+    """Return the largest of some evenly spaced values on each interval, both ends included."""
+    rows = np.arange(low.size)
+    x = np.linspace(low, high, points, axis=1)
+    y = values(x.ravel(), np.repeat(rows, points)).reshape(x.shape)
+    best = y.argmax(axis=1)
+    return _Peaks(
+        x[rows, best], y[rows, best], x[rows, np.maximum(best - 1, 0)], x[rows, np.minimum(best + 1, points - 1)]
+    )
