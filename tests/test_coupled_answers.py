@@ -17,6 +17,7 @@ from floquetrod.floquet.systems import resonances
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.loads.load import Load, Loads
+from floquetrod.rod.mode_equations import sampled
 from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, rod_numbers
 from floquetrod.rod.modes.coupled_verdict import ModesTogether
 
@@ -361,6 +362,17 @@ def test_a_margin_ends_where_a_strong_vibration_displaces_a_resonance() -> None:
     grows = fr.AxialLoad(2.44e-3, load.amplitude, load.frequency, mean_at=1.0)
     assert not rod.stability(grows, growth_tolerance=0.1).stable
     assert verdict.margin("mean", seconds=1.0).above < grows.mean - load.mean
+
+
+def test_a_search_takes_waveforms_of_many_harmonics() -> None:
+    def growth(waveform: tuple[complex, ...]) -> list[float]:
+        load = fr.AxialLoad(MEAN, AMPLITUDE, FREQUENCY, waveform=waveform)
+        search = sampled._Search("frequency", CoupledModes(rod_numbers(ROD), load, 8), load, 0.0)
+        return search._growth_of_few(np.linspace(1.0, 3.0, 9) * SWING, (-math.inf, 2.5)).tolist()
+
+    few = growth((-1j, 0.1))
+    assert max(few) > 0.01
+    assert growth((-1j, 0.1, *(520 * (1e-12j,)))) == pytest.approx(few, rel=1e-6, abs=1e-9)
 
 
 def test_loads_that_would_take_too_long_are_not_called_stable() -> None:

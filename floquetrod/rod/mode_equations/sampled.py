@@ -37,7 +37,8 @@ _FEWEST_STEPS = 8  # of a search: with fewer it tells little (a choice)
 _IN_REACH = 2.5  # frequencies of the load up to which a mode may resonate: to order five (a choice)
 _NEAR = 0.2  # frequencies of the load about half of it within which modes grow fast (a choice)
 _RULED = 5.0  # squared frequency over vibration up to which a mode is no follower of others (a choice)
-_FEWEST = 4  # modes that are asked in place of all (a choice)
+_FEWEST = 4  # modes that are asked in place of all
+_STRONGEST = 8  # harmonics of a load whose vibration of modes far above is taken into account
 _ABOUT = np.arange(-8.0, 9.0)  # steps from where all modes do not answer as few did, asked of all (a choice)
 _CLOSER, _ROUNDS = 9, 2  # places between the neighbours of an extremum, each time it is looked at more closely
 _MOST_EXTREMA = 16  # that are looked at more closely, those next to the level first (a choice)
@@ -204,9 +205,9 @@ class _Search(NamedTuple):
 
         def values(at: Floats) -> Floats:
             growth = self._growth_of_few(at, self._fast if grows else self._in_reach)
-            quiet = growth <= level
-            if grows and quiet.any():
-                growth[quiet] = self._growth_of_few(at[quiet], self._in_reach)
+            slow = growth <= level
+            if grows and slow.any():
+                growth[slow] = self._growth_of_few(at[slow], self._in_reach)
             return growth
 
         at, growth = _with_extrema(values, closer, values(closer), level)
@@ -271,52 +272,52 @@ class _Search(NamedTuple):
         vibration = sum(np.linalg.norm(part[strongest] @ shapes, axis=1) for part in every.cosines + every.sines)
         low, high = (share * loads.frequency[:, None] for share in reach)
         chosen = (squared <= _RULED * vibration) | ((squared >= low * abs(low)) & (squared <= high**2))
-        kept = chosen.any(axis=0)
-        kept[:_FEWEST] = True
-        few, others = shapes[:, :, kept], shapes[:, :, ~kept]
+        chosen = chosen.any(axis=0)
+        chosen[:_FEWEST] = True
+        few, others = shapes[:, :, chosen], shapes[:, :, ~chosen]
 
         def projected(matrix: Floats) -> Floats:
             return np.asarray(few.swapaxes(1, 2) @ matrix @ few)
 
-        mean, cosines, sines = _followed(every, few, others, squared[:, ~kept])
+        followed = _followed(every.harmonics, few, others, squared[:, ~chosen])
         rate = self.modes.damping_rate
         return HillSystem(
-            projected(every.stiffness) - mean,
-            _less([projected(part) for part in every.cosines], cosines),
-            _less([projected(part) for part in every.sines], sines),
+            projected(every.stiffness) - followed[0].real,
+            _less([projected(part) for part in every.cosines], [2.0 * part.real for part in followed[1:]]),
+            _less([projected(part) for part in every.sines], [-2.0 * part.imag for part in followed[1:]]),
             damping=2.0 * rate * np.eye(few.shape[2]) if rate else None,
             period=every.period,
         )
 
 
 def _followed(
-    every: HillSystem, few: Floats, others: Floats, squared: Floats
-) -> tuple[Floats, list[Floats], list[Floats]]:
-    """Return by how much the vibration of other modes softens a few: mean, and harmonics of cosines and sines.
+    harmonics: NDArray[np.complex128], few: Floats, others: Floats, squared: Floats
+) -> list[NDArray[np.complex128]]:
+    """Return by how much the vibration of other modes softens a few: the terms of exp(i k w t), k = 0, 1, ...
 
     The others, of natural frequencies far above, follow at once what couples them to the few, K_of(t): they take
     K_of(t)^T K_oo^-1 K_of(t) from the stiffness of the few.  Without that, resonances of the few are displaced where
-    the vibration is strong.
+    the vibration is strong.  The strongest harmonics do it; of their products the terms up to the last harmonic of the
+    load are returned, and the first few in any case.
     """
-    zero = np.zeros_like(every.stiffness)
-    count = max(len(every.cosines), len(every.sines))
+    strongest = np.argsort(-(np.abs(harmonics) ** 2).sum(axis=(0, 2, 3)), kind="stable")[:_STRONGEST]
     waves: dict[int, NDArray[np.complex128]] = {}
-    for k in range(count):
-        cosine = every.cosines[k] if k < len(every.cosines) else zero
-        sine = every.sines[k] if k < len(every.sines) else zero
-        found = np.asarray(others.swapaxes(1, 2) @ (0.5 * (cosine - 1j * sine)) @ few, dtype=np.complex128)
+    for k in strongest.tolist():
+        found = np.asarray(others.swapaxes(1, 2) @ (0.5 * harmonics[:, k]) @ few)
         waves[k + 1], waves[-k - 1] = found, found.conj()
-    products = [np.zeros((every.stiffness.shape[0], few.shape[2], few.shape[2]), complex) for _ in range(2 * count + 1)]
+    highest = min(2 * max(waves, default=0), max(harmonics.shape[1], 2 * _STRONGEST))
+    terms = [np.zeros((len(harmonics), few.shape[2], few.shape[2]), complex) for _ in range(highest + 1)]
     for j, one in waves.items():
         for k, other in waves.items():
-            if j + k >= 0:
-                products[j + k] = products[j + k] + one.swapaxes(1, 2) @ (other / squared[:, :, None])
-    return products[0].real, [2.0 * each.real for each in products[1:]], [-2.0 * each.imag for each in products[1:]]
+            if 0 <= j + k <= highest:
+                terms[j + k] += one.swapaxes(1, 2) @ (other / squared[:, :, None])
+    return terms
 
 
 def _less(parts: list[Floats], taken: list[Floats]) -> list[Floats]:
-    """Return harmonics less others, of which there are as many or more."""
-    return [parts[k] - each if k < len(parts) else -each for k, each in enumerate(taken)]
+    """Return harmonics less others."""
+    differences = [one - other for one, other in zip(parts, taken, strict=False)]
+    return differences + parts[len(taken) :] + [-other for other in taken[len(parts) :]]
 
 
 class _Costs(NamedTuple):
