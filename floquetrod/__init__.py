@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof as RegionProof
     from floquetrod.floquet.solve import Solution as Solution
     from floquetrod.floquet.solve import solve as solve
+    from floquetrod.floquet.status import UndecidedWarning as UndecidedWarning
     from floquetrod.floquet.verdict import Stability as Stability
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
     from floquetrod.plane import Bands as Bands
@@ -100,6 +101,7 @@ _WHERE = {
     "Stability": "floquet.verdict",
     "StabilityIntervals": "rod.ranges",
     "Study": "ensembles.study",
+    "UndecidedWarning": "floquet.status",
     "UniformForceWarning": "rod.model.assumptions",
     "certify": "floquet.proof",
     "compare": "floquet.comparison",

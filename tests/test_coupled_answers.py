@@ -443,7 +443,7 @@ def test_critical_loads_of_zero_have_a_reason() -> None:
 def test_an_undecided_start_is_not_called_unstable(monkeypatch: pytest.MonkeyPatch) -> None:
     undecided = np.array([-1], dtype=np.int8), np.array([np.nan])
     monkeypatch.setattr(CoupledModes, "_judged", lambda *_: ManyVerdicts(*undecided))
-    with pytest.warns(fr.friction.UndecidedWarning, match="without mean force could not be decided"):
+    with pytest.warns(fr.UndecidedWarning, match="without mean force could not be decided"):
         assert ROD.critical_mean_force(AMPLITUDE, FREQUENCY) == 0.0
 
 

@@ -22,6 +22,7 @@ from floquetrod.explorer import commands, judging, limits, maps, modes
 from floquetrod.explorer.background import Background, Parts, Stale
 from floquetrod.explorer.shown import Shown
 from floquetrod.explorer.words import margin_words
+from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.plotting import explorer_panels as panels
 from floquetrod.rod.answers.verdict import Margin
 from floquetrod.rod.loads.load import Loads
@@ -90,7 +91,7 @@ def test_what_is_shown_at_once_and_in_time_is_the_verdict(explorer: fr.Explorer)
         for row, column in ((3, 5), (90, 100), (170, 230)):
             force = np.linspace(*ends["mean"], cells.shape[0])[row]
             at = np.linspace(*ends["frequency"], cells.shape[1])[column]
-            assert (cells[row, column] == 0) == ROD.is_stable(force, explorer.load.amplitude, at)
+            assert (cells[row, column] == STATUS_CODES["stable"]) == ROD.is_stable(force, explorer.load.amplitude, at)
 
 
 def test_the_window_follows_its_sliders(explorer: fr.Explorer) -> None:
@@ -214,12 +215,12 @@ def test_coupled_modes_show_growth_over_frequency_and_the_shape(coarse: None) ->
     assert growth == pytest.approx(expected, rel=1e-9, abs=1e-12)
     assert shape.lines[0].get_ydata() == pytest.approx(verdict.shape.deflection)
     cells = np.asarray(chart.images[0].get_array())
-    assert set(np.unique(cells)) <= {panels.STABLE, panels.UNSTABLE, panels.UNDECIDED}
+    assert set(np.unique(cells)) <= set(STATUS_CODES.values())
     (left, right), (low, high) = chart.get_xlim(), chart.get_ylim()
     for row, column in ((1, 1), (5, 3), (7, 7)):
         at = left + (column + 0.5) * (right - left) / 8, low + (row + 0.5) * (high - low) / 8
         stable = CLAMPED.is_stable(at[1], load.amplitude, 2.0 * math.pi * at[0], like=load)
-        assert (cells[row, column] == panels.STABLE) == stable
+        assert (cells[row, column] == STATUS_CODES["stable"]) == stable
     # Another amplitude: nothing of the old map stays.
     shown.window.sliders["amplitude"].set_val(0.3)
     assert (np.asarray(chart.images[0].get_array()) == panels.UNKNOWN).all()

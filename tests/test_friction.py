@@ -320,6 +320,6 @@ def test_the_paper_s_test_takes_any_kick_and_needs_friction() -> None:
 
 
 def test_undecided_is_said_and_does_not_count() -> None:
-    with pytest.warns(fr.friction.UndecidedWarning, match="1 of 2"):
+    with pytest.warns(fr.UndecidedWarning, match="1 of 2"):
         found = fr.friction.escapes(FRACTAL.alpha, FRACTAL.beta, 1.0, [1.03, 0.1], max_steps=10)
     assert not found.any()

@@ -432,7 +432,7 @@ def test_junk_is_refused_by_name_or_answered(
             if len(str(error)) > LONGEST_MESSAGE:
                 faults.append(f"{short(junk)}: {type(error).__name__} of {len(str(error))} characters")
         except (
-            fr.friction.UndecidedWarning,
+            fr.UndecidedWarning,
             fr.UniformForceWarning,
             fr.PlausibilityWarning,
             fr.rod.BucklingWarning,

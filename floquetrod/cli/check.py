@@ -34,7 +34,7 @@ from floquetrod.cli.loads import (
 )
 from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting
-from floquetrod.floquet.verdict import STATUS_CODES, Status
+from floquetrod.floquet.status import STATUS_CODES, Status
 from floquetrod.rod.answers.verdict import QUICK, Margin, RodStability
 from floquetrod.rod.loads.load import KINDS, Load, Quantity
 from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS

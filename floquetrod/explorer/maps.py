@@ -87,7 +87,7 @@ class ChartMap:
 
 
 def _cells(chart: Chart) -> MapView:
-    return MapView((~chart.stable).astype(np.int8), None)
+    return MapView(chart.stable.astype(np.int8), None)
 
 
 def _ending(stale: Stale) -> Progress:
@@ -135,7 +135,7 @@ class GrowingMap:
         def found(places: NDArray[np.int64]) -> None:
             column, row = places.T
             loads = Loads((len(places),), mean[row], np.full(len(places), load.amplitude), frequency[column])
-            self._cells[row, column] = 1 - judged(self.model, loads)[0]
+            self._cells[row, column] = judged(self.model, loads)[0]
 
         for side in sides:
             # Neighbours in frequency together: they share the number of modes.

@@ -16,11 +16,7 @@ from floquetrod._util.content import NoTruthValue
 from floquetrod._util.report import Report, Reported, number
 from floquetrod.equations import Equation
 from floquetrod.floquet.references import references
-
-Status = Literal["stable", "unstable", "undecided"]
-
-STATUS_CODES: dict[Status, int] = {"stable": 1, "unstable": 0, "undecided": -1}
-"""What stands for a status in arrays, everywhere."""
+from floquetrod.floquet.status import Status as Status
 
 _EPS = sys.float_info.epsilon
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from floquetrod._util.lazy import names_of
 
 if TYPE_CHECKING:
+    from floquetrod.floquet.status import UndecidedWarning
     from floquetrod.friction.critical_kicks import (
         CriticalKickBounds,
         critical_kick,
@@ -21,7 +22,6 @@ if TYPE_CHECKING:
         ESCAPES,
         UNDECIDED,
         Fate,
-        UndecidedWarning,
         escapes,
         fate,
         fates,
@@ -55,6 +55,7 @@ __all__ = [
 __getattr__ = names_of(
     __name__,
     {
+        "floquet.status": ("UndecidedWarning",),
         "friction.critical_kicks": (
             "CriticalKickBounds",
             "critical_kick",
@@ -64,7 +65,6 @@ __getattr__ = names_of(
             "ESCAPES",
             "UNDECIDED",
             "Fate",
-            "UndecidedWarning",
             "escapes",
             "fate",
             "fates",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import warnings
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -14,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.content import NoTruthValue
 from floquetrod.equations import FrictionalMathieu, require
-from floquetrod.floquet.verdict import STATUS_CODES
+from floquetrod.floquet.status import STATUS_CODES, are
 from floquetrod.friction.inputs import (
     MAX_STEPS,
     SHORT,
@@ -37,10 +36,6 @@ UNDECIDED, BOUNDED, ESCAPES = STATUS_CODES["undecided"], STATUS_CODES["stable"],
 """Values of `fates`: -1, 1 and 0, those of every status, as what is bounded is stable."""
 
 _ROW = 64  # kicks of one equation that a thread takes at a time (a choice)
-
-
-class UndecidedWarning(UserWarning):
-    """Some orbits could not be decided; they are not counted among those that escape."""
 
 
 def fates(
@@ -128,15 +123,8 @@ def escapes(
     [True, False]
     """
     found = fates(alpha, beta, gamma, kick, damping=damping, max_steps=max_steps, workers=workers)
-    unknown = int(np.count_nonzero(found == UNDECIDED))
-    if unknown:
-        warnings.warn(
-            f"{unknown} of {np.size(found)} kicks could not be decided and count as not escaping; "
-            "friction.fates tells which, a larger max_steps may settle them",
-            UndecidedWarning,
-            stacklevel=2,
-        )
-    return found == ESCAPES
+    what = "kicks could not be decided and count as not escaping"
+    return are("unstable", found, what, "friction.fates tells which, a larger max_steps may settle them")
 
 
 def _ends(

@@ -18,8 +18,8 @@ from floquetrod.units import Unit, label
 
 Floats = NDArray[np.float64]
 
-STABLE, UNSTABLE, UNDECIDED, UNKNOWN = 0, 1, 2, 3
-"""Cells of a map."""
+UNKNOWN = -2
+"""Cells of a map that are not judged yet; the others are a status, undecided -1, unstable 0, stable 1."""
 
 NAMES = {
     "mean": ("mean force", r"F_\mathrm{ave}"),
@@ -90,7 +90,7 @@ class Map:
 
         self._ax, self._units = ax, units
         ends = {name: tuple(units[name].of(end) for end in limits[name]) for name in ("frequency", "mean")}
-        colours = ListedColormap([palette.STABLE, palette.UNSTABLE, palette.NEUTRAL, palette.UNKNOWN])
+        colours = ListedColormap([palette.UNKNOWN, palette.NEUTRAL, palette.UNSTABLE, palette.STABLE])
         self._image = ax.imshow(
             [[UNKNOWN]],
             extent=(*ends["frequency"], *ends["mean"]),
@@ -98,8 +98,8 @@ class Map:
             aspect="auto",
             interpolation="nearest",
             cmap=colours,
-            vmin=-0.5,
-            vmax=3.5,
+            vmin=UNKNOWN - 0.5,
+            vmax=1.5,
         )
         (self._here,) = ax.plot([], [], **palette.POINT, markersize=8)
         ax.set_xlim(*ends["frequency"])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, cast, overload
@@ -11,9 +10,10 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
-from floquetrod._util.calling import level_of_caller, tells_arguments
+from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.result import MAX_BOXES
+from floquetrod.floquet.status import are
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.friction.mode_friction import friction_and_kick
 from floquetrod.rod.loads.load import (
@@ -494,10 +494,10 @@ class Rod(RodData):
         """Return whether the rod is stable, over arrays of loads (N, N, rad/s) that broadcast, all relevant modes.
 
         A mode counts as stable up to ``growth_tolerance`` (1/s), or when it passes the ``criterion``.  With
-        ``friction`` and a ``kick`` (m/s): whether the kick destabilises no mode; loads that cannot be decided are
-        False, with a warning, and `verdicts` tells which.  ``like`` (AxialLoad or AxialWave) gives everything else of
-        the loads; by default a sine, uniform but for the weight along the rod.  ``progress`` is called now and then
-        with the numbers of loads done and of all; what it raises ends the work.
+        ``friction`` and a ``kick`` (m/s): whether the kick destabilises no mode.  Loads that cannot be decided are
+        False, with an UndecidedWarning that counts them; `verdicts` tells which.  ``like`` (AxialLoad or AxialWave)
+        gives everything else of the loads; by default a sine, uniform but for the weight along the rod.  ``progress``
+        is called now and then with the numbers of loads done and of all; what it raises ends the work.
 
         >>> Rod.nitinol().is_stable([0.34, 0.9], 0.34, 150.0)
         array([False, False])
@@ -514,16 +514,8 @@ class Rod(RodData):
             workers=workers,
             progress=progress,
         )
-        unsure = int(np.count_nonzero(np.equal(found, -1)))
-        if unsure:
-            from floquetrod.friction.fate_of_kicks import UndecidedWarning
-
-            warnings.warn(
-                f"{unsure} of {np.size(found)} loads could not be decided and count as unstable; verdicts tells which",
-                UndecidedWarning,
-                stacklevel=level_of_caller(),
-            )
-        return found == 1
+        what = "loads could not be decided and count as not stable"
+        return are("stable", found, what, "Rod.verdicts tells which, Rod.stability of one says why")
 
     @tells_arguments()
     def verdicts(

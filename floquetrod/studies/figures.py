@@ -13,7 +13,8 @@ from floquetrod import mathieu
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.square_wave import square_wave
-from floquetrod.floquet.verdict import STATUS_CODES, Stability
+from floquetrod.floquet.status import STATUS_CODES
+from floquetrod.floquet.verdict import Stability
 from floquetrod.plane import Axis, Band, Bands, TracedBands
 from floquetrod.plane.chart import ACCURACY
 from floquetrod.plotting import palette

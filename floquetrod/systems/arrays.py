@@ -17,11 +17,11 @@ from floquetrod.equations.batches import flat, pick
 from floquetrod.equations.hill_system import EvenForm
 from floquetrod.floquet.dispatch import SYSTEMS, judge
 from floquetrod.floquet.kernels.system_even import pair_numbers
+from floquetrod.floquet.status import STATUS_CODES, are
 from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
-from floquetrod.floquet.verdict import STATUS_CODES
 from floquetrod.plane import Progress
 
 System = HillSystem | PeriodicSystem
@@ -49,8 +49,13 @@ def is_stable(systems: System, *, workers: int | None = None, progress: Progress
     Returns
     -------
     bool or ndarray of bool
-        In the leading shape; a Python bool for a single system.  False where undecided: on a boundary to 60 digits, or
-        where multipliers cannot be distinguished; `floquetrod.stability` says why, and goes on to 120 digits.
+        In the leading shape; a Python bool for a single system.
+
+    Warns
+    -----
+    UndecidedWarning
+        When some could not be decided, on a boundary to 60 digits or where multipliers cannot be distinguished: False
+        there means "not known to be stable"; `floquetrod.stability` of one says why, and goes on to 120 digits.
 
     Examples
     --------
@@ -60,7 +65,9 @@ def is_stable(systems: System, *, workers: int | None = None, progress: Progress
     >>> is_stable(HillSystem(np.diag([1.0, 4.0]), cosines=[forcing], period=2 * np.pi / omega))
     array([ True, False, False])
     """
-    return shaped(verdicts(systems, workers=workers, progress=progress).status == many.STABLE, systems.shape)
+    found = shaped(verdicts(systems, workers=workers, progress=progress).status, systems.shape)
+    what = "systems could not be decided and count as not stable"
+    return are("stable", found, what, "floquetrod.stability of one says why, and goes on to more digits")
 
 
 def growth_rate(systems: System, *, workers: int | None = None, progress: Progress | None = None) -> Any:

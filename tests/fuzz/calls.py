@@ -68,6 +68,7 @@ LEFT_OUT = {
     "mathieu.FloquetSolution": "constructed by characteristic_function and floquet_solutions",
     "PlausibilityWarning": "a warning",
     "ResolutionWarning": "a warning",
+    "UndecidedWarning": "a warning",
     "UniformForceWarning": "a warning",
     "friction.EscapeRanges": "constructed by escape_ranges",
     "friction.Fate": "constructed by fate",

@@ -25,7 +25,7 @@ import numpy as np
 
 from floquetrod._util.compilation import kernel
 
-UNSTABLE, STABLE, NEAR_A_BAND = 0, 1, 2  # what a count shows
+UNSTABLE, STABLE, NEAR_A_BAND = 0, 1, -1  # what a count shows, in the codes of a status: -1 is not shown
 
 UNDECIDED = -1  # count of a chain whose pivots would not settle: a is an eigenvalue as far as a double can tell
 

@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import inverses, norms
+from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.floquet.systems.spectra import pair_log_errors
 
 _EPS = 2.220446049250313e-16
 
-STABLE, UNSTABLE, UNDECIDED = 1, 0, -1
+STABLE, UNSTABLE, UNDECIDED = (STATUS_CODES[each] for each in ("stable", "unstable", "undecided"))
 
 
 class ManyDiscs(NamedTuple):

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from floquetrod._util.calling import level_of_caller
-from floquetrod.friction.fate_of_kicks import UndecidedWarning
+from floquetrod.floquet.status import UndecidedWarning
 from floquetrod.rod.answers.intervals import QUANTITIES, BucklingWarning, FoundIntervals, Search, StabilityInterval
 from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, added_mean, axial_response, between, gaps, joined
 from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity, shifted
