@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any
 
-from floquetrod._util.calling import tells_arguments
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
@@ -103,7 +102,6 @@ class Comparison(Reported, NoTruthValue):
         return f"{report.headline}\n{report.table}"
 
 
-@tells_arguments()
 def compare(equation: Equation | HillSystem | PeriodicSystem) -> Comparison:
     """Classify an equation or a system by every method that applies, and report where they agree and where not.
 

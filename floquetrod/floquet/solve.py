@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
-from floquetrod._util.calling import tells_arguments
 from floquetrod._util.content import ByContent
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.base import Equation, require
@@ -122,7 +121,6 @@ class Solution(ByContent):
         )
 
 
-@tells_arguments()
 def solve(equation: Any, initial: Any, span: Any) -> Solution:
     """Return the solution of an equation or a system that has given initial values.
 

@@ -14,12 +14,9 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
-from floquetrod._util.calling import tells_arguments
 from floquetrod._util.compilation import INTERPRETED_UP_TO, over_chunks
 from floquetrod.floquet.kernels import mathieu as kernels
 from floquetrod.floquet.kernels import mathieu_counts as counts
-
-_FROM_AQ = dict.fromkeys("aq", "convert a and q first: alpha, beta = fr.conventions.from_aq(a, q)")
 
 _CHUNK = 1024
 """Points a thread takes at a time; each costs a microsecond, far out more, and a verdict without damping much less."""
@@ -28,7 +25,6 @@ _PATIENCE = 100
 """Times as many points as are always interpreted before growth is compiled, which takes seconds (heuristic)."""
 
 
-@tells_arguments(**_FROM_AQ)
 def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return whether every solution stays bounded.
 
@@ -76,7 +72,6 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
     return shaped(out.view(np.bool_), shape)
 
 
-@tells_arguments(**_FROM_AQ)
 def growth_rate(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return the growth rate of the fastest solution, per unit tau; 0 where stable.
 
@@ -104,7 +99,6 @@ def _growth(
     return out
 
 
-@tells_arguments(**_FROM_AQ)
 def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return the trace of the monodromy matrix, +-inf beyond the range of a double.
 
@@ -121,7 +115,6 @@ def discriminant(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | No
     return shaped(out, shape)
 
 
-@tells_arguments(**_FROM_AQ)
 def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None = None) -> Any:
     """Return both Floquet multipliers, the larger first, in a last axis of length 2 (complex).
 
@@ -138,7 +131,6 @@ def multipliers(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | Non
     return shaped(out, (*shape, 2))
 
 
-@tells_arguments(**_FROM_AQ)
 def exponents(alpha: Any, beta: Any, damping: Any = 0.0, *, per: str = "tau", workers: int | None = None) -> Any:
     """Return both Floquet exponents, in a last axis of length 2 (complex), the one that grows faster first.
 

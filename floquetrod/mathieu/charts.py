@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod._util import validate
-from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import Equation, Mathieu
 from floquetrod.floquet import one_by_one
 from floquetrod.mathieu.arrays import growth_rate, is_stable
@@ -21,7 +20,6 @@ from floquetrod.mathieu.tongue_bands import ExactMathieuBands
 from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
 
 
-@tells_arguments()
 def chart(
     alpha: Any,
     beta: Any,

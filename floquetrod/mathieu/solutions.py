@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
-from floquetrod._util.calling import tells_arguments
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Mathieu
 from floquetrod.equations.base import require
@@ -176,7 +175,6 @@ def characteristic_function(order: float, q: float, kind: str = "floquet") -> Fl
     return FloquetSolution(name, 0j, np.concatenate([harmonics, -harmonics]), both.astype(complex), math.pi, True)
 
 
-@tells_arguments()
 def floquet_solutions(equation: Mathieu, *, per: str = "tau") -> tuple[FloquetSolution, ...]:
     """Return the Floquet solutions A(tau) = exp(mu tau) P(tau) of Mathieu's equation, the faster growing first.
 

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.calling import tells_arguments
 from floquetrod._util.version import __version__
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
@@ -28,7 +27,6 @@ _AXES: dict[Quantity, tuple[str, str, str]] = {
 """Quantities of a load, the one drawn to the right first."""
 
 
-@tells_arguments()
 def stability_map(
     rod: Rod,
     *,

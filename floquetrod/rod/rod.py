@@ -10,7 +10,6 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
-from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.floquet.status import are
@@ -221,7 +220,6 @@ class Rod(RodData):
         progress: Progress | None = None,
     ) -> FrictionalRodStability: ...
 
-    @tells_arguments()
     def stability(
         self,
         load: AnyLoad,
@@ -293,7 +291,6 @@ class Rod(RodData):
             warn_of_hertz(self, load, growth_tolerance)
         return linear if rubbing is None else model.with_kick(linear, *rubbing)
 
-    @tells_arguments()
     def critical_kick(self, load: AnyLoad, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
         """Return the smallest kick, a transverse velocity in m/s, found to buckle the rod against friction.
 
@@ -315,7 +312,6 @@ class Rod(RodData):
         self.modes_under(require_load("load", load)).require("friction")
         return critical_kick(self.stability(load, growth_tolerance=growth_tolerance), friction)
 
-    @tells_arguments()
     def critical_kicks(
         self,
         mean: Any,
@@ -334,7 +330,6 @@ class Rod(RodData):
         found = self.modes_under(like).critical_kicks(loads, friction, tolerance, workers)
         return found._replace(**{name: shaped(part, loads.shape) for name, part in found._asdict().items()})
 
-    @tells_arguments()
     def stable_mean_forces(
         self,
         amplitude: float,
@@ -381,7 +376,6 @@ class Rod(RodData):
 
         return stability_intervals(self.modes_under(load), "mean", load, (low, high), growth_tolerance, progress)
 
-    @tells_arguments()
     def stable_amplitudes(
         self,
         mean: float,
@@ -404,7 +398,6 @@ class Rod(RodData):
 
         return stability_intervals(self.modes_under(load), "amplitude", load, (low, high), growth_tolerance, progress)
 
-    @tells_arguments()
     def stable_frequencies(
         self,
         mean: float,
@@ -430,7 +423,6 @@ class Rod(RodData):
         model = self.modes_under(fastest)
         return stability_intervals(model, "frequency", fastest, (low, high), growth_tolerance, progress)
 
-    @tells_arguments()
     def critical_mean_force(
         self,
         amplitude: float,
@@ -454,7 +446,6 @@ class Rod(RodData):
 
         return first_unstable(self.modes_under(load), "mean", load, growth_tolerance, progress)
 
-    @tells_arguments()
     def critical_amplitude(
         self,
         mean: float,
@@ -476,7 +467,6 @@ class Rod(RodData):
 
         return first_unstable(self.modes_under(load), "amplitude", load, growth_tolerance, progress)
 
-    @tells_arguments()
     def is_stable(
         self,
         mean: Any,
@@ -517,7 +507,6 @@ class Rod(RodData):
         what = "loads could not be decided and count as not stable"
         return are("stable", found, what, "Rod.verdicts tells which, Rod.stability of one says why")
 
-    @tells_arguments()
     def verdicts(
         self,
         mean: Any,
@@ -555,7 +544,6 @@ class Rod(RodData):
             found = model.status(loads, tolerance, workers, progress)
         return shaped(found, loads.shape)
 
-    @tells_arguments()
     def growth_rate(
         self,
         mean: Any,
@@ -573,7 +561,6 @@ class Rod(RodData):
         """
         return self.fastest(mean, amplitude, frequency, like=like, workers=workers, progress=progress)[0]
 
-    @tells_arguments()
     def fastest(
         self,
         mean: Any,

@@ -2,41 +2,68 @@
 
 from __future__ import annotations
 
-import inspect
-from dataclasses import fields
 from pathlib import Path
-from typing import Any
 
 from floquetrod.rod.loads.load import AnyLoad, require_load
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.integration import Progress
 from floquetrod.simulation.problem import Simulation, SimulationProblem
+from floquetrod.simulation.start import Perturbation
 
 
 def simulate(
-    rod: Rod, load: AnyLoad, *, progress: Progress | None = None, checkpoint: str | Path | None = None, **options: Any
+    rod: Rod,
+    load: AnyLoad,
+    *,
+    duration: float = SimulationProblem.duration,
+    friction: float = SimulationProblem.friction,
+    perturbation: Perturbation | None = None,
+    segments: int | None = None,
+    time_step: float | None = None,
+    frames: int = SimulationProblem.frames,
+    poisson_ratio: float = SimulationProblem.poisson_ratio,
+    indentation: float = SimulationProblem.indentation,
+    contact_damping: float = SimulationProblem.contact_damping,
+    feed_speed: float | None = None,
+    far_force: float | None = None,
+    stop_early: bool = False,
+    progress: Progress | None = None,
+    checkpoint: str | Path | None = None,
 ) -> Simulation:
     """Simulate a rod in its channel: stretch, bending and twist, contact with the wall, Coulomb friction.
+
+    All but the last two arguments make a `SimulationProblem`, which describes them, and raises for what it cannot take.
 
     Parameters
     ----------
     rod : Rod
     load : AxialLoad, AxialWave or ForceRecord
-    progress : callable, optional
+    duration : float
+        In s.
+    friction : float
+        mu, static = kinetic, along the channel and around it.
+    perturbation : Perturbation, optional
+        Speeds at the start; by default Perturbation.random(1e-3, seed=1).
+    segments : int, optional
+        Of the rod; by default as many as the modes that may grow need.
+    time_step : float, optional
+        The largest step to take, in s; by default the critical one with a margin.
+    frames : int
+        Frames kept, the start and the end among them.
+    poisson_ratio, indentation, contact_damping : float
+        Of the material and of its contact with the wall, without unit.
+    feed_speed : float, optional
+        Speed in m/s at which the upper end is moved down the channel, in place of the force there.
+    far_force : float, optional
+        Mean effective compression at the lower end in N, where that end is pushed; by default the mean of the load.
+    stop_early : bool
+        Whether the run ends once the rod has buckled, or friction holds it at rest.
+    progress, checkpoint : optional
         See `SimulationProblem.run`.
-    checkpoint : path, optional
-        See `SimulationProblem.run`.
-    **options
-        Those of `SimulationProblem`: ``duration`` in s, ``friction``, ``perturbation``, ``segments`` and so on.
 
     Returns
     -------
     Simulation
-
-    Raises
-    ------
-    TypeError
-        For an option that there is not; besides what `SimulationProblem` and its method ``run`` raise.
 
     Examples
     --------
@@ -47,17 +74,20 @@ def simulate(
     >>> run.angle.shape, run.complete
     ((5, 61), True)
     """
-    known = [part.name for part in fields(SimulationProblem) if part.kw_only]
-    if unknown := [name for name in options if name not in known]:
-        raise TypeError(f"simulate has no option {unknown[0]!r}; the options are {', '.join(known)}")
-    return SimulationProblem(rod, require_load("load", load), **options).run(progress, checkpoint)
-
-
-def _signature() -> inspect.Signature:
-    """Return the signature of `simulate` with the options of the problem spelled out."""
-    problem, own = inspect.signature(SimulationProblem), inspect.signature(simulate)
-    extra = [own.parameters[name] for name in ("progress", "checkpoint")]
-    return own.replace(parameters=[*problem.parameters.values(), *extra])
-
-
-simulate.__signature__ = _signature()  # type: ignore[attr-defined]
+    problem = SimulationProblem(
+        rod,
+        require_load("load", load),
+        duration=duration,
+        friction=friction,
+        perturbation=perturbation,  # type: ignore[arg-type]  # None stands for the default
+        segments=segments,  # type: ignore[arg-type]
+        time_step=time_step,
+        frames=frames,
+        poisson_ratio=poisson_ratio,
+        indentation=indentation,
+        contact_damping=contact_damping,
+        feed_speed=feed_speed,
+        far_force=far_force,
+        stop_early=stop_early,
+    )
+    return problem.run(progress, checkpoint)

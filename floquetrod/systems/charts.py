@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.equations.batches import in_batches
 from floquetrod.floquet import one_by_one
@@ -34,7 +33,6 @@ _GREEK = re.compile(
 )
 
 
-@tells_arguments()
 def chart(
     family: Callable[..., Problem],
     over: Mapping[str, Any],

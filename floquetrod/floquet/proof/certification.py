@@ -13,7 +13,6 @@ from fractions import Fraction
 from typing import Any
 
 from floquetrod._util import validate
-from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import Equation, HillSystem, Mathieu, PeriodicSystem
 from floquetrod.equations.matrices import require_one
 from floquetrod.floquet.proof import band, chains
@@ -40,7 +39,6 @@ from floquetrod.floquet.verdict import Interval, Status
 _FIRST_DIGITS = 15
 
 
-@tells_arguments()
 def certify(
     equation: Equation | type[Equation] | HillSystem | PeriodicSystem,
     *,
