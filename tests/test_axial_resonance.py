@@ -16,12 +16,12 @@ import pytest
 import floquetrod as fr
 from floquetrod import cli
 from floquetrod.cli import waiting
-from floquetrod.rod.answers import coupled_verdict as coupled_stability
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.load import FAR_ENDS, Loads
 from floquetrod.rod.mode_equations import coupled_matrices as coupled
-from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, rod_numbers
-from floquetrod.rod.mode_equations.modal_systems import sampled_ranges
+from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, modes_needed, up_to_resonance
+from floquetrod.rod.modes import coupled_verdict as coupled_stability
+from floquetrod.rod.modes import sampled_ranges
 
 TUBING = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=60.0)
 LONG = TUBING.replace(length=600.0)
@@ -183,12 +183,11 @@ def test_a_resonance_with_little_damping_is_refused_by_its_name(monkeypatch: pyt
 def test_too_many_modes_for_other_reasons_are_told_with_remedies_that_are_left(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(coupled, "MOST_COUPLED", 5)
     load = fr.AxialWave(0.5 * TUBING.critical_force, 0.3 * TUBING.critical_force, 25.0)
-    numbers = rod_numbers(TUBING)
     with pytest.raises(ValueError, match=r"load needs \d+ coupled modes.*its damping_rate, a growth_tolerance"):
-        numbers.modes_needed(Loads.single(load), load, 0.0)
-    damped = rod_numbers(TUBING.replace(damping_rate=1e-3))
+        modes_needed(TUBING, load, Loads.single(load), 0.0)
+    damped = TUBING.replace(damping_rate=1e-3)
     with pytest.raises(ValueError, match=r"load needs \d+ coupled modes") as told:
-        damped.modes_needed(Loads.single(load), load, 1e-3)
+        modes_needed(damped, load, Loads.single(load), 1e-3)
     assert not re.search("damping_rate|growth_tolerance|resonance of", str(told.value))
 
 
@@ -204,7 +203,7 @@ def test_the_damping_that_stabilises_takes_few_evaluations(monkeypatch: pytest.M
         rate = rod.stability(load, modes=range(1, 25), growth_tolerance=tolerance).damping_to_stabilise
         assert 6 < len(evaluated) < 20
         for share, status in ((1.0 - 1e-8, 0), (1.0 + 1e-8, 1)):
-            damped = CoupledModes(rod_numbers(rod.replace(damping_rate=share * rate)), load, 24)
+            damped = CoupledModes.of(rod.replace(damping_rate=share * rate), load, 24)
             assert damped.answers(Loads.single(load), tolerance).status.tolist() == [status]
 
 
@@ -305,12 +304,11 @@ def test_gaps_are_where_verdicts_are_refused(rng: np.random.Generator) -> None:
 
 
 def test_margins_end_at_a_resonance() -> None:
-    numbers = rod_numbers(TUBING)
     for piece, end in (((0.5 * HELD, 1.5 * HELD), 0.9936), ((1.5 * HELD, 0.5 * HELD), 1.0064)):
-        cut = numbers.up_to_resonance(wave(1.0), piece)
+        cut = up_to_resonance(TUBING, wave(1.0), piece)
         assert cut == (piece[0], pytest.approx(end * HELD, rel=1e-4))
     away = (0.5 * HELD, 0.9 * HELD)
-    assert numbers.up_to_resonance(wave(1.0), away) == away
+    assert up_to_resonance(TUBING, wave(1.0), away) == away
     verdict = TUBING.stability(wave(0.999 * 0.9936 * HELD), modes=range(1, 5))
     below, above = verdict.frequency_margin
     assert below > 0.0

@@ -18,7 +18,7 @@ from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.mode_equations import sampled
-from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, rod_numbers
+from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, modes_needed
 from floquetrod.rod.modes.coupled_verdict import ModesTogether
 
 PLAIN = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05)
@@ -293,7 +293,7 @@ def test_a_margin_is_searched_with_the_modes_of_each_piece() -> None:
     few = PLAIN.replace(inclination=1.0).stability(load(), range(1, 9))
     assert isinstance(few, fr.RodStability)
     piece = (FREQUENCY, 9.0 * FREQUENCY)
-    needed = rod_numbers(found.rod).modes_needed(fr.rod.load.Loads.single(load(frequency=piece[1])), load(), 1e-6)
+    needed = modes_needed(found.rod, load(), fr.rod.load.Loads.single(load(frequency=piece[1])), 1e-6)
     chosen, asked = (
         cast(ModesTogether, verdict.evidence)._modes_for("frequency", piece, verdict.margin_tolerance)
         for verdict in (found, few)
@@ -367,7 +367,7 @@ def test_a_margin_ends_where_a_strong_vibration_displaces_a_resonance() -> None:
 def test_a_search_takes_waveforms_of_many_harmonics() -> None:
     def growth(waveform: tuple[complex, ...]) -> list[float]:
         load = fr.AxialLoad(MEAN, AMPLITUDE, FREQUENCY, waveform=waveform)
-        search = sampled._Search("frequency", CoupledModes(rod_numbers(ROD), load, 8), load, 0.0)
+        search = sampled._Search("frequency", CoupledModes.of(ROD, load, 8), load, 0.0)
         return search._growth_of_few(np.linspace(1.0, 3.0, 9) * SWING, (-math.inf, 2.5)).tolist()
 
     few = growth((-1j, 0.1))
@@ -379,7 +379,7 @@ def test_loads_that_would_take_too_long_are_not_called_stable() -> None:
     # Their growth was that of a placeholder, 0.08 1/s, which a tolerance of 0.1 takes for stable.
     slow = Loads((1,), *(np.array([value]) for value in (2000.0, 700.0, 0.3)))
     rod = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, ends="clamped-hinged", inclination=1.0)
-    modes = CoupledModes(rod_numbers(rod), fr.AxialWave(500.0, 700.0, 29.0, axial_damping=3.0), 14)
+    modes = CoupledModes.of(rod, fr.AxialWave(500.0, 700.0, 29.0, axial_damping=3.0), 14)
     status, growth = modes.answers(slow, 0.1, quick=True)
     assert status[0] == -1
     assert math.isnan(growth[0])
@@ -459,7 +459,7 @@ def test_without_vibration_the_stiffness_decides(rng: np.random.Generator) -> No
 
 
 def test_a_buckling_load_is_undecided_without_vibration() -> None:
-    modes = CoupledModes(rod_numbers(ROD), load(), 12)
+    modes = CoupledModes.of(ROD, load(), 12)
     low, high = 0.0, 10.0 * UNIT
     for _ in range(100):
         middle = 0.5 * (low + high)

@@ -13,7 +13,7 @@ import coupled_cases as cases
 import finite_differences as fd
 import floquetrod as fr
 from coupled_cases import ENDS, FORCE, TUBING, WIRE
-from floquetrod.rod.answers import coupled_verdict as coupled_stability
+from floquetrod.rod.modes import coupled_verdict as coupled_stability
 
 KNOWN = cases.known()
 COUPLED = tuple(ends for ends in ENDS if ends != "hinged-hinged")

@@ -12,7 +12,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod._util.interval import PI, Interval
-from floquetrod.rod.model import formulas
+from floquetrod.rod.model.constants import ModeConstants, mode_constants
 
 
 def random_rods(count: int, seed: int) -> list[fr.Rod]:
@@ -63,32 +63,32 @@ def test_numbers_of_rods_are_those_of_the_formulas_as_first_written() -> None:
         assert (rod.mass_per_length, rod.flexural_rigidity) == (mass, rod.youngs_modulus * moment)
         assert (rod.weight_per_length, rod.effective_gravity) == (rod.gravity * weighing, pull)
         assert (rod.radial_clearance, rod.pendulum_frequency) == (rod.channel_radius - r, swing)
-        expected = ((math.pi / rod.length) ** 2, mass, rod.youngs_modulus * moment, swing, rod.damping_rate)
-        assert tuple(rod.mode_constants) == expected
-        assert all(type(value) is float for value in rod.mode_constants)
+        assert rod.critical_force == 2.0 * math.sqrt(rod.youngs_modulus * moment * mass) * swing
 
 
-def test_mode_numbers_agree_with_mode_constants() -> None:
+def from_the_data_sheet(rod: fr.Rod) -> tuple[float, float, float, float]:
+    """Return the constants of the mode equations by the inertia, weight and stiffness of the data sheet."""
+    w2, mass = (math.pi / rod.length) ** 2, rod.mass_per_length
+    return rod.flexural_rigidity / mass * w2**2, w2 / mass, rod.pendulum_frequency**2, rod.damping_rate
+
+
+def test_modes_have_the_inertia_weight_and_stiffness_of_the_data_sheet() -> None:
     """Two ways of writing the same: over the area of the material, and in SI units."""
     for rod in random_rods(300, 2):
-        w2, mass, rigidity, swing, damping = rod.mode_constants
-        found = formulas.mode_constants(rod.parameters)
-        assert found == pytest.approx((rigidity / mass * w2**2, w2 / mass, swing**2, damping), rel=1e-13)
+        found = mode_constants(rod)
+        assert found == pytest.approx(from_the_data_sheet(rod), rel=1e-13)
+        assert all(type(value) is float for value in found)
 
 
 def test_arrays_give_what_floats_do() -> None:
     rods = random_rods(200, 3)
     columns: dict[str, Any] = {name: np.array([rod.parameters[name] for rod in rods]) for name in rods[0].parameters}
-    found = formulas.mode_parameters(columns, np.sin)
-    expected = np.array([rod.mode_constants for rod in rods]).T
-    expected[3] **= 2
-    np.testing.assert_allclose(np.array(found), expected, rtol=1e-13)
-    alike = formulas.mode_constants(columns, sin=np.sin)
-    np.testing.assert_allclose(alike.bending, found.rigidity / found.mass_per_length * found.w2**2, rtol=1e-13)
+    found = ModeConstants.of(columns, sin=np.sin)
+    np.testing.assert_allclose(np.array(found), np.array([mode_constants(rod) for rod in rods]).T, rtol=1e-14)
 
 
 def exact(rod: dict[str, float]) -> tuple[Fraction, Fraction, Fraction]:
-    """Return the first three mode numbers of a horizontal rod as fractions, for pi = 3."""
+    """Return the first three constants of a horizontal rod as fractions, for pi = 3."""
     p = {name: Fraction(value) for name, value in rod.items()}
     pi = 3
     ratio = (p["radius"] ** 2, p["inner_radius"] ** 2)
@@ -107,14 +107,14 @@ def test_intervals_enclose_exact_numbers() -> None:
     rng = np.random.default_rng(4)
     for rod in random_rods(100, 5):
         horizontal = rod.parameters | {"inclination": 0.5 * math.pi}
-        point = formulas.mode_constants({n: Interval(v, v) for n, v in horizontal.items()}, pi=3, sin=lambda _: 1.0)
+        point = ModeConstants.of({n: Interval(v, v) for n, v in horizontal.items()}, pi=3, sin=lambda _: 1.0)
         for value, interval in zip(exact(horizontal), point, strict=False):
             assert value in interval
             assert interval.width <= 1e-13 * interval.high
         spread = 0.002 * rng.random()
         box = {n: Interval(v * (1.0 - spread), v * (1.0 + spread)) for n, v in horizontal.items()}
         try:
-            found = formulas.mode_constants(box, pi=3, sin=lambda _: 1.0)
+            found = ModeConstants.of(box, pi=3, sin=lambda _: 1.0)
         except ZeroDivisionError:
             assert rod.radial_clearance < 2.0 * spread * rod.channel_radius
             continue
@@ -129,9 +129,9 @@ def test_intervals_of_a_solid_rod_are_tight() -> None:
     names = ("youngs_modulus", "density", "radius", "length", "channel_radius", "gravity")
     rod = fr.Rod.nitinol()
     box = {name: Interval(0.99 * getattr(rod, name), 1.01 * getattr(rod, name)) for name in names}
-    found = formulas.mode_constants(rod.parameters | box, pi=PI)
+    found = ModeConstants.of(rod.parameters | box, pi=PI)
     corners = [
-        formulas.mode_constants(rod.parameters | dict(zip(names, corner, strict=True)))
+        ModeConstants.of(rod.parameters | dict(zip(names, corner, strict=True)))
         for corner in product(*((i.low, i.high) for i in box.values()))
     ]
     for interval, values in zip(found[:3], np.array(corners).T[:3], strict=True):

@@ -20,6 +20,7 @@ from floquetrod.floquet.kernels.mathieu_counts import count_below
 from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.proof.kernels import intervals, regions, regions_boxes, regions_excess, regions_modes
 from floquetrod.floquet.proof.kernels.regions_modes import GROWS, QUIET, UNKNOWN
+from floquetrod.rod.model.constants import mode_constants
 
 pytestmark = pytest.mark.kernels
 
@@ -343,10 +344,8 @@ def test_flux_bound_holds_in_every_tongue_and_is_tight() -> None:
 
 
 def rod_box(rod: fr.Rod, mean: Any, amplitude: Any, frequency: Any) -> Floats:
-    c = rod.mode_constants
     box = np.empty((7, 2))
-    rows = (c.rigidity * c.w2**2 / c.mass_per_length, c.w2 / c.mass_per_length, c.pendulum_frequency**2, c.damping_rate)
-    for row, value in zip(box, (mean, amplitude, frequency, *rows), strict=True):
+    for row, value in zip(box, (mean, amplitude, frequency, *mode_constants(rod)), strict=True):
         row[:] = value
     box[[3, 4, 5], 0] *= 1.0 - 1e-15
     box[[3, 4, 5], 1] *= 1.0 + 1e-15

@@ -13,6 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod.rod.loads.load import LIMITS, Load, Loads
 from floquetrod.rod.model import formulas, parts
+from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.rod import Rod
 
@@ -68,11 +69,13 @@ class Sampling:
             least, largest = parts.LIMITS[name]
             good &= (least <= values) & (values <= largest)
         if good.all():
-            section = formulas.section_numbers(rods["radius"], rods["inner_radius"])
-            own = formulas.own_mass(rods["density"], rods["fluid_inside"], section)
-            good &= formulas.has_wall(rods["radius"], rods["inner_radius"])
+            radii = rods["radius"], rods["inner_radius"]
+            area, bore, outer = formulas.ring(*radii), formulas.disc(radii[1]), formulas.disc(radii[0])
+            own = formulas.own_mass(rods["density"], rods["fluid_inside"], area, bore)
+            weighing = formulas.weighing_mass(own, rods["fluid_outside"], outer)
+            good &= formulas.has_wall(*radii)
             good &= formulas.fits(rods["radius"], rods["channel_radius"])
-            good &= formulas.sinks(own, formulas.weighing_mass(own, rods["fluid_outside"], section))
+            good &= formulas.sinks(own, weighing)
         return good
 
     def _require(self, good: NDArray[np.bool_], values: Mapping[str, Floats]) -> None:
@@ -94,7 +97,7 @@ class Sampling:
         """Raise ValueError for a sample that is not a possible rod and load."""
         rod = self.rod.replace(**{name: value for name, value in sample.items() if name not in LIMITS})
         load = self.load.with_numbers(*(sample.get(name, getattr(self.load, name)) for name in LIMITS))
-        rod.mode_constants.require_in_reach(Loads.single(load))
+        mode_constants(rod).require_in_reach(Loads.single(load))
         raise ValueError("it is out of range")
 
 

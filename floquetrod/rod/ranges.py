@@ -17,8 +17,9 @@ from floquetrod._util.report import number as finite
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.answers.intervals import QUANTITIES, Cause, Search, StabilityInterval, UnstableBand
 from floquetrod.rod.loads.axial import AxialGap, between
-from floquetrod.rod.loads.load import KINDS, Load, Progress, Quantity
+from floquetrod.rod.loads.load import KINDS, Load, Loads, Progress, Quantity
 from floquetrod.rod.model.assumptions import warn_unless_uniform
+from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.modes.mode_model import ModeModel
 
 
@@ -242,6 +243,8 @@ def stability_intervals(
     """Return the stability intervals of one quantity within ``bounds``, with as many modes as ``largest`` needs."""
     validate.progress(progress)
     search = Search(varied, largest, bounds, validate.tolerance("growth_tolerance", growth_tolerance))
+    if varied == "frequency":
+        mode_constants(model.rod).require_in_reach(Loads.single(largest.varied(varied, bounds[0])))
     warn_unless_uniform(model.rod, largest)
     found = model.ranges(search, progress)
     return StabilityIntervals(

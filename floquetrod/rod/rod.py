@@ -415,9 +415,7 @@ class Rod(RodData):
         1 / omega^2 (docs/theory/ranges.md).  See `stable_mean_forces` for the other arguments.
         """
         low, high = load_bounds("frequency", bounds)
-        slowest = kind(like).with_numbers(mean, amplitude, low)
-        self.mode_constants.require_in_reach(Loads.single(slowest))
-        fastest = slowest.varied("frequency", high)
+        fastest = kind(like).with_numbers(mean, amplitude, high)
         from floquetrod.rod.ranges import stability_intervals
 
         model = self.modes_under(fastest)

@@ -12,7 +12,7 @@ from floquetrod._util.compilation import over_chunks
 from floquetrod.floquet.kernels import mathieu
 from floquetrod.rod.kernels import modes as rod_modes
 from floquetrod.rod.loads.load import Loads
-from floquetrod.rod.model.constants import ModeConstants
+from floquetrod.rod.model.constants import ModeConstants, mode_constants
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.start import LEAST_SEGMENTS
 
@@ -55,7 +55,7 @@ def growing_waves(driving: Driving, duration: float) -> GrowingWaves:
     several places along the rod, for coupled modes too: waves short beside the rod follow the force where they are.
     Each harmonic of the force counts alone.
     """
-    constants, found = driving.rod.mode_constants, GrowingWaves(0, 0, 0.0)
+    constants, found = mode_constants(driving.rod), GrowingWaves(0, 0, 0.0)
     for frequency, mean, amplitude in driving.forces(_PLACES, _HARMONICS):
         loads = Loads.of(mean, amplitude, frequency)
         try:
@@ -77,7 +77,7 @@ def _growth(constants: ModeConstants, loads: Loads, slowest: float) -> tuple[NDA
     """
     mean, amplitude, frequency = loads.flat
     c = constants.damping_rate / frequency
-    family = np.broadcast_arrays(*rod_modes.mode_family(*constants[:4], mean, amplitude, frequency))
+    family = np.broadcast_arrays(*rod_modes.mode_family(*constants[:3], mean, amplitude, frequency))
     forcing, compression, bending, gravity = (float(part.max()) for part in family)
     target = c[0] + slowest / frequency[0]
     last = rod_modes.modes_needed(forcing, compression, bending, gravity - c[0] * c[0], target, 1)

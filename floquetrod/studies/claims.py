@@ -23,6 +23,7 @@ from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.loads.load import AxialLoad
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import unstable_loads
+from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.rod import Rod
 
 ROD = Rod.nitinol()
@@ -127,7 +128,7 @@ def f3_a() -> Claim:
     by_test = first_failure(0.2, 85.0, LEAPFROG, 0.6)
     load = AxialLoad(0.0, 0.2 * UNIT, 85.0)
     last = ROD.modes_needed(AxialLoad(0.6 * UNIT, 0.2 * UNIT, 85.0))[0]
-    system = ModalSystem(ROD.mode_constants, load, tuple(range(1, last + 1)))
+    system = ModalSystem(mode_constants(ROD), load, tuple(range(1, last + 1)))
     bands = unstable_loads("mean", system, 0.0, (0.0, 0.6 * UNIT)).intervals
     main = min(band for band in bands if band.low <= by_test * UNIT < band.high)  # in which the test fails further on
     below = sum(band.high < main.low for band in bands)

@@ -24,6 +24,7 @@ from floquetrod.rod.loads.load import AxialLoad
 from floquetrod.rod.map import stability_map
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import unstable_loads
+from floquetrod.rod.model.constants import mode_constants
 from floquetrod.studies.claims import EXACT, LEAPFROG, ROD, UNIT, WINDOW, window
 
 LOADS = (0.288, 85.0), (0.20, 150.0), (0.34, 150.0)
@@ -51,7 +52,7 @@ def figure_2(chart: int) -> Any:
     drawing.draw_plane(axes[0], alpha, beta.ravel(), ~LEAPFROG.is_stable(alpha, beta), curves)
     for ax, (force, frequency) in zip(axes[1:], LOADS, strict=True):
         load = AxialLoad(force * UNIT, 0.2 * UNIT, frequency)
-        system = ModalSystem(ROD.mode_constants, load, tuple(range(1, 11)))
+        system = ModalSystem(mode_constants(ROD), load, tuple(range(1, 11)))
         mode_alpha, mode_beta = system.alpha, system.beta
         upto, lowest = 1.25 * mode_alpha[-1], mode_beta.min()
         bands = mathieu.chart((0.0, upto, 2), (1.1 * lowest, -0.3 * lowest, 2)).bands
@@ -96,7 +97,7 @@ def figure_3(points: tuple[int, int]) -> Any:
 def unstable_intervals(amplitude: float, frequency: float, upto: float) -> list[Interval]:
     """Return every unstable interval of the mean force (all in F_cr), mode by mode, thin ones first."""
     last = ROD.modes_needed(AxialLoad(upto * UNIT, amplitude * UNIT, frequency))[0]
-    system = ModalSystem(ROD.mode_constants, AxialLoad(0.0, amplitude * UNIT, frequency), tuple(range(1, last + 1)))
+    system = ModalSystem(mode_constants(ROD), AxialLoad(0.0, amplitude * UNIT, frequency), tuple(range(1, last + 1)))
     return [
         Interval(r.low / UNIT, r.high / UNIT, r.mode, tolerance > 0.0)
         for tolerance in (0.0, EXACT.threshold * frequency)

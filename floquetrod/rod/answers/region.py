@@ -27,7 +27,7 @@ from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Progress, Quantit
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import gaps, unstable_loads
 from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, WALL, warn_unless_uniform
-from floquetrod.rod.model.constants import MOST_MODES, NEGLIGIBLE_GROWTH
+from floquetrod.rod.model.constants import MOST_MODES, NEGLIGIBLE_GROWTH, mode_constants
 from floquetrod.rod.model.data import RodData
 
 _BOXES_A_ROD = 64  # parts of a box looked at before its rods are halved (a choice: a millisecond or so)
@@ -60,7 +60,7 @@ def require_in_reach(box: RodBox) -> None:
     """Raise ValueError for a box with loads that need too many modes, or whose mode equations are too large."""
     ends = [np.array([box.loads[name].low, box.loads[name].high]) for name in QUANTITIES]
     for each in box.corner_rods():
-        each.mode_constants.require_in_reach(Loads((2,), *ends))
+        mode_constants(each).require_in_reach(Loads((2,), *ends))
 
 
 def prove(box: RodBox, tolerance: float, max_boxes: int = MAX_BOXES, progress: Progress | None = None) -> RegionProof:
@@ -195,7 +195,7 @@ class _Proving:
         side = part.loads[quantity]
         bounds = (side.low, side.high)
         level = max(self.tolerance, _LEAST_GROWTH)
-        system = ModalSystem(rod.mode_constants, load.varied(quantity, side.high), tuple(range(1, self.modes + 1)))
+        system = ModalSystem(mode_constants(rod), load.varied(quantity, side.high), tuple(range(1, self.modes + 1)))
         intervals = unstable_loads(quantity, system, level, bounds, union=True).intervals
         places = {
             "unstable": [(each.low, each.high) for each in intervals],
@@ -290,7 +290,7 @@ def _lines(part: RodBox, *, middle_only: bool) -> Iterator[tuple[Quantity, Load]
 
 def _rate(rod: RodData, load: Load, mode: int) -> str:
     """Return the growth of a mode as it is computed, for a statement; nothing where it is too slow for doubles."""
-    system = ModalSystem(rod.mode_constants, load, (mode,))
+    system = ModalSystem(mode_constants(rod), load, (mode,))
     rate = float(mathieu.growth_rate(system.alpha, system.beta, system.damping)[0]) * system.frequency
     return f", at {rate:.4g} 1/s as computed" if rate > 0.0 and math.isfinite(rate) else ""
 

@@ -14,7 +14,7 @@ from floquetrod._util.interval import PI, Interval
 from floquetrod.floquet.proof.region import Side, side_ends
 from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Load, Quantity, load_number
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
-from floquetrod.rod.model import formulas
+from floquetrod.rod.model.constants import ModeConstants
 from floquetrod.rod.model.data import RodData
 from floquetrod.units import Unit
 
@@ -107,10 +107,10 @@ class RodBox:
         """Names of the parameters of the rod that vary."""
         return tuple(name for name, side in self.parameters.items() if side.width > 0.0)
 
-    def constants(self) -> formulas.ModeNumbers:
+    def constants(self) -> ModeConstants:
         """Return intervals of what the mode equations need of the rods."""
         numbers = {name: Interval.of(value) for name, value in self.rod.parameters.items()} | dict(self.parameters)
-        return formulas.mode_constants(numbers, pi=PI, sin=_sine)
+        return ModeConstants.of(numbers, pi=PI, sin=_sine)
 
     def kernel_box(self) -> list[float]:
         """Return the ends of F, dF, omega, c1, c2, Omega^2 and lambda, low before high, as the kernels take them."""

@@ -25,6 +25,7 @@ from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import KINDS, LIMITS, QUANTITIES, Load, Loads, Progress, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.model.assumptions import warn_unless_uniform
+from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.data import RodData
 
 _BOXES = 200  # parts of a box looked at before it counts as not safe, in a search of many (a choice)
@@ -265,7 +266,7 @@ class _Search:
         fixed = [side[:1] if side[0] == side[-1] else side for side in sides]
         loads = np.meshgrid(*fixed, indexing="ij")
         for rod in self.rods:
-            if not ModalSystems(rod.mode_constants, Loads.of(*loads)).are_stable(self.tolerance, 1).all():
+            if not ModalSystems(mode_constants(rod), Loads.of(*loads)).are_stable(self.tolerance, 1).all():
                 return False
         return is_proved_stable(box, self.tolerance, _BOXES)
 

@@ -16,16 +16,16 @@ from floquetrod.floquet.kernels.mathieu_counts import STABLE, shown_by_count
 
 @kernel
 def mode_family(
-    w2: Any, mass: Any, rigidity: Any, pendulum: Any, mean: Any, amplitude: Any, frequency: Any
+    bending: Any, per_newton: Any, pendulum_squared: Any, mean: Any, amplitude: Any, frequency: Any
 ) -> tuple[Any, Any, Any, Any]:
     """Return A, B, C, D of a rod's modes, Eq. (4) of DOI 10.1115/1.4031710.
 
-    ``w2`` is the square of the first mode's wavenumber, ``mass`` per length, ``rigidity`` E I, ``pendulum`` the
-    frequency of swinging in the channel; all in SI units.
+    The first three are those of `floquetrod.rod.model.constants.ModeConstants`; mean and amplitude in N, the frequency
+    in rad/s.
     """
-    inertia = mass * frequency * frequency
-    swing = pendulum / frequency
-    return w2 * amplitude / inertia, w2 * mean / inertia, rigidity * w2 * w2 / inertia, swing * swing
+    squared = frequency * frequency
+    unit = per_newton / squared
+    return unit * amplitude, unit * mean, bending / squared, pendulum_squared / squared
 
 
 @kernel
@@ -95,22 +95,16 @@ def modes_needed_fill(forcing: Any, compression: Any, bending: Any, gravity: Any
 
 @kernel
 def _modes_of_load(
-    w2: float,
-    mass: float,
-    rigidity: float,
-    pendulum: float,
-    mean: float,
-    amplitude: float,
-    omega: float,
-    damping_rate: float,
-    slowest: float,
-    guess: int,
+    constants: Any, mean: float, amplitude: float, omega: float, slowest: float, guess: int
 ) -> tuple[float, float, float, float, float, int]:
     """Return A, B, C, D and c of a rod under a load, and how many modes to test if ``slowest`` (1/s) is to be seen."""
+    bending, per_newton, pendulum_squared, damping_rate = constants
     c = damping_rate / omega
-    forcing, compression, bending, gravity = mode_family(w2, mass, rigidity, pendulum, mean, amplitude, omega)
-    last = modes_needed(forcing, compression, bending, gravity - c * c, c + slowest / omega, guess)
-    return forcing, compression, bending, gravity, c, last
+    forcing, compression, stiffness, gravity = mode_family(
+        bending, per_newton, pendulum_squared, mean, amplitude, omega
+    )
+    last = modes_needed(forcing, compression, stiffness, gravity - c * c, c + slowest / omega, guess)
+    return forcing, compression, stiffness, gravity, c, last
 
 
 @kernel
@@ -124,14 +118,10 @@ def _mode_stable(
 
 @kernel
 def rod_is_stable(
-    w2: float,
-    mass: float,
-    rigidity: float,
-    pendulum: float,
+    constants: Any,
     mean: float,
     amplitude: float,
     omega: float,
-    damping_rate: float,
     tolerance: float,
     slowest: float,
     last: int,
@@ -139,12 +129,11 @@ def rod_is_stable(
 ) -> tuple[bool, int, int]:
     """Return whether no mode of a rod grows faster than ``tolerance`` (1/s), how many were needed and which to suspect.
 
-    Growth below ``slowest`` (1/s) may be left out.  ``last`` and ``suspect`` are the answers for a rod and load nearby:
-    neighbours need about as many modes and mostly fail in the same one, which is tested first.
+    ``constants`` are the four of `floquetrod.rod.model.constants.ModeConstants`.  Growth below ``slowest`` (1/s) may be
+    left out.  ``last`` and ``suspect`` are the answers for a rod and load nearby: neighbours need about as many modes
+    and mostly fail in the same one, which is tested first.
     """
-    forcing, compression, bending, gravity, c, last = _modes_of_load(
-        w2, mass, rigidity, pendulum, mean, amplitude, omega, damping_rate, slowest, last
-    )
+    forcing, compression, bending, gravity, c, last = _modes_of_load(constants, mean, amplitude, omega, slowest, last)
     level = tolerance / omega
     suspect = min(suspect, last)
     if not _mode_stable(forcing, compression, bending, gravity, suspect, c, level):
@@ -157,17 +146,7 @@ def rod_is_stable(
 
 @kernel
 def modes_stable_fill(
-    mean: Any,
-    amplitude: Any,
-    frequency: Any,
-    out: Any,
-    w2: float,
-    mass: float,
-    rigidity: float,
-    pendulum: float,
-    damping_rate: float,
-    tolerance: float,
-    smallest: float,
+    mean: Any, amplitude: Any, frequency: Any, out: Any, constants: Any, tolerance: float, smallest: float
 ) -> None:
     """Fill ``out`` with whether no mode of a rod grows faster than ``tolerance`` under each load (rates per second).
 
@@ -178,39 +157,17 @@ def modes_stable_fill(
     suspect = 1
     for i in range(len(mean)):
         out[i], last, suspect = rod_is_stable(
-            w2,
-            mass,
-            rigidity,
-            pendulum,
-            mean[i],
-            amplitude[i],
-            frequency[i],
-            damping_rate,
-            tolerance,
-            slowest,
-            last,
-            suspect,
+            constants, mean[i], amplitude[i], frequency[i], tolerance, slowest, last, suspect
         )
 
 
 @kernel
-def modes_growth_fill(
-    mean: Any,
-    amplitude: Any,
-    frequency: Any,
-    out: Any,
-    w2: float,
-    mass: float,
-    rigidity: float,
-    pendulum: float,
-    damping_rate: float,
-    smallest: float,
-) -> None:
+def modes_growth_fill(mean: Any, amplitude: Any, frequency: Any, out: Any, constants: Any, smallest: float) -> None:
     """Fill ``out`` (n, 2) with the largest growth rate per second and the mode that has it (0 where none grows)."""
     last = 1
     for i in range(len(mean)):
         forcing, compression, bending, gravity, c, last = _modes_of_load(
-            w2, mass, rigidity, pendulum, mean[i], amplitude[i], frequency[i], damping_rate, smallest, last
+            constants, mean[i], amplitude[i], frequency[i], smallest, last
         )
         best = 0.0
         first = 0

@@ -13,10 +13,9 @@ def samples_stable_fill(
     mean: Any,
     amplitude: Any,
     frequency: Any,
-    w2: Any,
-    mass: Any,
-    rigidity: Any,
-    pendulum: Any,
+    bending: Any,
+    per_newton: Any,
+    pendulum_squared: Any,
     damping_rate: Any,
     out: Any,
     tolerance: float,
@@ -30,17 +29,7 @@ def samples_stable_fill(
     last = 1
     suspect = 1
     for i in range(len(mean)):
+        constants = bending[i], per_newton[i], pendulum_squared[i], damping_rate[i]
         out[i], last, suspect = rod_is_stable(
-            w2[i],
-            mass[i],
-            rigidity[i],
-            pendulum[i],
-            mean[i],
-            amplitude[i],
-            frequency[i],
-            damping_rate[i],
-            tolerance,
-            slowest,
-            last,
-            suspect,
+            constants, mean[i], amplitude[i], frequency[i], tolerance, slowest, last, suspect
         )

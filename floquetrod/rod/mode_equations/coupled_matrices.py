@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,9 +25,8 @@ from floquetrod.rod.loads.load import AxialLoad, Load, Loads
 from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.model.beam import Basis, basis
-from floquetrod.rod.model.constants import HAIRLINE_GROWTH, ModeConstants
+from floquetrod.rod.model.constants import HAIRLINE_GROWTH, ModeConstants, mode_constants
 from floquetrod.rod.model.data import RodData
-from floquetrod.rod.model.parts import Ends
 
 Floats = NDArray[np.float64]
 
@@ -35,107 +34,82 @@ MOST_COUPLED = 2000  # modes of a system: half a minute each verdict (a choice)
 LEAST_COUPLED = 10  # modes at least, beside one and a half times the critical mode (a choice)
 
 
-class RodNumbers(NamedTuple):
-    """All that coupled modes depend on besides the load, in SI units.
+def modes_needed(rod: RodData, like: Load, loads: Loads, growth_tolerance: float) -> int:
+    """Return how many modes to take for loads of a kind: as many as the largest force along the rod would need.
 
-    Attributes
-    ----------
-    constants : ModeConstants
-    ends : Ends
-    length : float
-    critical_mode : float
-        The mode, not rounded, that the critical force of a long rod buckles.
-    weight_along : float
-        w_e cos(inclination) in N/m.
-    wave_speed : float
-        Of axial waves, m/s.
+    An estimate: that force is taken as uniform, and modes beyond are expected to grow at less than 1e-6 per second, or
+    the tolerance, if larger.  At least ten more than one and a half times the critical mode, for accuracy.
     """
+    require_few(rod, like, loads, growth_tolerance)
+    uniform = largest_uniform(rod, like, loads)
+    needed, _ = mode_constants(rod).modes_needed(uniform, max(growth_tolerance, HAIRLINE_GROWTH))
+    if needed > MOST_COUPLED:
+        raise _too_many(needed, rod, uniform, loads, like, growth_tolerance)
+    return max(math.ceil(1.5 * rod.critical_mode) + LEAST_COUPLED, needed + 2)
 
-    constants: ModeConstants
-    ends: Ends
-    length: float
-    critical_mode: float
-    weight_along: float
-    wave_speed: float
 
-    def modes_needed(self, loads: Loads, like: Load, growth_tolerance: float) -> int:
-        """Return how many modes to take for loads of a kind: as many as the largest force along the rod would need.
-
-        An estimate: that force is taken as uniform, and modes beyond are expected to grow at less than 1e-6 per second,
-        or the tolerance, if larger.  At least ten more than one and a half times the critical mode, for accuracy.
-        """
-        self.require_few(loads, like, growth_tolerance)
-        uniform = self.largest_uniform(loads, like)
-        needed, _ = self.constants.modes_needed(uniform, max(growth_tolerance, HAIRLINE_GROWTH))
-        if needed > MOST_COUPLED:
-            raise self._too_many(needed, uniform, loads, like, growth_tolerance)
-        return max(math.ceil(1.5 * self.critical_mode) + LEAST_COUPLED, needed + 2)
-
-    def _too_many(
-        self, needed: int, uniform: AxialLoad, loads: Loads, like: Load, growth_tolerance: float
-    ) -> ValueError:
-        """Return the error that says why so many modes are needed, and the remedies that are left."""
-        given = float(loads.amplitude.max())
-        without_waves, _ = self.constants.modes_needed(
-            uniform.varied("amplitude", given), max(growth_tolerance, HAIRLINE_GROWTH)
+def _too_many(
+    needed: int, rod: RodData, uniform: AxialLoad, loads: Loads, like: Load, growth_tolerance: float
+) -> ValueError:
+    """Return the error that says why so many modes are needed, and the remedies that are left."""
+    given = float(loads.amplitude.max())
+    without_waves, _ = mode_constants(rod).modes_needed(
+        uniform.varied("amplitude", given), max(growth_tolerance, HAIRLINE_GROWTH)
+    )
+    if without_waves <= MOST_COUPLED:
+        frequency = max(np.unique(loads.frequency).tolist(), key=lambda at: _largest_along(rod, like, at))
+        forces = (uniform.mean + uniform.amplitude) / rod.critical_force
+        return AxialResonanceError(
+            f"frequency {frequency:.6g} rad/s is next to an axial resonance of the rod, which makes "
+            f"{uniform.amplitude:.3g} N of {given:.3g} N along it, {forces:.3g} critical forces, for which "
+            f"{needed} coupled modes would be needed, more than {MOST_COUPLED}; give more axial_damping, another "
+            "frequency, a shorter length, or choose the number of modes"
         )
-        if without_waves <= MOST_COUPLED:
-            frequency = max(np.unique(loads.frequency).tolist(), key=lambda at: self._largest_along(like, at))
-            forces = (uniform.mean + uniform.amplitude) / self.constants.critical_force
-            return AxialResonanceError(
-                f"frequency {frequency:.6g} rad/s is next to an axial resonance of the rod, which makes "
-                f"{uniform.amplitude:.3g} N of {given:.3g} N along it, {forces:.3g} critical forces, for which "
-                f"{needed} coupled modes would be needed, more than {MOST_COUPLED}; give more axial_damping, another "
-                "frequency, a shorter length, or choose the number of modes"
-            )
-        remedies = [
-            *(["the rod its damping_rate"] if self.constants.damping_rate == 0.0 else []),
-            *(["a growth_tolerance"] if growth_tolerance <= HAIRLINE_GROWTH else []),
-            "a shorter length",
-        ]
-        return ValueError(
-            f"load needs {needed} coupled modes, more than {MOST_COUPLED}: so long a rod has that many resonances "
-            f"below the frequency; give {', '.join(remedies)}, or choose the number of modes"
-        )
+    remedies = [
+        *(["the rod its damping_rate"] if rod.damping_rate == 0.0 else []),
+        *(["a growth_tolerance"] if growth_tolerance <= HAIRLINE_GROWTH else []),
+        "a shorter length",
+    ]
+    return ValueError(
+        f"load needs {needed} coupled modes, more than {MOST_COUPLED}: so long a rod has that many resonances "
+        f"below the frequency; give {', '.join(remedies)}, or choose the number of modes"
+    )
 
-    def require_few(self, loads: Loads, like: Load, growth_tolerance: float) -> None:
-        """Raise ValueError, at once, where the modes alone that the largest force outweighs are too many."""
-        uniform = self.largest_uniform(loads, like)
-        push = max(0.0, uniform.mean + uniform.amplitude)
-        needed = math.ceil(math.sqrt(push / self.constants.rigidity / self.constants.w2))
-        if needed > MOST_COUPLED:
-            raise self._too_many(needed, uniform, loads, like, growth_tolerance)
 
-    def largest_uniform(self, loads: Loads, like: Load) -> AxialLoad:
-        """Return a sine, uniform along the rod, as strong and as fast as any part of any of the loads."""
-        frequencies = np.unique(loads.frequency)
-        largest = max(
-            self._largest_along(like, frequency)
-            for frequency in (frequencies[:1] if like.is_uniform else frequencies).tolist()
-        )
-        mean = float(loads.mean.max()) + max(self.added_mean(like, 0.0), self.added_mean(like, 1.0))
-        fastest = float(loads.frequency.max()) * len(like.harmonics)
-        return AxialLoad(mean, float(loads.amplitude.max()) * largest, fastest)
+def require_few(rod: RodData, like: Load, loads: Loads, growth_tolerance: float) -> None:
+    """Raise ValueError, at once, where the modes alone that the largest force outweighs are too many."""
+    uniform = largest_uniform(rod, like, loads)
+    constants, push = mode_constants(rod), max(0.0, uniform.mean + uniform.amplitude)
+    needed = math.ceil(math.sqrt(push * constants.per_newton / constants.bending))
+    if needed > MOST_COUPLED:
+        raise _too_many(needed, rod, uniform, loads, like, growth_tolerance)
 
-    def _largest_along(self, like: Load, frequency: float) -> float:
-        """Return the largest force along the rod for an amplitude of one newton, if harmonics met in phase."""
-        self.require_off_resonance(like, frequency)
-        return axial.bound(like, self.wave_speed, self.length, frequency)
 
-    def require_off_resonance(self, like: Load, frequency: float) -> None:
-        """Raise AxialResonanceError where waves of a frequency resonate in the rod, without axial damping."""
-        axial.require_off_resonance(like, self.wave_speed, self.length, frequency)
+def largest_uniform(rod: RodData, like: Load, loads: Loads) -> AxialLoad:
+    """Return a sine, uniform along the rod, as strong and as fast as any part of any of the loads."""
+    frequencies = np.unique(loads.frequency)
+    largest = max(
+        _largest_along(rod, like, frequency)
+        for frequency in (frequencies[:1] if like.is_uniform else frequencies).tolist()
+    )
+    added = (axial.added_mean(like, rod.weight_along, rod.length, x) for x in (0.0, 1.0))
+    mean = float(loads.mean.max()) + max(added)
+    fastest = float(loads.frequency.max()) * len(like.harmonics)
+    return AxialLoad(mean, float(loads.amplitude.max()) * largest, fastest)
 
-    def up_to_resonance(self, like: Load, piece: tuple[float, float]) -> tuple[float, float]:
-        """Return a piece of frequencies, in either direction, cut where waves first resonate, without axial damping."""
-        found = axial.gaps(like, self.wave_speed, self.length, (min(piece), max(piece)))
-        if not found:
-            return piece
-        return piece[0], found[0].low if piece[0] < piece[1] else found[-1].high
 
-    def added_mean(self, like: Load, x: Any) -> Any:
-        """Return what the weight along the rod adds to the mean force at x = s / L, in N."""
-        return axial.added_mean(like, self.weight_along, self.length, x)
+def _largest_along(rod: RodData, like: Load, frequency: float) -> float:
+    """Return the largest force along the rod for an amplitude of one newton, if harmonics met in phase."""
+    axial.require_off_resonance(like, rod.wave_speed, rod.length, frequency)
+    return axial.bound(like, rod.wave_speed, rod.length, frequency)
+
+
+def up_to_resonance(rod: RodData, like: Load, piece: tuple[float, float]) -> tuple[float, float]:
+    """Return a piece of frequencies, in either direction, cut where waves first resonate, without axial damping."""
+    found = axial.gaps(like, rod.wave_speed, rod.length, (min(piece), max(piece)))
+    if not found:
+        return piece
+    return piece[0], found[0].low if piece[0] < piece[1] else found[-1].high
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,21 +118,33 @@ class CoupledModes(ModeSystems):
 
     Attributes
     ----------
-    numbers : RodNumbers
+    rod : RodData
+        Gives ends, length and wave speed.
     like : Load
         What the loads have in common: everything but mean, amplitude and frequency.
     count : int
         Beam functions; polynomials may be added to them.
+    constants : ModeConstants
+        Of the rod, or a little others.
+    weight_along : float
+        w_e cos(inclination) in N/m, of the rod, or a little other.
     """
 
-    numbers: RodNumbers
+    rod: RodData
     like: Load
     count: int
+    constants: ModeConstants
+    weight_along: float
+
+    @classmethod
+    def of(cls, rod: RodData, like: Load, count: int) -> Self:
+        """Return the first modes of a rod."""
+        return cls(rod, like, count, mode_constants(rod), rod.weight_along)
 
     @cached_property
     def basis(self) -> Basis:
         """The functions along the rod."""
-        return basis(self.numbers.ends, self.count)
+        return basis(self.rod.end_conditions, self.count)
 
     @property
     def size(self) -> int:
@@ -168,21 +154,20 @@ class CoupledModes(ModeSystems):
     @cached_property
     def _static(self) -> tuple[Floats, Floats]:
         """Stiffness without mean force in 1/s^2, and what a newton of uniform compression takes from it."""
-        constants, length = self.numbers.constants, self.numbers.length
-        bending = constants.rigidity / constants.mass_per_length / length**4 * self.basis.bending
-        weight = self._coupling(self.numbers.added_mean(self.like, self.basis.nodes))
-        swing = constants.pendulum_frequency**2 * np.eye(self.size)
+        bending = self.constants.bending / math.pi**4 * self.basis.bending
+        weight = self._coupling(axial.added_mean(self.like, self.weight_along, self.rod.length, self.basis.nodes))
+        swing = self.constants.pendulum_squared * np.eye(self.size)
         return bending + swing - weight, self._coupling(np.ones_like(self.basis.nodes))
 
     def _coupling(self, force: NDArray[Any]) -> Floats:
         """Return (1 / m L^2) int F phi_i' phi_j' for a force in N at the nodes."""
-        return self.basis.coupling(force) / (self.numbers.constants.mass_per_length * self.numbers.length**2)
+        return self.basis.coupling(force) * float(self.constants.per_newton / math.pi**2)
 
     def _vibration(self, frequency: float) -> NDArray[np.float64]:
         """Return cosine and sine matrices of every harmonic for an amplitude of one newton, (2, H, n, n)."""
-        numbers, s = self.numbers, self.basis.nodes * self.numbers.length
-        numbers.require_off_resonance(self.like, frequency)
-        every = axial.along(self.like, numbers.wave_speed, numbers.length, s, frequency)
+        along = self.rod.wave_speed, self.rod.length
+        axial.require_off_resonance(self.like, *along, frequency)
+        every = axial.along(self.like, *along, self.basis.nodes * self.rod.length, frequency)
         found = [(-self._coupling(force.real), self._coupling(force.imag)) for force in every]
         return np.array(found).swapaxes(0, 1)
 
@@ -199,7 +184,7 @@ class CoupledModes(ModeSystems):
         single = loads.shape == ()
         parts = [[m[0] if single else m for m in np.moveaxis(forcing[:, i], 1, 0)] for i in (0, 1)]
         cosines, sines = ([] if not any(m.any() for m in series) else series for series in parts)
-        damping = 2.0 * self.numbers.constants.damping_rate * np.eye(self.size)
+        damping = 2.0 * self.damping_rate * np.eye(self.size)
         period = 2.0 * math.pi / loads.frequency
         return HillSystem(
             mean[0] if single else mean,
@@ -216,20 +201,18 @@ class CoupledModes(ModeSystems):
     @property
     def damping_rate(self) -> float:
         """Decay rate c of free motion in 1/s."""
-        return self.numbers.constants.damping_rate
+        return float(self.constants.damping_rate)
 
     def damped(self, rate: float) -> Self:
         """Return the same modes with another decay rate."""
-        constants = self.numbers.constants._replace(damping_rate=rate)
-        return replace(self, numbers=self.numbers._replace(constants=constants))
+        return replace(self, constants=self.constants._replace(damping_rate=rate))
 
     def changed(self, bending: float, force: float, weight: float) -> Self:
         """Return the same modes with bending stiffness, weight along and weight across the rod changed by factors."""
-        numbers, constants = self.numbers, self.numbers.constants
-        constants = constants._replace(
-            rigidity=bending * constants.rigidity, pendulum_frequency=math.sqrt(weight) * constants.pendulum_frequency
+        constants = self.constants._replace(
+            bending=bending * self.constants.bending, pendulum_squared=weight * self.constants.pendulum_squared
         )
-        return replace(self, numbers=numbers._replace(constants=constants, weight_along=force * numbers.weight_along))
+        return replace(self, constants=constants, weight_along=force * self.weight_along)
 
     def stiffness(self, mean: Floats) -> Floats:
         """Return the stiffness under mean forces in N, in 1/s^2: (loads, size, size)."""
@@ -239,11 +222,4 @@ class CoupledModes(ModeSystems):
     @property
     def are_apart(self) -> bool:
         """Whether the functions are the modes themselves, each with an equation of its own."""
-        return set(coupling(self.numbers.ends, self.numbers.weight_along, self.like)) <= {WAVEFORM}
-
-
-def rod_numbers(rod: RodData) -> RodNumbers:
-    """Return what coupled modes need of a rod."""
-    return RodNumbers(
-        rod.mode_constants, rod.end_conditions, rod.length, rod.critical_mode, rod.weight_along, rod.wave_speed
-    )
+        return set(coupling(self.rod.end_conditions, self.weight_along, self.like)) <= {WAVEFORM}

@@ -56,13 +56,13 @@ class ModalSystem:
     @property
     def damping(self) -> float:
         """Decay rate c of free motion per unit tau, the same in every mode."""
-        return self.constants.damping_rate / self.load.frequency
+        return float(self.constants.damping_rate / self.load.frequency)
 
     @cached_property
     def coefficients(self) -> tuple[float, float, float, float]:
         """A, B, C, D of alpha_m = A m^2, beta_m = B m^2 - C m^4 - D."""
         load = self.load
-        return kernels.mode_family(*self.constants[:4], load.mean, load.amplitude, load.frequency)
+        return kernels.mode_family(*self.constants[:3], load.mean, load.amplitude, load.frequency)
 
     @property
     def alpha(self) -> Floats:
@@ -77,13 +77,13 @@ class ModalSystem:
     @property
     def per_newton(self) -> Floats:
         """What a newton of amplitude adds to each alpha, and a newton of mean force to each beta."""
-        unit, *_ = kernels.mode_family(*self.constants[:4], 0.0, 1.0, self.load.frequency)
+        unit, *_ = kernels.mode_family(*self.constants[:3], 0.0, 1.0, self.load.frequency)
         return np.asarray(unit * self._numbers**2)
 
     @property
     def in_seconds(self) -> tuple[Floats, Floats]:
         """Alpha omega^2 and beta omega^2 in 1/s^2, which do not depend on the frequency."""
-        family = kernels.mode_family(*self.constants[:4], self.load.mean, self.load.amplitude, 1.0)
+        family = kernels.mode_family(*self.constants[:3], self.load.mean, self.load.amplitude, 1.0)
         alpha, beta = kernels.mode_coefficients(*family, self._numbers)
         return np.asarray(alpha), np.asarray(beta)
 
@@ -171,14 +171,13 @@ class ModalSystems:
     def are_stable(self, growth_tolerance: float, workers: int | None) -> NDArray[np.bool_]:
         """Return under which loads no mode grows faster than the tolerance (1/s)."""
         out = np.empty(self.loads.size, dtype=np.bool_)
-        constants = (*self.constants, growth_tolerance, NEGLIGIBLE_GROWTH)
-        self._fill(kernels.modes_stable_fill, out, constants, workers)
+        self._fill(kernels.modes_stable_fill, out, (growth_tolerance, NEGLIGIBLE_GROWTH), workers)
         return out
 
     def fastest(self, workers: int | None) -> tuple[Floats, NDArray[np.int64]]:
         """Return the growth rate in 1/s and the number of the fastest mode; 0, 0 where none grows."""
         out = np.empty((self.loads.size, 2))
-        self._fill(kernels.modes_growth_fill, out, (*self.constants, NEGLIGIBLE_GROWTH), workers)
+        self._fill(kernels.modes_growth_fill, out, (NEGLIGIBLE_GROWTH,), workers)
         return out[:, 0], out[:, 1].astype(np.int64)
 
     def pass_test(self, criterion: FiniteTimeCriterion, workers: int | None) -> NDArray[np.bool_]:
@@ -217,11 +216,11 @@ class ModalSystems:
         return found
 
     def _family(self) -> tuple[Any, Any, Any, Any]:
-        return kernels.mode_family(*self.constants[:4], *self.loads.flat)
+        return kernels.mode_family(*self.constants[:3], *self.loads.flat)
 
     def _damping(self) -> Floats:
         return np.asarray(self.constants.damping_rate / self.loads.frequency)
 
-    def _fill(self, kernel: Any, out: NDArray[Any], constants: tuple[float, ...], workers: int | None) -> None:
+    def _fill(self, kernel: Any, out: NDArray[Any], limits: tuple[float, ...], workers: int | None) -> None:
         chunk = self.constants.loads_at_once(self.loads)
-        over_chunks(kernel, self.loads.flat, out, *constants, workers=workers, chunk=chunk)
+        over_chunks(kernel, self.loads.flat, out, tuple(self.constants), *limits, workers=workers, chunk=chunk)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,48 +13,81 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod.rod.kernels import modes as kernels
 from floquetrod.rod.loads.load import Load, Loads
+from floquetrod.rod.model import formulas
+from floquetrod.rod.model.data import MOST_MODES as MOST_MODES
+from floquetrod.rod.model.data import RodData
 
 NEGLIGIBLE_GROWTH = 1e-12  # growth in 1/s that modes left out may have: a doubling in 20,000 years
 HAIRLINE_GROWTH = 1e-6
 """Growth in 1/s, tenfold in a month, up to which a tongue is a hairline: searches leave it out, and count it."""
 
-MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
-
 _MOST_PER_CYCLE = math.sqrt(validate.LARGEST)  # rates in frequencies of the load: their squares are coefficients
 
 
 class ModeConstants(NamedTuple):
-    """All that the mode equations of a rod depend on besides the load.
+    """What the equations of a rod's modes need of it: q'' + 2 c q' + (c1 m^4 - c2 m^2 F(t) + Omega^2) q = 0.
+
+    F is a compression, m the number of half waves between hinged ends; of coupled modes integrals of their functions
+    stand in place of its powers.  The numbers are floats, or what `of` was given: arrays, intervals.
 
     Attributes
     ----------
-    w2 : float
-        Square of the first mode's wavenumber, 1/m^2.
-    mass_per_length : float
-        kg/m.
-    rigidity : float
-        E I in N m^2.
-    pendulum_frequency : float
-        rad/s.
+    bending : float
+        c1 = (E I / m_t) (pi / L)^4 in 1/s^2.
+    per_newton : float
+        c2 = (pi / L)^2 / m_t in 1/(N s^2).
+    pendulum_squared : float
+        Omega^2 in 1/s^2, of swinging in the channel.
     damping_rate : float
-        Decay rate of free motion, 1/s.
+        c in 1/s, of the decay of free motion.
     """
 
-    w2: float
-    mass_per_length: float
-    rigidity: float
-    pendulum_frequency: float
-    damping_rate: float
+    bending: Any
+    per_newton: Any
+    pendulum_squared: Any
+    damping_rate: Any
 
-    @property
-    def critical_force(self) -> float:
-        """F_cr in N, see `RodData.critical_force`."""
-        return 2.0 * math.sqrt(self.rigidity * self.mass_per_length) * self.pendulum_frequency
+    @classmethod
+    def of(
+        cls, parameters: Mapping[str, Any], *, pi: Any = math.pi, sin: Callable[[Any], Any] = math.sin
+    ) -> ModeConstants:
+        """Return them from all parameters of a rod but its ends: floats, arrays or intervals.
+
+        Parameters
+        ----------
+        parameters : mapping
+            The parameters of `floquetrod.Rod` by name, SI units, such as `RodData.parameters` with some replaced.
+        pi : number or interval
+            The circle constant; of intervals an enclosure.
+        sin : callable
+            The sine for what ``parameters["inclination"]`` is.
+
+        Notes
+        -----
+        Masses are per area of the material, so that most of a section's size cancels: without a bore or fluids each
+        parameter occurs once in each number, and enclosures are tight.
+        """
+        p = parameters
+        outer, inner = p["radius"] ** 2, p["inner_radius"] ** 2
+        bore = inner / (outer - inner)
+        own = formulas.own_mass(p["density"], p["fluid_inside"], 1.0, bore)
+        mass = formulas.inertia(own, p["fluid_outside"], p["added_mass_coefficient"], 1.0 + bore)
+        # Weight over inertia is `weighing_mass` over ``mass``, with own mass in one place: exactly 1 without a fluid.
+        displaced = (1.0 + p["added_mass_coefficient"]) * p["fluid_outside"] * (1.0 + bore) / mass
+        across = formulas.gravity_across(p["gravity"], p["inclination"], sin)
+        pull = formulas.effective_gravity(across, 1.0 - displaced)
+        w = formulas.first_wavenumber(p["length"], pi)
+        return cls(
+            p["youngs_modulus"] * (0.25 * (outer + inner)) / mass * w**4,
+            w**2 / (formulas.ring(p["radius"], p["inner_radius"], pi) * mass),
+            formulas.pendulum_squared(pull, formulas.clearance(p["radius"], p["channel_radius"])),
+            p["damping_rate"],
+        )
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes decide a verdict and a bound in 1/s on all others; see `Rod.modes_needed`."""
         self.require_in_reach(Loads.single(load))
-        a, b, stiffness, d = kernels.mode_family(*self[:4], load.mean, load.amplitude, load.frequency)
+        a, b, stiffness, d = kernels.mode_family(*self[:3], load.mean, load.amplitude, load.frequency)
         c = self.damping_rate / load.frequency
         d -= c * c
         target = c + max(growth_tolerance, NEGLIGIBLE_GROWTH) / load.frequency
@@ -75,10 +110,11 @@ class ModeConstants(NamedTuple):
         modes, fastest = self._extent(loads)
         if modes > MOST_MODES:
             push = float(np.max(loads.mean, initial=-math.inf) + np.max(loads.amplitude, initial=0.0))
+            critical = 2.0 * math.sqrt(self.bending * self.pendulum_squared) / self.per_newton
             raise validate.wrong_value(
                 "load",
                 f"needs more than {MOST_MODES} modes: mean and amplitude come to {push:g} N, far above the "
-                f"critical force {self.critical_force:g} N of this rod; check units and length",
+                f"critical force {critical:g} N of this rod; check units and length",
             )
         least = fastest / _MOST_PER_CYCLE
         if slowest < least:
@@ -87,7 +123,7 @@ class ModeConstants(NamedTuple):
                 f"must be at least {least:.3g} rad/s for this rod and load, got {slowest:g}: coefficients of "
                 f"its mode equations would exceed {validate.LARGEST:g}; check the units",
             )
-        most = float(highest_frequency(*self[:3]))
+        most = float(highest_frequency(self.bending))
         highest = float(np.max(loads.frequency, initial=0.0))
         if highest > most:
             raise validate.wrong_value(
@@ -112,39 +148,42 @@ class ModeConstants(NamedTuple):
         strongest = np.max(loads.amplitude, initial=0.0)
         push = max(0.0, float(np.max(loads.mean, initial=-math.inf) + strongest))
         force = float(np.max(np.abs(loads.mean), initial=0.0) + strongest)
-        modes, fastest = extent(*self[:4], push, force)
+        modes, fastest = extent(self, push, force)
         return float(modes), float(fastest)
 
 
-def extent(w2: Any, mass: Any, rigidity: Any, pendulum: Any, push: Any, force: Any) -> tuple[Any, Any]:
+def extent(constants: ModeConstants, push: Any, force: Any) -> tuple[Any, Any]:
     """Return up to which mode a push outweighs bending, and a bound in rad/s on motion up to there.
 
-    Of rods given by what `ModeConstants` holds, in numbers or arrays: ``push`` is the largest compression in N, zero or
-    more, ``force`` the largest force in size.
+    Of one rod or of many: ``push`` is the largest compression in N, zero or more, ``force`` the largest force in size.
     """
+    bending, per_newton, pendulum_squared, _ = constants
     with np.errstate(over="ignore"):  # infinite is out of reach, too
-        modes = np.sqrt(push / rigidity / w2)
-        highest = w2 * np.maximum(1.0, modes) ** 2
-        return modes, np.sqrt((force * highest + rigidity * highest * highest) / mass + pendulum**2)
+        modes = np.sqrt(push * per_newton / bending)
+        highest = np.maximum(1.0, modes) ** 2
+        return modes, np.sqrt(per_newton * force * highest + bending * highest * highest + pendulum_squared)
 
 
-def highest_frequency(w2: Any, mass: Any, rigidity: Any) -> Any:
+def highest_frequency(bending: Any) -> Any:
     """Return the natural frequency of the last mode that is looked at, in rad/s: no load may be faster."""
-    return np.sqrt(rigidity / mass) * w2 * MOST_MODES**2
+    return np.sqrt(bending) * MOST_MODES**2
 
 
-def are_in_reach(
-    constants: tuple[Any, Any, Any, Any, Any], extents: tuple[Any, Any], frequency: Any
-) -> NDArray[np.bool_]:
+def are_in_reach(constants: ModeConstants, extents: tuple[Any, Any], frequency: Any) -> NDArray[np.bool_]:
     """Return what `ModeConstants.require_in_reach` asks of one load, for arrays; ``extents`` is what `extent` gives."""
-    w2, mass, rigidity, _, damping_rate = constants
     modes, fastest = extents
     return np.asarray(
         (modes <= MOST_MODES)
         & (frequency >= fastest / _MOST_PER_CYCLE)
-        & (frequency <= highest_frequency(w2, mass, rigidity))
-        & (damping_rate <= _MOST_PER_CYCLE * frequency)
+        & (frequency <= highest_frequency(constants.bending))
+        & (constants.damping_rate <= _MOST_PER_CYCLE * frequency)
     )
+
+
+@functools.lru_cache(maxsize=64)
+def mode_constants(rod: RodData) -> ModeConstants:
+    """Return the constants of one rod."""
+    return ModeConstants.of(rod.parameters)
 
 
 def at_once(modes: float, rows: float) -> int:

@@ -20,7 +20,6 @@ from floquetrod.rod.model import formulas
 from floquetrod.rod.model.beam import wavenumbers
 from floquetrod.rod.model.buckling import BucklingForce, buckling_forces
 from floquetrod.rod.model.catalogue import pipe_in_a_hole
-from floquetrod.rod.model.constants import MOST_MODES, ModeConstants
 from floquetrod.rod.model.files import read_rod
 from floquetrod.rod.model.lock_up import LockUp
 from floquetrod.rod.model.parts import (
@@ -40,6 +39,8 @@ from floquetrod.rod.model.parts import (
     size,
 )
 from floquetrod.rod.model.plausibility import warn_of_rod
+
+MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
 
 INSTEAD = {
     "diameter": "radius",
@@ -283,7 +284,7 @@ class RodData(TellsAttributes):
     @property
     def flexural_rigidity(self) -> float:
         """E I in N m^2."""
-        return float(formulas.rigidity(self.youngs_modulus, self.section.numbers))
+        return self.youngs_modulus * self.second_moment
 
     @property
     def axial_rigidity(self) -> float:
@@ -299,9 +300,8 @@ class RodData(TellsAttributes):
     def mass_per_length(self) -> float:
         """Inertia m_t = rho A_s + rho_i A_i + C_a rho_o A_o in kg/m, of material, fluid inside and added mass."""
         fluids = self.fluids
-        return float(
-            formulas.inertia(self._own_mass, fluids.outside, fluids.added_mass_coefficient, self.section.numbers)
-        )
+        outer = self.section.outer_area
+        return float(formulas.inertia(self._own_mass, fluids.outside, fluids.added_mass_coefficient, outer))
 
     @property
     def weight_per_length(self) -> float:
@@ -321,12 +321,13 @@ class RodData(TellsAttributes):
     @property
     def _own_mass(self) -> float:
         """Mass of the material and of the fluid inside, in kg/m."""
-        return float(formulas.own_mass(self.material.density, self.fluids.inside, self.section.numbers))
+        bore = self.section.inner_area
+        return float(formulas.own_mass(self.material.density, self.fluids.inside, self.area, bore))
 
     @property
     def _weighing(self) -> float:
         """Own mass less that of the fluid displaced, in kg/m."""
-        return float(formulas.weighing_mass(self._own_mass, self.fluids.outside, self.section.numbers))
+        return float(formulas.weighing_mass(self._own_mass, self.fluids.outside, self.section.outer_area))
 
     @property
     def radial_clearance(self) -> float:
@@ -341,7 +342,7 @@ class RodData(TellsAttributes):
     @property
     def critical_force(self) -> float:
         """F_cr = 2 sqrt(E I w_e sin(inclination) / R) in N; a constant push beyond it buckles a long rod."""
-        return self.mode_constants.critical_force
+        return 2.0 * math.sqrt(self.flexural_rigidity * self.mass_per_length) * self.pendulum_frequency
 
     @property
     def critical_mode(self) -> float:
@@ -443,13 +444,6 @@ class RodData(TellsAttributes):
         """Return the frequency in rad/s of free motion in a mode, without axial force or damping."""
         bending = self.flexural_rigidity / self.mass_per_length * self.wavenumber(mode) ** 4
         return (bending + self.pendulum_frequency**2) ** 0.5
-
-    @cached_property
-    def mode_constants(self) -> ModeConstants:
-        """What the mode equations need of the rod."""
-        found = formulas.mode_parameters(self.parameters)
-        swing = math.sqrt(found.pendulum_squared)
-        return ModeConstants(found.w2, found.mass_per_length, found.rigidity, swing, found.damping_rate)
 
 
 def _modes(mode: Any) -> NDArray[np.float64]:

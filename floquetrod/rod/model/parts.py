@@ -11,7 +11,6 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.rod.model import formulas
-from floquetrod.rod.model.formulas import SectionNumbers
 
 _LEAST, _LARGEST = 1e-12, 1e15  # of any parameter in its SI unit: what is computed from them stays in range (a choice)
 _LARGEST_FRICTION = 1e6  # (a choice: beyond any)
@@ -175,11 +174,6 @@ class Section:
     def second_moment(self) -> float:
         """Second moment of area, I = pi (r_o^4 - r_i^4) / 4, in m^4."""
         return float(formulas.second_moment(self.radius, self.inner_radius))
-
-    @property
-    def numbers(self) -> SectionNumbers:
-        """The areas and the second moment together."""
-        return formulas.section_numbers(self.radius, self.inner_radius)
 
 
 @dataclass(frozen=True)

@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import Load, Loads, Progress, shifted
-from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, CoupledModes, RodNumbers, rod_numbers
+from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, CoupledModes, modes_needed
 from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
 from floquetrod.rod.model.constants import HAIRLINE_GROWTH
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
@@ -34,11 +33,6 @@ class CoupledModel(ModeModel):
 
     loads_at_once: ClassVar[int | None] = 2000  # some seconds (a choice)
 
-    @cached_property
-    def numbers(self) -> RodNumbers:
-        """What the modes need of the rod."""
-        return rod_numbers(self.rod)
-
     # --- equations ---
 
     def equations(self, load: Load, modes: Iterable[int] | None = None) -> HillSystem:
@@ -52,11 +46,11 @@ class CoupledModel(ModeModel):
 
     def in_modes(self, count: int) -> ModeSystems:
         """Return the first modes as systems of equations under any load of the kind."""
-        return CoupledModes(self.numbers, self.like, count)
+        return CoupledModes.of(self.rod, self.like, count)
 
     def count_for(self, loads: Loads, growth_tolerance: float) -> int:
         """Return how many modes serve all of some loads; ValueError where that would be too many."""
-        return self.numbers.modes_needed(loads, self.like, growth_tolerance)
+        return modes_needed(self.rod, self.like, loads, growth_tolerance)
 
     # --- verdicts ---
 

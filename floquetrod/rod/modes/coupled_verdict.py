@@ -20,12 +20,13 @@ from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.answers.verdict import Edge, Evidence, RodStability, Shape
 from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity
-from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, rod_numbers
+from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, largest_uniform, require_few, up_to_resonance
 from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.mode_equations.sampled import first_change
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.beam import has_polynomials
+from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.modes.mode_model import ModeModel
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4.3 where it falls as n^-2 (an estimate)
@@ -198,7 +199,7 @@ class ModesTogether(Evidence):
     ) -> Edge:
         """Return where the verdict first changes, with as many modes as the piece needs."""
         if varied == "frequency":
-            piece = rod_numbers(self.model.rod).up_to_resonance(self.load, piece)
+            piece = up_to_resonance(self.model.rod, self.load, piece)
             if piece[0] == piece[1]:
                 return Edge(None, piece[0], 0.0)
         begins = None if piece[0] == getattr(self.load, varied) else verdict.stable
@@ -335,13 +336,13 @@ def _more_needed(model: ModeModel, load: Load, trial: _Trial, growth_tolerance: 
 
 def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) -> int:
     """Return how many modes to take; of long strings only those that may grow a quarter as fast as the fastest."""
-    numbers, loads = rod_numbers(model.rod), Loads.single(load)
-    numbers.require_few(loads, load, growth_tolerance)
-    uniform = numbers.largest_uniform(loads, load)
-    every, _ = numbers.constants.modes_needed(uniform, growth_tolerance)
+    rod, loads = model.rod, Loads.single(load)
+    require_few(rod, load, loads, growth_tolerance)
+    uniform = largest_uniform(rod, load, loads)
+    every, _ = mode_constants(rod).modes_needed(uniform, growth_tolerance)
     if every <= _LONG:
         return model.count_for(loads, growth_tolerance)
-    fastest = float(ModalSystems(numbers.constants, Loads.single(uniform)).fastest(1)[0][0])
+    fastest = float(ModalSystems(mode_constants(rod), Loads.single(uniform)).fastest(1)[0][0])
     return model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
 
 

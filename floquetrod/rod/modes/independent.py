@@ -11,12 +11,20 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from floquetrod._util import validate
+from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import over_chunks
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.mode_equations.tongues import UnstableInterval, unstable_loads
-from floquetrod.rod.model.constants import NEGLIGIBLE_GROWTH, are_in_reach, at_once, extent
+from floquetrod.rod.model.constants import (
+    NEGLIGIBLE_GROWTH,
+    ModeConstants,
+    are_in_reach,
+    at_once,
+    extent,
+    mode_constants,
+)
 from floquetrod.rod.modes.independent_verdict import classify_modes
 from floquetrod.rod.modes.mode_model import Bools, Floats, Ints, ModeModel, Statuses
 
@@ -47,6 +55,11 @@ class IndependentModel(ModeModel):
     def require(self, name: str) -> None:
         """Do nothing: independent modes are what all can be asked of."""
 
+    @cached_property
+    def constants(self) -> ModeConstants:
+        """What the equations need of the rod."""
+        return mode_constants(self.rod)
+
     # --- equations ---
 
     def equations(self, load: Load, modes: Iterable[int] | None = None) -> ModalSystem:
@@ -54,23 +67,23 @@ class IndependentModel(ModeModel):
         if modes is None:
             return self._equations(load, 0.0)
         chosen = validate.modes(modes)
-        self.rod.mode_constants.require_in_reach(Loads.single(load))
-        return ModalSystem(self.rod.mode_constants, load, chosen)
+        self.constants.require_in_reach(Loads.single(load))
+        return ModalSystem(self.constants, load, chosen)
 
     def _equations(self, load: Load, tolerance: float) -> ModalSystem:
         """Return the equations of all modes that can grow faster than the tolerance."""
         last, left_out = self.modes_needed(load, tolerance)
-        return ModalSystem(self.rod.mode_constants, load, tuple(range(1, last + 1)), left_out)
+        return ModalSystem(self.constants, load, tuple(range(1, last + 1)), left_out)
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them."""
-        return self.rod.mode_constants.modes_needed(load, growth_tolerance)
+        return self.constants.modes_needed(load, growth_tolerance)
 
     def in_modes(self, count: int) -> ModeSystems:
         """Return the first modes as systems of equations, one by one."""
-        from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes, rod_numbers
+        from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 
-        return CoupledModes(rod_numbers(self.rod), self.like, count)
+        return CoupledModes.of(self.rod, self.like, count)
 
     def count_for(self, loads: Loads, growth_tolerance: float) -> int:
         """Return how many modes serve all of some loads, taken to be as strong and as fast as the strongest of them."""
@@ -79,8 +92,8 @@ class IndependentModel(ModeModel):
 
     def systems(self, loads: Loads) -> ModalSystems:
         """Return the equations of all modes under many loads."""
-        self.rod.mode_constants.require_in_reach(loads)
-        return ModalSystems(self.rod.mode_constants, loads)
+        self.constants.require_in_reach(loads)
+        return ModalSystems(self.constants, loads)
 
     def among_tongues(self, load: Load, modes: Iterable[int]) -> ModalSystem:
         """Return the equations of some modes."""
@@ -141,7 +154,7 @@ class IndependentModel(ModeModel):
         ends = np.linspace(*bounds, _PIECES[varied] + 1).tolist()
         for done, piece in enumerate(pairwise(ends), start=1):
             modes = self._equations(load.varied(varied, piece[1]), tolerance).modes
-            system = ModalSystem(self.rod.mode_constants, load, modes)
+            system = ModalSystem(self.constants, load, modes)
             found = unstable_loads(varied, system, tolerance, piece, union=True, nearest=piece[0]).intervals
             if found:
                 return min(part.low for part in found)
@@ -163,7 +176,7 @@ class IndependentModel(ModeModel):
         """Return what finds the unstable bands of a map between exact curves."""
         from floquetrod.rod.modes.independent_bands import ExactRodBands
 
-        return ExactRodBands(self.rod.mode_constants, across, up, x.ends, y.ends, fixed, growth_tolerance)
+        return ExactRodBands(self.constants, across, up, x.ends, y.ends, fixed, growth_tolerance)
 
     # --- a kick against friction, and a test of finite time ---
 
@@ -204,12 +217,10 @@ class IndependentModel(ModeModel):
     ) -> Statuses:
         """Return the status of rods, by what is not given as a number an array, under loads, one by one."""
         from floquetrod.rod.kernels.samples import samples_stable_fill
-        from floquetrod.rod.model import formulas
 
         mean, amplitude, frequency = loads.flat
-        w2, mass, rigidity, swing, damping = formulas.mode_parameters(rods, np.sin)
-        constants = (w2, mass, rigidity, np.sqrt(swing), damping)
-        extents = extent(*constants[:4], np.maximum(0.0, mean + amplitude), np.abs(mean) + amplitude)
+        constants = ModeConstants.of(rods, sin=np.sin)
+        extents = extent(constants, np.maximum(0.0, mean + amplitude), np.abs(mean) + amplitude)
         require(are_in_reach(constants, extents, frequency))
         modes, fastest = extents
         out = np.empty(loads.size, dtype=np.bool_)

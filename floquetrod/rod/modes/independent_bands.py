@@ -55,7 +55,7 @@ class ExactRodBands:
         load = AxialLoad(mean, amplitude, frequency)
         last, _ = self.constants.modes_needed(load, self.growth_tolerance)
         modes = np.arange(1.0, last + 1.0)
-        gain, stiffness = mode_coefficients(*mode_family(*self.constants[:4], 0.0, 1.0, 1.0), modes)
+        gain, stiffness = mode_coefficients(*mode_family(*self.constants[:3], 0.0, 1.0, 1.0), modes)
         damping = self.constants.damping_rate
         family = Family(
             -stiffness - damping**2,

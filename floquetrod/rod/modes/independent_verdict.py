@@ -21,6 +21,7 @@ from floquetrod.rod.loads.load import Load, Progress, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import gaps, unstable_loads
 from floquetrod.rod.model.assumptions import assumptions
+from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.data import RodData
 
 
@@ -179,7 +180,7 @@ class ModeVerdicts(Evidence):
         """Return the modes that matter for another rod or load; those the caller chose stay as they are."""
         if math.isinf(self.left_out_bound):
             return self.modes
-        last, _ = rod.mode_constants.modes_needed(load, growth_tolerance)
+        last, _ = mode_constants(rod).modes_needed(load, growth_tolerance)
         return tuple(range(1, max(last, self.modes[-1]) + 1))
 
     def edge(

@@ -15,6 +15,7 @@ from floquetrod.rod.answers.intervals import Named, Search, UnstableBand
 from floquetrod.rod.loads.load import Loads, Progress
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.mode_equations.tongues import tongues_within
+from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -48,7 +49,7 @@ class SearchedTongues:
     def unstable_bands(self, bands: Sequence[tuple[float, float]]) -> tuple[UnstableBand, ...]:
         """Return what grows between the ends of bands, in increasing order, in which nothing is stable."""
         varied, load, _, tolerance = self.search
-        system = ModalSystem(self.rod.mode_constants, load, tuple(range(1, self.modes + 1)))
+        system = ModalSystem(mode_constants(self.rod), load, tuple(range(1, self.modes + 1)))
         parts = tongues_within(varied, system, tolerance, bands).intervals
         low, high = (np.array([part[side] for part in parts]) for side in (0, 1))
         mode = np.array([part.mode for part in parts], dtype=np.int64)
@@ -74,7 +75,7 @@ class SearchedTongues:
         found = _peaks(lambda x, i: self._damping(mode[i], x), low, high, _SAMPLES, 0)
         known = np.zeros(len(bands))
         np.maximum.at(known, band, found.value)
-        last, _ = self.rod.replace(damping_rate=0.0).mode_constants.modes_needed(self.search.load, 0.0)
+        last, _ = mode_constants(self.rod.replace(damping_rate=0.0)).modes_needed(self.search.load, 0.0)
         other, index = np.divmod(np.arange(len(bands) * last), last)
         first, after = (np.array([ends[side] for ends in bands])[other] for side in (0, 1))
         # What asks for less damping than is known by now need not be known.
@@ -90,7 +91,7 @@ class SearchedTongues:
 
     def _coefficients(self, mode: Ints, values: Floats) -> tuple[Floats, Floats, Floats]:
         """Return alpha, beta and the frequency of modes, each at its own load."""
-        systems = ModalSystems(self.rod.mode_constants, Loads.along(self.search.load, self.search.varied, values))
+        systems = ModalSystems(mode_constants(self.rod), Loads.along(self.search.load, self.search.varied, values))
         return *systems.coefficients(mode), systems.loads.frequency
 
     def _growth(self, mode: Ints, values: Floats) -> Floats:
