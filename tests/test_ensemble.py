@@ -248,7 +248,7 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"layout": None}, TypeError, "layout must be one of"),
     ({"seed": -1}, ValueError, "seed must be 0 or more"),
     ({"seed": 1.5}, TypeError, "seed must be an integer"),
-    ({"executor": 8}, TypeError, "executor must be one of concurrent.futures"),
+    ({"executor": 8}, TypeError, "executor must submit tasks as those of concurrent.futures"),
     ({"executor": ThreadPoolExecutor(1), "workers": 2}, ValueError, "workers is a number of own processes"),
     ({"workers": 0}, ValueError, "workers must be 1 or more"),
     ({"workers": "all"}, TypeError, "workers must be an integer"),

@@ -28,7 +28,7 @@ def serial() -> Any:
     """Return 2,000 runs made one after another."""
     study = axes.design_of(PROBLEM, MANY, "grid", None, 0)
     job = workers.Job(PROBLEM, None, None, False)
-    every = workers.carry_out(job, [(run, study.values(run)) for run in range(study.size)])
+    every = workers.simulate_runs(job, [(run, study.values(run)) for run in range(study.size)])
     return {name: [outcome.results[name] for outcome in every] for name in every[0].results if name != "wall_time"}
 
 
@@ -108,9 +108,9 @@ def test_twenty_kills_of_workers_lose_nothing(tmp_path: Path, monkeypatch: pytes
     started, rng = workers._Pool.started, np.random.default_rng(11)
     kills = set(rng.choice(np.arange(20, 580), 20, replace=False).tolist())
 
-    def noted() -> Any:
-        pool = started()
-        pool.pid.add_done_callback(lambda pid: pids.append(pid.result()))
+    def noted(alive: Any) -> Any:
+        pool = started(alive)
+        pool.begun.add_done_callback(lambda pid: pids.append(pid.result()))
         return pool
 
     def kill(done: int, total: int) -> None:

@@ -309,7 +309,7 @@ def test_an_npz_store_is_runs(tmp_path: Path) -> None:
 
 def test_too_many_frames_for_memory_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(stores, "MOST_MEMORY", 10_000)
-    monkeypatch.setattr(workers, "carry_out", None)
+    monkeypatch.setattr(workers, "simulate_runs", None)
     with pytest.raises(ValueError, match=r"bytes of memory, at most 10,000; give a store that ends in \.zarr"):
         fr.ensemble(PROBLEM, OVER, frames=True)
 

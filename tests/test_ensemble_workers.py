@@ -68,9 +68,9 @@ def test_workers_that_are_killed_are_replaced() -> None:
     pids: list[int] = []
     started = workers._Pool.started
 
-    def noted() -> Any:
-        pool = started()
-        pool.pid.add_done_callback(lambda pid: pids.append(pid.result()))
+    def noted(alive: Any) -> Any:
+        pool = started(alive)
+        pool.begun.add_done_callback(lambda pid: pids.append(pid.result()))
         return pool
 
     def kill(done: int, total: int) -> None:
@@ -89,8 +89,8 @@ def test_workers_that_are_killed_are_replaced() -> None:
 def test_workers_that_are_killed_while_they_start_are_replaced(which: int, monkeypatch: pytest.MonkeyPatch) -> None:
     started, pools = workers._Pool.started, []
 
-    def killed() -> Any:
-        pools.append(started())
+    def killed(alive: Any) -> Any:
+        pools.append(started(alive))
         if len(pools) - 1 == which:
             for process in pools[-1].executor._processes.values():
                 process.kill()
@@ -105,15 +105,15 @@ def test_workers_that_are_killed_while_they_start_are_replaced(which: int, monke
 def test_workers_that_never_start_end_the_ensemble(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     started, pools = workers._Pool.started, []
 
-    def killed() -> Any:
-        pools.append(started())
+    def killed(alive: Any) -> Any:
+        pools.append(started(alive))
         if len(pools) > 1:
             for process in pools[-1].executor._processes.values():
                 process.kill()
         return pools[-1]
 
     def kill(done: int, total: int) -> None:
-        os.kill(pools[0].pid.result(), signal.SIGKILL)
+        os.kill(pools[0].begun.result(), signal.SIGKILL)
 
     monkeypatch.setattr(workers._Pool, "started", killed)
     over = {"frequency": [120.0, 140.0, 150.0]}
@@ -171,12 +171,12 @@ def test_a_task_whose_worker_of_dask_was_killed_is_tried_alone() -> None:
         pass
 
     class Lossy(Executor):
-        def submit(self, fn: Any, /, job: Any, piece: Any) -> Future[Any]:
+        def submit(self, fn: Any, /, job: Any, batch: Any) -> Future[Any]:
             task: Future[Any] = Future()
-            if any(values["seed"] == 3 for _, values in piece):
+            if any(values["seed"] == 3 for _, values in batch):
                 task.set_exception(KilledWorker())
             else:
-                task.set_result(fn(job, piece))
+                task.set_result(fn(job, batch))
             return task
 
     found = fr.ensemble(PROBLEM, OVER, executor=Lossy())
@@ -256,10 +256,10 @@ def test_processes_of_a_killed_parent_end() -> None:
     body = f"""
 from floquetrod.ensembles import workers
 def tell(pool):
-    print(pool.pid.result(), flush=True)
+    print(pool.begun.result(), flush=True)
     return pool
 start = workers._Pool.started
-workers._Pool.started = lambda: tell(start())
+workers._Pool.started = lambda alive: tell(start(alive))
 fr.ensemble({LONG}, {{"duration": [1000.0, 2000.0]}}, workers=1)
 """
     with script(body, stdout=subprocess.PIPE) as process:

@@ -19,8 +19,8 @@ from floquetrod.simulation.problem import SimulationProblem
 from floquetrod.simulation.start import Perturbation
 
 LAYOUTS = ("grid", "list")
-_MOST_RUNS = 10**7  # of an ensemble: a gigabyte of results (a choice)
-_MOST_TRIED = 1000  # problems made before anything runs, to see whether any can be (a choice)
+MOST_RUNS = 10**7  # of an ensemble: a gigabyte of results
+_MOST_TRIED = 1000  # problems made before anything runs, to see whether any can be: a second at most
 _LARGEST = sys.float_info.max
 _NUMBERS = {"float": float, "int": int, "float | None": float, "int | None": int}
 _UNITS = {
@@ -189,8 +189,8 @@ def design_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, 
     dim = {name: "run" if layout == "list" else "sample" if name in drawn else name for name in over}
     study = Design(problem, tuple(Axis(name, dim[name], given[name]) for name in over))
     runs = float(np.prod([float(length) for length in study.shape]))
-    if runs > _MOST_RUNS:
-        raise validate.wrong_value("over", f"makes {runs:,.0f} runs, at most {_MOST_RUNS:,} are made; vary less")
+    if runs > MOST_RUNS:
+        raise validate.wrong_value("over", f"makes {runs:,.0f} runs, at most {MOST_RUNS:,} are made; vary less")
     study.require_possible()
     return study
 
@@ -244,7 +244,7 @@ def _samples(samples: Any, drawn: Mapping[str, Any], columns: Mapping[str, NDArr
         raise validate.wrong_value(
             "samples", f"must say how often {', '.join(drawn)} is to be drawn; give samples=100, say"
         )
-    return validate.integer("samples", samples, 1, _MOST_RUNS)
+    return validate.integer("samples", samples, 1, MOST_RUNS)
 
 
 def _draw(drawn: Mapping[str, Any], count: int, seed: int) -> Iterator[tuple[str, NDArray[np.float64]]]:

@@ -11,13 +11,11 @@ from typing import Any, Literal
 
 from floquetrod._util import interrupt, validate
 from floquetrod.ensembles import stores_disk, stores_zarr, tasks
-from floquetrod.ensembles.axes import Design, design_of, varied
+from floquetrod.ensembles.axes import MOST_RUNS, Design, design_of, varied
 from floquetrod.ensembles.runs import DONE
 from floquetrod.ensembles.stores import RESULTS, Layout, MemoryStore, Outcome, chunk_shape, reason_of
-from floquetrod.ensembles.workers import TaskRunner, require_executor, runner_for, work
+from floquetrod.ensembles.workers import OwnProcesses, TaskRunner, require_executor, work
 from floquetrod.simulation.problem import SimulationProblem
-
-_MOST_PARTS = 10**6  # (a choice)
 
 
 def ensemble(
@@ -56,8 +54,9 @@ def ensemble(
     seed : int
         Of what is drawn from distributions: the same gives the same.
     executor : concurrent.futures.Executor, optional
-        Makes the runs, in any order; it is not shut down.  A process pool, ``Client.get_executor()`` of
-        dask.distributed, ``MPIPoolExecutor`` of mpi4py.  By default threads, as many as there are processors.
+        Makes the runs, in any order; it is not shut down.  Whatever has ``submit`` as these have: a process pool,
+        ``MPIPoolExecutor`` of mpi4py, or a ``Client`` of dask.distributed.  By default threads, as many as there are
+        processors.
     workers : int, optional
         Makes the runs in so many processes instead.  One that dies is replaced; a run in which three died has failed.
     store : path, optional
@@ -124,37 +123,37 @@ def ensemble(
     frames, share = validate.flag("frames", frames), _part(part)
     retry_failed = validate.flag("retry_failed", retry_failed)
     validate.progress(progress)
-    count = require_executor(executor, workers)
+    executor, count = require_executor(executor, workers)
     names, chunk, make = _store(place, study, frames, share[1])
     job = tasks.Job(problem, summary, None, frames)
-    held: MemoryStore | None = None
+    opened: MemoryStore | None = None
     if names is not None:
         if (summary is None) == bool(names):
             raise ValueError(f"store {place} holds another study, with another summary; give another path")
-        held = make(Layout(study, names, frames, chunk))
+        opened = make(Layout(study, names, frames, chunk))
     plan = Layout(study, names or (), frames, chunk)
     runs = plan.runs_of(plan.part(share))
-    pending = list(runs) if held is None else held.pending(runs, retry_failed=retry_failed)
-    runner = runner_for(executor, count) if pending else None
+    pending = list(runs) if opened is None else opened.pending(runs, retry_failed=retry_failed)
+    runner = None if not pending else TaskRunner(executor) if count is None else OwnProcesses(count)
     try:
         if runner is not None:
             runner.require_picklable(job)
         first: list[Outcome] = []
         if summary is not None and pending:
             # A run that is made again may end the process or have no memory: the names are learned from others.
-            fresh = pending if held is None else held.pending(runs, retry_failed=False) or held.one_done()
+            fresh = pending if opened is None else opened.pending(runs, retry_failed=False) or opened.one_done()
             found, first = _first_runs(job, study, fresh)
-            if held is not None and any(one.status == DONE for one in first) and set(found) != set(names or ()):
+            if opened is not None and any(one.status == DONE for one in first) and set(found) != set(names or ()):
                 raise ValueError(f"store {place} holds a summary of {', '.join(names or ())}, got {', '.join(found)}")
-            job = job._replace(names=found if held is None else names)
-        if held is None:
-            held = make(Layout(study, job.names or (), frames, chunk))
+            job = job._replace(names=found if opened is None else names)
+        if opened is None:
+            opened = make(Layout(study, job.names or (), frames, chunk))
         if runner is not None:
-            _fill(held, plan.part(share), job, runner, first, retry_failed, progress)
+            _fill(opened, plan.part(share), job, runner, first, retry_failed, progress)
     finally:
         if runner is not None:
             runner.close()
-    return _as_dataset(held)
+    return _as_dataset(opened)
 
 
 def _as_dataset(store: MemoryStore) -> Any:
@@ -261,5 +260,5 @@ def _part(part: Any) -> tuple[int, int]:
         raise validate.wrong_type(
             "part", f"must be two integers (k, n), the k-th of n parts, got {validate.short(part)}"
         ) from None
-    n = validate.integer("part[1]", n, 1, _MOST_PARTS)
+    n = validate.integer("part[1]", n, 1, MOST_RUNS)
     return validate.integer("part[0]", k, 1, n, "parts are counted from 1"), n

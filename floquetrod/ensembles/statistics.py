@@ -71,7 +71,7 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
         raise validate.wrong_value(
             "name", f"must be a result that is true or false, 1 or 0, got {name!r}; compare it with a number"
         )
-    kept = tuple(dim for place, dim in enumerate(dims) if place not in places)
+    left = tuple(dim for place, dim in enumerate(dims) if place not in places)
     counts = done.sum(axis=places)
     failed = (status == FAILED).sum(axis=places)
     true = (done & (values == 1)).sum(axis=places)
@@ -83,7 +83,7 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
         share = np.where(counts > 0, true / np.maximum(counts, 1), np.nan)
 
     def variable(values: Any, text: str) -> Variable:
-        return Variable(kept, np.asarray(values), {"long_name": text, "units": "1"})
+        return Variable(left, np.asarray(values), {"long_name": text, "units": "1"})
 
     percent = f"{100.0 * confidence:g} % confidence"
     answer = Runs(
@@ -94,7 +94,7 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
             "done": variable(counts, "runs done"),
             "failed": variable(failed, "runs that failed"),
         },
-        {key: v for key, v in found.coords.items() if set(v.dims) <= set(kept)},
+        {key: v for key, v in found.coords.items() if set(v.dims) <= set(left)},
         {**found.attrs, "result": name, "confidence": confidence},
     )
     return answer if isinstance(runs, Runs) else answer.to_xarray()

@@ -25,11 +25,11 @@ from floquetrod.ensembles.axes import Design
 from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, Variable
 from floquetrod.simulation.arithmetic import arithmetic
 
-_RUNS_IN_A_CHUNK = 256  # at most (a choice)
-_SECONDS_BETWEEN = 1.0  # of wall time, between saves (a choice)
-_LONGER = 50.0  # times the duration of a save until the next one: saves take at most a fiftieth (a choice)
-MOST_MEMORY = 1 << 32  # bytes of frames in memory (a choice)
-REASON = 240  # characters kept of a reason (a choice)
+_RUNS_IN_A_CHUNK = 256  # at most: files of kilobytes, written anew with each save of a run of theirs
+_SECONDS_BETWEEN = 1.0  # of wall time, between saves: what a kill costs
+_LONGER = 50.0  # times the duration of a save until the next one: saves take at most a fiftieth
+MOST_MEMORY = 1 << 32  # bytes of frames in memory, half of what a laptop has
+REASON = 240  # characters of a reason that are stored: two lines of a terminal, and part of the format of stores
 DIED = "its worker process died"  # begins the reason of a run that had no error of its own
 _PASSING = (MemoryError, OSError)
 

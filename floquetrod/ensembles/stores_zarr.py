@@ -29,7 +29,7 @@ from floquetrod.ensembles.runs import DONE, FAILED, PENDING
 from floquetrod.ensembles.stores import FRAME_ATTRS, REASON, Layout, MemoryStore, require_same
 from floquetrod.ensembles.stores_disk import DiskStore
 
-_ABANDONED = 3600.0  # s after which an unfinished creation was abandoned (a choice)
+_ABANDONED = 3600.0  # s after which a creation that takes a second has been killed
 _LOCK = "status/.lock"  # where zarr does not look for arrays
 
 

@@ -29,14 +29,14 @@ class Job(NamedTuple):
     frames: bool
 
 
-Piece = Sequence[tuple[int, Mapping[str, float]]]
+Batch = Sequence[tuple[int, Mapping[str, float]]]
 """Runs of a task: their numbers, with the values that they vary."""
 
 
-def carry_out(job: Job, piece: Piece, progress: Callable[[int, int], None] | None = None) -> list[Outcome]:
+def simulate_runs(job: Job, batch: Batch, progress: Callable[[int, int], None] | None = None) -> list[Outcome]:
     """Make the runs of a task; what a run raises is recorded, and those that were interrupted are left out."""
     found = []
-    for run, values in piece:
+    for run, values in batch:
         try:
             made = varied(job.problem, values).run(progress)
             if not made.complete:

@@ -1,4 +1,4 @@
-"""Where the runs of an ensemble are made: threads, own processes, or any executor of `concurrent.futures`."""
+"""Where the runs of an ensemble are made: on any executor of `concurrent.futures`, by default on threads."""
 
 from __future__ import annotations
 
@@ -22,30 +22,32 @@ from concurrent.futures import (
     wait,
 )
 from contextlib import suppress
+from multiprocessing.connection import Connection
 from typing import Any, NamedTuple
 
 from floquetrod._util import interrupt, validate
 from floquetrod._util.compilation import cores
 from floquetrod.ensembles.runs import FAILED
 from floquetrod.ensembles.stores import DIED, Outcome
-from floquetrod.ensembles.tasks import Job, Piece, carry_out
+from floquetrod.ensembles.tasks import Batch, Job, simulate_runs
 
-_TASK = 0.25  # s of work in a task, so that handing it over costs little (a choice)
-_MOST_IN_A_TASK = 256  # runs (a choice)
-_WINDOW = 512  # tasks handed to an executor whose size is unknown (a choice: more than any has workers, few in memory)
-_HEARD_WITHIN = 0.1  # s between checks for Ctrl-C (a choice)
-_DEATHS = 3  # of workers, after which the run they died in is recorded as failed (a choice)
-_STARTS = 3  # of workers that end before they have begun, one after another, until no more are started (a choice)
+_TASK = 0.25  # s of runs in a task, beside which the milliseconds of handing it over do not count
+_MOST_IN_A_TASK = 256  # runs, so that progress is heard of where they take no time
+_UNKNOWN_SIZE = 512  # tasks under way on an executor that does not tell how many workers it has
+_POLL = 0.1  # s between checks for Ctrl-C: at once, to a person
+_DEATHS = 3  # of workers, after which the run they died in has failed: one or two may be killed for memory others took
+_STARTS = 3  # of workers that end before they have begun, one after another, until no more are started
 
 
 class TaskRunner:
-    """Takes tasks, as many at a time as there is `room` for; the base hands them to an executor of the caller's."""
+    """Takes tasks, as many at a time as there is `room` for, and hands them to an executor."""
 
-    def __init__(self, executor: Executor) -> None:
-        """Take tasks for an executor."""
-        self.executor = executor
+    def __init__(self, executor: Executor | None) -> None:
+        """Take tasks for the caller's executor, or for threads of its own, as many as there are processors."""
+        self.executor = ThreadPoolExecutor(cores()) if executor is None else executor
+        self._is_own = executor is None
         self._stop = threading.Event()
-        self._same_process = isinstance(executor, ThreadPoolExecutor)
+        self._same_process = isinstance(self.executor, ThreadPoolExecutor)
         self._room, self._counted = 0, -math.inf
 
     @property
@@ -53,22 +55,24 @@ class TaskRunner:
         """Return how many tasks to hand over, two for every worker and two more, checked again every second."""
         if time.monotonic() - self._counted > 1.0:
             count = _size_of(self.executor)
-            self._room, self._counted = _WINDOW if count is None else 2 * count + 2, time.monotonic()
+            self._room, self._counted = _UNKNOWN_SIZE if count is None else 2 * count + 2, time.monotonic()
         return self._room
 
-    def submit(self, job: Job, piece: Piece) -> Future[list[Outcome]]:
+    def submit(self, job: Job, batch: Batch) -> Future[list[Outcome]]:
         """Hand over a task."""
-        if self._same_process:
-            return self.executor.submit(carry_out, job, piece, self._end_when_stopped)
-        return self.executor.submit(carry_out, job, piece)
+        progress = (self._end_when_stopped,) if self._same_process else ()
+        task = self.executor.submit(simulate_runs, job, batch, *progress)
+        if not isinstance(task, Future):
+            raise TypeError(f"its submit must return a Future of concurrent.futures, got {validate.short(task)}")
+        return task
+
+    def has_died(self, error: BaseException | None) -> bool:
+        """Return whether the error of a task means that its worker has died, and others live on."""
+        return type(error).__name__ == "KilledWorker"  # of dask.distributed
 
     def has_begun(self, task: Future[Any]) -> bool:
         """Return whether the worker of a task that has ended had started."""
         return True
-
-    def has_died(self, task: Future[Any], error: BaseException | None) -> bool:
-        """Note the end of a task; return whether its error means that its worker has died, and others live on."""
-        return type(error).__name__ == "KilledWorker"  # of dask.distributed
 
     def stop(self) -> None:
         """Abandon the runs in progress."""
@@ -76,6 +80,8 @@ class TaskRunner:
 
     def close(self) -> None:
         """End what has been started here."""
+        if self._is_own:
+            self.executor.shutdown(cancel_futures=True)
 
     def require_picklable(self, job: Job) -> None:
         """Raise TypeError, with a remedy, where tasks cannot be sent to other processes."""
@@ -116,138 +122,125 @@ def _size_of(executor: Any) -> int | None:
     return None
 
 
-class OwnThreads(TaskRunner):
-    """Own threads, as many as there are processors."""
-
-    def __init__(self) -> None:
-        """Start them when they are needed."""
-        super().__init__(ThreadPoolExecutor(cores()))
-
-    def close(self) -> None:
-        """End the threads."""
-        self.executor.shutdown(cancel_futures=True)
-
-
 class OwnProcesses(TaskRunner):
-    """Own processes, each in its own pool: when one dies, its task is known, and the others go on."""
+    """Processes of its own, which end with this one however it ends.
+
+    Each is a pool by itself, as the death of one process breaks its pool and ends what every other one of it is doing:
+    test_ensemble_workers.py::test_a_worker_that_dies_costs_the_others_nothing.
+    """
 
     def __init__(self, workers: int) -> None:
         """Start them."""
-        self._pools = [_Pool.started() for _ in range(workers)]
-        self._busy: dict[Future[Any], int] = {}
+        self._alive, self._lifeline = _CONTEXT.Pipe(duplex=False)
+        self._pools = [_Pool.started(self._alive) for _ in range(workers)]
+        self._tasks: list[Future[Any] | None] = [None] * workers
         self._failed_starts = 0
         super().__init__(self._pools[0].executor)
-        try:
-            while self._pools[0].pid.exception() is not None:
-                self._replace(0)
-        except BaseException:
-            self.close()
-            raise
 
     @property
     def room(self) -> int:
-        """Return how many tasks to hand over, one for every process."""
+        """Return how many tasks to hand over: one for every process, so that its death is that of one task."""
         return len(self._pools)
 
-    def submit(self, job: Job, piece: Piece) -> Future[list[Outcome]]:
-        """Hand a task to a process that has none."""
-        place = next(place for place in range(self.room) if place not in self._busy.values())
+    def submit(self, job: Job, batch: Batch) -> Future[list[Outcome]]:
+        """Hand a task to a process that has none, or to a new one in the place of one that has died."""
+        place = next(place for place, task in enumerate(self._tasks) if task is None or task.done())
         try:
-            task = self._pools[place].executor.submit(carry_out, job, piece)
-        except BrokenExecutor:  # it died between tasks
+            task = self._pools[place].executor.submit(simulate_runs, job, batch)
+        except BrokenExecutor:
             self._replace(place)
-            task = self._pools[place].executor.submit(carry_out, job, piece)
-        self._busy[task] = place
+            task = self._pools[place].executor.submit(simulate_runs, job, batch)
+        self._tasks[place] = task
         return task
+
+    def has_died(self, error: BaseException | None) -> bool:
+        """Return whether the process of a task has died."""
+        return isinstance(error, BrokenExecutor)
 
     def has_begun(self, task: Future[Any]) -> bool:
         """Return whether the process of a task had started when the task ended."""
-        return self._pools[self._busy[task]].has_begun
-
-    def has_died(self, task: Future[Any], error: BaseException | None) -> bool:
-        """Note that the process of a task is free; return whether it has died, and is replaced."""
-        place = self._busy.pop(task)
-        died = isinstance(error, BrokenExecutor)
-        if died:
-            self._replace(place)
-        return died
+        return self._pools[self._tasks.index(task)].has_begun
 
     def stop(self) -> None:
         """End the processes at once."""
-        for pool in self._pools:
-            if pool.has_begun:
-                with suppress(OSError):  # it has ended
-                    os.kill(pool.pid.result(), signal.SIGTERM)
+        self._lifeline.close()
 
     def close(self) -> None:
         """End the processes."""
         for pool in self._pools:
             pool.executor.shutdown(cancel_futures=True)
+        self._lifeline.close()
+        self._alive.close()
 
     def _replace(self, place: int) -> None:
         """Start another process in the place of one that has died; RuntimeError where none ever begins."""
         self._failed_starts = 0 if self._pools[place].has_begun else self._failed_starts + 1
         if self._failed_starts >= _STARTS:
-            raise RuntimeError(
+            raise NoWorkers(
                 f"{_STARTS} worker processes one after another ended as soon as they started: in a script call "
                 "fr.ensemble(workers=...) under 'if __name__ == \"__main__\":', which new processes import without "
                 "running it; elsewhere check whether they are killed, or memory is short"
             )
         self._pools[place].executor.shutdown(wait=False)
-        self._pools[place] = _Pool.started()
+        self._pools[place] = _Pool.started(self._alive)
+
+
+_CONTEXT = multiprocessing.get_context("spawn")  # a fork would copy threads' locks in whatever state they are
+
+
+class NoWorkers(RuntimeError):
+    """New processes end before they have begun."""
 
 
 class _Pool(NamedTuple):
-    """A pool of one process, and the number that the system knows it by."""
+    """A pool of one process, and the task that tells that it has begun."""
 
     executor: ProcessPoolExecutor
-    pid: Future[int]
+    begun: Future[int]
 
     @property
     def has_begun(self) -> bool:
         """Return whether its process has started."""
-        return self.pid.done() and self.pid.exception() is None
+        return self.begun.done() and self.begun.exception() is None
 
     @classmethod
-    def started(cls) -> _Pool:
-        """Return a pool whose process is starting."""
-        executor = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _prepare)
+    def started(cls, alive: Connection) -> _Pool:
+        """Return a pool whose process is starting, and ends when nobody has the other end of a pipe any more."""
+        executor = ProcessPoolExecutor(1, _CONTEXT, _prepare, (alive,))
         return cls(executor, executor.submit(os.getpid))
 
 
-def _prepare() -> None:
-    """Leave Ctrl-C to the parent, and end with it however it ends."""
+def _prepare(alive: Connection) -> None:
+    """Leave Ctrl-C to the parent, and end with it (test_ensemble_workers.py::test_processes_of_a_killed_parent_end)."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    parent = multiprocessing.parent_process()
-    if parent is not None:
-        threading.Thread(target=_end_with, args=(parent,), daemon=True).start()
+    threading.Thread(target=_end_with, args=(alive,), daemon=True).start()
 
 
-def _end_with(parent: Any) -> None:
-    """End this process once its parent has ended."""
-    parent.join()
+def _end_with(alive: Connection) -> None:
+    """End this process once its parent has closed the pipe, or has ended."""
+    with suppress(EOFError, OSError):
+        alive.recv()
     os._exit(1)
 
 
-def require_executor(executor: Any, workers: Any) -> int | None:
-    """Return the number of own processes, None for none; an error for an object that accepts no tasks."""
+def require_executor(executor: Any, workers: Any) -> tuple[Executor | None, int | None]:
+    """Return the executor and the number of own processes, None each for none; an error for what takes no tasks."""
     count = None if workers is None else validate.integer("workers", workers, 1, validate.MOST_THREADS)
     if executor is None:
-        return count
-    if not isinstance(executor, Executor):
-        raise TypeError(
-            f"executor must be one of concurrent.futures such as ProcessPoolExecutor(8), got {validate.short(executor)}"
+        return None, count
+    if hasattr(executor, "get_executor"):  # a Client of dask.distributed, whose own futures are of another kind
+        executor = executor.get_executor()
+    if not callable(getattr(executor, "submit", None)):
+        raise validate.wrong_type(
+            "executor",
+            "must submit tasks as those of concurrent.futures do, ProcessPoolExecutor(8), say, "
+            f"got {validate.short(executor)}",
         )
     if count is not None:
-        raise ValueError(f"workers is a number of own processes, got {count} beside an executor; leave one of them out")
-    return None
-
-
-def runner_for(executor: Executor | None, workers: int | None) -> TaskRunner:
-    """Return what takes tasks."""
-    if executor is not None:
-        return TaskRunner(executor)
-    return OwnThreads() if workers is None else OwnProcesses(workers)
+        raise validate.wrong_value(
+            "workers", f"is a number of own processes, got {count} beside an executor; leave one of them out"
+        )
+    return executor, None
 
 
 # --- the work ---
@@ -277,13 +270,12 @@ def work(
                         tasks[runner.submit(job, [(run, values(run)) for run in runs])] = runs
                     except Exception as refusal:  # every executor has its own ways to break
                         broken = _broken(refusal)
-                done, _ = wait(tasks, timeout=0.0 if broken else _HEARD_WITHIN, return_when=FIRST_COMPLETED)
+                done, _ = wait(tasks, timeout=0.0 if broken else _POLL, return_when=FIRST_COMPLETED)
                 deliver()
                 for task in done:
                     runs, error = tasks.pop(task), _error(task)
-                    begun = runner.has_begun(task)
-                    if runner.has_died(task, error):
-                        if len(runs) == 1 and begun:
+                    if runner.has_died(error):
+                        if len(runs) == 1 and runner.has_begun(task):
                             deaths[runs[0]] += 1
                         fatal = [run for run in runs if deaths[run] >= _DEATHS]
                         alone.extend(run for run in runs if run not in fatal)
@@ -317,6 +309,8 @@ def _error(task: Future[Any]) -> BaseException | None:
 
 def _broken(error: BaseException) -> RuntimeError:
     """Return the error for an executor that makes no more runs."""
+    if isinstance(error, NoWorkers):
+        return error
     cause = str(error) or type(error).__name__
     return RuntimeError(
         f"the executor has failed ({type(error).__name__}: {cause}); finished runs are kept: call fr.ensemble again "
