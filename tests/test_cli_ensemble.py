@@ -68,7 +68,7 @@ def test_a_study_is_what_the_library_would_be_given(tmp_path: Path) -> None:
     start = fr.Perturbation.modes({8: 0.05}) + fr.Perturbation.random(1e-3, seed=3)
     assert study.problem == fr.SimulationProblem(rod, load, duration=0.01, segments=60, frames=4, perturbation=start)
     assert study.over == {"kick": [0.01, 0.9], "seed": range(1, 4)}
-    assert study.shown["kick"].name == "mm/s"
+    assert study.units["kick"].name == "mm/s"
 
 
 def test_rods_by_file_by_table_and_from_the_catalogue(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import warnings
 from pathlib import Path
 
@@ -31,13 +32,19 @@ def _written(folder: Path, own: str, over: str) -> Path:
 
 def test_a_study_runs_as_the_ensemble_that_it_describes(tmp_path: Path) -> None:
     study = fr.Study.from_toml(_written(tmp_path, '"24Hz"', 'kick = ["1mm/s", "2mm/s"]'))
-    assert study.shown["kick"].name == "mm/s"
+    assert study.units["kick"].name == "mm/s"
     found, same = study.run(), fr.ensemble(study.problem, {"kick": [1e-3, 2e-3]})
     assert (found["largest_angle"] == same["largest_angle"]).all()
     with pytest.raises(ValueError, match=rf"^study file {study.path}: \[ensemble\] samples is for distributions"):
-        fr.Study(study.problem, study.over, {"samples": 3}, study.shown, study.path).run()
+        fr.Study(study.problem, study.over, {"samples": 3}, study.units, study.path).run()
     with pytest.raises(ValueError, match=r"^samples is for distributions"):  # not the file's
         study.run(samples=3)
+
+
+def test_a_study_takes_every_option_of_an_ensemble_by_name() -> None:
+    own, theirs = (inspect.signature(function).parameters for function in (fr.Study.run, fr.ensemble))
+    assert list(own)[1:] == list(theirs)[2:]
+    assert {option.kind for option in list(own.values())[1:]} == {inspect.Parameter.KEYWORD_ONLY}
 
 
 @pytest.mark.parametrize(

@@ -63,13 +63,13 @@ and SIGTERM end the runs in progress, and keep the others: the same command cont
 which share a store by --part.  The exit status is 130 when interrupted, 2 for invalid input.
 """
 
-_ROWS = 40  # of the table that are printed; all of them are in the JSON (a choice)
-_REASONS = 5  # kinds of failure that are printed (a choice)
+_ROWS = 40  # of the table that are printed, as a screen has; all of them are in the JSON
+_REASONS = 5  # kinds of failure that are printed, the most frequent ones
 _SAMPLED = ("seed", "sample", "run")
 """Dimensions along which runs are samples of one another."""
 
-_NUMBER = re.compile(r"[-+]?\d[\d.,]*(?:e[-+]?\d+)?", re.IGNORECASE)
-_LOGGED = 60.0  # s between lines of progress where stderr is no terminal (a choice)
+_NUMBERS = str.maketrans("", "", "0123456789.,+-")
+_LOGGED = 60.0  # s between lines of progress where stderr is a log: a thousand in a night
 
 
 def add(command: argparse.ArgumentParser) -> None:
@@ -255,7 +255,7 @@ def _grouped(reasons: Any) -> list[tuple[str, int]]:
     """Return the reasons of failures, with how often; those that differ in numbers alone are one."""
     groups: dict[str, tuple[str, int]] = {}
     for reason in map(str, np.ravel(reasons)):
-        kind = _NUMBER.sub("#", reason)
+        kind = reason.translate(_NUMBERS)
         first, count = groups.get(kind, (reason, 0))
         groups[kind] = first, count + 1
     return sorted(groups.values(), key=lambda group: -group[1])
@@ -295,7 +295,7 @@ def _table(rows: list[_Row], study: fr.Study, options: argparse.Namespace) -> It
     named = "".join(f"  {name:<16}" for name in rows[0].at)
     yield f"{named}  {'runs':>6}  {'buckle':>7}  {100.0 * options.confidence:g} % interval"
     for row in rows[:_ROWS]:
-        values = "".join(f"  {study.shown[name].show(value, 4):<16}" for name, value in row.at.items())
+        values = "".join(f"  {study.units[name].show(value, 4):<16}" for name, value in row.at.items())
         share, low, high = ("-" if part is None else f"{part:.3f}" for part in row.shares.values())
         failed = f", {row.counts['failed']:,} failed" if row.counts["failed"] else ""
         yield f"{values}  {row.counts['done']:>6,}  {share:>7}  {low} to {high}{failed}"

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 import numpy as np
 
@@ -17,8 +18,9 @@ from floquetrod._util import validate
 from floquetrod._util.arguments import argument_of, located
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.tables import read_toml, require_known
-from floquetrod.ensembles.axes import LAYOUTS, names_of
+from floquetrod.ensembles.axes import LAYOUTS, MOST_RUNS, names_of
 from floquetrod.ensembles.ensemble import ensemble
+from floquetrod.ensembles.tasks import Summary
 from floquetrod.rod.loads.load import FAR_ENDS, KINDS
 from floquetrod.rod.model.data import INSTEAD
 from floquetrod.rod.model.files import rod_of
@@ -59,7 +61,6 @@ _ARGUMENTS = {
 """Arguments of `floquetrod.SimulationProblem`, and the tables that give them."""
 
 _SPACINGS = ("linear", "log")
-_MOST = 10_000_000  # values of a range: as many as an ensemble has runs
 _DISTRIBUTIONS = {
     "uniform": ("low", "high"),
     "loguniform": ("low", "high"),
@@ -80,8 +81,8 @@ class Study:
         What is varied, by name: values in SI units, or a distribution.
     options : mapping
         Of `floquetrod.ensemble`: ``layout``, ``samples``, ``seed``, ``frames``.
-    shown : mapping of str to Unit
-        The unit in which the file gives what is varied.
+    units : mapping of str to Unit
+        The unit in which the file gives each quantity that is varied.
     path : path
         The file.
 
@@ -100,14 +101,14 @@ class Study:
     ...     path = Path(folder) / "study.toml"
     ...     _ = path.write_text(text)
     ...     study = fr.Study.from_toml(path)
-    >>> study.over, study.shown["kick"].name
+    >>> study.over, study.units["kick"].name
     ({'kick': [0.01, 0.02], 'seed': range(1, 4)}, 'mm/s')
     """
 
     problem: SimulationProblem
     over: Mapping[str, Any]
     options: Mapping[str, Any]
-    shown: Mapping[str, Unit]
+    units: Mapping[str, Unit]
     path: Path
 
     @classmethod
@@ -145,26 +146,56 @@ class Study:
             varied = _over(tables["over"], problem)
         with _naming(path, "ensemble"):
             options = _options(tables.get("ensemble", {}))
-        values, shown = ({name: each[i] for name, each in varied.items()} for i in (0, 1))
+        values, written = ({name: each[i] for name, each in varied.items()} for i in (0, 1))
         _warn_of_hertz(path, tables, problem, values)
-        return cls(problem, values, options, shown, path)
+        return cls(problem, values, options, written, path)
 
-    def run(self, **options: Any) -> Any:
-        """Return what `floquetrod.ensemble` does for this study; ``options`` are further ones of its own.
+    def run(
+        self,
+        *,
+        layout: Literal["grid", "list"] | None = None,
+        samples: int | None = None,
+        seed: int | None = None,
+        executor: Executor | None = None,
+        workers: int | None = None,
+        store: str | Path | None = None,
+        summary: Summary | None = None,
+        frames: bool | None = None,
+        part: tuple[int, int] | None = None,
+        retry_failed: bool = True,
+        progress: Callable[[int, int], None] | None = None,
+    ) -> Any:
+        """Return what `floquetrod.ensemble` does for this study, whose options these are.
+
+        Where ``layout``, ``samples``, ``seed`` and ``frames`` are None they are those of the file.
 
         Raises what it does; ValueError names file and table where what the file says is the cause.
         """
+        options = {"layout": layout, "samples": samples, "seed": seed, "frames": frames}
+        given = {name: value for name, value in options.items() if value is not None}
         try:
-            return ensemble(self.problem, self.over, **{**self.options, **options})
+            return ensemble(
+                self.problem,
+                self.over,
+                **{**self.options, **given},
+                executor=executor,
+                workers=workers,
+                store=store,
+                summary=summary,
+                part=part,
+                retry_failed=retry_failed,
+                progress=progress,
+            )
         except (TypeError, ValueError) as error:
-            raise self._naming_table(error, options) from None
+            raise self._naming_table(error, given) from None
 
-    def _naming_table(self, error: TypeError | ValueError, options: Mapping[str, Any]) -> TypeError | ValueError:
+    def _naming_table(self, error: TypeError | ValueError, given: Mapping[str, Any]) -> TypeError | ValueError:
+        """Return an error that names file and table where it is about what the file says."""
         about = argument_of(error)
         if about is not None and about.name == "over":
             what = " ".join(filter(None, [about.place, about.problem]))
             return ValueError(f"study file {self.path}: [over] {what}")
-        if about is not None and about.name in _OPTIONS and about.name not in options:
+        if about is not None and about.name in _OPTIONS and about.name not in given:
             return located(f"study file {self.path}: [ensemble]", error, " ")
         return error
 
@@ -317,14 +348,14 @@ def _varied(key: str, given: Any, rod: Rod) -> tuple[Any, Unit]:
     require_known(given, ("from", "to", "steps", "spacing"))
     _require_all(key, given, ("from", "to", "steps"))
     first, last = (_quantity(f"{key}: {end}", given[end], rod, key) for end in ("from", "to"))
-    steps = validate.integer(f"{key}: steps", given["steps"], 2, _MOST)
+    steps = validate.integer(f"{key}: steps", given["steps"], 2, MOST_RUNS)
     spacing = validate.choice(f"{key}: spacing", given.get("spacing", "linear"), _SPACINGS)
     if spacing == "log" and not min(first, last) > 0.0:
         raise ValueError(f'{key}: spacing "log" needs ends above zero, got {given["from"]!r} and {given["to"]!r}')
     return (np.linspace if spacing == "linear" else np.geomspace)(first, last, steps), unit
 
 
-_READ_IN_HERTZ = 100  # frequencies of a list that are; longer ones are not typed (a choice)
+_READ_IN_HERTZ = 100  # frequencies of a list that are; nobody types longer ones
 _WORDS = ("steps", "spacing", "distribution")
 
 
@@ -335,7 +366,7 @@ def _integers(key: str, given: Any) -> Any:
     require_known(given, ("from", "to"))
     _require_all(key, given, ("from", "to"))
     first = validate.integer(f"{key}: from", given["from"], 0)
-    return range(first, validate.integer(f"{key}: to", given["to"], first, first + _MOST) + 1)
+    return range(first, validate.integer(f"{key}: to", given["to"], first, first + MOST_RUNS) + 1)
 
 
 def _distribution(key: str, given: Mapping[str, Any], rod: Rod) -> Any:
