@@ -9,6 +9,7 @@ import signal
 import threading
 import zlib
 from collections.abc import Generator
+from pathlib import Path
 
 # Before numpy is loaded: the workers of a run share the processors, and threads of small matrices only wait for each
 # other there (measured: eigenvalues of a few hundred rows twenty times slower).
@@ -87,6 +88,12 @@ def _no_lines_of_progress(monkeypatch: pytest.MonkeyPatch) -> None:
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add `--bite`."""
     parser.addoption("--bite", action="store_true", help="run properties only, and count the examples they discard")
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out files without kernels when only those are asked for: importing them all takes as long as the tests."""
+    only_kernels = config.option.markexpr == "kernels" and collection_path.match("test_*.py")
+    return True if only_kernels and "mark.kernels" not in collection_path.read_text(encoding="utf-8") else None
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import functools
 import re
 import subprocess
 import sys
@@ -81,8 +82,15 @@ def own_module(name: str) -> str | None:
     return ".".join(inner) or "__init__"
 
 
+@functools.cache
 def parse(module: str) -> ast.Module:
     return ast.parse(FILES[module].read_text(encoding="utf-8"))
+
+
+@functools.cache
+def imported(module: str) -> frozenset[str]:
+    """Return the full names of what a module imports."""
+    return frozenset(imports(parse(module), module, FILES[module]))
 
 
 def test_every_room_is_drawn_once_and_exists() -> None:
@@ -90,10 +98,11 @@ def test_every_room_is_drawn_once_and_exists() -> None:
     assert sorted(drawn) == sorted({room_of(module) for module in FILES})
 
 
+@functools.cache
 def targets(module: str) -> set[str]:
     """Return the modules of this package that a module imports."""
     found = set()
-    for name in imports(parse(module), module, FILES[module]):
+    for name in imported(module):
         target = own_module(name)
         by_name = module in ("__init__", "_util.lazy") and name == "floquetrod."
         if target is not None and not by_name:  # names loaded when first used are listed for type checkers, too
@@ -101,12 +110,14 @@ def targets(module: str) -> set[str]:
     return found
 
 
-@pytest.mark.parametrize("module", FILES)
-def test_imports_go_downwards(module: str) -> None:
-    here = room_of(module)
-    for target in targets(module):
-        there = room_of(target)
-        assert there == here or LAYERS[there] < LAYERS[here], f"{module} (layer {LAYERS[here]}) imports {target}"
+def test_imports_go_downwards() -> None:
+    pairs = ((module, target, room_of(module), room_of(target)) for module in FILES for target in targets(module))
+    upwards = [
+        f"{module} (layer {LAYERS[here]}) imports {target}"
+        for module, target, here, there in pairs
+        if not (there == here or LAYERS[there] < LAYERS[here])
+    ]
+    assert upwards == []
 
 
 def test_the_folders_of_the_rod_have_layers() -> None:
@@ -143,18 +154,18 @@ def test_no_method_imports_another(methods: str) -> None:
             assert not {t for t in targets(module) if t.startswith(methods)}, module
 
 
-@pytest.mark.parametrize("module", FILES)
-def test_imports_only_what_is_declared(module: str) -> None:
-    outside = {name.split(".")[0] for name in imports(parse(module), module, FILES[module])} - {PACKAGE}
-    assert outside <= ALLOWED
+def test_imports_only_what_is_declared() -> None:
+    outside = {(name.split(".")[0], module) for module in FILES for name in imported(module)}
+    assert [(name, module) for name, module in outside if name not in ALLOWED | {PACKAGE}] == []
 
 
-@pytest.mark.parametrize("module", [module for module in FILES if module != "_util.caching"])
-def test_no_property_is_kept_behind_a_lock(module: str) -> None:
+def test_no_property_is_kept_behind_a_lock() -> None:
     """Up to Python 3.11 the `cached_property` of the library is, and a forked process may find it locked for ever."""
-    assert "functools.cached_property" not in imports(parse(module), module, FILES[module])
-    attributes = (node for node in ast.walk(parse(module)) if isinstance(node, ast.Attribute))
-    assert "functools.cached_property" not in map(ast.unparse, attributes)
+    others = [module for module in FILES if module != "_util.caching"]
+    assert [module for module in others if "functools.cached_property" in imported(module)] == []
+    attributes = ((node, module) for module in others for node in ast.walk(parse(module)))
+    named = ((node, module) for node, module in attributes if isinstance(node, ast.Attribute))
+    assert [module for node, module in named if ast.unparse(node) == "functools.cached_property"] == []
 
 
 def test_the_analysis_sees_every_kind_of_import() -> None:

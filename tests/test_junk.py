@@ -161,7 +161,6 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     ),
     (CLAMPED.modal_system, {"load": WAVE, "modes": (1, 2, 3)}),
     (CLAMPED.modes_needed, {"load": WAVE, "growth_tolerance": 0.1}),
-    (CLAMPED.stability(WAVE, range(1, 9)).time_to_grow, {"factor": 10.0}),
     (CLAMPED.is_stable, {**PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "like": WAVE, "workers": 1, "progress": None}),
     (CLAMPED.verdicts, {**PUSH, **UNCOUPLED, "growth_tolerance": 0.1, "like": WAVE, "workers": 1, "progress": None}),
     (CLAMPED.growth_rate, {**PUSH, "like": WAVE, "workers": 1, "progress": None}),
