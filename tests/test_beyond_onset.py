@@ -216,6 +216,7 @@ def wound_one_way(run: fr.Simulation, force: np.ndarray) -> list[np.ndarray]:
     return [piece for piece in np.split(found, np.flatnonzero(np.diff(found) > 1) + 1) if piece.size > 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2])
 def test_lock_up_length(seed: int) -> None:
     """Along a helix 1/F falls by mu w / F_p^2 per length, to 0 where it locks up: where the formula says, within 5 %.
