@@ -127,7 +127,14 @@ def close(rod: fr.Rod, load: Any) -> None:
     assert found.growth_rate == pytest.approx(rate, rel=1e-4)
 
 
-@pytest.mark.parametrize("name", [name for name in KNOWN if "120" not in name])
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=[] if name in ("wire driven at 150", "tubing of 60 m, c = 0.2") else pytest.mark.slow)
+        for name in KNOWN
+        if "120" not in name
+    ],
+)
 def test_finite_differences_grow_as_known(name: str) -> None:
     known = KNOWN[name]
     rate, error = fd.growth(cases.model(known.rod, known.load))
@@ -145,8 +152,18 @@ def test_finite_differences_know_beams(ends: str) -> None:
     assert np.abs(fd.least_stiffness(pushed, max(1, rigid))).max() < 1e-6
 
 
-@pytest.mark.parametrize("way", WAYS)
-@pytest.mark.parametrize("ends", ["clamped", "clamped-hinged", "hinged-clamped", "clamped-guided", "guided-free"])
+SOME = "clamped", "clamped-hinged", "hinged-clamped", "clamped-guided", "guided-free"
+
+
+@pytest.mark.parametrize(
+    ("ends", "way"),
+    [
+        # Each of both once, and all of one with all of the other under `make slow`.
+        pytest.param(ends, way, marks=[] if SOME.index(ends) == WAYS.index(way) else pytest.mark.slow)
+        for ends in SOME
+        for way in WAYS
+    ],
+)
 def test_growth_is_that_of_finite_differences(ends: str, way: str) -> None:
     rod = SHORT.replace(ends=ends, inclination=math.radians(70.0), damping_rate=0.005 * SHORT.pendulum_frequency)
     close(rod, growing(rod, way))
@@ -252,7 +269,7 @@ def test_a_load_half_a_period_later_grows_alike() -> None:
 # --- modes ---
 
 
-@pytest.mark.parametrize("ends", ["hinged", "clamped", "clamped-free"])
+@pytest.mark.parametrize("ends", ["hinged", pytest.param("clamped", marks=pytest.mark.slow), "clamped-free"])
 def test_growth_converges_in_modes(ends: str) -> None:
     rod = WIRE.replace(ends=ends, inclination=math.radians(60.0))
     load = growing(rod, "even")

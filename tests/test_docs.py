@@ -12,6 +12,7 @@ import subprocess
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -92,7 +93,25 @@ ELSEWHERE = {"theory/agreement.md"} | {f"how_to/{story}.md" for story in STORIES
 """Pages that test_agreement and test_stories execute."""
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if page not in {*ELSEWHERE, *(row[0] for row in MISTAKES)}])
+LONG = {
+    "theory/simulator.md",
+    "theory/real_rods.md",
+    "theory/friction.md",
+    "theory/thin_tongues.md",
+    "theory/regions.md",
+    "how_to/ensembles.md",
+}
+"""Pages that take three seconds and more; `make slow` and `make docs` execute them."""
+
+
+def quick(pages: list[str]) -> list[Any]:
+    """Return pages as parameters, the long ones marked."""
+    return [pytest.param(page, marks=[pytest.mark.slow] * (page in LONG)) for page in pages]
+
+
+@pytest.mark.parametrize(
+    "page", quick([page for page in PAGES if page not in {*ELSEWHERE, *(row[0] for row in MISTAKES)}])
+)
 def test_pages_execute(page: str) -> None:
     execute((DOCS / page).read_text(encoding="utf-8"))
 
@@ -104,17 +123,7 @@ def with_mistake(page: str, right: str, wrong: str) -> str:
     return text.replace(right, wrong)
 
 
-LONG = "theory/simulator.md"
-"""A page that derives a rod in space, for ten seconds; `make slow` and `make docs` execute it."""
-
-
-@pytest.mark.parametrize(
-    "page",
-    [
-        pytest.param(page, marks=[pytest.mark.slow] * (page == LONG))
-        for page in sorted({page for page, _, _ in MISTAKES})
-    ],
-)
+@pytest.mark.parametrize("page", quick(sorted({page for page, _, _ in MISTAKES})))
 def test_a_page_executes_and_each_mistake_in_its_derivations_is_found(page: str) -> None:
     # What precedes a mistake is run once: before a cell is run, so is each wrong one in its place, and what follows it.
     text = (DOCS / page).read_text(encoding="utf-8")
