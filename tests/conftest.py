@@ -6,7 +6,6 @@ import os
 import re
 import secrets
 import signal
-import sys
 import threading
 import zlib
 from collections.abc import Generator
@@ -14,7 +13,6 @@ from pathlib import Path
 
 # Before numpy is loaded: the workers of a run share the processors, and threads of small matrices only wait for each
 # other there (measured: eigenvalues of a few hundred rows twenty times slower).
-TOO_LATE = "numpy" in sys.modules and "OPENBLAS_NUM_THREADS" not in os.environ
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
@@ -67,10 +65,9 @@ def pytest_configure(config: pytest.Config) -> None:
         signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
-def pytest_report_header(config: pytest.Config) -> list[str]:
-    """Tell how to draw the same numbers again, and of threads that make a run several times slower."""
-    slow = "a plugin of pytest has loaded numpy: leave it out (-p no:NAME), or set OPENBLAS_NUM_THREADS=1"
-    return [f"random numbers: {SEED}={os.environ[SEED]}", *[slow] * TOO_LATE]
+def pytest_report_header(config: pytest.Config) -> str:
+    """Tell how to draw the same numbers again."""
+    return f"random numbers: {SEED}={os.environ[SEED]}"
 
 
 @pytest.fixture

@@ -25,7 +25,14 @@ def test_without_examples():
 """
 
 
-@pytest.mark.parametrize(("workers", "left_out", "status"), [("0", "hardly", 0), ("1", "nothing", 1)])
+@pytest.mark.parametrize(
+    ("workers", "left_out", "status"),
+    [
+        ("0", "nothing", 1),
+        pytest.param("0", "hardly", 0, marks=pytest.mark.slow),
+        pytest.param("1", "nothing", 1, marks=pytest.mark.slow),
+    ],
+)
 def test_properties_that_discard_nearly_everything_fail(
     workers: str, left_out: str, status: int, tmp_path: Path
 ) -> None:
