@@ -469,6 +469,7 @@ def test_rounding_of_what_is_freed_from_damping_is_covered() -> None:
         fr.Mathieu(0.4, -0.3),
         fr.Hill(-0.2, cosines=(0.3, 0.1), sines=(0.2,), period=3.0, damping=0.05),
         fr.Hill(-0.7, period=2.0),
+        fr.Meissner(0.4, -0.3, 0.05),
     ],
 )
 def test_scalar_equations_as_systems(equation: Any, rng: np.random.Generator) -> None:
@@ -481,9 +482,9 @@ def test_scalar_equations_as_systems(equation: Any, rng: np.random.Generator) ->
     assert np.allclose(spectrum(system), expected, rtol=1e-9, atol=1e-9)
 
 
-def test_a_square_wave_is_no_system() -> None:
-    with pytest.raises(TypeError, match="finite Fourier series"):
-        fr.Meissner(0.5, -0.25).as_system()
+def test_a_square_wave_has_no_finite_series() -> None:
+    with pytest.raises(TypeError, match="must be one finite Fourier series, got one of 2 pieces"):
+        fr.Meissner(0.5, -0.25).as_system().harmonics  # noqa: B018
 
 
 # --- functions -------------------------------------------------------------------------------------------------------

@@ -9,6 +9,7 @@ from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.mathieu import FrictionalMathieu, Mathieu
 from floquetrod.equations.meissner import Meissner, SquareWave
 from floquetrod.equations.periodic_system import PeriodicSystem
+from floquetrod.equations.pieces import Varying
 
 __all__ = [
     "Equation",
@@ -20,6 +21,7 @@ __all__ = [
     "PeriodicSystem",
     "Piece",
     "SquareWave",
+    "Varying",
     "in_batches",
     "require",
     "stack",

@@ -19,6 +19,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.calling import TellsAttributes
 from floquetrod.equations.hill_system import HillSystem
+from floquetrod.equations.pieces import Varying
 
 _LATEST = 1e14  # periods, after which neighbouring doubles lie a large part of one apart
 
@@ -100,17 +101,19 @@ class Equation(TellsAttributes, ABC):
     def as_system(self) -> HillSystem:
         """Return the same equation as a system of one: K = -p, since positive stiffness restores, and C = 2 c.
 
-        Raises TypeError for a coefficient with jumps or slopes, which has no finite Fourier series.
+        Its period is the double ``period``.  Where the mean or the slope of a piece is no double it is rounded, which
+        the system's ``coefficient_error`` bounds.
         """
-        if not self.is_smooth:
-            raise validate.wrong_type(
-                "equation", f"must have a finite Fourier series to be a system, got {validate.short(self)}"
-            )
-        piece = self.pieces()[0]
-        cosines = [[[-z.real]] for z in piece.harmonics]
-        sines = [[[z.imag]] for z in piece.harmonics]
         damping = [[2.0 * self.damping]] if self.damping else None
-        return HillSystem([[-float(piece.mean)]], cosines, sines, damping=damping, period=self.period)
+        period, parts, errors = Fraction(self.period), [], [Fraction(0)]
+        for piece in self.pieces():
+            mean, slope = -float(piece.mean), -float(piece.slope)
+            cosines = [[[-z.real]] for z in piece.harmonics]
+            sines = [[[z.imag]] for z in piece.harmonics]
+            parts.append((piece.share * period, Varying([[mean]], [[slope]], cosines, sines)))
+            off = abs(Fraction(piece.slope) + Fraction(slope)) * piece.share * period
+            errors.append(abs(Fraction(piece.mean) + Fraction(mean)) + off)
+        return HillSystem.from_pieces(parts, damping=damping, coefficient_error=_above(max(errors)))
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau), its mean value at a jump; broadcasts over ``tau``."""
@@ -151,6 +154,12 @@ class Alternating(Equation):
     def period_over_pi(self) -> Fraction:
         """The exact period over pi, 2."""
         return Fraction(2)
+
+
+def _above(value: Fraction) -> float:
+    """Return a double that is no smaller than an exact number."""
+    nearest = float(value)
+    return nearest if value <= nearest else math.nextafter(nearest, math.inf)
 
 
 def value_on(piece: Piece, tau: NDArray[np.float64], begin: float, period: float) -> NDArray[np.float64]:

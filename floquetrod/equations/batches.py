@@ -13,6 +13,7 @@ from floquetrod._util import validate
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.matrices import Matrix
 from floquetrod.equations.periodic_system import PeriodicSystem
+from floquetrod.equations.pieces import Varying
 
 System = HillSystem | PeriodicSystem
 
@@ -20,8 +21,9 @@ System = HillSystem | PeriodicSystem
 def stack(systems: Sequence[System]) -> System:
     """Return single systems as one batch of shape (m,), in their order.
 
-    Missing harmonics become zeros.  What is the same in all stays one matrix, so that structure that can only be seen
-    in shared matrices (C = 2 c M) is kept.
+    Missing harmonics become zeros; systems in pieces must all have as many, and durations that are no doubles are
+    rounded.  What is the same in all stays one matrix, so that structure that can only be seen in shared matrices (C =
+    2 c M) is kept.
 
     Parameters
     ----------
@@ -49,16 +51,30 @@ def stack(systems: Sequence[System]) -> System:
         if system.shape or system.order != listed[0].order:
             what = f"a batch of shape {system.shape}" if system.shape else f"one of order {system.order}"
             raise ValueError(f"systems[{i}] must be a single system of order {listed[0].order}, got {what}")
+        if len(system.pieces) != len(listed[0].pieces):
+            counts = f"{len(listed[0].pieces)}, got {len(system.pieces)}"
+            raise ValueError(f"systems[{i}] must have as many pieces as the first, {counts}; stack them apart")
     zero = np.zeros((listed[0].order,) * 2)
 
-    def series(name: str) -> list[Matrix]:
-        every = [getattr(system, name) for system in listed]
+    def series(name: str, of: Sequence[Any] = listed) -> list[Matrix]:
+        every = [getattr(system, name) for system in of]
         longest = max(map(len, every))
         return [_merged([one[k] if k < len(one) else zero for one in every]) for k in range(longest)]
 
+    def piece(j: int) -> tuple[Any, Varying]:
+        durations, values = zip(*(system.pieces[j] for system in listed), strict=True)
+        slope = None if all(value.slope is None for value in values) else _merged([v.slope_or_zero for v in values])
+        mean = _merged([value.mean for value in values])
+        return _merged([*map(float, durations)]), Varying(
+            mean, slope, series("cosines", values), series("sines", values)
+        )
+
+    error = max(system.coefficient_error for system in listed)
+    pieces = [piece(j) for j in range(len(listed[0].pieces))]
+    if pieces and kind is PeriodicSystem:
+        return PeriodicSystem.from_pieces(pieces, coefficient_error=error)
     period = _merged([system.period for system in listed])
     if kind is PeriodicSystem:
-        error = max(system.coefficient_error for system in listed)
         mean = np.stack([system.mean for system in listed])
         return PeriodicSystem(mean, series("cosines"), series("sines"), period=period, coefficient_error=error)
 
@@ -66,15 +82,16 @@ def stack(systems: Sequence[System]) -> System:
         every = [getattr(system, name) for system in listed]
         return None if all(m is None for m in every) else _merged([absent if m is None else m for m in every])
 
-    return HillSystem(
-        np.stack([system.stiffness for system in listed]),
-        series("cosines"),
-        series("sines"),
-        mass=optional("mass", np.eye(listed[0].order)),
-        damping=optional("damping", zero),
-        gyroscopic=optional("gyroscopic", zero),
-        period=period,
-    )
+    others = {
+        "mass": optional("mass", np.eye(listed[0].order)),
+        "damping": optional("damping", zero),
+        "gyroscopic": optional("gyroscopic", zero),
+        "coefficient_error": error,
+    }
+    if pieces:
+        return HillSystem.from_pieces(pieces, **others)
+    stiffness = np.stack([system.stiffness for system in listed])
+    return HillSystem(stiffness, series("cosines"), series("sines"), period=period, **others)
 
 
 def flat(array: Any, shape: tuple[int, ...], tail: int) -> NDArray[Any]:
@@ -97,13 +114,18 @@ def pick(systems: System, index: int) -> System:
         array = np.asarray(array)
         return np.broadcast_to(array, (*systems.shape, *array.shape[array.ndim - tail :]))[place]
 
+    pieces = [(float(one(duration, 0)), value.mapped(one, one)) for duration, value in systems.pieces]
     series = [[one(matrix) for matrix in matrices] for matrices in (systems.cosines, systems.sines)]
-    period = float(one(systems.period, 0))
+    period, error = float(one(systems.period, 0)), systems.coefficient_error
     if isinstance(systems, PeriodicSystem):
-        return PeriodicSystem(one(systems.mean), *series, period=period, coefficient_error=systems.coefficient_error)
+        if pieces:
+            return PeriodicSystem.from_pieces(pieces, coefficient_error=error)
+        return PeriodicSystem(one(systems.mean), *series, period=period, coefficient_error=error)
     names = ("mass", "damping", "gyroscopic")
     others = {name: one(matrix) for name in names if (matrix := getattr(systems, name)) is not None}
-    return HillSystem(one(systems.stiffness), *series, **others, period=period)
+    if pieces:
+        return HillSystem.from_pieces(pieces, **others, coefficient_error=error)
+    return HillSystem(one(systems.stiffness), *series, **others, period=period, coefficient_error=error)
 
 
 def in_batches(systems: Sequence[System], call: Callable[[System], Sequence[Any]]) -> list[tuple[Any, ...]]:
@@ -119,7 +141,7 @@ def in_batches(systems: Sequence[System], call: Callable[[System], Sequence[Any]
     groups: dict[Any, list[int]] = {}
     for i, system in enumerate(systems):
         damping = system.uniform_damping if isinstance(system, HillSystem) else None
-        groups.setdefault((type(system), system.order, system.structure, damping), []).append(i)
+        groups.setdefault((type(system), system.order, system.structure, damping, len(system.pieces)), []).append(i)
     answers: list[tuple[Any, ...]] = [()] * len(systems)
     for members in groups.values():
         columns = call(stack([systems[i] for i in members]))

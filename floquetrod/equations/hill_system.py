@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util import validate
 from floquetrod._util.arrays import norms
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import matrices
+from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import Matrix, Structure
 from floquetrod.equations.periodic_system import PeriodicSystem
 
@@ -45,12 +48,13 @@ class EvenForm(NamedTuple):
 
 @tells_arguments(frequency="period is 2 pi / frequency")
 @dataclass(frozen=True, eq=False, repr=False)
-class HillSystem(matrices.FourierSystem):
-    """The system M q'' + (C + G) q' + K(t) q = 0 of n equations, K(t) a finite Fourier series of period 2 pi / w.
+class HillSystem(matrices.PeriodicMatrixSystem):
+    """The system M q'' + (C + G) q' + K(t) q = 0 of n equations, K(t) periodic: a finite Fourier series, or in pieces.
 
-    K(t) = stiffness + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t.  Positive stiffness restores: the sign is
-    the opposite of that of the scalar `Hill`, whose positive coefficient pushes away, and ``damping`` is the matrix C,
-    where the scalar's c stands for C = 2 c.  ``Hill(...).as_system()`` converts.
+    As a series of period 2 pi / w, K(t) = stiffness + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t;
+    `from_pieces` takes a K(t) that jumps.  Positive stiffness restores: the sign is the opposite of that of the scalar
+    `Hill`, whose positive coefficient pushes away, and ``damping`` is the matrix C, where the scalar's c stands for
+    C = 2 c.  ``Hill(...).as_system()`` converts.
 
     Any matrix may be an array of matrices with a leading shape, and ``period`` an array: together they are then a batch
     of systems, for `floquetrod.systems`.
@@ -72,6 +76,10 @@ class HillSystem(matrices.FourierSystem):
         G, which equals minus its transpose; none by default, and None where it is zero.
     period : float or array_like (...)
         Period of K.  Units are the caller's: with kg, N s/m and N/m it is in seconds.
+    coefficient_error : float
+        Bound or estimate of the error of K(t), entry by entry, in the unit of K; `from_function` states one.
+    pieces : sequence of (duration, matrix)
+        What `from_pieces` takes, beside the mean ``stiffness`` and the ``period`` that follow from it; none by default.
 
     Raises
     ------
@@ -94,6 +102,8 @@ class HillSystem(matrices.FourierSystem):
     damping: Matrix | None = None
     gyroscopic: Matrix | None = None
     period: Any = 2.0 * math.pi
+    coefficient_error: float = 0.0
+    pieces: by_pieces.Pieces = ()
 
     _rounding = 0.0
     # Bound on the error of the stiffness, in the 2-norm; not zero where `undamped` computed it.
@@ -108,6 +118,8 @@ class HillSystem(matrices.FourierSystem):
         damping: Any = None,
         gyroscopic: Any = None,
         period: Any = 2.0 * math.pi,
+        coefficient_error: float = 0.0,
+        pieces: Any = (),
     ) -> None:
         """Check and copy the parameters."""
         mean = matrices.square("stiffness", stiffness)
@@ -124,13 +136,51 @@ class HillSystem(matrices.FourierSystem):
             "damping": _unless_zero(optional("damping", damping)),
             "gyroscopic": _unless_zero(_skew(optional("gyroscopic", gyroscopic))),
             "period": matrices.periods(period),
+            "coefficient_error": validate.nonnegative("coefficient_error", coefficient_error),
+            "pieces": by_pieces.checked(pieces, mean, cosines, sines, period, "stiffness"),
         }
         self._take(values)
+
+    @classmethod
+    def from_pieces(
+        cls,
+        pieces: Any,
+        *,
+        mass: Any = None,
+        damping: Any = None,
+        gyroscopic: Any = None,
+        coefficient_error: float = 0.0,
+    ) -> HillSystem:
+        """Return the system whose K(t) is given piece by piece of the period, and may jump from one to the next.
+
+        Parameters
+        ----------
+        pieces : sequence of (duration, K)
+            From t = 0 on, over a period, which is the exact sum of the durations: positive numbers, `Fraction` among
+            them, or arrays of them for a batch.  K is a matrix (..., n, n), constant over the piece, or a `Varying`.
+        mass, damping, gyroscopic, coefficient_error
+            As of the system.
+
+        Examples
+        --------
+        Two coupled equations of Meissner, a square wave of period 2:
+
+        >>> stiff, soft = [[1.5, 0.5], [0.5, 4.5]], [[0.5, -0.5], [-0.5, 3.5]]
+        >>> system = HillSystem.from_pieces([(1.0, stiff), (1.0, soft)])
+        >>> system.period, system.stiffness.tolist(), system.structure
+        (2.0, [[1.0, 0.0], [0.0, 4.0]], 'hamiltonian')
+        """
+        others = {"mass": mass, "damping": damping, "gyroscopic": gyroscopic, "coefficient_error": coefficient_error}
+        found = by_pieces.read(pieces)
+        period, single = by_pieces.total([duration for duration, _ in found]), by_pieces.one_series(found)
+        if single is not None:
+            return cls(single.mean, single.cosines, single.sines, period=period, **others)
+        return cls(by_pieces.average(found, period), period=period, pieces=found, **others)
 
     @cached_property
     def is_symmetric(self) -> bool:
         """Whether K(t) is symmetric, entry by entry."""
-        return all(matrices.symmetric(matrix) for matrix in (self.stiffness, *self.cosines, *self.sines))
+        return all(matrices.symmetric(matrix) for matrix in self.every_matrix)
 
     @cached_property
     def uniform_damping(self) -> float | None:
@@ -155,7 +205,9 @@ class HillSystem(matrices.FourierSystem):
         if self.damping is None and self.is_symmetric:
             return "hamiltonian"
         if self.damping is None:
-            return "reversible" if self.even_form is not None and not self.even_form.uncertainty.any() else "general"
+            even = self.even_form
+            seen = self.even_start is not None if even is None else not even.uncertainty.any()
+            return "reversible" if seen else "general"
         return "damped" if self.is_symmetric and _dissipative(self.damping) else "general"
 
     @cached_property
@@ -167,22 +219,36 @@ class HillSystem(matrices.FourierSystem):
         if c == 0.0:
             return self, 0.0
         mass = np.eye(self.order) if self.mass is None else self.mass
-        stiffness = self.stiffness - c * c * mass
-        freed = HillSystem(stiffness, self.cosines, self.sines, mass=self.mass, period=self.period)
-        object.__setattr__(freed, "_rounding", _EPS * (norms(stiffness) + 2.0 * c * c * norms(mass)))
+        shift = c * c * mass
+        if self.pieces:
+            lowered = [(d, value.mapped(lambda m: m - shift, np.asarray)) for d, value in self.pieces]
+            freed = HillSystem.from_pieces(lowered, mass=self.mass, coefficient_error=self.coefficient_error)
+            largest = np.maximum.reduce([norms(value.mean) for _, value in lowered])
+        else:
+            stiffness = self.stiffness - shift
+            series = self.cosines, self.sines
+            error = self.coefficient_error
+            freed = HillSystem(stiffness, *series, mass=self.mass, period=self.period, coefficient_error=error)
+            largest = norms(stiffness)
+        object.__setattr__(freed, "_rounding", _EPS * (largest + 2.0 * c * c * norms(mass)))
         return freed, c
+
+    @property
+    def _error(self) -> Any:
+        """Bound of the error of K in the 2-norm."""
+        return self._rounding + self.order * self.coefficient_error
 
     @cached_property
     def even_form(self) -> EvenForm | None:
-        """The system of mass 1 about an instant of even stiffness; None where there is none, and with C or G."""
-        if self.damping is not None or self.gyroscopic is not None:
+        """The system of mass 1 about an instant of even stiffness; None without one, in pieces, and with C or G."""
+        if self.damping is not None or self.gyroscopic is not None or self.pieces:
             return None
         turned = _even_amplitudes(self.harmonics)
         if turned is None:
             return None
         amplitudes, phase, uncertainty = turned
         stiffness = np.broadcast_to(self.stiffness, (*self.shape, self.order, self.order))
-        error, rounding = uncertainty, np.asarray(self._rounding)
+        error, rounding = uncertainty, np.asarray(self._error)
         if self.mass is not None:
             inverse = np.linalg.inv(np.linalg.cholesky(self.mass))
             stiffness = _congruence(inverse, stiffness)
@@ -195,56 +261,82 @@ class HillSystem(matrices.FourierSystem):
         start = np.broadcast_to(phase * np.asarray(self.period) / (2.0 * math.pi), self.shape)
         return EvenForm(stiffness, amplitudes, start, error, uncertainty)
 
+    @cached_property
+    def even_start(self) -> Fraction | None:
+        """Instant about which a stiffness in pieces is exactly even; None where there is none, and with C or G."""
+        if self.damping is not None or self.gyroscopic is not None or not self.pieces or self.shape:
+            return None
+        return by_pieces.even_start(by_pieces.in_time(self))
+
+    @property
+    def is_even(self) -> bool:
+        """Whether half a period is enough: a stiffness even about an instant, without C and G."""
+        return self.even_form is not None or self.even_start is not None
+
     def as_periodic_system(self) -> PeriodicSystem:
         """Return the same system in first order, of mass 1: x = (u, u') with q = L u, M^-1 = L L^T.
 
         Where the system is Hamiltonian, x = (u, p) with p = u' + G u / 2, in which it is Hamiltonian too.
-        ``coefficient_error`` is what rounding adds.
+        ``coefficient_error`` is what rounding adds to that of the system.
         """
-        n, canonical = self.order, self.structure == "hamiltonian"
         inverse = None if self.mass is None else np.linalg.inv(np.linalg.cholesky(self.mass))
+        canonical = self.structure == "hamiltonian"
+        tidy = _mirrored if canonical else np.asarray
 
         def reduced(matrix: Matrix | None) -> Matrix:
-            matrix = np.zeros((n, n)) if matrix is None else matrix
+            matrix = np.zeros((self.order, self.order)) if matrix is None else matrix
             return matrix if inverse is None else _congruence(inverse, matrix)
 
-        def lower(left: Matrix, right: Matrix | None = None) -> Matrix:
-            """Return [[0, 0], [left, right]]."""
-            block = np.zeros((*left.shape[:-2], 2 * n, 2 * n))
-            block[..., n:, :n] = left
-            if right is not None:
-                block[..., n:, n:] = right
-            return block
+        gyroscopic, friction = reduced(self.gyroscopic), reduced(self.damping)
 
-        stiffness, gyroscopic = reduced(self.stiffness), reduced(self.gyroscopic)
-        if canonical:
-            stiffness, half = _mirrored(stiffness), 0.5 * gyroscopic
-            half = 0.5 * (half - np.swapaxes(half, -1, -2))
-            bent = _congruence(half, np.eye(n), "gyroscopic")
-            stiffness, half = np.broadcast_arrays(stiffness + 0.5 * (bent + np.swapaxes(bent, -1, -2)), half)
-            mean = lower(-stiffness, -half)
-            mean[..., :n, :n] = -half
-        else:
-            stiffness, friction = np.broadcast_arrays(stiffness, reduced(self.damping) + gyroscopic)
-            mean = lower(-stiffness, -friction)
-        mean[..., :n, n:] = np.eye(n)
-        tidy = _mirrored if canonical else np.asarray
-        cosines, sines = ([lower(-tidy(reduced(m))) for m in series] for series in (self.cosines, self.sines))
-        error = float(np.max(self._rounding if inverse is None else self._rounding * norms(inverse) ** 2))
+        def whole(stiffness: Matrix) -> Matrix:
+            return _first_order(tidy(reduced(stiffness)), friction, gyroscopic, canonical=canonical)
+
+        def other(matrix: Matrix) -> Matrix:
+            return _lower(-tidy(reduced(matrix)))
+
+        turned = [(duration, value.mapped(whole, other)) for duration, value in self.pieces]
+        mean = whole(self.stiffness)
+        cosines, sines = ([other(m) for m in part] for part in (self.cosines, self.sines))
+        error = float(np.max(self._error if inverse is None else self._error * norms(inverse) ** 2))
         if inverse is not None or (canonical and self.gyroscopic is not None):
-            size = float(np.abs(mean).max() + sum(np.abs(m).max() for m in (*cosines, *sines)))
+            parts = [value.matrices for _, value in turned] or [(mean, *cosines, *sines)]
+            size = max(sum(float(np.abs(matrix).max()) for matrix in part) for part in parts)
             condition = 1.0 if inverse is None else float(np.max(norms(np.asarray(self.mass)) * norms(inverse) ** 2))
-            error += 8.0 * n * _EPS * condition * size
+            error += 8.0 * self.order * _EPS * condition * size
+        if self.pieces:
+            return PeriodicSystem.from_pieces(turned, coefficient_error=error)
         return PeriodicSystem(mean, cosines, sines, period=self.period, coefficient_error=error)
 
     def coefficient(self, t: Any) -> NDArray[np.float64]:
-        """Return K(t), of shape ``(*t.shape, n, n)``; of one system."""
-        matrices.require_one(self)
-        return matrices.coefficients_at(t, self.stiffness, self.harmonics, self.period)
+        """Return K(t), of shape ``(*t.shape, n, n)``, the mean of both sides at a jump; of one system."""
+        return by_pieces.value_at(self, t)
 
-    def __repr__(self) -> str:
-        """Return the constructor's call, large matrices by their shape."""
-        return matrices.written(self, [field.name for field in fields(self)])
+
+def _first_order(stiffness: Matrix, damping: Matrix, gyroscopic: Matrix, *, canonical: bool) -> Matrix:
+    """Return the matrix of u'' + (C + G) u' + K u = 0 for (u, u'), or for (u, u' + G u / 2) if ``canonical``."""
+    n = stiffness.shape[-1]
+    if canonical:
+        half = 0.5 * gyroscopic
+        half = 0.5 * (half - np.swapaxes(half, -1, -2))
+        bent = _congruence(half, np.eye(n), "gyroscopic")
+        stiffness, half = np.broadcast_arrays(stiffness + 0.5 * (bent + np.swapaxes(bent, -1, -2)), half)
+        mean = _lower(-stiffness, -half)
+        mean[..., :n, :n] = -half
+    else:
+        mean = _lower(*(-part for part in np.broadcast_arrays(stiffness, damping + gyroscopic)))
+    mean[..., :n, n:] = np.eye(n)
+    return mean
+
+
+def _lower(left: Matrix, right: Matrix | None = None) -> Matrix:
+    """Return [[0, 0], [left, right]]."""
+    n = left.shape[-1]
+    block = np.zeros((*left.shape[:-2], 2 * n, 2 * n))
+    block[..., n:, :n] = left
+    if right is not None:
+        block[..., n:, n:] = right
+    return block
 
 
 def _positive_definite(mass: Matrix | None) -> Matrix | None:

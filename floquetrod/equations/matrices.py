@@ -29,8 +29,8 @@ _MOST_ENTRIES = 1 << 28  # of a matrix over a whole batch, two gigabytes (a choi
 _LEAST_PERIOD = 1e-100
 
 
-class FourierSystem(ByContent):
-    """Base of systems whose matrix is a Fourier series: ``MEAN`` names the field of its mean.
+class PeriodicMatrixSystem(ByContent):
+    """Base of systems with a periodic matrix, a Fourier series or in pieces: ``MEAN`` names the field of its mean.
 
     Nobody can write into its arrays, nor into those of its copies, unpickled ones among them.
     """
@@ -39,11 +39,12 @@ class FourierSystem(ByContent):
     cosines: tuple[Matrix, ...]
     sines: tuple[Matrix, ...]
     period: Any
+    pieces: tuple[tuple[Any, Any], ...]
 
     def _take(self, values: dict[str, Any]) -> None:
         """Take over the fields, arrays closed to writing; ValueError where leading shapes do not fit."""
         vars(self).update(values)
-        for value in values.values():
+        for value in (*values.values(), *(duration for duration, _ in self.pieces)):
             for array in value if isinstance(value, tuple) else (value,):
                 if isinstance(array, np.ndarray):
                     array.flags.writeable = False
@@ -61,13 +62,43 @@ class FourierSystem(ByContent):
 
     @cached_property
     def harmonics(self) -> NDArray[np.complex128]:
-        """Amplitudes Z, complex (..., H, n, n), of mean + sum_k Re(Z_k exp(i k w t)); trailing zeros dropped."""
+        """Amplitudes Z, complex (..., H, n, n), of mean + sum_k Re(Z_k exp(i k w t)); trailing zeros dropped.
+
+        Raises TypeError for a system in pieces, which has no finite Fourier series.
+        """
+        if self.pieces:
+            raise TypeError(
+                f"system must be one finite Fourier series, got one of {len(self.pieces)} pieces; "
+                "fr.stability, fr.certify, fr.solve and fr.chart take those too"
+            )
         return harmonic_amplitudes(self.cosines, self.sines, self.shape, self.order)
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether the matrix is one Fourier series all over the period."""
+        return not self.pieces
 
     @property
     def is_constant(self) -> bool:
         """Whether nothing depends on time."""
-        return bool(self.harmonics.shape[-3] == 0)
+        if not self.pieces:
+            return bool(self.harmonics.shape[-3] == 0)
+        first = self.pieces[0][1]
+        return all(value.is_constant and np.array_equal(value.mean, first.mean) for _, value in self.pieces)
+
+    @property
+    def variation(self) -> str:
+        """How the matrix varies, in words."""
+        count = len(self.pieces) or self.harmonics.shape[-3]
+        what = "piece" if self.pieces else "harmonic"
+        return f"{count} {what}{'' if count == 1 else 's'}" if count else "constant coefficients"
+
+    @property
+    def every_matrix(self) -> tuple[Matrix, ...]:
+        """Every matrix of which the periodic one is made."""
+        if self.pieces:
+            return tuple(matrix for _, value in self.pieces for matrix in value.matrices)
+        return (getattr(self, self.MEAN), *self.cosines, *self.sines)
 
     def __getstate__(self) -> dict[str, Any]:
         """Return what was given, without what follows from it."""
@@ -77,6 +108,20 @@ class FourierSystem(ByContent):
     def __setstate__(self, state: dict[str, Any]) -> None:
         """Take over the arrays, closed to writing."""
         self._take(state)
+
+    def __repr__(self) -> str:
+        """Return the call that makes the system, large matrices by their shape."""
+        value: Any = self
+        names = [field.name for field in fields(value)]
+        if not self.pieces:
+            return written(self, names[:-1])
+        listed = []
+        for duration, varying in self.pieces:
+            text = described(duration) if isinstance(duration, np.ndarray) else repr(duration)
+            listed.append(f"({text}, {described(varying.mean) if varying.is_constant else repr(varying)})")
+        made = [name for name in names if name not in (self.MEAN, "cosines", "sines", "period", "pieces")]
+        others = written(self, made).partition("(")[2]
+        return f"{type(self).__name__}.from_pieces([{', '.join(listed)}]{', ' if others != ')' else ''}{others}"
 
 
 def square(name: str, value: Any, order: int | None = None, like: str = "", most: int = MOST_EQUATIONS) -> Matrix:
@@ -135,17 +180,17 @@ def _is_flat(value: Any) -> bool:
     return not any(validate.iterable(part) for part in value) if validate.iterable(value) else True
 
 
-def periods(value: Any) -> float | NDArray[np.float64]:
+def periods(value: Any, name: str = "period") -> float | NDArray[np.float64]:
     """Return a period, or an array of them for a batch."""
     if not validate.iterable(value) or isinstance(value, str | bytes):
-        number = validate.within("period", value, _LEAST_PERIOD, 1.0 / _LEAST_PERIOD)
-        _require_unrounded("period", np.asarray(value), np.asarray(number))
+        number = validate.within(name, value, _LEAST_PERIOD, 1.0 / _LEAST_PERIOD)
+        _require_unrounded(name, np.asarray(value), np.asarray(number))
         return number
-    array = validate.array("period", value, least=-1.0 / _LEAST_PERIOD, largest=1.0 / _LEAST_PERIOD)
+    array = validate.array(name, value, least=-1.0 / _LEAST_PERIOD, largest=1.0 / _LEAST_PERIOD)
     if array.size == 0:
-        raise ValueError("period must be one number, or an array of one for each system, got none")
+        raise ValueError(f"{name} must be one number, or an array of one for each system, got none")
     if not (array >= _LEAST_PERIOD).all():
-        raise ValueError(f"period must be greater than zero, got {float(array.min())!r} among {array.size} values")
+        raise ValueError(f"{name} must be greater than zero, got {float(array.min())!r} among {array.size} values")
     return np.array(array)
 
 
@@ -183,9 +228,11 @@ def harmonic_amplitudes(
     return result[..., :count, :, :]
 
 
-def coefficients_at(times: Any, mean: Matrix, harmonics: NDArray[np.complex128], period: float) -> NDArray[np.float64]:
+def coefficients_at(
+    times: NDArray[np.float64], mean: Matrix, harmonics: NDArray[np.complex128], period: float
+) -> NDArray[np.float64]:
     """Return mean + sum_k Re(Z_k exp(i k w t)), of shape (*times.shape, n, n), of one system."""
-    phase = (2.0 * math.pi / period) * validate.array("t", times, least=-1e14 * period, largest=1e14 * period)
+    phase = (2.0 * math.pi / period) * np.asarray(times)
     waves = np.exp(1j * phase[..., None] * np.arange(1, len(harmonics) + 1))
     return np.asarray(mean + np.einsum("...k,kij->...ij", waves, harmonics).real)
 
@@ -199,7 +246,12 @@ def described(value: Any) -> str:
 def named(system: Any) -> dict[str, Matrix]:
     """Return the matrices of a system beside its mean, by name."""
     series = {f"{name}[{k}]": m for name in ("cosines", "sines") for k, m in enumerate(getattr(system, name))}
-    others = {name: getattr(system, name, None) for name in ("mass", "damping", "gyroscopic")}
+    pieces = {
+        f"pieces[{j}][1]" + f".matrices[{i}]" * (i > 0): matrix
+        for j, (_, value) in enumerate(system.pieces)
+        for i, matrix in enumerate(value.matrices)
+    }
+    others = {name: getattr(system, name, None) for name in ("mass", "damping", "gyroscopic")} | pieces
     return series | {name: matrix for name, matrix in others.items() if isinstance(matrix, np.ndarray)}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
@@ -14,6 +14,7 @@ from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import tells_arguments
 from floquetrod.equations import matrices
+from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import Matrix, Structure
 
 _EPS = 2.220446049250313e-16
@@ -26,7 +27,7 @@ _REQUIRED_DECAY = 1e-10  # part of the largest coefficient: where the last harmo
 
 @tells_arguments(frequency="period is 2 pi / frequency")
 @dataclass(frozen=True, eq=False, repr=False)
-class PeriodicSystem(matrices.FourierSystem):
+class PeriodicSystem(matrices.PeriodicMatrixSystem):
     """The system x' = A(t) x of N equations with A(t) = mean + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t.
 
     w = 2 pi / period.  Any matrix may be an array of matrices with a leading shape, and ``period`` an array: together
@@ -45,6 +46,8 @@ class PeriodicSystem(matrices.FourierSystem):
         Period of A, in the unit of time of which A is the inverse.
     coefficient_error : float
         Bound or estimate of the error of A(t), entry by entry, in the unit of A; `from_function` states one.
+    pieces : sequence of (duration, matrix)
+        What `from_pieces` takes, beside the ``mean`` and the ``period`` that follow from it; none by default.
 
     Examples
     --------
@@ -59,6 +62,7 @@ class PeriodicSystem(matrices.FourierSystem):
     sines: tuple[Matrix, ...] = ()
     period: Any = 2.0 * math.pi
     coefficient_error: float = 0.0
+    pieces: by_pieces.Pieces = ()
 
     def __init__(
         self,
@@ -68,6 +72,7 @@ class PeriodicSystem(matrices.FourierSystem):
         *,
         period: Any = 2.0 * math.pi,
         coefficient_error: float = 0.0,
+        pieces: Any = (),
     ) -> None:
         """Check and copy the parameters."""
         average = matrices.square("mean", mean, most=2 * matrices.MOST_EQUATIONS)
@@ -78,8 +83,34 @@ class PeriodicSystem(matrices.FourierSystem):
             "sines": matrices.by_harmonic("sines", sines, order, "mean"),
             "period": matrices.periods(period),
             "coefficient_error": validate.nonnegative("coefficient_error", coefficient_error),
+            "pieces": by_pieces.checked(pieces, average, cosines, sines, period, "mean"),
         }
         self._take(values)
+
+    @classmethod
+    def from_pieces(cls, pieces: Any, *, coefficient_error: float = 0.0) -> PeriodicSystem:
+        """Return the system whose A(t) is given piece by piece of the period, and may jump from one to the next.
+
+        Parameters
+        ----------
+        pieces : sequence of (duration, A)
+            From t = 0 on, over a period, which is the exact sum of the durations: positive numbers, `Fraction` among
+            them, or arrays of them for a batch.  A is a matrix (..., N, N), constant over the piece, or a `Varying`.
+        coefficient_error : float
+            As of the system.
+
+        Examples
+        --------
+        >>> PeriodicSystem.from_pieces([(0.5, [[0.0, 1.0], [-4.0, 0.0]]), (1.5, [[0.0, 1.0], [-1.0, 0.0]])]).period
+        2.0
+        """
+        found = by_pieces.read(pieces)
+        period, single = by_pieces.total([duration for duration, _ in found]), by_pieces.one_series(found)
+        if single is not None:
+            given = single.mean, single.cosines, single.sines
+            return cls(*given, period=period, coefficient_error=coefficient_error)
+        mean = by_pieces.average(found, period)
+        return cls(mean, period=period, coefficient_error=coefficient_error, pieces=found)
 
     @classmethod
     def from_function(cls, function: Callable[[float], Any], period: float) -> PeriodicSystem:
@@ -168,14 +199,16 @@ class PeriodicSystem(matrices.FourierSystem):
         """What is exactly so of A, entry by entry; it decides how multipliers come in pairs.
 
         "hamiltonian" where J A(t) is symmetric, J = [[0, I], [-I, 0]], x = (q, p); "reversible" where R A(-t) R = -A(t)
-        with R = diag(I, -I), x = (q, q'); else "general".  Of a batch: of all its systems.
+        with R = diag(I, -I), x = (q, q'), and A is one Fourier series; else "general".  Of a batch: of all its systems.
         """
         if self.order % 2:
             return "general"
         half = self.order // 2
-        every = (self.mean, *self.cosines, *self.sines)
+        every = self.every_matrix
         if all(matrices.symmetric(np.concatenate([m[..., half:, :], -m[..., :half, :]], axis=-2)) for m in every):
             return "hamiltonian"
+        if self.pieces:
+            return "general"
         outer = all(
             not m[..., :half, :half].any() and not m[..., half:, half:].any() for m in (self.mean, *self.cosines)
         )
@@ -183,13 +216,8 @@ class PeriodicSystem(matrices.FourierSystem):
         return "reversible" if outer and inner else "general"
 
     def coefficient(self, t: Any) -> NDArray[np.float64]:
-        """Return A(t), of shape ``(*t.shape, N, N)``; of one system."""
-        matrices.require_one(self)
-        return matrices.coefficients_at(t, self.mean, self.harmonics, self.period)
-
-    def __repr__(self) -> str:
-        """Return the constructor's call, large matrices by their shape."""
-        return matrices.written(self, [field.name for field in fields(self)])
+        """Return A(t), of shape ``(*t.shape, N, N)``, the mean of both sides at a jump; of one system."""
+        return by_pieces.value_at(self, t)
 
 
 def _samples(function: Callable[[float], Any], times: NDArray[Any], shape: tuple[int, ...]) -> Matrix:

@@ -48,7 +48,7 @@ def _has_even_form(system: HillSystem | PeriodicSystem) -> bool:
     from floquetrod.floquet.systems.classification import undamped_pairs
 
     pairs = undamped_pairs(system)
-    return pairs is not None and isinstance(pairs[0], HillSystem) and pairs[0].even_form is not None
+    return pairs is not None and isinstance(pairs[0], HillSystem) and pairs[0].is_even
 
 
 def _system_in_turn(system: HillSystem | PeriodicSystem) -> tuple[str, ...]:
@@ -88,7 +88,7 @@ SYSTEMS = Family(
         "half_period": _has_even_form,
         "monodromy": lambda system: True,
         "segmented": lambda system: True,
-        "spectral": lambda system: True,
+        "spectral": lambda system: system.is_smooth,
         "reference": lambda system: True,
     },
     _system_in_turn,

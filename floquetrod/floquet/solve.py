@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -16,6 +16,7 @@ from floquetrod._util.arrays import shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.base import Equation, require
+from floquetrod.equations.pieces import in_time
 from floquetrod.floquet.references import references
 
 _ORDERS = (26, 32)  # of the series, the second one to learn the error of the first (heuristic)
@@ -204,11 +205,22 @@ def _initial(equation: Any, initial: Any) -> Floats:
 
 def _pieces(equation: Any) -> tuple[_Piece, ...]:
     """Return the equation in first order, in smooth pieces of its period."""
-    if isinstance(equation, PeriodicSystem):
-        mean = np.asarray(equation.mean, dtype=np.float64)
-        return (_Piece(0.0, mean, np.zeros_like(mean), equation.harmonics),)
-    if isinstance(equation, HillSystem):
-        return (_second_order(equation),)
+    if isinstance(equation, Equation):
+        return _of_equation(equation)
+    turned = _second_order(equation) if isinstance(equation, HillSystem) else _as_it_is
+    found = []
+    for piece in in_time(equation):
+        slope = np.zeros_like(piece.mean) if piece.slope is None else piece.slope
+        found.append(_Piece(float(piece.begin), turned(piece.mean, mean=True), turned(slope), turned(piece.harmonics)))
+    return tuple(found)
+
+
+def _as_it_is(matrix: NDArray[Any], *, mean: bool = False) -> NDArray[Any]:
+    """Return a matrix of a system of first order."""
+    return matrix
+
+
+def _of_equation(equation: Equation) -> tuple[_Piece, ...]:
     found, begin = [], Fraction(0)
     for piece in equation.pieces():
         mean = np.array([[0.0, 1.0], [float(piece.mean), -2.0 * equation.damping]])
@@ -220,18 +232,20 @@ def _pieces(equation: Any) -> tuple[_Piece, ...]:
     return tuple(found)
 
 
-def _second_order(system: HillSystem) -> _Piece:
-    """Return M q'' + (D + G) q' + K(t) q = 0 in first order, for (q, q')."""
+def _second_order(system: HillSystem) -> Callable[..., Any]:
+    """Return what makes of matrices of M q'' + (D + G) q' + K(t) q = 0 those of first order, for (q, q')."""
     n = system.order
     inverse = np.eye(n) if system.mass is None else np.linalg.inv(system.mass)
-    rates = np.zeros((n, n))
-    for matrix in (system.damping, system.gyroscopic):
-        if matrix is not None:
-            rates = rates + matrix
-    mean = np.block([[np.zeros((n, n)), np.eye(n)], [-inverse @ system.stiffness, -inverse @ rates]])
-    harmonics = np.zeros((len(system.harmonics), 2 * n, 2 * n), dtype=complex)
-    harmonics[:, n:, :n] = -inverse @ system.harmonics
-    return _Piece(0.0, mean, np.zeros_like(mean), harmonics)
+    rates = sum((matrix for matrix in (system.damping, system.gyroscopic) if matrix is not None), np.zeros((n, n)))
+
+    def state(matrix: NDArray[Any], *, mean: bool = False) -> NDArray[Any]:
+        found = np.zeros((*matrix.shape[:-2], 2 * n, 2 * n), dtype=matrix.dtype)
+        found[..., n:, :n] = -inverse @ matrix
+        if mean:
+            found[..., :n, n:], found[..., n:, n:] = np.eye(n), -inverse @ rates
+        return found
+
+    return state
 
 
 def _steps(

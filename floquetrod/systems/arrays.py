@@ -13,6 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.compilation import cores, in_threads
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.batches import flat, pick
 from floquetrod.equations.hill_system import EvenForm
 from floquetrod.floquet.dispatch import SYSTEMS, judge
@@ -224,20 +225,21 @@ class _FirstOrderBatch(_Batch):
     """Any other systems."""
 
     def __init__(self, system: PeriodicSystem, damping: float, *, paired: bool) -> None:
-        shape = system.shape
-        self.mean, self.harmonics = flat(system.mean, shape, 2), flat(system.harmonics, shape, 3)
-        self.uncertainty, self.paired = system.coefficient_error, paired
-        self.period, self.damping = flat(system.period, shape, 0), damping
+        self.pieces, self.period = by_pieces.of_batch(system), flat(system.period, system.shape, 0)
+        self.uncertainty, self.paired, self.damping = system.coefficient_error, paired, damping
         self.order = system.order
 
     def _maps(self, part: slice) -> PeriodMaps:
         """Return the maps over a period, with infinite error where they would take too long."""
-        mean, harmonics, period = self.mean[part], self.harmonics[part], self.period[part]
-        long = np.asarray(whole.seconds_needed(mean, harmonics, period) > MOST_SECONDS)
+        pieces = self.pieces.some(part)
+        long = np.asarray(whole.seconds_needed(pieces) > MOST_SECONDS)
         uncertainty = np.where(long, np.inf, self.uncertainty)
-        return whole.period_maps(
-            _without(long, mean), _without(long, harmonics), period, uncertainty, _ACCURACY, paired=self.paired
+        pieces = pieces._replace(
+            mean=_without(long, pieces.mean),
+            slope=_without(long, pieces.slope),
+            harmonics=_without(long, pieces.harmonics),
         )
+        return whole.period_maps(pieces, uncertainty, _ACCURACY, paired=self.paired)
 
     def multipliers(self, part: slice) -> NDArray[np.complex128]:
         maps = self._maps(part)

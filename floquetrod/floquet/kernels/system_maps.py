@@ -58,12 +58,19 @@ class Monodromy(NamedTuple):
 
 
 def segment_maps(
-    mean: Any, harmonics: Any, period: Any, accuracy: float = 1e-12, least_segments: int = 1, workers: int | None = 1
+    mean: Any,
+    harmonics: Any,
+    period: Any,
+    accuracy: float = 1e-12,
+    least_segments: int = 1,
+    workers: int | None = 1,
+    slope: Any = None,
+    length: Any = None,
 ) -> SegmentMaps:
-    """Return the maps of x' = A(t) x over ``least_segments`` equal parts of a period.
+    """Return the maps of x' = A(t) x over ``least_segments`` equal parts of a period, or of what begins with t = 0.
 
-    A(t) = mean + Re sum_k Z_k exp(i k w t), k = 1..H, w = 2 pi / period.  Each part is crossed in as many steps as the
-    accuracy asks for, each a Taylor series about its centre used to both sides.
+    A(t) = mean + slope t + Re sum_k Z_k exp(i k w t), k = 1..H, w = 2 pi / period.  Each part is crossed in as many
+    steps as the accuracy asks for, each a Taylor series about its centre used to both sides.
 
     Parameters
     ----------
@@ -80,6 +87,10 @@ def segment_maps(
         The number of maps S, at least 1.
     workers : int or None
         Threads; None for all cores.
+    slope : array_like, (b, N, N), optional
+        None by default.
+    length : array_like, (b,), optional
+        How long, the period by default; harmonics turn by no more than a whole turn in it.
 
     Returns
     -------
@@ -89,16 +100,18 @@ def segment_maps(
     mean = np.array(mean, dtype=float, order="C")
     harmonics = np.array(harmonics, dtype=complex)
     period = np.array(period, dtype=float, order="C")
-    lost = ~usable(mean, harmonics, period)
-    if lost.any():
-        mean[lost], harmonics[lost], period[lost] = 0.0, 0.0, 1.0
     batch, n = mean.shape[:2]
+    slope = np.zeros((batch, 0, n, n)) if slope is None else np.array(slope, dtype=float, order="C")[:, None]
+    length = period.copy() if length is None else np.array(length, dtype=float, order="C")
+    lost = ~usable(mean, harmonics, period) | ~usable(mean, slope, length)
+    if lost.any():
+        mean[lost], harmonics[lost], slope[lost], period[lost], length[lost] = 0.0, 0.0, 0.0, 1.0, 1.0
     size = n * n
     out = np.empty((batch, least_segments * (size + 1) + n))
-    inputs = (mean, harmonics.real.copy(), harmonics.imag.copy(), period)
+    inputs = (mean, harmonics.real.copy(), harmonics.imag.copy(), slope, period, length)
     chunk = max(1, 100000 // (size * n * least_segments))
     constants = (least_segments, accuracy, min(0.5 * reach(accuracy), _LONGEST))
-    run = run_of(segment_fill, _PATIENCE, lambda: _milliseconds(mean, harmonics, period, least_segments))
+    run = run_of(segment_fill, _PATIENCE, lambda: _milliseconds(mean, harmonics, length, least_segments))
     if run is segment_fill:
         # Plain floats are faster than numpy's.
         arguments: list[Any] = [*(array.tolist() for array in inputs), out, *constants]
@@ -126,51 +139,55 @@ def product(segments: SegmentMaps) -> Monodromy:
     return Monodromy(out[:, :-1].reshape(batch, n, n), out[:, -1], segments.scaling)
 
 
-def _milliseconds(mean: Floats, harmonics: Any, period: Floats, segments: int) -> float:
+def _milliseconds(mean: Floats, harmonics: Any, length: Floats, segments: int) -> float:
     """Return about how many milliseconds the interpreted kernel takes (measured)."""
     batch, n = mean.shape[:2]
     with np.errstate(over="ignore"):
         size = np.abs(mean).sum(axis=(1, 2)) + np.abs(harmonics).sum(axis=(1, 2, 3))
-        phases = float(np.minimum(period * size / math.sqrt(n), 1e6).sum())
+        phases = float(np.minimum(length * size / math.sqrt(n), 1e6).sum())
     return float(batch * (5.0 + 2.0 * segments) + phases * (0.1 + n * n / 400.0))
 
 
 @kernel
 def segment_fill(
-    mean: Any, real: Any, imag: Any, period: Any, out: Any, segments: int, accuracy: float, reach: float
-) -> None:
+    mean: Any, real: Any, imag: Any, slope: Any, period: Any, length: Any, out: Any, segments: int, accuracy: float,
+    reach: float,
+) -> None:  # fmt: skip
     """Fill rows of ``out`` with the maps of all segments, their errors and the scaling."""
     for b in range(len(out)):
-        n, count = len(mean[b]), len(real[b])
-        a = np.empty((1 + 2 * count, n, n))
+        n, count, sloped = len(mean[b]), len(real[b]), len(slope[b])
+        a = np.empty((1 + 2 * count + sloped, n, n))
         for i in range(n):
             for j in range(n):
                 a[0, i, j] = mean[b][i][j]
                 for k in range(count):
                     a[1 + k, i, j] = real[b][k][i][j]
                     a[1 + count + k, i, j] = imag[b][k][i][j]
+                for k in range(sloped):
+                    a[1 + 2 * count, i, j] = slope[b][k][i][j]
         scaling = np.ones(n)
         balance_matrices(a, scaling)
         for i in range(n):
             out[b, segments * (n * n + 1) + i] = scaling[i]
-        steps, used, dropped, order, ratio, phase = segment_plan(a, count, period[b], segments, accuracy, reach)
+        steps, used, dropped, order, ratio, phase = segment_plan(
+            a, count, period[b], length[b], segments, accuracy, reach
+        )
         if steps == 0:
             for i in range(segments * n * n):
                 out[b, i] = math.nan
             for i in range(segments):
                 out[b, segments * n * n + i] = math.inf
             continue
-        h = 0.5 * period[b] / (segments * steps)
+        h = 0.5 * length[b] / (segments * steps)
         angle = 2.0 * math.pi / period[b] * h
+        whole = 2.0 * segments * steps * (period[b] / length[b])
         maps, errors = np.empty((steps, n, n)), np.empty(steps)
         total = np.empty((n, n))
-        work = series_work(a, used, angle, order, 0.003 * accuracy / h * math.exp(-phase))
+        work = series_work(a, used, angle, h, order, 0.003 * accuracy / h * math.exp(-phase))
         for segment in range(segments):
             for step in range(steps):
                 place = 2 * (segment * steps + step) + 1
-                errors[step] = step_map(
-                    work, used, angle, h, place, 2 * segments * steps, order, ratio, phase, dropped, maps[step]
-                )
+                errors[step] = step_map(work, used, angle, h, place, whole, order, ratio, phase, dropped, maps[step])
             error = chain_error(maps, errors, total) if steps > 1 else errors[0]
             result = total if steps > 1 else maps[0]
             for i in range(n):
@@ -213,9 +230,13 @@ def balance_matrices(a: Any, scaling: Any) -> None:
 
 @kernel
 def segment_plan(
-    a: Any, count: int, period: float, segments: int, accuracy: float, reach: float
+    a: Any, count: int, period: float, length: float, segments: int, accuracy: float, reach: float
 ) -> tuple[int, int, float, int, float, float]:
-    """Return (steps of a segment, harmonics used, size of those dropped, order, ratio, phase); no steps if too many."""
+    """Return (steps of a segment, harmonics used, size of those dropped, order, ratio, phase); no steps if too many.
+
+    A slope S is bounded like a harmonic: S (length + r) <= S length + S / v cosh(v r) at a distance r from the real
+    times, for any v; here a multiple of w, four or more over the length.
+    """
     n = a.shape[1]
     omega = 2.0 * math.pi / period
     norms = np.empty(count)
@@ -225,17 +246,25 @@ def segment_plan(
     size = spectral_bound(a[0])
     # Harmonics too small to matter are an error of A.
     used, dropped = count, 0.0
-    while used > 0 and (dropped + norms[used - 1]) * period < 0.003 * accuracy * segments:
+    while used > 0 and (dropped + norms[used - 1]) * length < 0.003 * accuracy * segments:
         used -= 1
         dropped += norms[used]
-    norms = norms[:used].copy()
+    slope = spectral_bound(a[len(a) - 1]) if len(a) > 1 + 2 * count else 0.0
+    ramp = math.ceil(4.0 / (omega * length)) if slope > 0.0 else 0
+    bounds = np.zeros(max(used, ramp))
+    for k in range(used):
+        bounds[k] = norms[k]
+    if slope > 0.0:
+        size += slope * length
+        bounds[ramp - 1] += slope / (ramp * omega)
+    norms = bounds
     least = coefficient_bound(size, norms, 1, 0.0)
     room = MOST_NUMBERS / (n * n)
     steps, order, ratio, phase = 0, 0, 0.0, 0.0
-    if 0.5 * period * least <= room * segments * reach:
-        steps = max(1, math.ceil(0.5 * period / segments * least / reach))
+    if 0.5 * length * least <= room * segments * reach:
+        steps = max(1, math.ceil(0.5 * length / segments * least / reach))
         steps, order, ratio, phase = plan_segments(
-            size, norms, 1, omega, 0.5 * period / segments, steps, 0.1 * accuracy, reach, 2 * MOST_TERMS - 4, False
+            size, norms, 1, omega, 0.5 * length / segments, steps, 0.1 * accuracy, reach, 2 * MOST_TERMS - 4, False
         )
     if steps > room:
         steps = 0

@@ -37,14 +37,18 @@ def is_companion(a: Any) -> bool:
 def part_matrices(a: Any, used: int, top: int, left: int, right: int) -> tuple[Any, Any, Any]:
     """Return the nonzero matrices that act on rows left..right of x, transposed, their numbers and their norms.
 
-    Rows ``top`` and below of the result are kept.  The mean comes first, whether zero or not.
+    Rows ``top`` and below of the result are kept.  The mean comes first, whether zero or not; a slope, which is there
+    where ``a`` has an even number of matrices, has the number 1 + 2 ``used``.
     """
     count, n = (a.shape[0] - 1) // 2, a.shape[1]
     rows, width = n - top, right - left
-    kept = np.zeros(1 + 2 * used, dtype=np.int64)
+    last = 2 * used + a.shape[0] - 2 * count
+    kept = np.zeros(last, dtype=np.int64)
     groups = 1
-    for g in range(1, 1 + 2 * used):
+    for g in range(1, last):
         place = g if g <= used else g - used + count
+        if g > 2 * used:
+            place = 2 * count + 1
         nonzero = False
         for r in range(top, n):
             for j in range(left, right):
@@ -56,6 +60,8 @@ def part_matrices(a: Any, used: int, top: int, left: int, right: int) -> tuple[A
     norms = np.empty(groups)
     for g in range(groups):
         place = kept[g] if kept[g] <= used else kept[g] - used + count
+        if kept[g] > 2 * used:
+            place = 2 * count + 1
         norms[g] = spectral_bound(a[place, top:, left:right])
         for j in range(width):
             for r in range(rows):
@@ -64,7 +70,9 @@ def part_matrices(a: Any, used: int, top: int, left: int, right: int) -> tuple[A
 
 
 @kernel
-def part_lags(kept: Any, norms: Any, used: int, angle: float, order: int, tolerance: float) -> tuple[int, float]:
+def part_lags(
+    kept: Any, norms: Any, used: int, angle: float, h: float, order: int, tolerance: float
+) -> tuple[int, float]:
     """Return how many terms of the past matter, and the error of leaving out those before: the integral of a norm.
 
     ``angle`` is w h; times and rates are in units of h.
@@ -73,6 +81,9 @@ def part_lags(kept: Any, norms: Any, used: int, angle: float, order: int, tolera
     for lag in range(1, order + 1):
         left = 0.0
         for g in range(len(powers)):
+            if kept[1 + g] > 2 * used:
+                left += powers[g] * h if lag == 1 else 0.0
+                continue
             rate = angle * ((kept[1 + g] - 1) % used + 1)
             powers[g] *= rate / lag
             quotient = rate / (lag + 1.0)
@@ -83,12 +94,19 @@ def part_lags(kept: Any, norms: Any, used: int, angle: float, order: int, tolera
 
 
 @kernel
-def part_weights(kept: Any, used: int, lags: int, angle: float, place: int, whole: int, c: Any) -> None:
-    """Set c[lag, g]: Taylor coefficients of the factors of the matrices, about ``place`` / ``whole`` of a period."""
+def part_weights(kept: Any, used: int, lags: int, angle: float, h: float, place: int, whole: float, c: Any) -> None:
+    """Set c[lag, g]: Taylor coefficients of the factors of the matrices, about ``place`` / ``whole`` of a period.
+
+    A slope counts from the beginning, ``place`` times h before.
+    """
     for lag in range(lags):
         c[lag, 0] = 0.0
     c[0, 0] = 1.0
     for g in range(1, len(kept)):
+        if kept[g] > 2 * used:
+            for lag in range(lags):
+                c[lag, g] = place * h if lag == 0 else (h if lag == 1 else 0.0)
+            continue
         k = (kept[g] - 1) % used + 1
         turn = 2.0 * math.pi * (k * place % whole) / whole
         value, other = math.cos(turn), -math.sin(turn)
@@ -126,11 +144,13 @@ def apply_part(
 
 
 @kernel
-def part_work(a: Any, used: int, top: int, left: int, right: int, angle: float, order: int, tolerance: float) -> Any:
+def part_work(
+    a: Any, used: int, top: int, left: int, right: int, angle: float, h: float, order: int, tolerance: float
+) -> Any:
     """Return what `step_map` keeps of rows left..right of x: terms, last first, matrices, weights, tables, lags."""
     n = a.shape[1]
     kept, matrices, norms = part_matrices(a, used, top, left, right)
-    lags, left_out = part_lags(kept, norms, used, angle, order, tolerance)
+    lags, left_out = part_lags(kept, norms, used, angle, h, order, tolerance)
     groups = len(kept)
     # A table of the Taylor coefficients of A, or the terms mixed first: whichever takes fewer multiplications.
     direct = lags * (n - top) <= groups * (lags + n - top)
@@ -141,14 +161,14 @@ def part_work(a: Any, used: int, top: int, left: int, right: int, angle: float, 
 
 
 @kernel
-def series_work(a: Any, used: int, angle: float, order: int, tolerance: float) -> Any:
+def series_work(a: Any, used: int, angle: float, h: float, order: int, tolerance: float) -> Any:
     """Return the work of `step_map`: both halves of x, the factors of q' = E p where A has this form, and the rest."""
     n = a.shape[1]
     half = max(n // 2, 1)
     companion = is_companion(a)
     top = half if companion else 0
-    upper = part_work(a, used, top, 0, half, angle, order, tolerance)
-    lower = part_work(a, used, top, half, n, angle, order, tolerance)
+    upper = part_work(a, used, top, 0, half, angle, h, order, tolerance)
+    lower = part_work(a, used, top, half, n, angle, h, order, tolerance)
     rates = np.zeros(top)
     for i in range(top):
         rates[i] = a[0, i, top + i]
@@ -167,7 +187,7 @@ def add_sides(ends: Any, first: int, sides: Any) -> None:
 
 @kernel
 def step_map(
-    work: Any, used: int, angle: float, h: float, place: int, whole: int, order: int, ratio: float, phase: float,
+    work: Any, used: int, angle: float, h: float, place: int, whole: float, order: int, ratio: float, phase: float,
     dropped: float, result: Any,
 ) -> float:  # fmt: skip
     """Set ``result`` to the map from h before to h after a centre, ``place`` / ``whole`` of a period; return its error.
@@ -179,11 +199,11 @@ def step_map(
     z, kept_z, matrices_z, c_z, table_z, mixed_z, lags_z, left_z, direct_z = lower
     n, top = sides.shape[1], len(rates)
     half, rows = max(n // 2, 1), n - top
-    part_weights(kept_x, used, lags_x, angle, place, whole, c_x)
+    part_weights(kept_x, used, lags_x, angle, h, place, whole, c_x)
     if direct_x:
         np.dot(c_x, matrices_x, table_x)
     if half < n:
-        part_weights(kept_z, used, lags_z, angle, place, whole, c_z)
+        part_weights(kept_z, used, lags_z, angle, h, place, whole, c_z)
         if direct_z:
             np.dot(c_z, matrices_z, table_z)
     for q in range(half * n):

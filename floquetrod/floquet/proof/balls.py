@@ -189,7 +189,7 @@ class Doubles:
         return Balls(np.array(2.0 * np.pi), np.array(2.5e-16))
 
     def turns(self, fractions: Array) -> tuple[Balls, Balls]:
-        """Enclose cos and sin of 2 pi times fractions in [-1/2, 1/2]."""
-        angles = 2.0 * np.pi * fractions
-        rad = np.full(fractions.shape, 2e-15)
+        """Enclose cos and sin of 2 pi times doubles or Fractions in [-1/2, 1/2]."""
+        angles = 2.0 * np.pi * np.asarray(fractions, dtype=float)
+        rad = np.full(angles.shape, 2e-15)
         return Balls(np.cos(angles), rad), Balls(np.sin(angles), rad)

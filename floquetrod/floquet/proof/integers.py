@@ -250,13 +250,17 @@ class Integers:
         return self._enclosed(np.array(2 * self._context.pi))
 
     def turns(self, fractions: Array) -> tuple[Wide, Wide]:
-        """Enclose cos and sin of 2 pi times fractions in [-1/2, 1/2]."""
+        """Enclose cos and sin of 2 pi times doubles or Fractions in [-1/2, 1/2]."""
         functions = (self._context.cospi, self._context.sinpi)
         cosine, sine = (
-            self._enclosed(np.frompyfunc(lambda value, f=function: f(2.0 * float(value)), 1, 1)(fractions))
+            self._enclosed(np.frompyfunc(lambda value, f=function: f(self._doubled(value)), 1, 1)(fractions))
             for function in functions
         )
         return cosine, sine
+
+    def _doubled(self, value: float | Fraction) -> Any:
+        exact = 2 * Fraction(value)
+        return self._context.mpf(exact.numerator) / exact.denominator
 
     def _enclosed(self, numbers: Array) -> Wide:
         """Return numbers of mpmath, 30 bits finer than ours, as balls; the last of those bits may be wrong."""

@@ -96,8 +96,9 @@ def exact_problem(equation: Equation | type[Equation], parameters: Parameters) -
 
 
 def problem_of_one(system: HillSystem) -> ExactProblem | None:
-    """Return the problem of a system of one equation whose damping is not negative; None for any other."""
-    if system.order > 1 or (system.damping is not None and system.damping[0, 0] < 0.0):
+    """Return the problem of a system of one equation, one exact series, not anti-damped; None for any other."""
+    inexact = system.pieces or system.coefficient_error
+    if system.order > 1 or inexact or (system.damping is not None and system.damping[0, 0] < 0.0):
         return None
     mass = Fraction(1) if system.mass is None else Fraction(float(system.mass[0, 0]))
     damping = Fraction(0) if system.damping is None else Fraction(float(system.damping[0, 0]))

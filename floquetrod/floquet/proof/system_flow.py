@@ -6,12 +6,13 @@ The unit of time is the period.  What the series leave out is bounded by `precis
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
-from floquetrod.floquet.proof.system_problem import Arithmetic, Flow, Matrix, row_sum
+from floquetrod.floquet.proof.system_problem import Arithmetic, Flow, Matrix, Stretch, row_sum
 from floquetrod.floquet.systems.precise_maps import last_power
 
 Array = Any
@@ -24,62 +25,102 @@ _LONGEST_STEP = 6.0
 
 def monodromy(arithmetic: Arithmetic, flow: Flow) -> Matrix:
     """Enclose the matrix that maps a solution over one period."""
-    sizes = [row_sum(flow.mean)]
-    sizes += [row_sum(c) + row_sum(s) for c, s in zip(flow.cosines, flow.sines, strict=True)]
-    total = sum(sizes)
+    maps = [_piece_map(arithmetic, piece, flow.error) for piece in flow.pieces]
+    total = maps[0]
+    for matrix in maps[1:]:
+        total = matrix @ total
+    return total
+
+
+def _piece_map(arithmetic: Arithmetic, piece: Stretch, error: float) -> Matrix:
+    """Enclose the matrix that maps a solution over a piece, whose length is the unit of time from here on."""
+    length = float(piece.length)
+    if piece.length != 1:
+        factor = arithmetic.rational(piece.length)
+        piece = piece.each(lambda m: m * factor, lambda m: m * factor)
+        piece = piece._replace(slope=None if piece.slope is None else piece.slope * factor)
+    waves = [wave.parts() for wave in piece.waves]
+    steepness = 0.0 if piece.slope is None else row_sum(piece.slope)
+    sizes = np.array([row_sum(piece.mean) + steepness, *(row_sum(c) + row_sum(s) for c, s in waves)])
+    total = float(sizes.sum())
     step = min(_STEP * arithmetic.digits / 15.0, _LONGEST_STEP)
     if not total < step * _MOST_STEPS:
         raise TooMuchWork("so many steps of a period")
-    steps = 2 ** max(0, math.ceil(math.log2(max(total, 1e-300) / step)), math.ceil(math.log2(2.0 * len(sizes))))
-    waves = np.array([2.0 * math.pi * k for k in range(len(sizes))])
-    found = last_power(np.array(sizes), waves, 1.0 / steps, -math.log(10.0) * (arithmetic.digits + 2.0))
+    turning = max(2.0 * len(sizes) * length, 1.0)
+    steps = 2 ** max(0, math.ceil(math.log2(max(total, 1e-300) / step)), math.ceil(math.log2(turning)))
+    rates = np.array([2.0 * math.pi * k * length * (1.0 + 1e-15) for k in range(len(sizes))])
+    found = last_power(sizes, rates, 1.0 / steps, -math.log(10.0) * (arithmetic.digits + 2.0), steepness)
     if found is None:
         raise Unresolved("the Taylor series converge too slowly")
     order, remainder = found[0], max(math.exp(found[1]), 1e-290)
-    entries = steps * flow.mean.shape[0] ** 2
+    entries = steps * piece.mean.shape[0] ** 2
     if entries * order > _MOST_NUMBERS:
         raise TooMuchWork("so large Taylor series")
-    arithmetic.check_work(entries * order * (flow.mean.shape[0] * (2.0 * len(sizes) - 1.0) + order * len(flow.cosines)))
-    taylor = _taylor_sums(arithmetic, flow, steps, order)
-    if flow.error:  # Gronwall: a map over the step h changes by at most exp(a h) (exp(error h) - 1)
-        remainder += float(np.exp(total / steps) * np.expm1(flow.error / steps)) * (1.0 + 1e-10)
+    blocks = 2.0 * len(sizes) - (1.0 if piece.slope is None else 0.0)
+    arithmetic.check_work(entries * order * (piece.mean.shape[0] * blocks + order * len(waves)))
+    taylor = _taylor_sums(arithmetic, piece, steps, order)
+    if error:  # Gronwall: a map over the step h changes by at most exp(a h) (exp(error h) - 1)
+        remainder += float(np.exp(total / steps) * np.expm1(error * length / steps)) * (1.0 + 1e-10)
     maps = taylor.widened(np.full(taylor.shape, remainder))
     while maps.shape[0] > 1:
         maps = maps[1::2] @ maps[0::2]
     return maps[0]
 
 
-def _taylor_sums(arithmetic: Arithmetic, flow: Flow, steps: int, order: int) -> Matrix:
-    """Return the sums of the Taylor series of the maps over each step, (steps, n, n).
+def _taylor_sums(arithmetic: Arithmetic, piece: Stretch, steps: int, order: int) -> Matrix:
+    """Return the sums of the Taylor series of the maps over each step of a piece, (steps, n, n).
 
     A product of A(t) with a solution needs, of the wave k, the solution times cos(2 pi k t) and sin(2 pi k t), t from
-    the step's beginning: their Taylor coefficients are sums with weights (2 pi k h)^l / l!.
+    the step's beginning: their Taylor coefficients are sums with weights (2 pi k h)^l / l!.  Of the slope it needs the
+    solution times t: the coefficient before.
     """
-    size = flow.mean.shape[0]
-    rows = [_repeated(flow.mean, steps)]
-    for k, (cosine, sine) in enumerate(zip(flow.cosines, flow.sines, strict=True), 1):
-        turned = (k * np.arange(steps)) % steps / steps
-        c, s = (part[:, None, None] for part in arithmetic.turns(np.where(turned > 0.5, turned - 1.0, turned)))
+    size = piece.mean.shape[0]
+    rows = [_means(arithmetic, piece, steps)]
+    for k, wave in enumerate(piece.waves, 1):
+        cosine, sine = wave.parts()[0], -wave.parts()[1]
+        c, s = (part[:, None, None] for part in arithmetic.turns(_turned(piece, k, steps)))
         rows += [cosine * c + sine * s, sine * c - cosine * s]
+    if piece.slope is not None:
+        rows.append(_repeated(piece.slope.shifted(1.0 / steps), steps))
     matrix = arithmetic.join(rows, 2).shifted(1.0 / steps)
-    weights = _weights(arithmetic, len(flow.cosines), steps, order)
+    weights = _weights(arithmetic, piece, steps, order)
     terms = arithmetic.zeros((order + 1, steps * size * size), real=True)
     terms[0] = _repeated(arithmetic.exact(np.eye(size)), steps).each(np.ravel)
     for m in range(order):
         columns = [terms[m].each(lambda a: a.reshape(steps, size, size))]
-        if flow.cosines:
+        if piece.waves:
             known = terms[: m + 1].each(lambda a: a[::-1])
             products = (weights[:, : m + 1] @ known).each(lambda a: a.reshape(-1, steps, size, size))
             columns += [products[i] for i in range(products.shape[0])]
+        if piece.slope is not None:
+            before = terms[m - 1] if m else arithmetic.zeros((steps * size * size,), real=True)
+            columns.append(before.each(lambda a: a.reshape(steps, size, size)))
         terms[m + 1] = (matrix @ arithmetic.join(columns, 1)).over(m + 1).each(np.ravel)
     return terms.each(lambda a: a[::-1]).sum(0).each(lambda a: a.reshape(steps, size, size))
 
 
-def _weights(arithmetic: Arithmetic, waves: int, steps: int, order: int) -> Matrix:
+def _means(arithmetic: Arithmetic, piece: Stretch, steps: int) -> Matrix:
+    """Return the mean, and what the slope has added, at the beginning of each step."""
+    means = _repeated(piece.mean, steps)
+    if piece.slope is None:
+        return means
+    return means + piece.slope * arithmetic.exact(np.arange(steps) / steps)[:, None, None]
+
+
+def _turned(piece: Stretch, k: int, steps: int) -> Array:
+    """Return by which part of a turn, from -1/2 to 1/2, wave k has turned at the beginning of each step."""
+    if piece.begin == 0 and piece.length == 1:
+        turned = (k * np.arange(steps)) % steps / steps
+        return np.where(turned > 0.5, turned - 1.0, turned)
+    exact = [k * (piece.begin + piece.length * step / steps) % 1 for step in range(steps)]
+    return np.array([turn - (turn > Fraction(1, 2)) for turn in exact], dtype=object)
+
+
+def _weights(arithmetic: Arithmetic, piece: Stretch, steps: int, order: int) -> Matrix:
     """Return the Taylor coefficients of cos(2 pi k h s) and sin(2 pi k h s), two rows for each k."""
-    weights = arithmetic.zeros((2 * waves, order + 1), real=True)
-    for k in range(1, waves + 1):
-        angle = (arithmetic.two_pi() * arithmetic.exact(np.array(float(k)))).shifted(1.0 / steps)
+    weights = arithmetic.zeros((2 * len(piece.waves), order + 1), real=True)
+    for k in range(1, len(piece.waves) + 1):
+        angle = (arithmetic.two_pi() * arithmetic.rational(k * piece.length)).shifted(1.0 / steps)
         term = arithmetic.exact(np.array(1.0))
         for power in range(order + 1):
             weights[2 * (k - 1) + power % 2, power] = term if power % 4 < 2 else -term

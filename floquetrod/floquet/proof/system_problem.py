@@ -1,7 +1,11 @@
-"""Systems of equations in exact numbers, and the same in balls with the period as the unit of time."""
+"""Systems of equations in exact numbers, and the same in balls with the period as the unit of time.
+
+The coefficients come in pieces of the period, of which a Fourier series has one.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -11,6 +15,7 @@ import numpy as np
 from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.matrices import require_one
+from floquetrod.equations.pieces import TimedPiece, exact_period, in_time
 from floquetrod.floquet.proof.balls import up
 from floquetrod.floquet.proof.intervals import Unresolved
 
@@ -24,7 +29,7 @@ _MOST_TERMS = 40  # of the series for the inverse mass (a choice)
 
 @dataclass(frozen=True)
 class SecondOrder:
-    """M q'' + (C + G) q' + K(t) q = 0, K(t) = mean + sum_k Re(Z_k exp(2 pi i k t / period)), all doubles exact.
+    """M q'' + (C + G) q' + K(t) q = 0, all numbers exact, K known but for ``error`` in each entry.
 
     M is symmetric and positive definite, G = -G^T.  ``is_reversible``: C = G = 0 and K is even about an instant.
     """
@@ -32,23 +37,31 @@ class SecondOrder:
     mass: Array
     damping: Array
     gyroscopic: Array
-    stiffness: Array
-    harmonics: Array
-    period: float
+    pieces: tuple[TimedPiece, ...]
+    period: Fraction
     is_reversible: bool = False
+    error: float = 0.0
 
     @property
     def order(self) -> int:
         """Number of equations."""
         return int(self.mass.shape[0])
 
+    @property
+    def is_constant(self) -> bool:
+        """Whether nothing depends on time."""
+        return len(self.pieces) == 1 and self.pieces[0].is_constant
+
+    @property
+    def is_series(self) -> bool:
+        """Whether K is one Fourier series, known exactly."""
+        return len(self.pieces) == 1 and self.pieces[0].slope is None and not self.error
+
     @cached_property
     def is_symmetric(self) -> bool:
-        """Whether every matrix of the stiffness is symmetric."""
-        return bool(
-            np.array_equal(self.stiffness, self.stiffness.T)
-            and np.array_equal(self.harmonics, self.harmonics.swapaxes(-1, -2))
-        )
+        """Whether K(t) is symmetric: of one equation whatever its error."""
+        every = [m for p in self.pieces for m in (p.mean, *(() if p.slope is None else (p.slope,)), *p.harmonics)]
+        return (not self.error or self.order == 1) and all(np.array_equal(m, m.T) for m in every)
 
     @cached_property
     def uniform_damping(self) -> Fraction | None:
@@ -73,56 +86,92 @@ class SecondOrder:
 
 @dataclass(frozen=True)
 class FirstOrder:
-    """x' = A(t) x, A(t) = mean + sum_k Re(Z_k exp(2 pi i k t / period)), known but for ``error`` in each entry of A(t).
+    """x' = A(t) x, all numbers exact, A known but for ``error`` in each entry.
 
     ``is_paired``: with every multiplier mu there is 1 / conj(mu).
     """
 
-    mean: Array
-    harmonics: Array
-    period: float
+    pieces: tuple[TimedPiece, ...]
+    period: Fraction
     error: float = 0.0
     is_paired: bool = False
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether nothing depends on time."""
+        return len(self.pieces) == 1 and self.pieces[0].is_constant
 
 
 def system_problem(system: HillSystem | PeriodicSystem) -> SecondOrder | FirstOrder:
     """Return the problem of a system, which must not be a batch."""
     require_one(system)
-    reversible = system.structure == "reversible"
+    reversible, error, period = system.structure == "reversible", system.coefficient_error, exact_period(system)
+    pieces = in_time(system)
+    if system.is_constant:
+        pieces = (pieces[0]._replace(length=period),)
     if isinstance(system, PeriodicSystem):
-        error = system.coefficient_error
         paired = not error and (reversible or system.structure == "hamiltonian")
-        return FirstOrder(system.mean, system.harmonics, system.period, error, paired)
+        return FirstOrder(pieces, period, error, paired)
     n = system.order
     mass = np.eye(n) if system.mass is None else system.mass
     damping, gyroscopic = (np.zeros((n, n)) if m is None else m for m in (system.damping, system.gyroscopic))
-    return SecondOrder(mass, damping, gyroscopic, system.stiffness, system.harmonics, system.period, reversible)
+    return SecondOrder(mass, damping, gyroscopic, pieces, period, reversible and not error, error)
+
+
+class Stretch(NamedTuple):
+    """A piece, with the period as the unit of time: mean + slope (t - begin) + sum_k Re(Z_k exp(2 pi i k t)).
+
+    ``begin`` and ``length`` are exact parts of the period; ``slope`` is None where zero, and Z_k stands in ``waves`` at
+    index k - 1.
+    """
+
+    begin: Fraction
+    length: Fraction
+    mean: Matrix
+    slope: Matrix | None
+    waves: list[Matrix]
+
+    def each(self, of_mean: Callable[[Matrix], Matrix], of_other: Callable[[Matrix], Matrix]) -> Stretch:
+        """Return the same with functions applied to the mean and to the other matrices."""
+        slope = None if self.slope is None else of_other(self.slope)
+        return self._replace(mean=of_mean(self.mean), slope=slope, waves=[of_other(wave) for wave in self.waves])
+
+    @property
+    def size(self) -> Array:
+        """Upper bound of the modulus of each entry."""
+        others = self.waves if self.slope is None else [*self.waves, self.slope]
+        return sum((matrix.upper() for matrix in others), self.mean.upper())
 
 
 class Oscillators(NamedTuple):
     """M q'' + (C + G) q' + K(t) q = 0 with the period as the unit of time and M close to the unit matrix.
 
     ``excess`` is M - I, None where zero, and ``defect`` bounds its largest row sum; ``damping`` and ``gyroscopic`` are
-    None where zero; the amplitude Z_k of the stiffness stands in ``waves`` at index k - 1.
+    None where zero; ``error`` bounds the error of each entry of K(t).
     """
 
     excess: Matrix | None
     defect: float
     damping: Matrix | None
     gyroscopic: Matrix | None
-    stiffness: Matrix
-    waves: list[Matrix]
+    pieces: list[Stretch]
+    error: float
+
+    @property
+    def stiffness(self) -> Matrix:
+        """Mean of a stiffness that is one Fourier series."""
+        return self.pieces[0].mean
+
+    @property
+    def waves(self) -> list[Matrix]:
+        """Amplitudes of a stiffness that is one Fourier series."""
+        return self.pieces[0].waves
 
 
 class Flow(NamedTuple):
-    """x' = A(t) x with the period as the unit of time: A = mean + sum_k cosine_k cos 2 pi k t + sine_k sin 2 pi k t.
+    """x' = A(t) x with the period as the unit of time; ``error`` bounds the row sums of the error of A(t)."""
 
-    ``error`` bounds the row sums of the error of A(t).
-    """
-
-    mean: Matrix
-    cosines: list[Matrix]
-    sines: list[Matrix]
+    pieces: list[Stretch]
     error: float
 
 
@@ -134,10 +183,7 @@ def row_sum(matrix: Matrix) -> float:
 def oscillators(arithmetic: Arithmetic, system: SecondOrder, period: Fraction, *, freed: bool) -> Oscillators:
     """Return a system of second order in balls; ``freed`` of uniform damping, by which M c^2 leaves the stiffness."""
     mass = arithmetic.exact(system.mass)
-    stiffness = arithmetic.exact(system.stiffness)
     damping = system.uniform_damping
-    if freed and damping:
-        stiffness = stiffness - mass * arithmetic.rational(damping * damping)
     unit = np.eye(system.order)
     plain = np.array_equal(system.mass, unit)
     transform = None if plain else arithmetic.exact(_congruence(system.mass))
@@ -152,14 +198,33 @@ def oscillators(arithmetic: Arithmetic, system: SecondOrder, period: Fraction, *
     if not defect < 0.5:
         raise Unresolved("the mass matrix cannot be distinguished from a singular one")
     dissipation = system.damping.any() and not freed
+
+    def stiffness(matrix: Matrix) -> Matrix:
+        return scaled(matrix - mass * arithmetic.rational(damping * damping) if freed and damping else matrix, 2)
+
+    # X E X^T of an E with entries below e has entries below e times the squared row sum of abs(X).
+    stretch = 1.0 if transform is None else row_sum(transform)
+    error = up(system.error * stretch * stretch * float(period**2) * (1.0 + 1e-9)) if system.error else 0.0
     return Oscillators(
         excess,
         defect,
         scaled(arithmetic.exact(system.damping), 1) if dissipation else None,
         scaled(arithmetic.exact(system.gyroscopic), 1) if system.gyroscopic.any() else None,
-        scaled(stiffness, 2),
-        [scaled(arithmetic.exact(wave if wave.imag.any() else wave.real), 2) for wave in system.harmonics],
+        [piece.each(stiffness, lambda m: scaled(m, 2)) for piece in stretches(arithmetic, system.pieces, period)],
+        error,
     )
+
+
+def stretches(arithmetic: Arithmetic, pieces: tuple[TimedPiece, ...], period: Fraction) -> list[Stretch]:
+    """Return pieces in balls, times in periods; of a constant coefficient, any time is its period."""
+    whole = pieces[-1].begin + pieces[-1].length
+    found = []
+    for piece in pieces:
+        slope = None if piece.slope is None else arithmetic.exact(piece.slope) * arithmetic.rational(period)
+        waves = [arithmetic.exact(wave if wave.imag.any() else wave.real) for wave in piece.harmonics]
+        mean = arithmetic.exact(piece.mean)
+        found.append(Stretch(piece.begin / whole, piece.length / whole, mean, slope, waves))
+    return found
 
 
 def _congruence(mass: Array) -> Array:
@@ -174,21 +239,25 @@ def flow_of_oscillators(arithmetic: Arithmetic, system: Oscillators) -> Flow:
     """Return the system of first order for positions and velocities."""
     n = system.stiffness.shape[0]
     inverse = -_inverse_mass(arithmetic, system)
-    mean = arithmetic.zeros((2 * n, 2 * n), real=True)
-    mean[:n, n:] = arithmetic.exact(np.eye(n))
-    mean[n:, :n] = inverse @ system.stiffness
-    for friction in (system.damping, system.gyroscopic):
-        if friction is not None:
-            mean[n:, n:] = mean[n:, n:] + inverse @ friction
-    cosines: list[Matrix] = []
-    sines: list[Matrix] = []
-    for wave in system.waves:
-        real, imaginary = wave.parts()
-        for part, place in ((real, cosines), (-imaginary, sines)):
-            block = arithmetic.zeros((2 * n, 2 * n), real=True)
-            block[n:, :n] = inverse @ part
-            place.append(block)
-    return _balanced(Flow(mean, cosines, sines, 0.0))
+    frictions = [inverse @ matrix for matrix in (system.damping, system.gyroscopic) if matrix is not None]
+
+    def other(matrix: Matrix) -> Matrix:
+        block = arithmetic.zeros((2 * n, 2 * n), real=matrix.is_real)
+        block[n:, :n] = inverse @ matrix
+        return block
+
+    def whole(stiffness: Matrix) -> Matrix:
+        block = other(stiffness)
+        block[:n, n:] = arithmetic.exact(np.eye(n))
+        for friction in frictions:
+            block[n:, n:] = block[n:, n:] + friction
+        return block
+
+    errors = np.zeros((2 * n, 2 * n))
+    errors[n:, :n] = up(
+        system.error / (1.0 - system.defect)
+    )  # row sums of the inverse of I + E are at most 1 / (1 - d)
+    return _balanced([piece.each(whole, other) for piece in system.pieces], errors)
 
 
 def _inverse_mass(arithmetic: Arithmetic, system: Oscillators) -> Matrix:
@@ -210,26 +279,26 @@ def _inverse_mass(arithmetic: Arithmetic, system: Oscillators) -> Matrix:
 def flow(arithmetic: Arithmetic, system: FirstOrder, period: Fraction) -> Flow:
     """Return a system of first order in balls."""
     factor = arithmetic.rational(period)
-    waves = [(arithmetic.exact(wave) * factor).parts() for wave in system.harmonics]
-    mean = arithmetic.exact(system.mean) * factor
-    return _balanced(
-        Flow(mean, [wave[0] for wave in waves], [-wave[1] for wave in waves], 0.0), up(system.error * float(period))
-    )
+
+    def scaled(matrix: Matrix) -> Matrix:
+        return matrix * factor
+
+    pieces = [piece.each(scaled, scaled) for piece in stretches(arithmetic, system.pieces, period)]
+    return _balanced(pieces, np.full(pieces[0].mean.shape, up(system.error * float(period)) if system.error else 0.0))
 
 
-def _balanced(flow: Flow, entry_error: float = 0.0) -> Flow:
-    """Scale the unknowns by powers of two so that rows and columns have alike sums."""
+def _balanced(pieces: list[Stretch], errors: Array) -> Flow:
+    """Scale the unknowns by powers of two so that rows and columns have alike sums; ``errors`` are those of entries."""
     from scipy.linalg import matrix_balance
 
-    size = sum((matrix.upper() for matrix in (*flow.cosines, *flow.sines)), flow.mean.upper())
+    size = np.maximum.reduce([piece.size for piece in pieces])
     if not np.isfinite(size).all():
         raise Unresolved("the coefficients are too large")
     scale = matrix_balance(np.where(size > 1e-200, size, 0.0), permute=False, separate=True)[1][0]
     ratio = scale[None, :] / scale[:, None]
-    error = float(up(entry_error * ratio.sum(1).max())) if entry_error else 0.0
-    return Flow(
-        flow.mean.shifted(ratio),
-        [matrix.shifted(ratio) for matrix in flow.cosines],
-        [matrix.shifted(ratio) for matrix in flow.sines],
-        error,
-    )
+    error = float(up((errors * ratio).sum(1).max())) if errors.any() else 0.0
+
+    def shifted(matrix: Matrix) -> Matrix:
+        return matrix.shifted(ratio)
+
+    return Flow([piece.each(shifted, shifted) for piece in pieces], error)

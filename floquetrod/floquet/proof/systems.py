@@ -50,7 +50,7 @@ class _Finding(NamedTuple):
 def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proof:
     """Prove a system stable or unstable."""
     problem = system_problem(system)
-    if isinstance(problem, FirstOrder) and problem.error:
+    if problem.error:
         max_digits = min(max_digits, _MOST_DIGITS_OF_INEXACT)
     digits, reason = min(Doubles.digits, max_digits), ""
     while True:
@@ -67,7 +67,7 @@ def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proo
             reason = f"{reason}; " * bool(reason) + f"{why} are more work than is worth waiting for"
             break
         digits = min(2 * digits, max_digits)
-    if isinstance(problem, FirstOrder) and problem.error:
+    if problem.error:
         reason += f"; the coefficients are known only to {problem.error:.2g}"
     return Proof(system, "undecided", None, digits, reason)
 
@@ -80,7 +80,7 @@ def _attempt(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder) -> _Find
         finding = _by_discs(enclose_eigenvalues(arithmetic, matrix), paired=problem.is_paired)
     else:
         finding = _of_second_order(arithmetic, problem, unit)
-    if problem.harmonics.any():
+    if not problem.is_constant:
         return finding
     constant = f"the coefficients are constant; over a time of {float(unit):g}, {finding.statement}"
     return finding._replace(statement=constant)
@@ -95,7 +95,7 @@ def _of_second_order(arithmetic: Arithmetic, problem: SecondOrder, unit: Fractio
         multipliers = discs.centres
         return _by_discs(discs, paired=problem.is_paired)
     except (Unresolved, TooMuchWork) as why:
-        if not problem.is_hamiltonian:
+        if not (problem.is_hamiltonian and problem.is_series):
             raise
         reason = why
     if multipliers is None:
@@ -110,16 +110,17 @@ def _of_second_order(arithmetic: Arithmetic, problem: SecondOrder, unit: Fractio
 
 def _unit_of_time(problem: SecondOrder | FirstOrder) -> Fraction:
     """Return the period; with constant coefficients, where any time will do, one in which solutions change little."""
-    if problem.harmonics.any():
-        return Fraction(problem.period)
+    if not problem.is_constant:
+        return problem.period
+    mean = problem.pieces[0].mean
     if isinstance(problem, FirstOrder):
-        generator = problem.mean
+        generator = mean
     else:
         n = problem.order
-        forces = np.hstack([problem.stiffness, problem.damping + problem.gyroscopic])
+        forces = np.hstack([mean, problem.damping + problem.gyroscopic])
         generator = np.vstack([np.eye(n, 2 * n, n), -np.linalg.solve(problem.mass, forces)])
     fastest = float(np.abs(np.linalg.eigvals(generator)).max())
-    return Fraction(2) ** -round(math.log2(fastest)) if fastest > 0.0 else Fraction(problem.period)
+    return Fraction(2) ** -round(math.log2(fastest)) if fastest > 0.0 else problem.period
 
 
 def _by_discs(discs: Discs, *, paired: bool) -> _Finding:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
-from floquetrod.floquet.systems import even, spectra
+from floquetrod.equations import pieces as by_pieces
+from floquetrod.floquet.systems import even, spectra, whole
 from floquetrod.floquet.systems.classification import classify_pairs, too_long, undamped_pairs
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
@@ -39,22 +44,21 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
         For other systems.
     """
     pairs = undamped_pairs(system)
-    form = pairs[0].even_form if pairs is not None and isinstance(pairs[0], HillSystem) else None
-    if form is None:
+    subject = pairs[0] if pairs is not None and isinstance(pairs[0], HillSystem) and pairs[0].is_even else None
+    if subject is None:
         raise ValueError(
             "system must have a stiffness even about an instant, no gyroscopic matrix, and damping 2 c M or none for "
             "half_period; method='monodromy' takes any"
         )
     rtol = validate.within("rtol", rtol, 1e-15, 0.1)
-    arrays = form.stiffness[None], form.amplitudes[None], np.array([float(system.period)])
-    refused = too_long(system, "half_period", float(even.seconds_needed(*arrays)[0]))
+    seconds, pair_matrices = _in_pieces(subject, rtol) if subject.pieces else _of_series(subject, rtol)
+    refused = too_long(system, "half_period", seconds)
     if refused is not None:
         return refused
-    found = even.pair_matrices(*arrays, form.error[None], rtol)
+    found = pair_matrices()
     discs = spectra.eigenvalue_discs(found.matrix[0], float(found.error[0]))
     if discs is None or not found.symmetric:
         return classify_pairs(system, "half_period", discs, cost=Cost(1, "half period"))
-
     form = -found.form[0]
 
     def times(vectors: NDArray[np.complex128]) -> NDArray[np.complex128]:
@@ -62,3 +66,21 @@ def half_period(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> 
 
     krein = spectra.signs(discs, times, spectra.spectral_norm(form), float(found.form_error[0]))
     return classify_pairs(system, "half_period", discs, krein=krein, cost=Cost(1, "half period"))
+
+
+def _of_series(system: HillSystem, rtol: float) -> tuple[float, Callable[[], even.PairMatrices]]:
+    """Return the seconds that one Fourier series takes, and what computes the matrix of its pairs."""
+    form: Any = system.even_form
+    arrays = form.stiffness[None], form.amplitudes[None], np.array([float(system.period)])
+    seconds = float(even.seconds_needed(*arrays)[0])
+    return seconds, lambda: even.pair_matrices(*arrays, form.error[None], rtol)
+
+
+def _in_pieces(system: HillSystem, rtol: float) -> tuple[float, Callable[[], even.PairMatrices]]:
+    """Return the seconds that a stiffness in pieces takes, and what computes the matrix of its pairs."""
+    first, start = system.as_periodic_system(), system.even_start or Fraction(0)
+    half = by_pieces.exact_period(first) / 2
+    pieces, error = by_pieces.from_instant(first, start, half)
+    other, _ = by_pieces.from_instant(first, start + half, half)
+    seconds = float(whole.seconds_needed(pieces)[0])
+    return seconds, lambda: even.of_pieces(pieces, other, error, rtol, symmetric=system.is_symmetric)

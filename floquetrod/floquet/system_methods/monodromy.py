@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.kernels.system_maps_large import large_seconds, period_map_large
 from floquetrod.floquet.systems import spectra, symplectic, whole
 from floquetrod.floquet.systems.classification import (
@@ -49,19 +52,14 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     subject = pairs[0] if pairs else system
     first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
     reversible = pairs is not None and subject.structure == "reversible"
-    harmonics = first.harmonics
-    if reversible and isinstance(subject, HillSystem) and subject.even_form is not None:
-        # Only from an instant of evenness on is the map reversible.
-        phase = 2.0 * np.pi * float(subject.even_form.start) / float(system.period)
-        harmonics = harmonics * np.exp(1j * phase * np.arange(1, len(harmonics) + 1))[:, None, None]
-    arrays = first.mean[None], harmonics[None], np.array([float(system.period)])
-    paired = pairs is not None
-    if pairs and first.order >= 2 * _MANY and whole.is_oscillators(first.mean, harmonics):
+    start = _even_start(subject) if reversible and isinstance(subject, HillSystem) else Fraction(0)
+    if pairs and first.is_smooth and first.order >= 2 * _MANY and whole.is_oscillators(first.mean, first.harmonics):
         return _many(system, first, pairs[1], rtol)
-    refused = too_long(system, "monodromy", float(whole.seconds_needed(*arrays)[0]))
+    pieces, uncertainty = by_pieces.from_instant(first, start, by_pieces.exact_period(first))
+    refused = too_long(system, "monodromy", float(whole.seconds_needed(pieces)[0]))
     if refused is not None:
         return refused
-    maps = whole.period_maps(*arrays, first.coefficient_error, rtol, paired=paired)
+    maps = whole.period_maps(pieces, uncertainty, rtol, paired=pairs is not None)
     full, error = maps.matrix[0], float(maps.error[0])
     discs = spectra.eigenvalue_discs(full, error)
     if pairs is None:
@@ -75,6 +73,12 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         return symplectic.krein_sign(discs, found, cluster) if discs and found else 0
 
     return classify_pairs(system, "monodromy", found, krein=krein, cost=_COST)
+
+
+def _even_start(system: HillSystem) -> Fraction:
+    """Return an instant of evenness: only from there on is the map reversible."""
+    form = system.even_form
+    return system.even_start or Fraction(0) if form is None else Fraction(float(form.start)) % Fraction(system.period)
 
 
 def _many(system: HillSystem | PeriodicSystem, first: PeriodicSystem, damping: float, rtol: float) -> SystemStability:

@@ -6,8 +6,11 @@ digits.  No symmetry is used in the integration, so that what other methods deri
 
 from __future__ import annotations
 
+import functools
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,6 +18,8 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.pieces import TimedPiece
 from floquetrod.floquet.systems import ladders, precise_maps, precise_spectra
 from floquetrod.floquet.systems.classification import (
     LogDiscs,
@@ -38,13 +43,13 @@ _LEAST_ERROR = 1e-300  # of a map, so that it is a double
 
 
 class _Problem(NamedTuple):
-    """A system in first order: its series, its size per unit of phase, and how its pairs are read off the map.
+    """A system in first order: its pieces per unit of phase, and how its pairs are read off the map.
 
     ``kind`` is "hamiltonian" (canonical coordinates), "reversible" (an even instant at the start) or "general";
     ``damping`` is the uniform damping removed; ``uncertainty`` the error of the coefficients.
     """
 
-    series: Series
+    pieces: tuple[Series, ...]
     kind: str
     damping: float
     uncertainty: float
@@ -113,10 +118,10 @@ def _attempt(
     more, total = 0.0, 0
     for _ in range(_MOST_TRIES):
         problem = _problem(system, context)
-        planned = precise_maps.plan(problem.series, digits + more)
+        planned = precise_maps.plan(problem.pieces, digits + more)
         if planned is None or _work(problem, planned) > _LARGEST_WORK:
             return None, total, True
-        found = precise_maps.period_map(problem.series, context, planned)
+        found = precise_maps.period_map(problem.pieces, context, planned)
         total += found.terms
         size = max(float(abs(v)) for v in found.matrix.flat)
         missing = float(context.log10(found.error / max(size, 1.0))) + digits
@@ -135,72 +140,103 @@ def _first_order_of(system: HillSystem | PeriodicSystem) -> int:
     return 2 * system.order if isinstance(system, HillSystem) else system.order
 
 
-def _work(problem: _Problem, planned: Plan) -> float:
+def _work(problem: _Problem, planned: Sequence[Plan]) -> float:
     """Return about how many small products of integers a plan takes."""
-    order, waves = len(problem.series.mean), problem.series.waves
-    width = int(np.count_nonzero((waves != 0).any(axis=(0, 1)))) if len(waves) else 0
-    mixed = len(waves) * width * order  # products for a term, for each one before it and for each row
-    each = order**3 + mixed * (0.25 * planned.order + width) + 40
-    work: float = planned.terms * each * (1.0 + (planned.bits / 1500.0) ** 1.6)
+    work = 0.0
+    for series, one in zip(problem.pieces, planned, strict=True):
+        order, waves = len(series.mean), series.waves
+        width = int(np.count_nonzero((waves != 0).any(axis=(0, 1)))) if len(waves) else 0
+        mixed = len(waves) * width * order  # products for a term, for each one before it and for each row
+        each = order**3 * (1.0 if series.slope is None else 2.0) + mixed * (0.25 * one.order + width) + 40
+        work += one.terms * each * (1.0 + (one.bits / 1500.0) ** 1.6)
     return work
 
 
 def _problem(system: HillSystem | PeriodicSystem, context: Any) -> _Problem:
     """Return a system in first order, per unit of phase, in the precision of a context."""
     freed = undamped_pairs(system)
-    damping = freed[1] if freed else 0.0
-    unit = context.mpf(float(system.period)) / (2 * context.pi)
-    start = context.mpf(0)
+    kind: str = freed[0].structure if freed else "general"
+    damping, period = freed[1] if freed else 0.0, by_pieces.exact_period(system)
+    pieces = by_pieces.in_time(system)
     if isinstance(system, HillSystem):
-        even = freed[0].even_form if freed and isinstance(freed[0], HillSystem) else None
-        kind = "hamiltonian" if freed and freed[0].structure == "hamiltonian" else "reversible" if freed else "general"
-        mean, waves = _first_order(system, kind, damping, context)
-        if kind == "reversible" and even is not None and float(even.start) != 0.0:
-            start = context.pi / (2 * len(system.harmonics))  # of a single sine, even about a quarter of its period
-        uncertainty = 0.0
+        if freed and kind == "reversible" and isinstance(freed[0], HillSystem):
+            pieces = by_pieces.between(pieces, _even_start(freed[0]), period)
+        of_mean, of_other, spread = _first_order(system, kind, damping, context)
     else:
-        kind = system.structure if freed else "general"
-        mean = _exact(system.mean, context)
-        waves = [_exact(part, context) for z in system.harmonics for part in (z.real, -z.imag)]
-        uncertainty = float(system.period) * system.coefficient_error
-    size = np.abs(mean.astype(float)) + sum((np.abs(w.astype(float)) for w in waves), start=np.zeros(mean.shape))
+        of_mean = of_other = functools.partial(_exact, context=context)
+        spread = 1.0
+    every = [(of_mean(p.mean), None if p.slope is None else of_other(p.slope), _waves(p, of_other)) for p in pieces]
+    unit = _number(period, context) / (2 * context.pi)
+    size = np.maximum.reduce([_size(*found, float(p.length)) for found, p in zip(every, pieces, strict=True)])
     scales = _scales(size, kind != "general", 1.0 / float(unit))
     ratio = scales[None, :] / scales[:, None]
-    order = len(mean)
-    waves_array = np.array([w * ratio * unit for w in waves], dtype=object).reshape(len(waves), order, order)
-    worst = float(ratio.max())
-    return _Problem(Series(mean * ratio * unit, waves_array, start), kind, damping, uncertainty * worst)
+    turn, order = 2 * context.pi / _number(period, context), len(ratio)
+    series = []
+    for piece, (mean, slope, waves) in zip(pieces, every, strict=True):
+        if slope is not None:
+            mean, slope = mean + slope * _number(piece.begin - piece.origin, context), slope * ratio * unit**2
+        turned = np.array([w * ratio * unit for w in waves], dtype=object).reshape(len(waves), order, order)
+        begin, length = (_number(time, context) * turn for time in (piece.begin, piece.length))
+        series.append(Series(mean * ratio * unit, turned, begin, length, slope))
+    uncertainty = float(period) * system.coefficient_error * spread * float(ratio.max())
+    return _Problem(tuple(series), kind, damping, uncertainty)
+
+
+def _even_start(system: HillSystem) -> Fraction:
+    """Return an instant about which a reversible system is even: of a single sine, a quarter of its period."""
+    if system.pieces:
+        return system.even_start or Fraction(0)
+    alone = system.even_form is not None and float(system.even_form.start) != 0.0
+    return Fraction(system.period) / (4 * len(system.harmonics)) if alone else Fraction(0)
+
+
+def _waves(piece: TimedPiece, of: Callable[[NDArray[np.float64]], NDArray[Any]]) -> list[NDArray[Any]]:
+    return [of(part) for z in piece.harmonics for part in (z.real, -z.imag)]
+
+
+def _size(
+    mean: NDArray[Any], slope: NDArray[Any] | None, waves: list[NDArray[Any]], length: float
+) -> NDArray[np.float64]:
+    """Return about how large each entry may be."""
+    parts = [mean, *waves] if slope is None else [mean, *waves, slope * length]
+    return np.asarray(sum(np.abs(part.astype(float)) for part in parts))
 
 
 def _first_order(
     system: HillSystem, kind: str, damping: float, context: Any
-) -> tuple[NDArray[Any], list[NDArray[Any]]]:
-    """Return mean and waves of a second-order system freed of uniform damping.
+) -> tuple[Callable[..., NDArray[Any]], Callable[..., NDArray[Any]], float]:
+    """Return what makes of a mean of K, and of its other matrices, those of the first-order system freed of damping.
 
-    In (q, p), p = M q' + G q / 2, where it is Hamiltonian, else in (q, q').
+    In (q, p), p = M q' + G q / 2, where it is Hamiltonian, else in (q, q').  Also by how much an error of K's entries
+    may grow on the way.
     """
     n = system.order
-    zero = _exact(np.zeros((n, n)), context)
+    zero, one = (_exact(array, context) for array in (np.zeros((n, n)), np.eye(n)))
 
     def matrix(value: NDArray[np.float64] | None) -> NDArray[Any]:
         return zero if value is None else _exact(value, context)
 
-    mass = _exact(np.eye(n) if system.mass is None else system.mass, context)
-    inverse = _inverse(mass, context)
-    stiffness, gyroscopic = matrix(system.stiffness), matrix(system.gyroscopic)
-    series = [_exact(part, context) for z in system.harmonics for part in (z.real, -z.imag)]
+    mass = one if system.mass is None else _exact(system.mass, context)
+    inverse, gyroscopic = _inverse(mass, context), matrix(system.gyroscopic)
     c = context.mpf(damping)
     if kind == "hamiltonian":
         half = gyroscopic / 2
-        mean = np.block(
-            [[-np.dot(inverse, half), inverse],
-             [c * c * mass - stiffness + np.dot(half, np.dot(inverse, half)), -np.dot(half, inverse)]]
-        )  # fmt: skip
-        return mean, [np.block([[zero, zero], [-z, zero]]) for z in series]
-    one = _exact(np.eye(n), context)
+        bent = c * c * mass + np.dot(half, np.dot(inverse, half))
+        drift = np.dot(inverse, half)
+
+        def whole(mean: NDArray[np.float64]) -> NDArray[Any]:
+            return np.block([[-drift, inverse], [bent - _exact(mean, context), -np.dot(half, inverse)]])
+
+        return whole, lambda part: np.block([[zero, zero], [-_exact(part, context), zero]]), 1.0
     friction = zero if kind == "reversible" else np.dot(inverse, matrix(system.damping) + gyroscopic)
-    mean = np.block([[zero, one], [c * c * one - np.dot(inverse, stiffness), -friction]])
-    return mean, [np.block([[zero, zero], [-np.dot(inverse, z), zero]]) for z in series]
+
+    def moving(mean: NDArray[np.float64]) -> NDArray[Any]:
+        return np.block([[zero, one], [c * c * one - np.dot(inverse, _exact(mean, context)), -friction]])
+
+    def other(part: NDArray[np.float64]) -> NDArray[Any]:
+        return np.block([[zero, zero], [-np.dot(inverse, _exact(part, context)), zero]])
+
+    return moving, other, float(np.abs(inverse.astype(float)).sum(axis=1).max())
 
 
 def _scales(size: NDArray[np.float64], paired: bool, w: float) -> NDArray[np.float64]:
@@ -238,7 +274,7 @@ def _classified(
             full.append(precise_spectra.eigenvalue_discs(found.matrix, error, context))
         return precise_spectra.krein_sign(full[0], pairs, cluster) if full[0] else 0
 
-    limit = context.mpf(problem.damping) * context.mpf(float(system.period))
+    limit = context.mpf(problem.damping) * _number(by_pieces.exact_period(system), context)
     growth = [abs((2 * context.asinh(context.sqrt(y))).real) - limit for y in pairs.values]
     digits = ManyDigits(
         np.array([complex(1 + y) for y in pairs.values]),
@@ -265,6 +301,11 @@ def _logarithms(discs: precise_spectra.PreciseDiscs, context: Any) -> LogDiscs:
 def _exact(matrix: NDArray[np.float64], context: Any) -> NDArray[Any]:
     """Return doubles as numbers of mpmath."""
     return np.array([context.mpf(v) for v in matrix.ravel().tolist()], dtype=object).reshape(matrix.shape)
+
+
+def _number(value: Fraction, context: Any) -> Any:
+    """Return an exact number in the precision of a context."""
+    return context.mpf(value.numerator) / value.denominator
 
 
 def _inverse(matrix: NDArray[Any], context: Any) -> NDArray[Any]:

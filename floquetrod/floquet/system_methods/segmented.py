@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import norms
 from floquetrod.equations import HillSystem, PeriodicSystem
-from floquetrod.floquet.kernels.system_maps import segment_maps
+from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.systems import ladders, spectra
 from floquetrod.floquet.systems.classification import classify_multipliers, declined, undamped_pairs
 from floquetrod.floquet.systems.ladders import Solutions
 from floquetrod.floquet.systems.result import SystemStability
-from floquetrod.floquet.systems.whole import error_stretch
+from floquetrod.floquet.systems.whole import balanced_maps, error_stretch
 from floquetrod.floquet.verdict import Cost
 
 _FEWEST, _MOST_ROWS = 8, 1000  # segments; rows of the cyclic matrix (a choice: about ten seconds)
@@ -56,9 +56,10 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         return _too_large(system, _FEWEST)
     if _phase(first) > _LARGEST_PHASE:
         return declined(system, "segmented", Cost(0, "segments"), "the period holds more waves than can be followed")
-    count, solutions = _FEWEST, None
+    parts = len(first.pieces) or 1
+    count, solutions = parts * math.ceil(_FEWEST / parts), None
     while first.order * count <= _MOST_ROWS:
-        maps, errors, scales = _segments(first, count, rtol)
+        maps, errors, scales = _segments(first, count // parts, rtol)
         condition = float(np.linalg.cond(maps).max()) if np.isfinite(maps).all() else math.inf
         if not condition < math.inf:
             count *= 8
@@ -67,7 +68,7 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         if excess <= 1.0:
             solutions = _solutions(maps, errors, scales)
             break
-        count = math.ceil(1.1 * excess * count)
+        count = parts * math.ceil(1.1 * excess * count / parts)
     else:
         return _too_large(system, count)
     cost = Cost(count, "segments")
@@ -89,7 +90,7 @@ def _too_large(system: HillSystem | PeriodicSystem, count: int) -> SystemStabili
 
 def _phase(system: PeriodicSystem) -> float:
     """Return a bound on the angle that solutions turn by in a period, in balanced coordinates."""
-    sizes = np.abs(system.mean) + np.abs(system.harmonics).sum(axis=0)
+    sizes = np.maximum.reduce([piece.size for piece in by_pieces.in_time(system)])
     scales = ladders.balance(sizes)
     return float(system.period) * float(np.linalg.norm(sizes * scales[None, :] / scales[:, None], 2))
 
@@ -97,16 +98,14 @@ def _phase(system: PeriodicSystem) -> float:
 def _segments(
     system: PeriodicSystem, count: int, rtol: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the maps over equal segments in balanced coordinates, their errors in the 2-norm, and the scales."""
-    period = float(system.period)
-    found = segment_maps(system.mean[None], system.harmonics[None], [period], rtol, count)
-    scales = found.scaling[0]
-    ratio = scales[None, :] / scales[:, None]
-    stretch = float(error_stretch(system.mean[None], scales[None])[0])
-    uncertainty = system.coefficient_error * system.order * stretch * period / count
+    """Return the maps over ``count`` segments of each piece, balanced, their errors in the 2-norm, and the scales."""
+    arrays = by_pieces.of_batch(system)
+    found = balanced_maps(arrays, rtol, count)
+    maps, scales = found.maps[0], found.scaling[0]
+    stretch = float(error_stretch(arrays.mean, scales[None])[0])
+    length = np.repeat(arrays.length[0] / count, count)
     with np.errstate(over="ignore", invalid="ignore"):  # of maps that overflow
-        maps = found.maps[0] * ratio
-        return maps, found.errors[0] + uncertainty * norms(maps), scales
+        return maps, found.errors[0] + system.coefficient_error * system.order * stretch * length * norms(maps), scales
 
 
 def _solutions(maps: NDArray[np.float64], errors: NDArray[np.float64], scales: NDArray[np.float64]) -> Solutions | None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import functools
 import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.equations import HillSystem
+from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.systems import whole
 
 _TIMES = 2.0 ** np.arange(-1, 4)  # the growth rate: damping rates tried (a choice)
@@ -83,32 +85,24 @@ def damping_to_stabilise(system: HillSystem, growth: float) -> float:
     mass = np.eye(n) if system.mass is None else system.mass
     stiffness = np.linalg.solve(mass, system.stiffness)
     sizes = [float(np.linalg.norm(np.linalg.solve(mass, m), 2)) for m in (*system.cosines, *system.sines)]
+    sizes += [float(np.linalg.norm(np.linalg.solve(mass, part.size), 2)) for part in by_pieces.in_time(system)][1:]
     size = float(np.linalg.norm(stiffness, 2))
     if float(np.linalg.eigvals(stiffness).real.min()) < -8.0 * n * _EPS * size * float(np.linalg.cond(mass)):
         return math.inf
     rates = math.sqrt(size + sum(sizes)) * _PARTS
     there = 0.0 if system.damping is None else system.damping
 
-    def damped(rate: float) -> tuple[NDArray[np.float64], NDArray[np.complex128], NDArray[np.float64]]:
-        more = HillSystem(
-            system.stiffness,
-            system.cosines,
-            system.sines,
-            mass=system.mass,
-            damping=there + 2.0 * rate * mass,
-            gyroscopic=system.gyroscopic,
-            period=period,
-        ).as_periodic_system()
-        return more.mean[None], more.harmonics[None], np.array([period])
+    def damped(rate: float) -> by_pieces.PieceArrays:
+        return by_pieces.of_batch(replace(system, damping=there + 2.0 * rate * mass).as_periodic_system())
 
     def excess(rate: float) -> float:
         """Return the growth rate, negative where everything decays."""
         if rate == 0.0:
             return growth
-        arrays = damped(rate)
-        if float(whole.seconds_needed(*arrays)[0]) * _MAPS > _MOST_SECONDS:
+        pieces = damped(rate)
+        if float(whole.seconds_needed(pieces)[0]) * _MAPS > _MOST_SECONDS:
             return math.nan
-        matrix = whole.period_maps(*arrays, 0.0, _ACCURACY, paired=False).matrix[0]
+        matrix = whole.period_maps(pieces, 0.0, _ACCURACY, paired=False).matrix[0]
         if not np.isfinite(matrix).all():
             return math.nan
         largest = float(np.abs(np.linalg.eigvals(matrix)).max())

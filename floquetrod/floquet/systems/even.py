@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import inverses, norms
+from floquetrod.equations.pieces import PieceArrays
 from floquetrod.floquet.kernels.system_even import HalfPeriodMap, half_period_map
-from floquetrod.floquet.systems import spectra
+from floquetrod.floquet.systems import spectra, whole
 
 _EPS = 2.220446049250313e-16
 
@@ -66,6 +67,25 @@ def pair_matrices(
             other = half_period_map(stiffness, signs * amplitudes, period, rtol, workers)
             left[lost], left_error[lost] = other.b[lost], _whole(other, period, uncertainty)[1][lost]
         return _numbers(half, error, left, left_error)
+
+
+def of_pieces(
+    pieces: PieceArrays, other: PieceArrays, uncertainty: float, rtol: float, *, symmetric: bool
+) -> PairMatrices:
+    """Return the matrices of u'' + K(t) u = 0 in first order, from its pieces over half a period from an even instant.
+
+    ``other`` are those of the next half, which replaces the inverse of the map where K is not symmetric, and
+    ``uncertainty`` the error of K's entries.
+    """
+    n = pieces.mean.shape[-1] // 2
+    found = whole.period_maps(pieces, uncertainty, rtol, paired=True)
+    matrix, basis = found.matrix, found.scaling[:, :1, None] * np.eye(n)
+    a, b, c, d = matrix[:, :n, :n], matrix[:, :n, n:], matrix[:, n:, :n], matrix[:, n:, n:]
+    half = HalfPeriodMap(a, b, c, d, found.error, basis, symmetric)
+    if symmetric:
+        return _numbers(half, half.error, np.swapaxes(b, -1, -2), half.error)
+    back = whole.period_maps(other, uncertainty, rtol, paired=True)
+    return _numbers(half, half.error, back.matrix[:, :n, n:], back.error)
 
 
 def _whole(half: HalfPeriodMap, period: Any, uncertainty: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

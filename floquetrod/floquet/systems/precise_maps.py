@@ -8,6 +8,7 @@ symmetry, and no code of the maps in doubles.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +26,9 @@ _UP = 1.0 + 1e-9  # covers the rounding of bounds, which are computed in doubles
 
 
 class Series(NamedTuple):
-    """A(phase) = mean + sum_k cosines[k-1] cos(k phase) + sines[k-1] sin(k phase), per unit of phase.
+    """A(phase) = mean + slope (phase - start) + sum_k cosines[k-1] cos(k phase) + sines[k-1] sin(k phase).
+
+    Per unit of phase, over a ``length`` of phase from ``start`` on: a piece of the period, which is 2 pi long.
 
     Attributes
     ----------
@@ -33,19 +36,29 @@ class Series(NamedTuple):
         Mean.
     waves : ndarray (2 H, N, N) of numbers of mpmath
         Cosine and sine coefficients of the first harmonic, then of the second, and so on.
-    start : number of mpmath
-        Phase at which the period begins.
+    start, length : numbers of mpmath
+        Where the piece begins, and how long it is.
+    slope : ndarray (N, N) of numbers of mpmath, or None
+        None for zero.
     """
 
     mean: NDArray[Any]
     waves: NDArray[Any]
     start: Any
+    length: Any
+    slope: NDArray[Any] | None = None
 
     @property
     def sizes(self) -> NDArray[np.float64]:
-        """Norms of the mean and, cosine and sine together, of each harmonic."""
+        """Norms of the mean, the slope over the piece included, and, cosine and sine together, of each harmonic."""
         mean, *waves = (_row_sum(matrix) for matrix in (self.mean, *self.waves))
+        mean += self.steepness * float(self.length)
         return _UP * np.array([mean, *(c + s for c, s in zip(waves[::2], waves[1::2], strict=True))])
+
+    @property
+    def steepness(self) -> float:
+        """Norm of the slope."""
+        return 0.0 if self.slope is None else _UP * _row_sum(self.slope)
 
 
 class PeriodMap(NamedTuple):
@@ -67,7 +80,7 @@ class PeriodMap(NamedTuple):
 
 
 class Plan(NamedTuple):
-    """How a period is integrated.
+    """How a piece of the period is integrated.
 
     Attributes
     ----------
@@ -93,16 +106,18 @@ class Plan(NamedTuple):
         return self.steps * self.order
 
 
-def last_power(sizes: NDArray[np.float64], waves: NDArray[np.float64], h: float, log_wanted: float) -> Any:
+def last_power(
+    sizes: NDArray[np.float64], waves: NDArray[np.float64], h: float, log_wanted: float, steepness: float = 0.0
+) -> Any:
     """Return the power after which series over steps h are cut, and the logarithm of a bound of what that leaves out.
 
-    With a(r) = sum_k sizes_k cosh(waves_k r), which bounds A for complex times up to r from a real one, a solution
-    grows from there at most by exp(r a(r)), so that by Cauchy the series cut after the power p errs by at most
+    With a(r) = steepness r + sum_k sizes_k cosh(waves_k r), which bounds A for complex times up to r from a real one, a
+    solution grows from there at most by exp(r a(r)), so that by Cauchy the series cut after the power p errs by at most
     exp(r a(r)) (h / r)^(p + 1) / (1 - h / r), for any r > h.  None where 2,000 powers are too few.
     """
     with np.errstate(over="ignore"):
         radii = h * np.geomspace(1.25, 400.0, 60)
-        exponent = radii * (sizes @ np.cosh(np.outer(waves, radii))) * (1.0 + 1e-10)
+        exponent = radii * (sizes @ np.cosh(np.outer(waves, radii)) + steepness * radii) * (1.0 + 1e-10)
         ratio = np.log(radii / h)
         rest = exponent - np.log1p(-np.exp(-ratio))
         for order in range(8, 2000):
@@ -112,69 +127,83 @@ def last_power(sizes: NDArray[np.float64], waves: NDArray[np.float64], h: float,
     return None
 
 
-def plan(series: Series, digits: float) -> Plan | None:
-    """Return a plan for series that end ``digits`` digits below 1; None where they converge too slowly."""
-    sizes = series.sizes
+def plan(pieces: Sequence[Series], digits: float) -> tuple[Plan, ...] | None:
+    """Return plans for series that end ``digits`` digits below 1; None where they converge too slowly."""
+    found = [_plan(series, digits) for series in pieces]
+    if any(one is None for one in found):
+        return None
+    bits = max(one.bits for one in found if one is not None)
+    return tuple(one._replace(bits=bits) for one in found if one is not None)
+
+
+def _plan(series: Series, digits: float) -> Plan | None:
+    sizes, length = series.sizes, float(series.length)
     waves = np.arange(float(len(sizes)))
     # Harmonics turn by less than a quarter of a turn in a step.
-    least = max(2.0 * math.pi * float(sizes.sum()) / _STEP, 4.0 * waves[-1], 1.0)
+    least = max(length * float(sizes.sum()) / _STEP, 4.0 * waves[-1] * length / (2.0 * math.pi), 1.0)
     if not least < _MOST_STEPS:
         return None
     found = []
     for steps in (math.ceil(least * factor) for factor in _FACTORS):
-        power = last_power(sizes, waves, 2.0 * math.pi / steps, -math.log(10.0) * (digits + _SLACK))
+        power = last_power(sizes, waves, length / steps, -math.log(10.0) * (digits + _SLACK), series.steepness)
         if power is not None:
             found.append((steps * power[0] * (power[0] + _PRODUCTS), steps, *power))
     if not found:
         return None
     _, steps, order, log_error = min(found)
-    rounding = _rounding(sizes, waves, 2.0 * math.pi / steps, order, len(series.mean))
+    rounding = _rounding(sizes, waves, series.steepness, length / steps, order, len(series.mean))
     bits = math.ceil(math.log2(10.0) * (digits + _SLACK) + math.log2(rounding)) + _GUARD_BITS
     return Plan(steps, order, bits, log_error, rounding)
 
 
-def _rounding(sizes: NDArray[np.float64], waves: NDArray[np.float64], h: float, last: int, order: int) -> float:
+def _rounding(
+    sizes: NDArray[np.float64], waves: NDArray[np.float64], steepness: float, h: float, last: int, order: int
+) -> float:
     """Bound what the arithmetic of a step rounds, in units of 2^-bits.
 
     Rounded, the terms solve x' = A x + f, f a series whose coefficients are the roundings, and this with |A|, |f| in
     place of A, f bounds by how much they differ.  A term rounds in its products (1), in the division (last + 2), in the
     matrices and in the weights of the harmonics, which differ by less than 8 multiples of 2^-bits.
     """
-    growth = h * float(sizes @ np.cosh(waves * h))
+    growth = h * (float(sizes @ np.cosh(waves * h)) + steepness * h)
     spread = math.exp(growth)
-    each = last + 3.0 + (2.0 * len(sizes) + 1.0) * 8.0 * (1.0 + growth) * (1.0 + spread) * math.cosh(waves[-1] * h)
+    matrices = 2.0 * len(sizes) + (3.0 if steepness else 1.0)
+    each = last + 3.0 + matrices * 8.0 * (1.0 + growth) * (1.0 + spread) * math.cosh(waves[-1] * h)
     return _UP * order * each * spread * (1.0 + math.log(last + 1.0)) + order
 
 
-def period_map(series: Series, context: Any, planned: Plan) -> PeriodMap:
-    """Return the map over a period in a context of mpmath, whose precision is set to what the plan needs."""
-    bits, order = planned.bits, len(series.mean)
+def period_map(pieces: Sequence[Series], context: Any, planned: Sequence[Plan]) -> PeriodMap:
+    """Return the map over all pieces in a context of mpmath, whose precision is set to what the plans need."""
+    bits, order = planned[0].bits, len(pieces[0].mean)
     context.prec = bits + _GUARD_BITS
-    steps = _Steps(series, context, planned)
-    local = context.exp(planned.log_error) + context.ldexp(planned.rounding, -bits)
-    total, maps = steps.identity, []
-    for step in range(planned.steps):
-        fine = steps.across(series.start + step * steps.length)
-        total = np.dot(fine, total) >> bits
-        maps.append(_floats(fine, bits))
+    total, maps, local = None, [], []
+    for series, one in zip(pieces, planned, strict=True):
+        steps = _Steps(series, context, one)
+        error = context.exp(one.log_error) + context.ldexp(one.rounding, -bits)
+        for step in range(one.steps):
+            fine = steps.across(step)
+            total = fine if total is None else np.dot(fine, total) >> bits
+            maps.append(_floats(fine, bits))
+            local.append(error)
     before, after = _products(maps)
     # A 2-norm is at most sqrt(N) times a norm of row sums.  Products of errors are far below _UP.
-    magnified = sum(b * a for b, a in zip(before, after, strict=True))
+    magnified = sum(float(b * a) * error for b, a, error in zip(before, after, local, strict=True))
     rounded = order * sum(after)
-    error = _UP * (math.sqrt(order) * local * float(magnified) + context.ldexp(float(rounded), -bits))
-    matrix = np.array([context.ldexp(context.mpf(v), -bits) for v in total.flat], dtype=object)
-    return PeriodMap(matrix.reshape(order, order), error, planned.terms)
+    error = _UP * (math.sqrt(order) * magnified + context.ldexp(float(rounded), -bits))
+    matrix = np.array([context.ldexp(context.mpf(v), -bits) for v in np.asarray(total).flat], dtype=object)
+    return PeriodMap(matrix.reshape(order, order), error, sum(one.terms for one in planned))
 
 
 class _Steps:
-    """What all steps share: matrices times the step, and Taylor coefficients of cos(k h s) and sin(k h s)."""
+    """What all steps of a piece share: matrices times the step, and Taylor coefficients of cos(k h s), sin(k h s)."""
 
     def __init__(self, series: Series, context: Any, planned: Plan) -> None:
         order, bits = len(series.mean), planned.bits
-        self.context, self.bits, self.last = context, bits, planned.order
-        self.length = 2 * context.pi / planned.steps
+        self.context, self.bits, self.last, self.series = context, bits, planned.order, series
+        self.length = series.length / planned.steps
         self.identity = np.array([[1 << bits if i == j else 0 for j in range(order)] for i in range(order)], object)
         self.mean = _fixed(series.mean * self.length, bits, context)
+        self.slope = None if series.slope is None else _fixed(series.slope * self.length**2, bits, context)
         waves = _fixed(series.waves * self.length, bits, context)
         found = (waves != 0).any(axis=0) if len(waves) else np.zeros((order, order), dtype=bool)
         self.rows, self.columns = np.flatnonzero(found.any(axis=1)), np.flatnonzero(found.any(axis=0))
@@ -190,23 +219,35 @@ class _Steps:
             term = term * k * self.length / (power + 1)
         return found
 
-    def across(self, begin: Any) -> NDArray[Any]:
-        """Return the map over the step that begins at a phase."""
+    def across(self, step: int) -> NDArray[Any]:
+        """Return the map over a step."""
         order, width = len(self.mean), len(self.columns)
-        waves = self._turned(begin)
+        waves = self._turned(self.series.start + step * self.length)
+        mean = self._mean(step)
         newest = total = self.identity
+        older = np.zeros_like(self.identity)
         history = np.zeros((self.last, width * order), dtype=object)
         for m in range(self.last):
-            change = np.dot(self.mean, newest)
+            change = np.dot(mean, newest)
+            if self.slope is not None:
+                change += np.dot(self.slope, older)
             if width:
                 history[m] = newest[self.columns].ravel()
                 even = np.dot(self.even[:, : m // 2 + 1], history[m::-2])
                 odd = np.dot(self.odd[:, : (m + 1) // 2], history[m - 1 :: -2]) if m else np.zeros_like(even)
                 parts = np.stack([even, odd], axis=1).reshape(-1, order) >> self.bits
                 change[self.rows] += np.dot(waves, parts)
-            newest = (change >> self.bits) // (m + 1)
+            older, newest = newest, (change >> self.bits) // (m + 1)
             total = total + newest
         return total
+
+    def _mean(self, step: int) -> NDArray[Any]:
+        """Return the mean at the beginning of a step, times its length."""
+        if self.series.slope is None or not step:
+            return self.mean
+        return _fixed(
+            (self.series.mean + self.series.slope * (step * self.length)) * self.length, self.bits, self.context
+        )
 
     def _turned(self, begin: Any) -> NDArray[Any]:
         """Return the coefficients of cos(k h s) and sin(k h s), s from the beginning of a step, side by side."""

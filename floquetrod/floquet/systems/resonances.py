@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations.pieces import fourier
 from floquetrod.floquet.systems.result import Resonance
 
 Floats = NDArray[np.float64]
@@ -76,8 +77,9 @@ def _mean_modes(system: HillSystem | PeriodicSystem) -> _Modes | None:
     up = np.concatenate([still[: math.ceil(len(still) / 2)], oscillating])
     partners = np.abs(values[None, :] - values[up][:, None].conj()).argmin(axis=1)
     with np.errstate(all="ignore"):
-        forward = np.abs(inverse @ first.harmonics @ vectors)
-        backward = np.abs(inverse @ first.harmonics.conj() @ vectors)
+        waves = fourier(first, _HIGHEST_ORDER)
+        forward = np.abs(inverse @ waves @ vectors)
+        backward = np.abs(inverse @ waves.conj() @ vectors)
         both = np.sqrt(forward * np.swapaxes(backward, -1, -2))
         strongest = both.max(axis=(-2, -1), keepdims=True, initial=0.0)
         coupling = np.nan_to_num(both / strongest)

@@ -152,12 +152,11 @@ class SystemStability(Reported, Verdict):
 
     def report(self, *, damping: bool = False) -> Report:
         """Return the verdict in lines and a table of multipliers; with the ``damping`` that stabilises, a search."""
-        system, count = self.system, self.system.harmonics.shape[-3]
+        system = self.system
         form = "second order" if isinstance(system, HillSystem) else "first order"
-        varies = f"{count} harmonic{'' if count == 1 else 's'}" if count else "constant coefficients"
         equations = f"{system.order} equation{'' if system.order == 1 else 's'} of {form}"
         turns = f"period {self.period:.6g} (angular frequency {2.0 * math.pi / self.period:.6g})"
-        lines = [("system", f"{equations}, {self.structure}, {varies}, {turns}")]
+        lines = [("system", f"{equations}, {self.structure}, {system.variation}, {turns}")]
         if self.growth_rate > 0.0:
             tenfold = math.log(10.0) / self.growth_rate
             lines.append(("growth", f"{self.growth_rate:.6g} per unit time, tenfold in {tenfold:.4g}"))
@@ -250,7 +249,8 @@ class SystemStability(Reported, Verdict):
             ],
             "equations": self.system.order,
             "structure": self.structure,
-            "harmonics": int(self.system.harmonics.shape[-3]),
+            "harmonics": 0 if self.system.pieces else int(self.system.harmonics.shape[-3]),
+            **({"pieces": len(self.system.pieces)} if self.system.pieces else {}),
             "period": self.period,
             "method": self.method,
             "relative_error": number(self.error),

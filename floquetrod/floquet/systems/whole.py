@@ -8,7 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import norms
-from floquetrod.floquet.kernels.system_maps import product, segment_maps
+from floquetrod.equations.pieces import PieceArrays
+from floquetrod.floquet.kernels.system_maps import SegmentMaps, product, segment_maps
+
+_FEW_ROUNDS, _MANY_ROUNDS = 4, 10  # of balancing rows and columns: for an estimate of the time, and for maps (a choice)
 
 
 class PeriodMaps(NamedTuple):
@@ -28,64 +31,108 @@ def is_oscillators(mean: NDArray[np.float64], harmonics: NDArray[np.complex128])
     return bool(velocities and not rest and (lower == lower.swapaxes(-1, -2)).all())
 
 
-def seconds_needed(mean: Any, harmonics: Any, period: Any) -> NDArray[np.float64]:
+def seconds_needed(pieces: PieceArrays) -> NDArray[np.float64]:
     """Return about how long the map of each system takes (b,), in seconds: measured on one core of 2024."""
-    n = mean.shape[-1]
-    sizes = np.abs(mean) + np.abs(harmonics).sum(axis=1)
-    inner = sizes * (1.0 - np.eye(n))
+    n, sizes = pieces.mean.shape[-1], pieces.sizes
+    scaling = _balance(sizes.max(axis=1), _FEW_ROUNDS)
+    with np.errstate(over="ignore", invalid="ignore"):
+        sizes = sizes * scaling[:, None, None, :] / scaling[:, None, :, None]
+        sums = np.minimum(sizes.sum(axis=-1).max(axis=-1), sizes.sum(axis=-2).max(axis=-1))
+        return np.asarray((pieces.length * sums).sum(axis=-1) * (1e-5 + 1e-6 * n * n))
+
+
+def _balance(sizes: NDArray[np.float64], rounds: int) -> NDArray[np.float64]:
+    """Return scales (b, N) of x in which rows and columns of A, of magnitudes (b, N, N), are about equally large."""
+    n = sizes.shape[-1]
+    inner, scaling = sizes * (1.0 - np.eye(n)), np.ones(sizes.shape[:-1])
     with np.errstate(all="ignore"):
-        for _ in range(4):  # balance rows and columns: the unit of time then changes nothing
+        for _ in range(rounds):
             stretch = np.sqrt(np.sqrt(inner.sum(axis=-1) / inner.sum(axis=-2)))
             stretch = np.where(np.isfinite(stretch) & (stretch > 0.0), stretch, 1.0)
             inner = inner * stretch[:, None, :] / stretch[:, :, None]
-    inner += sizes * np.eye(n)
-    phase = period * np.minimum(inner.sum(axis=-1).max(axis=-1), inner.sum(axis=-2).max(axis=-1))
-    return np.asarray(phase * (1e-5 + 1e-6 * n * n))
+            scaling = scaling * stretch
+    return scaling
 
 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def period_maps(
-    mean: Any, harmonics: Any, period: Any, uncertainty: Any, rtol: float, *, paired: bool, workers: int | None = 1
+    pieces: PieceArrays, uncertainty: Any, rtol: float, *, paired: bool, workers: int | None = 1
 ) -> PeriodMaps:
-    """Return the maps of x' = A(t) x; ``uncertainty`` is the error of A's entries.
+    """Return the maps of x' = A(t) x over all pieces; ``uncertainty`` is the error of A's entries.
 
     Where ``paired``, positions and velocities are scaled by inverse factors: the map stays symplectic or reversible.
     """
-    n, plain = mean.shape[-1], mean
-    scaling = _paired_scaling(mean, harmonics) if paired else np.ones(mean.shape[:-1])
-    harmonics = harmonics * scaling[:, None, None, :] / scaling[:, None, :, None]
-    mean = mean * scaling[:, None, :] / scaling[:, :, None]
-    whole = product(segment_maps(mean, harmonics, period, rtol, workers=workers))
-    matrix, error, inner = whole.matrix, whole.error, whole.scaling
     if paired:
-        error = error * inner.max(axis=-1) / inner.min(axis=-1)
+        scaling = _paired_scaling(pieces.sizes.max(axis=1))
+        whole = product(_maps(pieces.scaled(scaling), rtol, 1, workers))
+        matrix, error = whole.matrix, whole.error * _spread(whole.scaling)
     else:
-        matrix = matrix * inner[:, None, :] / inner[:, :, None]
-        scaling = inner
+        maps, errors, scaling = balanced_maps(pieces, rtol, 1, workers)
+        matrix, error, _ = product(SegmentMaps(maps, errors, np.ones(scaling.shape)))
     size = norms(matrix)
-    stretch = error_stretch(plain, scaling)
-    moved = np.where(uncertainty > 0.0, period * uncertainty * n * stretch * np.maximum(size, 1.0) ** 2, 0.0)
+    stretch = error_stretch(pieces.mean, scaling)
+    length = pieces.length.sum(axis=-1)
+    moved = np.where(
+        uncertainty > 0.0, length * uncertainty * pieces.mean.shape[-1] * stretch * np.maximum(size, 1.0) ** 2, 0.0
+    )
     return PeriodMaps(matrix, error + moved, scaling)
 
 
-def error_stretch(mean: NDArray[np.float64], scaling: NDArray[np.float64]) -> NDArray[np.float64]:
+def balanced_maps(pieces: PieceArrays, rtol: float, segments: int = 1, workers: int | None = 1) -> SegmentMaps:
+    """Return the maps over all pieces, each in so many equal segments, of x / scaling: rows and columns balanced."""
+    outer = np.ones((len(pieces.mean), pieces.mean.shape[-1]))
+    if pieces.mean.shape[1] > 1:
+        outer = np.exp2(np.round(np.log2(_balance(pieces.sizes.max(axis=1), _MANY_ROUNDS)))).astype(float)
+    maps, errors, inner = _maps(pieces.scaled(outer), rtol, segments, workers)
+    return SegmentMaps(maps * inner[:, None, None, :] / inner[:, None, :, None], errors, outer * inner)
+
+
+def _maps(pieces: PieceArrays, rtol: float, segments: int, workers: int | None) -> SegmentMaps:
+    """Return the maps over all pieces, each in so many equal segments; those of several without scaling."""
+    batch, count, n = pieces.mean.shape[:3]
+    slope = pieces.slope if pieces.slope.any() else None
+    if count == 1 and slope is None and np.array_equal(pieces.length[:, 0], pieces.period):
+        return segment_maps(pieces.mean[:, 0], pieces.harmonics[:, 0], pieces.period, rtol, segments, workers)
+
+    def flat(array: NDArray[Any]) -> NDArray[Any]:
+        return array.reshape(batch * count, *array.shape[2:])
+
+    found = segment_maps(
+        flat(pieces.mean),
+        flat(pieces.harmonics),
+        np.repeat(pieces.period, count),
+        rtol,
+        segments,
+        workers,
+        None if slope is None else flat(slope),
+        flat(pieces.length),
+    )
+    errors = (found.errors * _spread(found.scaling)[:, None]).reshape(batch, count * segments)
+    return SegmentMaps(found.maps.reshape(batch, count * segments, n, n), errors, np.ones((batch, n)))
+
+
+def _spread(scaling: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return by how much an error may grow in coordinates x instead of x / scaling."""
+    return np.asarray(scaling.max(axis=-1) / scaling.min(axis=-1))
+
+
+def error_stretch(means: NDArray[np.float64], scaling: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return how much larger errors of the coefficients may be in coordinates x / scaling.
 
-    Where positions change at the rate of velocities, [0, 1] in the upper half of the mean (b, 2n, 2n), nothing is in
-    error there, nor in a lower right block that is zero.
+    Where positions change at the rate of velocities, [0, 1] in the upper half of the means (b, P, 2n, 2n), nothing is
+    in error there, nor in a lower right block that is zero.
     """
-    n = mean.shape[-1] // 2
-    every = scaling.max(axis=-1) / scaling.min(axis=-1)
-    if mean.shape[-1] % 2 or not ((mean[:, :n, n:] == np.eye(n)).all() and not mean[:, :n, :n].any()):
-        return np.asarray(every)
-    columns = scaling if mean[:, n:, n:].any() else scaling[:, :n]
+    n = means.shape[-1] // 2
+    every = _spread(scaling)
+    if means.shape[-1] % 2 or not ((means[..., :n, n:] == np.eye(n)).all() and not means[..., :n, :n].any()):
+        return every
+    columns = scaling if means[..., n:, n:].any() else scaling[:, :n]
     return np.asarray(columns.max(axis=-1) / scaling[:, n:].min(axis=-1))
 
 
-def _paired_scaling(mean: NDArray[np.float64], harmonics: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _paired_scaling(sizes: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return powers of two, g for positions and 1 / g for velocities, that make both drive each other equally."""
-    n = mean.shape[-1] // 2
-    sizes = np.abs(mean) + np.abs(harmonics).sum(axis=1)
+    n = sizes.shape[-1] // 2
     up, down = sizes[:, :n, n:].max(axis=-1), sizes[:, n:, :n].max(axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
         power = np.round(0.25 * np.log2(up / down))

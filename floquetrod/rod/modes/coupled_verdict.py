@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from floquetrod._util.caching import cached_property
 from floquetrod._util.report import number
 from floquetrod.equations import HillSystem
+from floquetrod.equations.pieces import of_batch
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems.classification import undamped_pairs
 from floquetrod.floquet.systems.damping import least_damping
@@ -120,7 +121,7 @@ class ModesTogether(Evidence):
         system = self.system
         undamped, _ = system.undamped or (system, 0.0)  # the factor of damping changes no shape
         first, n, period = undamped.as_periodic_system(), self.coupled.size, self.whole.period
-        maps = period_maps(first.mean[None], first.harmonics[None], np.array([period]), 0.0, 1e-10, paired=True)
+        maps = period_maps(of_batch(first), 0.0, 1e-10, paired=True)
         values, vectors = np.linalg.eig(maps.matrix[0])
         fastest = int(np.abs(values).argmax())
         rate = math.log(abs(values[fastest])) / period

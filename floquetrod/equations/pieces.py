@@ -1,0 +1,410 @@
+"""Coefficients of systems in pieces of the period: matrices with a mean, a slope and harmonics on each of them."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.calling import tells_arguments
+from floquetrod._util.content import ByContent
+from floquetrod.equations import matrices
+from floquetrod.equations.matrices import Matrix
+
+MOST_PIECES = 1024
+"""Most pieces of a period (a choice)."""
+
+_EPS = 2.220446049250313e-16
+
+Duration = float | Fraction | NDArray[np.float64]
+Pieces = tuple[tuple[Any, "Varying"], ...]
+"""What a system with jumps is made of: durations, each a double, a Fraction or an array of a batch, and matrices."""
+
+
+@tells_arguments()
+@dataclass(frozen=True, eq=False, repr=False)
+class Varying(ByContent):
+    """A matrix that varies over a piece of the period, for ``from_pieces`` of `HillSystem` and `PeriodicSystem`.
+
+    mean + slope (t - b) + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t, b the time at which the piece begins,
+    w = 2 pi / period of the whole period, and t from its beginning.
+
+    Parameters
+    ----------
+    mean : array_like (..., n, n)
+        Constant part, which is the whole at the beginning of the piece where there are no harmonics.
+    slope : array_like (..., n, n), optional
+        Change per unit of time; none by default, and None where it is zero.
+    cosines, sines : sequence of array_like (..., n, n)
+        Coefficients of the harmonics of the whole period, from the first on; none by default.
+
+    Examples
+    --------
+    >>> Varying([[1.0]], slope=[[-0.5]])
+    Varying(mean=[[1.0]], slope=[[-0.5]])
+    """
+
+    mean: Matrix
+    slope: Matrix | None = None
+    cosines: tuple[Matrix, ...] = ()
+    sines: tuple[Matrix, ...] = ()
+
+    def __init__(self, mean: Any, slope: Any = None, cosines: Any = (), sines: Any = ()) -> None:
+        """Check and copy the matrices."""
+        most = 2 * matrices.MOST_EQUATIONS
+        average = matrices.square("mean", mean, most=most)
+        order = average.shape[-1]
+        ramp = None if slope is None else matrices.square("slope", slope, order, "mean", most)
+        series = {
+            name: matrices.by_harmonic(name, values, order, "mean")
+            for name, values in (("cosines", cosines), ("sines", sines))
+        }
+        self.__setstate__({"mean": average, "slope": ramp if ramp is not None and ramp.any() else None, **series})
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Take over the matrices, closed to writing."""
+        vars(self).update(state)
+        for matrix in self.matrices:
+            matrix.flags.writeable = False
+
+    @property
+    def matrices(self) -> tuple[Matrix, ...]:
+        """Every matrix there is."""
+        return (self.mean, *(() if self.slope is None else (self.slope,)), *self.cosines, *self.sines)
+
+    @property
+    def slope_or_zero(self) -> Matrix:
+        """The slope, zeros where there is none."""
+        return np.zeros(self.mean.shape) if self.slope is None else self.slope
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the matrix is one and the same all over the piece."""
+        return self.slope is None and not any(matrix.any() for matrix in (*self.cosines, *self.sines))
+
+    def mapped(self, mean: Any, others: Any) -> Varying:
+        """Return the same with functions applied to the mean and to all other matrices."""
+        slope = None if self.slope is None else others(self.slope)
+        return Varying(mean(self.mean), slope, [others(m) for m in self.cosines], [others(m) for m in self.sines])
+
+    def __repr__(self) -> str:
+        """Return the constructor's call, large matrices by their shape."""
+        return matrices.written(self, ["mean", "slope", "cosines", "sines"])
+
+
+class TimedPiece(NamedTuple):
+    """A piece of one system: mean + slope (t - origin) + sum_k Re(Z_k exp(i k w t)) for ``length`` from ``begin`` on.
+
+    These three are exact, and t counts from the beginning of the period, as the phase of harmonics does.
+    """
+
+    begin: Fraction
+    length: Fraction
+    mean: Matrix
+    slope: Matrix | None
+    harmonics: NDArray[np.complex128]
+    origin: Fraction
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether the matrix is one and the same all over the piece."""
+        return self.slope is None and not len(self.harmonics)
+
+    @property
+    def size(self) -> Matrix:
+        """Bound of the magnitude of each entry, to rounding."""
+        farthest = float(max(abs(self.begin - self.origin), abs(self.begin + self.length - self.origin)))
+        slope = 0.0 if self.slope is None else np.abs(self.slope) * farthest
+        return np.asarray(np.abs(self.mean) + slope + np.abs(self.harmonics).sum(axis=0))
+
+    @property
+    def beginning(self) -> Matrix:
+        """The matrix at the beginning without harmonics, rounded."""
+        into = float(self.begin - self.origin)
+        return self.mean if self.slope is None or not into else self.mean + self.slope * into
+
+
+class PieceArrays(NamedTuple):
+    """Pieces of many systems in the form that maps are computed from.
+
+    On piece j, t from its beginning, A = mean[:, j] + slope[:, j] t + Re sum_k harmonics[:, j, k-1] exp(i k w t), w = 2
+    pi / period.
+
+    Attributes
+    ----------
+    mean, slope : ndarray (b, P, N, N)
+        Real.
+    harmonics : ndarray (b, P, H, N, N)
+        Complex.
+    length : ndarray (b, P)
+        Durations.
+    period : ndarray (b,)
+        Periods of the harmonics.
+    """
+
+    mean: NDArray[np.float64]
+    slope: NDArray[np.float64]
+    harmonics: NDArray[np.complex128]
+    length: NDArray[np.float64]
+    period: NDArray[np.float64]
+
+    @property
+    def sizes(self) -> NDArray[np.float64]:
+        """Bounds (b, P, N, N) of the magnitudes of A's entries."""
+        sloped = np.abs(self.slope) * self.length[..., None, None]
+        return np.asarray(np.abs(self.mean) + sloped + np.abs(self.harmonics).sum(axis=2))
+
+    def some(self, part: slice) -> PieceArrays:
+        """Return those of some systems."""
+        mean, slope, harmonics, length, period = self
+        return PieceArrays(mean[part], slope[part], harmonics[part], length[part], period[part])
+
+    def scaled(self, scaling: NDArray[np.float64]) -> PieceArrays:
+        """Return the same for x / scaling, scaling (b, N)."""
+        ratio = scaling[:, None, None, :] / scaling[:, None, :, None]
+        return self._replace(
+            mean=self.mean * ratio, slope=self.slope * ratio, harmonics=self.harmonics * ratio[:, :, None]
+        )
+
+
+def read(pieces: Any) -> Pieces:
+    """Return what was given as pieces, checked: pairs of a duration and a matrix, or a `Varying`."""
+    example = "pieces must be a sequence of (duration, matrix)"
+    if isinstance(pieces, str | bytes) or not validate.iterable(pieces):
+        raise TypeError(f"{example}, got {validate.short(pieces)}")
+    found: list[tuple[Any, Varying]] = []
+    for i, pair in enumerate(validate.listed("pieces", pieces, MOST_PIECES, "pieces")):
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise TypeError(f"{example}, got {validate.short(pair)} as pieces[{i}]")
+        value = pair[1] if isinstance(pair[1], Varying) else Varying(matrices.square(f"pieces[{i}][1]", pair[1]))
+        if found and value.mean.shape[-1] != found[0][1].mean.shape[-1]:
+            order = found[0][1].mean.shape[-1]
+            raise ValueError(f"pieces[{i}][1] must be {order} x {order} as pieces[0][1] is, got {value.mean.shape}")
+        found.append((_duration(f"pieces[{i}][0]", pair[0]), value))
+    if not found:
+        raise ValueError(f"{example}, one at least, got none")
+    return tuple(found)
+
+
+def _duration(name: str, value: Any) -> Any:
+    """Return how long a piece lasts, exactly: a double, a Fraction where it is none, or an array of a batch."""
+    if isinstance(value, Fraction):
+        nearest = matrices.periods(float(value), name)
+        return nearest if value == nearest else value
+    return matrices.periods(value, name)
+
+
+def total(durations: list[Any]) -> float | NDArray[np.float64]:
+    """Return the sum of durations, rounded once."""
+    shape = np.broadcast_shapes(*map(np.shape, durations))
+    if not shape:
+        return float(sum(map(Fraction, durations)))
+    every = np.array([np.broadcast_to(float(d) if isinstance(d, Fraction) else d, shape) for d in durations])
+    return np.array([math.fsum(column) for column in every.reshape(len(every), -1).T.tolist()]).reshape(shape)
+
+
+def one_series(pieces: Pieces) -> Varying | None:
+    """Return the single piece of a period that is one Fourier series after all, None for any other."""
+    duration, value = pieces[0]
+    return value if len(pieces) == 1 and value.slope is None and not isinstance(duration, Fraction) else None
+
+
+def average(pieces: Pieces, period: Any) -> Matrix:
+    """Return the mean over the period."""
+    found: Any = 0.0
+    end = np.zeros(np.shape(period))
+    for duration, value in pieces:
+        begin, length = end, np.asarray(duration, dtype=float)
+        end = begin + length
+        share = (length / period)[..., None, None]
+        middle = value.mean if value.slope is None else value.mean + value.slope * (0.5 * length)[..., None, None]
+        found = found + share * middle
+        for matrices_, function in ((value.cosines, np.sin), (value.sines, lambda angle: -np.cos(angle))):
+            for k, matrix in enumerate(matrices_, start=1):
+                w = 2.0 * math.pi * k / period
+                found = found + ((function(w * end) - function(w * begin)) / (w * period))[..., None, None] * matrix
+    return np.asarray(found)
+
+
+def in_time(system: Any) -> tuple[TimedPiece, ...]:
+    """Return the pieces of one system, of which a Fourier series has one."""
+    matrices.require_one(system)
+    if not system.pieces:
+        mean = np.asarray(getattr(system, system.MEAN))
+        return (TimedPiece(Fraction(0), Fraction(system.period), mean, None, system.harmonics, Fraction(0)),)
+    found, begin = [], Fraction(0)
+    for duration, value in system.pieces:
+        length = Fraction(duration)
+        waves = matrices.harmonic_amplitudes(value.cosines, value.sines, (), system.order)
+        found.append(TimedPiece(begin, length, value.mean, value.slope, waves, begin))
+        begin += length
+    return tuple(found)
+
+
+def exact_period(system: Any) -> Fraction:
+    """Return the period of one system: the exact sum of the durations of its pieces."""
+    return sum((Fraction(duration) for duration, _ in system.pieces), Fraction(0)) or Fraction(system.period)
+
+
+def between(pieces: tuple[TimedPiece, ...], start: Fraction, length: Fraction) -> tuple[TimedPiece, ...]:
+    """Return what of one period's pieces lies between ``start``, in the period, and ``length`` later, exactly."""
+    if len(pieces) == 1 and pieces[0].slope is None:
+        return (pieces[0]._replace(begin=start, length=length),)
+    period = pieces[-1].begin + pieces[-1].length
+    found = []
+    for turn in (0, period):
+        for piece in pieces:
+            low, high = max(piece.begin + turn, start), min(piece.begin + piece.length + turn, start + length)
+            if low < high:
+                found.append(piece._replace(begin=low - turn, length=high - low))
+    return tuple(found)
+
+
+def arrays_of(pieces: tuple[TimedPiece, ...], period: Fraction) -> PieceArrays:
+    """Return pieces of one system, in the order in which they act, as arrays of a batch of one."""
+    order, waves = pieces[0].mean.shape[-1], max(len(piece.harmonics) for piece in pieces)
+    slope = np.zeros((1, len(pieces), order, order))
+    harmonics = np.zeros((1, len(pieces), waves, order, order), dtype=complex)
+    for j, piece in enumerate(pieces):
+        if piece.slope is not None:
+            slope[0, j] = piece.slope
+        turns = [float(k * piece.begin / period % 1) for k in range(1, len(piece.harmonics) + 1)]
+        harmonics[0, j, : len(turns)] = piece.harmonics * np.exp(2j * math.pi * np.array(turns))[:, None, None]
+    mean = np.array([[piece.beginning for piece in pieces]])
+    length = np.array([[float(piece.length) for piece in pieces]])
+    return PieceArrays(mean, slope, harmonics, length, np.array([float(period)]))
+
+
+def from_instant(system: Any, start: Fraction, length: Fraction) -> tuple[PieceArrays, float]:
+    """Return what of one first-order system lies between two instants, and the error of its entries."""
+    found = between(in_time(system), start, length)
+    rounding = max(
+        (_EPS * float(p.size.max()) for p in found if p.slope is not None and p.begin != p.origin), default=0.0
+    )
+    return arrays_of(found, exact_period(system)), system.coefficient_error + rounding
+
+
+def of_batch(system: Any) -> PieceArrays:
+    """Return the pieces of one system or of a batch, flat in the order of C."""
+    if not system.shape:
+        return arrays_of(in_time(system), exact_period(system))
+    size, order = math.prod(system.shape), system.order
+
+    def flat(array: Any, *tail: int) -> NDArray[Any]:
+        return np.broadcast_to(array, (*system.shape, *tail)).reshape(size, *tail)
+
+    period = flat(system.period)
+    if not system.pieces:
+        mean = flat(getattr(system, system.MEAN), order, order)[:, None]
+        waves = system.harmonics.shape[-3]
+        harmonics = flat(system.harmonics, waves, order, order)[:, None]
+        return PieceArrays(mean, np.zeros_like(mean), harmonics, period[:, None], period)
+    waves = max(max(len(value.cosines), len(value.sines)) for _, value in system.pieces)
+    shape = (size, len(system.pieces))
+    mean, slope = np.zeros((2, *shape, order, order))
+    harmonics, length = np.zeros((*shape, waves, order, order), dtype=complex), np.zeros(shape)
+    begin = np.zeros(size)
+    for j, (duration, value) in enumerate(system.pieces):
+        mean[:, j], length[:, j] = flat(value.mean, order, order), flat(np.asarray(duration, dtype=float))
+        if value.slope is not None:
+            slope[:, j] = flat(value.slope, order, order)
+        series = matrices.harmonic_amplitudes(value.cosines, value.sines, system.shape, order)
+        count = series.shape[-3]
+        turned = np.exp(2j * math.pi * (begin / period)[:, None] * np.arange(1, count + 1))
+        harmonics[:, j, :count] = flat(series, count, order, order) * turned[..., None, None]
+        begin = begin + length[:, j]
+    return PieceArrays(mean, slope, harmonics, length, period)
+
+
+def fourier(system: Any, count: int) -> NDArray[np.complex128]:
+    """Return Fourier amplitudes (count, n, n) of the coefficient of one system in pieces, or all those of a series.
+
+    By Gauss's rule on each piece, with enough nodes for ten digits: they name resonances, no more.
+    """
+    if not system.pieces:
+        return np.asarray(system.harmonics)
+    period = float(system.period)
+    nodes, weights = np.polynomial.legendre.leggauss(2 * count + 16)
+    found = np.zeros((count, system.order, system.order), dtype=complex)
+    for piece in in_time(system):
+        local = 0.5 * float(piece.length) * (1.0 + nodes)
+        t = float(piece.begin) + local
+        values = matrices.coefficients_at(t, piece.mean, piece.harmonics, period)
+        if piece.slope is not None:
+            values = values + piece.slope * local[:, None, None]
+        waves = np.exp(-2j * math.pi / period * np.arange(1, count + 1)[:, None] * t)
+        found += np.tensordot(waves * (weights * float(piece.length) / period), values, axes=1)
+    return found
+
+
+def value_at(system: Any, times: Any) -> NDArray[np.float64]:
+    """Return the coefficient of one system at times, (*times.shape, n, n); at a jump the mean of both sides."""
+    pieces, period = in_time(system), float(system.period)
+    times = validate.array("t", times, least=-1e14 * period, largest=1e14 * period)
+    if not system.pieces:
+        return matrices.coefficients_at(times, pieces[0].mean, pieces[0].harmonics, period)
+    phase = times - period * np.floor(times / period)
+    result, weight = np.zeros((*phase.shape, system.order, system.order)), np.zeros(phase.shape)
+    for j, piece in enumerate(pieces):
+        low, high = float(piece.begin), float(piece.begin + piece.length)
+        for shift in (0.0, period) if j + 1 == len(pieces) else (0.0,):  # the end of the period is its beginning
+            t = phase + shift
+            here = (low <= t) & (t <= high)
+            value = matrices.coefficients_at(t[here], piece.mean, piece.harmonics, period)
+            if piece.slope is not None:
+                value = value + piece.slope * (t[here] - low)[:, None, None]
+            result[here] += value
+            weight[here] += 1.0
+    return np.asarray(result / weight[..., None, None])
+
+
+def checked(pieces: Any, mean: Matrix, cosines: Any, sines: Any, period: Any, name: str) -> Pieces:
+    """Return the pieces that a constructor was given, of which all else must follow."""
+    if isinstance(pieces, tuple) and not pieces:
+        return ()
+    found = read(pieces)
+    whole = total([duration for duration, _ in found])
+    fitting = not len(cosines) and not len(sines) and np.array_equal(whole, period)
+    if not (fitting and np.array_equal(average(found, whole), mean)):
+        raise ValueError(f"{name}, cosines, sines and period must be left out beside pieces; from_pieces takes these")
+    return found
+
+
+def even_start(pieces: tuple[TimedPiece, ...]) -> Fraction | None:
+    """Return an instant, in the first half of the period, about which the pieces are exactly even; None without one.
+
+    None, too, where they have harmonics, whose evenness rounding hides.
+    """
+    if any(len(piece.harmonics) for piece in pieces):
+        return None
+    period = pieces[-1].begin + pieces[-1].length
+    for other in pieces:
+        start = other.begin / 2  # the beginning of the period meets its mirror image, the beginning of another piece
+        if _is_even(between(pieces, start, period), period):
+            return start % (period / 2)
+    return None
+
+
+def _is_even(pieces: tuple[TimedPiece, ...], period: Fraction) -> bool:
+    """Return whether pieces from an instant on, a period long, are the same back from there."""
+    return all(
+        one.length == other.length and _mirrored(one, other) for one, other in zip(pieces, pieces[::-1], strict=True)
+    )
+
+
+def _mirrored(one: TimedPiece, other: TimedPiece) -> bool:
+    """Return whether pieces without harmonics are exactly each other's mirror image."""
+    if one.slope is None or other.slope is None:
+        return one.slope is None and other.slope is None and np.array_equal(one.mean, other.mean)
+    if not np.array_equal(one.slope, -other.slope):
+        return False
+    into, out = other.begin - other.origin, one.begin + one.length - one.origin
+    ends = zip(one.mean.flat, one.slope.flat, other.mean.flat, strict=True)
+    return all(
+        Fraction(mean) + Fraction(slope) * out == Fraction(end) - Fraction(slope) * into for mean, slope, end in ends
+    )

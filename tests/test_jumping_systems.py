@@ -1,0 +1,445 @@
+"""A system that jumps, everywhere: coefficients in pieces against products of matrix exponentials in many digits."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+import pickle
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.linalg import expm
+
+import floquetrod as fr
+from conftest import depth
+from floquetrod.equations import Piece, Varying
+from floquetrod.equations.base import Alternating
+from floquetrod.equations.batches import pick
+from floquetrod.equations.pieces import exact_period, in_time
+from floquetrod.floquet import system_methods
+from floquetrod.systems import arrays
+
+STIFF = [[1.5, 0.5], [0.5, 4.5]]
+SOFT = [[0.5, -0.5], [-0.5, 3.5]]
+MASS = [[2.0, 0.5], [0.5, 1.0]]
+SQUARE = fr.HillSystem.from_pieces([(1.0, STIFF), (2.0, SOFT)])
+"""Two coupled equations of Meissner."""
+
+MADE = {
+    "square": SQUARE,
+    "heavy": fr.HillSystem.from_pieces([(1.0, STIFF), (0.25, SOFT), (1.0, STIFF)], mass=MASS),
+    "uniformly damped": fr.HillSystem.from_pieces([(1.0, STIFF), (2.0, SOFT)], damping=0.1 * np.eye(2)),
+    "damped": fr.HillSystem.from_pieces([(1.0, STIFF), (2.0, SOFT)], damping=np.diag([0.1, 0.3]), mass=MASS),
+    "follower": fr.HillSystem.from_pieces([(1.0, [[1.5, 0.5], [0.25, 4.5]]), (2.0, SOFT)], mass=MASS),
+    "gyroscopic": fr.HillSystem.from_pieces([(1.0, STIFF), (2.0, SOFT)], gyroscopic=[[0.0, 0.5], [-0.5, 0.0]]),
+    "ramps": fr.HillSystem.from_pieces(
+        [(1.0, Varying(STIFF, slope=SOFT)), (0.5, Varying(SOFT, slope=[[-1.0, 0.0], [0.0, 0.5]])), (0.25, STIFF)]
+    ),
+    "waves": fr.HillSystem.from_pieces(
+        [(Fraction(1, 3), Varying(STIFF, cosines=[SOFT], sines=[STIFF, SOFT])), (1.5, Varying(SOFT, SOFT, [STIFF]))],
+        damping=np.diag([0.2, 0.1]),
+    ),
+    "first order": fr.PeriodicSystem.from_pieces(
+        [(0.5, [[0.0, 1.0, 0.0], [-1.0, -0.5, 0.5], [0.0, 0.25, -0.5]]), (1.0, Varying(np.eye(3), -np.eye(3)))]
+    ),
+}
+NAMES = {"HillSystem": fr.HillSystem, "PeriodicSystem": fr.PeriodicSystem, "Varying": Varying, "Fraction": Fraction}
+
+
+@functools.cache
+def true_map(system: fr.HillSystem | fr.PeriodicSystem) -> mpmath.matrix:
+    """Return the map of (q, q'), or x, over a period, to 30 digits: exponentials of constant pieces, Taylor of others.
+
+    From the definition of the coefficients alone.
+    """
+    with mpmath.workdps(40):
+        total = None
+        for piece in in_time(system):
+            length = exactly(piece.length)
+            if piece.is_constant:
+                one = mpmath.expm(of_first_order(system, piece.mean, mean=True) * length, method="taylor")
+            else:
+                one = by_taylor(system, piece, length)
+            total = one if total is None else one * total
+        return total
+
+
+def exactly(value: Fraction) -> Any:
+    return mpmath.mpf(value.numerator) / value.denominator
+
+
+def of_first_order(system: Any, values: Any, *, mean: bool = False) -> mpmath.matrix:
+    """Return a matrix of the coefficient as one of the first-order system of (q, q'), or as it is."""
+    given_ = mpmath.matrix(np.asarray(values).tolist())
+    if isinstance(system, fr.PeriodicSystem):
+        return given_
+    n = system.order
+    inverse = mpmath.inverse(mpmath.matrix((np.eye(n) if system.mass is None else system.mass).tolist()))
+    found = mpmath.zeros(2 * n)
+    found[n:, :n] = -inverse * given_
+    if mean:
+        found[:n, n:] = mpmath.eye(n)
+        for matrix in (system.damping, system.gyroscopic):
+            if matrix is not None:
+                found[n:, n:] = found[n:, n:] - inverse * mpmath.matrix(matrix.tolist())
+    return found
+
+
+def by_taylor(system: Any, piece: Any, length: Any, steps: int = 6, order: int = 36) -> mpmath.matrix:
+    """Return the map over a piece by Taylor series over steps."""
+
+    def array(values: Any, *, mean: bool = False) -> np.ndarray:
+        return np.array(of_first_order(system, values, mean=mean).tolist(), dtype=object)
+
+    w = 2 * mpmath.pi / exactly(exact_period(system))
+    begin, h = exactly(piece.begin), length / steps
+    mean, slope = array(piece.mean, mean=True), array(0.0 * piece.mean if piece.slope is None else piece.slope)
+    waves = [(array(z.real), array(z.imag)) for z in piece.harmonics]
+    total = np.array(mpmath.eye(len(mean)).tolist(), dtype=object)
+    for step in range(steps):
+        coefficients = [mean + slope * (step * h), slope, *(0 * mean for _ in range(order))]
+        for m in range(len(coefficients)):
+            for k, (real, imaginary) in enumerate(waves, start=1):
+                turned, factor = k * w * (begin + step * h) + m * mpmath.pi / 2, (k * w) ** m / mpmath.factorial(m)
+                coefficients[m] = coefficients[m] + factor * (
+                    real * mpmath.cos(turned) - imaginary * mpmath.sin(turned)
+                )
+        last = order if waves else 1
+        terms = [total]
+        for m in range(order):
+            terms.append(sum(coefficients[i] @ terms[m - i] for i in range(min(last, m) + 1)) / mpmath.mpf(m + 1))
+        total = sum(term * h**m for m, term in enumerate(terms))
+    return mpmath.matrix(total.tolist())
+
+
+def true_multipliers(system: Any) -> list[complex]:
+    """Return the multipliers of the map in many digits."""
+    matrix = true_map(system)
+    with mpmath.workdps(40):
+        if len(matrix) == 1:
+            return [complex(matrix[0, 0])]
+        return [complex(mu) for mu in mpmath.eig(matrix, left=False, right=False)]
+
+
+def farthest(found: Any, truth: Any) -> float:
+    """Return the largest distance between multipliers, each matched with one."""
+    left, worst = list(truth), 0.0
+    for mu in found:
+        nearest = min(left, key=lambda other: abs(other - mu))
+        left.remove(nearest)
+        worst = max(worst, abs(nearest - mu))
+    return worst
+
+
+def methods_of(system: Any) -> list[str]:
+    """Return the methods that apply."""
+    return [result.method for result in fr.compare(system).results]
+
+
+# --- every method, comparison and proof -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_every_method_finds_the_multipliers_of_the_product_of_exponentials(name: str) -> None:
+    system, compared = MADE[name], fr.compare(MADE[name])
+    truth = true_multipliers(system)
+    size = max(map(abs, truth))
+    assert compared.agree
+    assert {result.status for result in compared.results} <= {"stable", "unstable"}
+    for result in compared.results:
+        assert farthest(result.multipliers, truth) <= 1e-13 * size
+        assert farthest(result.multipliers, truth) <= size * result.error + 1e-15
+
+
+def test_the_methods_that_apply() -> None:
+    assert methods_of(SQUARE) == ["half_period", "monodromy", "segmented", "reference"]
+    assert methods_of(MADE["heavy"]) == ["half_period", "monodromy", "segmented", "reference"]
+    assert methods_of(MADE["damped"]) == ["monodromy", "segmented", "reference"]
+    assert fr.stability(SQUARE).method == "half_period"
+    with pytest.raises(TypeError, match="must be one finite Fourier series"):
+        fr.stability(SQUARE, "spectral")
+    with pytest.raises(ValueError, match="even about an instant"):
+        fr.stability(MADE["ramps"], "half_period")
+
+
+def test_two_pieces_against_the_exponentials_of_scipy() -> None:
+    def flow(stiffness: Any) -> np.ndarray:
+        return np.block([[np.zeros((2, 2)), np.eye(2)], [-np.array(stiffness), np.zeros((2, 2))]])
+
+    truth = np.linalg.eigvals(expm(2.0 * flow(SOFT)) @ expm(flow(STIFF)))
+    assert farthest(fr.stability(SQUARE).multipliers, truth) < 1e-13
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_certified(name: str) -> None:
+    system = MADE[name]
+    proof = fr.certify(system)
+    assert proof.status == fr.stability(system).status
+    assert proof.digits == 15
+    if "abs(multiplier)^2 - 1" in (quantities := {e.quantity: e for e in proof.enclosures}):
+        enclosed = quantities["abs(multiplier)^2 - 1"]
+        largest = max(map(abs, true_multipliers(system))) ** 2 - 1.0
+        assert enclosed.low - 1e-12 <= largest <= enclosed.high + 1e-12
+
+
+@pytest.mark.parametrize("name", ["square", "ramps", "waves", "first order"])
+def test_enclosed_maps_hold_the_true_one(name: str) -> None:
+    """The trace does not depend on the coordinates that a proof chooses."""
+    from floquetrod.floquet.proof import system_problem
+    from floquetrod.floquet.proof.balls import Doubles
+    from floquetrod.floquet.proof.integers import Integers
+    from floquetrod.floquet.proof.system_flow import monodromy
+
+    system = MADE[name]
+    with mpmath.workdps(40):
+        matrix = true_map(system)
+        truth = float(sum(matrix[i, i] for i in range(len(matrix))))
+    problem = system_problem.system_problem(system)
+    for arithmetic, width in ((Doubles(), 1e-10), (Integers(30), 1e-13)):
+        if isinstance(problem, system_problem.FirstOrder):
+            flow = system_problem.flow(arithmetic, problem, problem.period)
+        else:
+            moving = system_problem.oscillators(arithmetic, problem, problem.period, freed=False)
+            flow = system_problem.flow_of_oscillators(arithmetic, moving)
+        found = monodromy(arithmetic, flow)
+        centre, radius = found.centre().trace(), found.offset().trace()
+        assert abs(centre - truth) <= radius + 1e-15 < width
+
+
+def test_a_wrong_piece_would_be_noticed() -> None:
+    other = fr.HillSystem.from_pieces([(1.0, STIFF), (np.nextafter(2.0, 3.0), SOFT)])
+    near = fr.stability(other, "reference").multipliers
+    assert 1e-17 < farthest(near, fr.stability(SQUARE, "reference").multipliers) < 1e-14
+
+
+# --- one row: the scalar equations ------------------------------------------------------------------------------------
+
+
+@dataclasses.dataclass(frozen=True)
+class Steps(Alternating):
+    """beta + alpha (1, -1, 1/3), each for a third of the period."""
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the three parts."""
+        a, b = Fraction(self.alpha), Fraction(self.beta)
+        return tuple(Piece(Fraction(1, 3), b + a * share) for share in (1, -1, Fraction(1, 3)))
+
+
+@dataclasses.dataclass(frozen=True)
+class Ramped(Alternating):
+    """A ramp, a wave and a constant."""
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the three parts."""
+        return (
+            Piece(Fraction(1, 4), self.beta, slope=0.25 * self.alpha),
+            Piece(Fraction(1, 2), self.beta, (complex(self.alpha, 0.2 * self.alpha),)),
+            Piece(Fraction(1, 4), self.beta - self.alpha),
+        )
+
+
+@given(
+    kind=st.sampled_from([fr.Meissner, Steps, Ramped]),
+    alpha=st.floats(-1.5, 1.5, allow_subnormal=False),
+    beta=st.floats(-2.0, 0.5, allow_subnormal=False),
+    damping=st.sampled_from([0.0, 0.05]),
+)
+@settings(max_examples=depth(200, 12))
+def test_a_scalar_equation_and_its_system_agree(kind: Any, alpha: float, beta: float, damping: float) -> None:
+    equation = kind(alpha, beta, damping)
+    scalar, system = fr.stability(equation), fr.stability(equation.as_system())
+    if "undecided" not in (scalar.status, system.status):
+        assert scalar.status == system.status
+    allowed = 1e-11 + scalar.error + system.error / (2.0 * math.pi)
+    if min(abs(scalar.growth_rate), abs(system.growth_rate)) > 1e-4:
+        assert abs(scalar.growth_rate - system.growth_rate) <= allowed
+    proof = fr.certify(equation.as_system(), max_digits=30)
+    assert proof.status in (system.status, "undecided")
+
+
+def test_what_is_rounded_on_the_way_to_a_system_is_stated() -> None:
+    assert fr.Meissner(0.5, -0.25).as_system().coefficient_error == 0.0
+    equation = fr.Meissner(0.1, 1.0)
+    system = equation.as_system()
+    exact = [Fraction(piece.mean) for piece in equation.pieces()]
+    found = [Fraction(float(value.mean[0, 0])) for _, value in system.pieces]
+    off = max(abs(one + other) for one, other in zip(exact, found, strict=True))
+    assert 0 < off <= Fraction(system.coefficient_error) < 2 * off
+
+
+# --- solutions --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_solve_follows_from_jump_to_jump(name: str) -> None:
+    system = MADE[name]
+    second = isinstance(system, fr.HillSystem)
+    count = 2 * system.order if second else system.order
+    initial = np.linspace(1.0, -0.5, count)
+    solution = fr.solve(system, initial.reshape(2, -1) if second else initial, system.period)
+    truth = np.array((true_map(system) * mpmath.matrix(initial.tolist())).tolist(), dtype=float).ravel()
+    size = np.abs(solution.states).max()
+    assert np.abs(solution.states[-1] - truth).max() <= size * (solution.error + 1e-14)
+    breaks = np.cumsum([float(piece.length) for piece in in_time(system)])
+    assert all(np.abs(solution.time - instant).min() < 1e-14 for instant in breaks)
+
+
+# --- values -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_copies_and_the_repr(name: str) -> None:
+    system = MADE[name]
+    twin = pickle.loads(pickle.dumps(system))
+    assert twin == system
+    assert hash(twin) == hash(system)
+    assert not any(matrix.flags.writeable for matrix in twin.every_matrix)
+    assert repr(twin) == repr(system)
+    assert eval(repr(system), NAMES) == system or "array>" in repr(system)
+    assert dataclasses.replace(system, coefficient_error=1e-9) != system
+    assert dataclasses.replace(dataclasses.replace(system, coefficient_error=1e-9), coefficient_error=0.0) == system
+    shorter = [(duration, value.mean) for duration, value in system.pieces][:-1]
+    assert type(system).from_pieces(shorter) != system
+
+
+def test_a_system_in_pieces_is_not_taken_for_a_smooth_one() -> None:
+    with pytest.raises(ValueError, match="stiffness, cosines, sines and period must be left out beside pieces"):
+        dataclasses.replace(SQUARE, stiffness=STIFF)
+    with pytest.raises(TypeError, match="must be one finite Fourier series, got one of 2 pieces"):
+        SQUARE.harmonics  # noqa: B018
+    assert not SQUARE.is_smooth
+    assert fr.HillSystem.from_pieces([(2.0, Varying(STIFF, cosines=[SOFT]))]) == fr.HillSystem(
+        STIFF, cosines=[SOFT], period=2.0
+    )
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_the_coefficient_and_its_mean(name: str) -> None:
+    system = MADE[name]
+    nodes, weights = np.polynomial.legendre.leggauss(30)
+    mean = 0.0
+    for piece in in_time(system):
+        times = float(piece.begin) + 0.5 * float(piece.length) * (1.0 + nodes)
+        mean = mean + np.tensordot(weights, system.coefficient(times), 1) * 0.5 * float(piece.length)
+    assert np.allclose(mean / system.period, getattr(system, system.MEAN), rtol=0.0, atol=1e-14)
+    assert np.allclose(system.coefficient([0.125 + system.period]), system.coefficient([0.125]), atol=1e-13)
+    assert SQUARE.coefficient(1.0).tolist() == [[1.0, 0.0], [0.0, 4.0]]  # the mean of both sides
+
+
+@pytest.mark.parametrize(
+    ("pieces", "message"),
+    [
+        ([], "one at least, got none"),
+        (3.0, "must be a sequence of"),
+        ([STIFF], r"pieces\[0\]\[1\] must be a square matrix"),
+        ([(1.0, STIFF, SOFT)], "must be a sequence of"),
+        ([(0.0, STIFF)], r"pieces\[0\]\[0\] must be greater than zero"),
+        ([(1.0, STIFF), (-1.0, SOFT)], r"pieces\[1\]\[0\] must be greater than zero"),
+        ([(1.0, STIFF), (math.nan, SOFT)], r"pieces\[1\]\[0\] must be finite"),
+        ([(1.0, STIFF), (1.0, [[1.0]])], r"pieces\[1\]\[1\] must be 2 x 2 as pieces\[0\]\[1\] is"),
+        ([(1.0, [1.0, 2.0])], r"pieces\[0\]\[1\] must be a square matrix"),
+        ([("soon", STIFF)], r"pieces\[0\]\[0\] must be a real number"),
+    ],
+)
+def test_what_is_no_piece_is_refused(pieces: Any, message: str) -> None:
+    for kind in (fr.HillSystem, fr.PeriodicSystem):
+        with pytest.raises((TypeError, ValueError), match=message):
+            kind.from_pieces(pieces)
+
+
+# --- batches and charts -----------------------------------------------------------------------------------------------
+
+
+def test_a_batch_answers_as_each_of_its_systems() -> None:
+    frequency = np.linspace(0.7, 4.0, 23)
+    singles = [
+        fr.HillSystem.from_pieces([(math.pi / w, STIFF), (math.pi / w, Varying(SOFT, 0.1 * np.eye(2)))])
+        for w in frequency
+    ]
+    batch = fr.HillSystem.from_pieces(
+        [(math.pi / frequency, STIFF), (math.pi / frequency, Varying(SOFT, 0.1 * np.eye(2)))]
+    )
+    assert batch == fr.systems.stack(singles)
+    assert batch.shape == (23,)
+    assert pick(batch, 4) == singles[4]
+    stable = fr.systems.is_stable(batch)
+    one_by_one = [fr.stability(system) for system in singles]
+    assert stable.tolist() == [result.stable for result in one_by_one]
+    assert 2 < stable.sum() < 21
+    assert np.allclose(fr.systems.growth_rate(batch), [result.growth_rate for result in one_by_one], atol=1e-12)
+    assert fr.systems.multipliers(batch).shape == (23, 4)
+    assert (arrays.verdicts(batch, quick=True).status != -1).mean() > 0.8
+    with pytest.raises(ValueError, match="must have as many pieces as the first, 2, got 3"):
+        fr.systems.stack([SQUARE, MADE["heavy"]])
+
+
+def test_charts_with_bands() -> None:
+    def family(omega: float, epsilon: float) -> fr.HillSystem:
+        force = epsilon * np.array([[0.5, 1.0], [1.0, 0.8]])
+        half = math.pi / omega
+        return fr.HillSystem.from_pieces([(half, np.diag([1.0, 4.0]) + force), (half, np.diag([1.0, 4.0]) - force)])
+
+    chart = fr.chart(family, {"omega": (2.5, 3.5, 9), "epsilon": (0.05, 0.5, 7)})
+    stable = np.array([[bool(fr.stability(family(w, e)).stable) for w in chart.x.values] for e in chart.y.values])
+    assert (chart.stable == stable).all()
+    assert 5 < stable.sum() < 58
+
+
+# --- random pieces ----------------------------------------------------------------------------------------------------
+
+
+def drawn(rng: np.random.Generator) -> fr.HillSystem | fr.PeriodicSystem:
+    """Return a random system in constant pieces."""
+    n, count = int(rng.integers(1, 4)), int(rng.integers(2, 5))
+    durations = rng.uniform(0.1, 1.5, count)
+    if rng.random() < 0.3:
+        return fr.PeriodicSystem.from_pieces([(d, rng.normal(size=(n, n))) for d in durations])
+    pieces = []
+    for duration in durations:
+        matrix = rng.normal(size=(n, n)) + 2.0 * np.eye(n)
+        pieces.append((duration, 0.5 * (matrix + matrix.T) if rng.random() < 0.8 else matrix))
+    if rng.random() < 0.4:
+        pieces += pieces[::-1]
+    others: dict[str, Any] = {}
+    if rng.random() < 0.5:
+        root = np.eye(n) + 0.2 * rng.normal(size=(n, n))
+        others["mass"] = 0.5 * (root @ root.T + (root @ root.T).T)
+    kind = rng.integers(0, 4)
+    if kind == 1:
+        others["damping"] = np.diag(rng.uniform(0.0, 0.4, n))
+    elif kind == 2:
+        others["damping"] = 0.25 * others.get("mass", np.eye(n))
+    elif kind == 3:
+        half = rng.normal(size=(n, n))
+        others["gyroscopic"] = half - half.T
+    return fr.HillSystem.from_pieces(pieces, **others)
+
+
+def test_stated_errors_cover_the_truth_of_random_pieces(rng: np.random.Generator) -> None:
+    for _ in range(depth(150, 10)):
+        system = drawn(rng)
+        truth = true_multipliers(system)
+        size = max(map(abs, truth))
+        for name in system_methods.__all__:
+            if name == "spectral" or (name == "half_period" and not _has_half(system)):
+                continue
+            result = getattr(system_methods, name)(system)
+            if not result.exponents:
+                continue
+            assert farthest(result.multipliers, truth) <= size * min(1.0, result.error) + 1e-14 * size, (name, system)
+            if result.status == "stable":
+                assert size <= 1.0 + 1e-12, (name, system)
+            if result.status == "unstable":
+                assert size > 1.0, (name, system)
+
+
+def _has_half(system: Any) -> bool:
+    from floquetrod.floquet.dispatch import SYSTEMS
+
+    return SYSTEMS.methods["half_period"](system)
