@@ -439,8 +439,9 @@ def test_the_map_of_a_constant_system(arithmetic: Any) -> None:
 
 def scales(problem: Any, arithmetic: Any) -> Any:
     """Return the powers of two by which the unknowns are scaled, found from a map with and one without."""
-    balanced = flow(arithmetic, problem, Fraction(1)).mean.centre()
-    ratio = balanced / np.where(problem.mean == 0.0, 1.0, problem.mean)
+    balanced = flow(arithmetic, problem, Fraction(1)).pieces[0].mean.centre()
+    mean = problem.pieces[0].mean
+    ratio = balanced / np.where(mean == 0.0, 1.0, mean)
     return np.array([1.0, ratio[0, 1], ratio[0, 1] * ratio[1, 2]])
 
 
@@ -465,8 +466,8 @@ def test_errors_of_coefficients_widen_the_map() -> None:
     error = 1e-3
     mean, amplitude = np.array([[0.0, 1.0], [-1.0, -0.1]]), np.array([[0.0, 0.0], [0.3, 0.0]])
     rough = system_problem(PeriodicSystem(mean, [amplitude], coefficient_error=error))
-    enclosed = monodromy(Doubles(), flow(Doubles(), rough, Fraction(rough.period)))
-    scale = flow(Doubles(), rough, Fraction(rough.period)).mean.centre()[0, 1] / rough.period
+    enclosed = monodromy(Doubles(), flow(Doubles(), rough, rough.period))
+    scale = flow(Doubles(), rough, rough.period).pieces[0].mean.centre()[0, 1] / float(rough.period)
     size = np.array([[1.0, scale], [1.0 / scale, 1.0]])
     for sign in (-1.0, 1.0):
         for shape in ([[1.0, 0.0], [0.0, -1.0]], [[0.5, 0.5], [0.5, 0.5]], [[1.0, 1.0], [1.0, 1.0]]):
