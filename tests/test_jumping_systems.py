@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import dataclasses
 import functools
+import json
 import math
 import pickle
 from fractions import Fraction
+from pathlib import Path
 from typing import Any
 
 import mpmath
@@ -14,14 +16,17 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
 import floquetrod as fr
 from conftest import depth
+from floquetrod.cli import main
 from floquetrod.equations import Piece, Varying
 from floquetrod.equations.base import Alternating
 from floquetrod.equations.batches import pick
 from floquetrod.equations.pieces import exact_period, in_time
+from floquetrod.equations.system_files import read_system
 from floquetrod.floquet import system_methods
 from floquetrod.systems import arrays
 
@@ -391,6 +396,130 @@ def test_charts_with_bands() -> None:
     assert 5 < stable.sum() < 58
 
 
+# --- functions --------------------------------------------------------------------------------------------------------
+
+
+def bent(t: float) -> list[list[float]]:
+    """Return a stiffness that jumps at 0 and at 0.7 of a period of 2."""
+    t = t % 2.0
+    if t < 0.7:
+        return [[1.5 + math.exp(t), 0.3], [0.3, 4.0]]
+    return [[1.5 - 0.1 * t**3, 0.1 * t], [0.1 * t, 3.0 + math.sin(5.0 * t)]]
+
+
+def test_a_function_with_jumps_through_every_method(rng: np.random.Generator) -> None:
+    system = fr.HillSystem.from_function(bent, 2.0, jumps=[0.7, 0.0], mass=MASS)
+    assert system.structure == "hamiltonian"
+    assert system.period == 2.0
+    t = rng.uniform(0.0, 2.0, 300)
+    distance = np.abs(system.coefficient(t) - np.array([bent(float(instant)) for instant in t])).max()
+    assert 0.0 < distance <= system.coefficient_error < 1e-12
+    inverse, state = np.linalg.inv(MASS), np.eye(4)
+    for begin, end in ((0.0, 0.7), (0.7, 2.0)):
+
+        def slope(t: float, x: np.ndarray, begin: float = begin, end: float = end) -> np.ndarray:
+            force = inverse @ np.array(bent(min(max(t, begin), math.nextafter(end, 0.0))))
+            return (np.block([[np.zeros((2, 2)), np.eye(2)], [-force, np.zeros((2, 2))]]) @ x.reshape(4, 4)).ravel()
+
+        found = solve_ivp(slope, (begin, end), state.ravel(), method="DOP853", rtol=1e-13, atol=1e-14)
+        state = found.y[:, -1].reshape(4, 4)
+    compared = fr.compare(system)
+    assert compared.agree
+    for result in compared.results:
+        assert farthest(result.multipliers, np.linalg.eigvals(state)) < 1e-11
+    assert fr.certify(system).status == compared.results[0].status == "stable"
+
+
+def test_functions_with_constant_pieces_are_found_exactly() -> None:
+    def square(t: float) -> list[list[float]]:
+        return STIFF if t % 3.0 < 1.0 else SOFT
+
+    assert fr.HillSystem.from_function(square, 3.0, jumps=[1.0, 0.0]).coefficient(0.5).tolist() == STIFF
+    found = fr.HillSystem.from_function(square, 3.0, jumps=[1.0])
+    assert {repr(value.mean.tolist()) for _, value in found.pieces} == {repr(STIFF), repr(SOFT)}
+    assert found.coefficient_error == 0.0
+    assert abs(fr.stability(found).growth_rate - fr.stability(SQUARE).growth_rate) < 1e-12
+
+
+def test_jumps_that_are_not_named_are_refused() -> None:
+    def square(t: float) -> list[list[float]]:
+        return [[1.3 if t % 2.0 < 1.1 else 0.7]]
+
+    with pytest.raises(ValueError, match=r"not smooth near t = 1\.(09|10)\d*, which is not among its jumps"):
+        fr.HillSystem.from_function(square, 2.0, jumps=[1.0])
+    with pytest.raises(ValueError, match="name its jumps and kinks in jumps"):
+        fr.PeriodicSystem.from_function(square, 2.0)
+    with pytest.raises(ValueError, match=r"jumps\[0\] must lie within a period"):
+        fr.HillSystem.from_function(square, 2.0, jumps=[2.0])
+    with pytest.raises(ValueError, match="not periodic"):
+        fr.HillSystem.from_function(lambda t: [[t]], 2.0, jumps=[0.0])
+
+
+def test_a_scalar_function() -> None:
+    def coefficient(tau: float) -> float:
+        return -1.0 - 0.3 * math.exp(math.cos(tau))
+
+    found = fr.Hill.from_function(coefficient, 2.0 * math.pi, damping=0.01)
+    tau = np.linspace(0.0, 6.0, 50)
+    assert np.abs(found.coefficient(tau) - [coefficient(t) for t in tau]).max() < 1e-12
+    system = fr.HillSystem.from_function(lambda t: [[-coefficient(t)]], 2.0 * math.pi, damping=[[0.02]])
+    assert abs(fr.stability(found).growth_rate - fr.stability(system).growth_rate) < 1e-11
+    with pytest.raises(
+        ValueError, match=r"agrees with it to 1e-12 of its size, got one to .*HillSystem\.from_function"
+    ):
+        fr.Hill.from_function(lambda tau: abs(math.sin(tau)) ** 3, math.pi)
+
+
+# --- files and the terminal -------------------------------------------------------------------------------------------
+
+FILE = """
+[system]
+mass = [[2.0, 0.5], [0.5, 1.0]]
+
+[[system.pieces]]
+duration = "500ms"
+stiffness = [[1.5, 0.5], [0.5, 4.5]]
+
+[[system.pieces]]
+duration = 2.0
+stiffness = [[0.5, -0.5], [-0.5, 3.5]]
+slope = [[0.1, 0.0], [0.0, 0.2]]
+cosines = [[[0.1, 0.0], [0.0, 0.2]]]
+"""
+
+
+def test_a_file_with_pieces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "square.toml"
+    path.write_text(FILE)
+    varying = Varying(SOFT, np.diag([0.1, 0.2]), [np.diag([0.1, 0.2])])
+    system = fr.HillSystem.from_pieces([(0.5, STIFF), (2.0, varying)], mass=MASS)
+    assert read_system(path) == system
+    expected = fr.stability(system)
+    assert main(["check", "--system", str(path), "--json"]) == (0 if expected.stable else 1)
+    said = json.loads(capsys.readouterr().out)
+    assert (said["status"], said["pieces"], said["period"]) == (expected.status, 2, 2.5)
+    main(["certify", "--system", str(path)])
+    assert f"PROVED {expected.status.upper()}" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        (("duration = 2.0", ""), r"pieces\[1\]: it must have a duration and a stiffness"),
+        (("duration = 2.0", "duration = 0.0"), r"pieces\[1\]: duration must be greater than zero"),
+        (("slope =", "slop ="), r"pieces\[1\]: unknown key 'slop'"),
+        (("[system]", "[system]\nperiod = 1.0"), "key 'period' belongs to the pieces"),
+        (("stiffness = [[1.5", "mean = [[1.5"), "pieces with stiffness and pieces with mean"),
+        (("[[0.5, -0.5], [-0.5, 3.5]]", "[[0.5]]"), r"pieces\[1\]: slope must be 1 x 1 as mean is"),
+    ],
+)
+def test_a_file_with_wrong_pieces(tmp_path: Path, changed: tuple[str, str], message: str) -> None:
+    path = tmp_path / "wrong.toml"
+    path.write_text(FILE.replace(*changed))
+    with pytest.raises(ValueError, match=message):
+        read_system(path)
+
+
 # --- random pieces ----------------------------------------------------------------------------------------------------
 
 
@@ -422,7 +551,7 @@ def drawn(rng: np.random.Generator) -> fr.HillSystem | fr.PeriodicSystem:
 
 
 def test_stated_errors_cover_the_truth_of_random_pieces(rng: np.random.Generator) -> None:
-    for _ in range(depth(150, 10)):
+    for _ in range(depth(150, 8)):
         system = drawn(rng)
         truth = true_multipliers(system)
         size = max(map(abs, truth))

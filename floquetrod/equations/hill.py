@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import zip_longest
@@ -17,6 +18,7 @@ from floquetrod._util.calling import tells_arguments
 from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, times
 
 _EPS = 2.220446049250313e-16
+_MOST_ERROR = 1e-12  # of the series of a function, over its size (a choice)
 
 
 @tells_arguments(frequency="period is 2 pi / frequency")
@@ -60,6 +62,41 @@ class Hill(Equation):
         period = validate.positive("period", self.period, "give the period of the coefficient in tau")
         set_field(self, "period", validate.unrounded("period", self.period, period))
         set_field(self, "damping", damping_rate(self.damping))
+
+    @classmethod
+    def from_function(cls, function: Callable[[float], float], period: float, damping: float = 0.0) -> Hill:
+        """Return the equation whose coefficient a function computes, expanded in a Fourier series.
+
+        Every value of the series is within 1e-12 of the largest value of the function; where that cannot be reached, as
+        with a jump, ValueError says so.  ``HillSystem.from_function``, of one equation, states larger errors, heeds
+        them in its verdicts, and takes jumps.
+
+        Parameters
+        ----------
+        function : callable (tau) -> float
+            p, periodic and smooth.
+        period : float
+            Its period.
+        damping : float
+            c.
+
+        Examples
+        --------
+        >>> len(Hill.from_function(lambda tau: -1.0 / (1.1 + math.cos(tau)), 2.0 * math.pi).cosines)
+        74
+        """
+        from floquetrod.equations import sampling
+
+        found = sampling.expanded(lambda tau: [[function(tau)]], period, (), 1)
+        ((_, value),) = found.pieces
+        largest = abs(float(value.mean[0, 0])) + sum(abs(float(m[0, 0])) for m in (*value.cosines, *value.sines))
+        if found.error > _MOST_ERROR * largest:
+            raise ValueError(
+                f"function must have a series that agrees with it to {_MOST_ERROR:g} of its size, got one to "
+                f"{found.error / largest:.1g}; HillSystem.from_function takes it, of one equation with K = -p"
+            )
+        series = ([float(matrix[0, 0]) for matrix in part] for part in (value.cosines, value.sines))
+        return cls(float(value.mean[0, 0]), *map(tuple, series), period=float(period), damping=damping)
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau); broadcasts over ``tau``."""

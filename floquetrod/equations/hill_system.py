@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any, ClassVar, NamedTuple
@@ -14,7 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import norms
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import tells_arguments
-from floquetrod.equations import matrices
+from floquetrod.equations import matrices, sampling
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import Matrix, Structure
 from floquetrod.equations.periodic_system import PeriodicSystem
@@ -77,7 +78,8 @@ class HillSystem(matrices.PeriodicMatrixSystem):
     period : float or array_like (...)
         Period of K.  Units are the caller's: with kg, N s/m and N/m it is in seconds.
     coefficient_error : float
-        Bound or estimate of the error of K(t), entry by entry, in the unit of K; `from_function` states one.
+        Bound or estimate of the error of K(t), entry by entry, in the unit of K; `from_function` states one.  Where K
+        is symmetric its error is taken to be symmetric.
     pieces : sequence of (duration, matrix)
         What `from_pieces` takes, beside the mean ``stiffness`` and the ``period`` that follow from it; none by default.
 
@@ -176,6 +178,42 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         if single is not None:
             return cls(single.mean, single.cosines, single.sines, period=period, **others)
         return cls(by_pieces.average(found, period), period=period, pieces=found, **others)
+
+    @classmethod
+    def from_function(
+        cls,
+        function: Callable[[float], Any],
+        period: float,
+        jumps: Any = (),
+        *,
+        mass: Any = None,
+        damping: Any = None,
+        gyroscopic: Any = None,
+    ) -> HillSystem:
+        """Return the system whose K(t) a function computes, expanded as `PeriodicSystem.from_function` does.
+
+        Where all samples are symmetric, entry by entry, so is what is found.
+
+        Parameters
+        ----------
+        function : callable (t) -> array_like (n, n)
+            K, periodic and smooth but for its jumps.
+        period : float
+            Its period.
+        jumps : sequence of float
+            Instants from 0 up to the period at which K jumps, or has a kink; none by default.
+        mass, damping, gyroscopic
+            As of the system.
+
+        Examples
+        --------
+        >>> system = HillSystem.from_function(lambda t: [[2.0 + math.exp(math.sin(t))]], 2.0 * math.pi)
+        >>> system.is_smooth, system.coefficient_error < 1e-13
+        (True, True)
+        """
+        found = sampling.expanded(function, period, jumps, matrices.MOST_EQUATIONS)
+        others = {"mass": mass, "damping": damping, "gyroscopic": gyroscopic}
+        return cls.from_pieces(found.pieces, **others, coefficient_error=found.error)
 
     @cached_property
     def is_symmetric(self) -> bool:

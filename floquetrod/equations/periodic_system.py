@@ -13,16 +13,9 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import tells_arguments
-from floquetrod.equations import matrices
+from floquetrod.equations import matrices, sampling
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import Matrix, Structure
-
-_EPS = 2.220446049250313e-16
-_FIRST_SAMPLES, _MOST_SAMPLES = 64, 2048  # of a function, over its period
-_TRIALS = 24  # instants between the samples at which the series is tried
-_GOLDEN = 0.6180339887498949  # whose multiples, less whole numbers, lie nowhere close together
-_NEGLIGIBLE = 4.0 * _EPS  # part of the largest coefficient: harmonics below it are rounding
-_REQUIRED_DECAY = 1e-10  # part of the largest coefficient: where the last harmonics exceed it, the series is refused
 
 
 @tells_arguments(frequency="period is 2 pi / frequency")
@@ -113,26 +106,29 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         return cls(mean, period=period, coefficient_error=coefficient_error, pieces=found)
 
     @classmethod
-    def from_function(cls, function: Callable[[float], Any], period: float) -> PeriodicSystem:
-        """Return the system whose A(t) a function computes, expanded in a Fourier series.
+    def from_function(cls, function: Callable[[float], Any], period: float, jumps: Any = ()) -> PeriodicSystem:
+        """Return the system whose A(t) a function computes, expanded in a Fourier series, or in pieces between jumps.
 
-        A is sampled over the period at twice as many instants until its harmonics have decayed to rounding, or to the
-        noise of its values, and the series agrees with it at instants in between.  ``coefficient_error`` is an estimate
-        of what is neglected, and of what sampling confuses with what is kept.  A change far shorter than a hundredth of
-        the period may be missed.
+        Without jumps A is sampled over the period at twice as many instants until its harmonics have decayed to
+        rounding, or to the noise of its values, and the series agrees with it at instants in between.  Between jumps,
+        and there never at the jumps themselves, a few harmonics are fitted, over pieces halved until they agree with A
+        in between.  ``coefficient_error`` is an estimate of what is neglected, and of what sampling confuses with what
+        is kept.  A change far shorter than a hundredth of the period, or of a piece, may be missed.
 
         Parameters
         ----------
         function : callable (t) -> array_like (N, N)
-            A, periodic and smooth.
+            A, periodic and smooth but for its jumps.
         period : float
             Its period.
+        jumps : sequence of float
+            Instants from 0 up to the period at which A jumps, or has a kink; none by default.
 
         Raises
         ------
         ValueError
-            Where A at the end of the period differs from A at its beginning, and where harmonics do not decay (a jump,
-            a kink, or more than 768 harmonics that matter).
+            Where A a period later differs, and where it is not smooth between the jumps: a jump or a kink that is not
+            named, or without jumps more than 768 harmonics that matter.
 
         Examples
         --------
@@ -140,59 +136,13 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         >>> system = PeriodicSystem.from_function(lambda t: [[0.0, 1.0], [-1.0 / (1.1 + np.cos(t)), 0.0]], 2 * np.pi)
         >>> len(system.cosines), system.coefficient_error < 1e-12
         (74, True)
+        >>> def saw(t):
+        ...     return [[0.0, 1.0], [-(t % 2.0), -0.1]]
+        >>> len(PeriodicSystem.from_function(saw, 2.0, jumps=[0.0]).pieces)
+        2
         """
-        validate.function("function", function)
-        period = validate.positive("period", period)
-        first = matrices.square("function(0)", function(0.0), most=2 * matrices.MOST_EQUATIONS)
-        if first.ndim != 2:
-            raise ValueError(f"function must return one square matrix, got shape {first.shape}")
-        count = _FIRST_SAMPLES
-        values = _samples(function, np.arange(count) * (period / count), first.shape)
-        size = max(float(np.abs(values).max()), 5e-324)
-        again = _samples(function, np.array([period, 1.37 * period, -0.29 * period]), first.shape)
-        before = _samples(function, np.array([0.0, 0.37 * period, 0.71 * period]), first.shape)
-        gap = float(np.abs(again - before).max())
-        if gap > 1e-9 * size:
-            raise ValueError(
-                f"function is not periodic: values a period of {period:g} apart differ by {gap:.3g}, of {size:.3g}"
-            )
-        shares = np.arange(1, _TRIALS + 1) * _GOLDEN % 1.0
-        trials = _samples(function, shares * period, first.shape)
-        size, before_rest = max(size, float(np.abs(trials).max())), 0.0
-        while True:
-            series = np.fft.rfft(values, axis=0) / count
-            top = 3 * count // 8  # harmonics from here on are the last quarter of what so many samples can tell apart
-            sizes = np.abs(series).max(axis=(1, 2))
-            rest = float(sizes[top:].max())
-            floor = max(_NEGLIGIBLE * size, 2.0 * rest)
-            kept = int(np.flatnonzero(sizes[:top] > floor).max(initial=0))
-            waves = np.exp(2j * math.pi * shares[:, None] * np.arange(kept + 1))
-            waves[:, 1:] *= 2.0
-            missed = float(np.abs(np.tensordot(waves, series[: kept + 1], axes=1).real - trials).max())
-            # Harmonics that no longer fall as samples double are the noise of the function's values.
-            noise = rest <= _REQUIRED_DECAY * size and rest > 0.4 * before_rest > 0.0
-            if (rest <= _NEGLIGIBLE * size or noise) and missed <= 16.0 * (math.sqrt(count) * floor + gap):
-                break
-            if count == _MOST_SAMPLES:
-                if max(rest, missed) > _REQUIRED_DECAY * size:
-                    raise ValueError(
-                        f"function is not smooth: with harmonics up to {top} its series still misses "
-                        f"{max(rest, missed) / size:.1g} of its largest value; describe a jump or a kink by a smooth "
-                        "function"
-                    )
-                break
-            count, before_rest = 2 * count, rest
-            between = _samples(function, np.arange(1, count, 2) * (period / count), first.shape)
-            values = np.stack([values, between], axis=1).reshape(count, *first.shape)
-            size = max(size, float(np.abs(between).max()))
-        neglected = 2.0 * float(np.abs(series[kept + 1 :]).sum(axis=0).max())
-        return cls(
-            series[0].real,
-            2.0 * series[1 : kept + 1].real,
-            -2.0 * series[1 : kept + 1].imag,
-            period=period,
-            coefficient_error=2.0 * (neglected + missed + (kept + 1) * _EPS * size) + gap,
-        )
+        found = sampling.expanded(function, period, jumps, 2 * matrices.MOST_EQUATIONS)
+        return cls.from_pieces(found.pieces, coefficient_error=found.error)
 
     @cached_property
     def structure(self) -> Structure:
@@ -218,14 +168,3 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
     def coefficient(self, t: Any) -> NDArray[np.float64]:
         """Return A(t), of shape ``(*t.shape, N, N)``, the mean of both sides at a jump; of one system."""
         return by_pieces.value_at(self, t)
-
-
-def _samples(function: Callable[[float], Any], times: NDArray[Any], shape: tuple[int, ...]) -> Matrix:
-    """Return A at several instants, checked."""
-    values = []
-    for t in times.tolist():
-        value = matrices.square(f"function({t:g})", function(t))
-        if value.shape != shape:
-            raise ValueError(f"function must always return shape {shape}, got {value.shape} at t = {t:g}")
-        values.append(value)
-    return np.array(values)

@@ -17,10 +17,12 @@ from floquetrod._util.tables import require_known
 from floquetrod.equations import matrices
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.periodic_system import PeriodicSystem
+from floquetrod.equations.pieces import Varying
 
 _SERIES = ("cosines", "sines", "period", "frequency")
-_SECOND_ORDER = ("stiffness", "mass", "damping", "gyroscopic", *_SERIES)
-_FIRST_ORDER = ("mean", "coefficient_error", *_SERIES)
+_SECOND_ORDER = ("stiffness", "mass", "damping", "gyroscopic", "coefficient_error", "pieces", *_SERIES)
+_FIRST_ORDER = ("mean", "coefficient_error", "pieces", *_SERIES)
+_OF_A_PIECE = ("duration", "stiffness", "mean", "slope", "cosines", "sines")
 _KEYS = tuple(dict.fromkeys((*_SECOND_ORDER, *_FIRST_ORDER)))
 _LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, those of unpacked arrays (a choice)
 
@@ -31,6 +33,9 @@ def read_system(path: str | Path) -> HillSystem | PeriodicSystem:
     Keys, or names of arrays, are the parameters of `HillSystem` (with ``stiffness``) or of `PeriodicSystem` (with
     ``mean``), in any units that fit together.  In place of ``period`` there may be ``frequency``, angular: 2 pi /
     period.  Both may be strings with a unit, such as "24Hz" or "0.2s", where time is in seconds.
+
+    A coefficient in pieces, which may jump, has a table [[system.pieces]] for each, with its ``duration`` and its
+    ``stiffness`` or ``mean``, and with ``slope``, ``cosines`` and ``sines`` where it varies as `Varying` does.
 
     Raises
     ------
@@ -84,6 +89,8 @@ def _npz(path: Path) -> Mapping[str, Any]:
 def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem:
     """Return the system of a table; ValueError or TypeError names the key."""
     require_known(table, _KEYS)
+    if "pieces" in table:
+        return _in_pieces(table)
     if ("stiffness" in table) == ("mean" in table):
         both = "stiffness and mean" if "mean" in table else "neither stiffness nor mean"
         raise ValueError(f"it has {both}; give stiffness for M q'' + (C + G) q' + K(t) q = 0, mean for x' = A(t) x")
@@ -96,6 +103,40 @@ def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem:
     system = PeriodicSystem(**given) if first_order else HillSystem(**given)
     matrices.require_one(system)
     return system
+
+
+def _in_pieces(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem:
+    """Return the system of a table with tables of pieces."""
+    listed = table["pieces"]
+    if not isinstance(listed, list) or not listed or not all(isinstance(piece, dict) for piece in listed):
+        raise ValueError(f"pieces must be tables [[system.pieces]], got {validate.short(listed)}")
+    misplaced = [key for key in ("stiffness", "mean", *_SERIES) if key in table]
+    if misplaced:
+        raise ValueError(f"key {misplaced[0]!r} belongs to the pieces; their durations make the period")
+    named = ["mean" if "mean" in piece else "stiffness" for piece in listed]
+    if len(set(named)) > 1:
+        raise ValueError("it has pieces with stiffness and pieces with mean; give one of them in all")
+    pieces = [_piece(f"pieces[{i}]", piece, named[0]) for i, piece in enumerate(listed)]
+    others = {key: value for key, value in table.items() if key != "pieces"}
+    if named[0] == "stiffness":
+        return HillSystem.from_pieces(pieces, **others)
+    misplaced = [key for key in others if key not in _FIRST_ORDER]
+    if misplaced:
+        raise ValueError(f"key {misplaced[0]!r} does not go with mean, in first order")
+    return PeriodicSystem.from_pieces(pieces, **others)
+
+
+def _piece(name: str, table: Mapping[str, Any], mean: str) -> tuple[float, Varying]:
+    """Return the duration and the matrix of a piece."""
+    try:
+        require_known(table, _OF_A_PIECE)
+        if "duration" not in table or mean not in table:
+            raise ValueError(f"it must have a duration and a {mean}, or a mean in first order")
+        duration = units.quantity(table["duration"], "duration", "time", least=math.ulp(0.0))
+        varying = {key: value for key, value in table.items() if key in ("slope", "cosines", "sines")}
+        return duration, Varying(table[mean], **varying)
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name}: {error}") from None
 
 
 def _period(table: Mapping[str, Any]) -> dict[str, float]:

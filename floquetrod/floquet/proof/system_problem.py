@@ -59,9 +59,9 @@ class SecondOrder:
 
     @cached_property
     def is_symmetric(self) -> bool:
-        """Whether K(t) is symmetric: of one equation whatever its error."""
+        """Whether K(t) is symmetric, as its error then is."""
         every = [m for p in self.pieces for m in (p.mean, *(() if p.slope is None else (p.slope,)), *p.harmonics)]
-        return (not self.error or self.order == 1) and all(np.array_equal(m, m.T) for m in every)
+        return all(np.array_equal(m, m.T) for m in every)
 
     @cached_property
     def uniform_damping(self) -> Fraction | None:
