@@ -125,6 +125,15 @@ def test_dots_of_a_thin_tongue_become_one_band() -> None:
     agree(bands, status)
 
 
+def test_a_tongue_beside_the_edge_of_the_plane_is_followed_along_it() -> None:
+    def status(a: Floats, b: Floats) -> Any:
+        return ~((a <= 0.3) & (b < 0.7) | (np.abs(b - 0.017) < 0.0145 - 0.002 * a))
+
+    bands = traced(status, (0.0, 1.0, 20), (0.0, 1.0, 20))
+    assert [band.x.max() for band in bands] == [1.0]
+    agree(bands, status)
+
+
 def test_holes_islands_and_gaps() -> None:
     def ring(a: Floats, b: Floats) -> Any:
         r = np.hypot(a, b)

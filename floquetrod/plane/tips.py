@@ -53,7 +53,7 @@ class _Front:
         forward = place - here
         across = np.array([-forward[1], forward[0]]) / np.hypot(*forward)
         corners = np.array([place, place + 0.75 * self.expected * across, place - 0.75 * self.expected * across])
-        beyond = (corners < 0.0).any(axis=0) | (corners > 1.0).any(axis=0)
+        beyond = ((corners < 0.0) | (corners > 1.0)).any(axis=0) & (forward != 0.0)  # an edge alongside is not met
         with np.errstate(divide="ignore", invalid="ignore"):
             share = np.where(beyond, np.where(forward > 0.0, 1.0 - here, -here) / forward, np.inf)
         axis = int(share.argmin())
@@ -229,9 +229,14 @@ def _curve(places: Floats, at: float, values: Floats) -> Floats:
 
 
 def _append(outline: Outline, front: _Front, first: Floats, second: Floats, done: bool) -> None:
-    """Append a cross-section to a tongue; its side becomes the front's, its walls need work unless done."""
+    """Append a cross-section to a tongue; its side becomes the front's, its walls need work unless done.
+
+    The first walls always do: they lead from a side that may be wider than the tongue, and nothing tells how they bend.
+    """
     node = outline.divide(front.side, first, done)
-    outline.divide(node, second, done)
+    last = outline.divide(node, second, done)
+    if len(front.middles) == 1:
+        outline.done[[front.side, last]] = False
     middle = 0.5 * (first + second)
     front.width = float(np.hypot(*(second - first)))
     front.widths.append(front.width)
