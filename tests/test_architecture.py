@@ -14,9 +14,15 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "floquetrod"
-LAZY = {"numba", "llvmlite", "scipy", "mpmath", "sympy", "matplotlib"}
+LAZY = {"numba", "llvmlite", "scipy", "mpmath", "sympy", "matplotlib", "contourpy"}
 EXTRAS = {"xarray", "zarr", "numcodecs", "cloudpickle", "shtab", "tornado"}
-ALLOWED = {"numpy", "numba", "scipy", "mpmath", "sympy", "matplotlib"} | EXTRAS | set(sys.stdlib_module_names)
+COMES_WITH_MATPLOTLIB = {"contourpy"}
+ALLOWED = (
+    {"numpy", "numba", "scipy", "mpmath", "sympy", "matplotlib"}
+    | COMES_WITH_MATPLOTLIB
+    | EXTRAS
+    | set(sys.stdlib_module_names)
+)
 
 
 def module_files() -> dict[str, Path]:

@@ -79,7 +79,7 @@ class TracedBands:
         reached = accuracy
         try:
             u, v = self._grid(plane)
-            outline = outlined(plane, crossings(u, v, self.unstable, lambda places: plane.unstable(places)[0]))
+            outline = outlined(plane, crossings(u, v, self.unstable))
             whole = refined(plane, outline, accuracy, progress or (lambda *_: None))
         except OutOfBudget:
             whole = False
