@@ -16,7 +16,7 @@ from typing import TypeAlias
 import numpy as np
 
 from floquetrod._util.roots import roots
-from floquetrod.mathieu.bands import Floats, Ints, Parts, joined
+from floquetrod.mathieu.concave import Floats, Ints, Parts, joined
 
 Evaluated: TypeAlias = Callable[[Floats, Floats], Floats]
 Counted: TypeAlias = Callable[[Floats, Floats], Ints]

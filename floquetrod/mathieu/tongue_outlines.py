@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod._util.roots import roots
-from floquetrod.mathieu.bands import Floats, Growth, Ints
+from floquetrod.mathieu.concave import Floats, Growth, Ints
 from floquetrod.mathieu.tongue_curves import Flags, TongueCurves
 
 _SAMPLES = 33  # lines of a range on which edges are examined, where they may turn back (a choice)

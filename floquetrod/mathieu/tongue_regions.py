@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod.mathieu.bands import Floats, Ints
+from floquetrod.mathieu.concave import Floats, Ints
 from floquetrod.mathieu.tongue_curves import Plane, TongueCurves
 from floquetrod.mathieu.tongue_outlines import Outlines, outlines
 from floquetrod.mathieu.tongues import counts, growth_bounds, ladders, where_bounded

@@ -19,7 +19,7 @@ from floquetrod._util.compilation import over_chunks
 from floquetrod._util.roots import bisected
 from floquetrod.floquet.kernels import mathieu, mathieu_counts
 from floquetrod.mathieu import enclosures
-from floquetrod.mathieu.bands import Floats, Ints, Parts, level, parts_above
+from floquetrod.mathieu.concave import Floats, Ints, Parts, level, parts_above
 from floquetrod.mathieu.kernels import characteristic
 
 _SPACING = 1e-3  # of points along the amplitude where nothing is proved, as a share of the range (a choice)

@@ -187,7 +187,7 @@ class Bands(NoTruthValue, ByContent):
 
     def plot(self, ax: Any = None) -> Any:
         """Draw the bands as shapes, orange, thin ones as lines, named where there is room; return the axes."""
-        from floquetrod.plotting.bands import draw_bands
+        from floquetrod.plotting.shapes import draw_bands
 
         return draw_bands(self, ax)
 

@@ -220,7 +220,7 @@ class Chart(NoTruthValue, ByContent):
         prompt = self.source is not None and self.source.prompt
         known = self.cells is None and (prompt or "bands" in self.__dict__)
         if known if bands is None else validate.flag("bands", bands):
-            from floquetrod.plotting.bands import draw_banded_chart
+            from floquetrod.plotting.shapes import draw_banded_chart
 
             return draw_banded_chart(self, ax)
         from floquetrod.plotting.charts import draw_chart

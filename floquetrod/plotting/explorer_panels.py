@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.plotting import bands as shapes
-from floquetrod.plotting import labels, palette
+from floquetrod.plotting import labels, palette, shapes
 from floquetrod.units import Unit, label
 
 Floats = NDArray[np.float64]

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.plotting import palette
-from floquetrod.plotting.bands import fill
 from floquetrod.plotting.charts import typeset
+from floquetrod.plotting.shapes import fill
 
 
 class Interval(NamedTuple):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod.mathieu import tongues
-from floquetrod.mathieu.bands import Floats, Ints
+from floquetrod.mathieu.concave import Floats, Ints
 from floquetrod.mathieu.tongues import Tongues
 from floquetrod.rod.loads.load import Progress, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
