@@ -12,7 +12,8 @@ import pytest
 from numpy.typing import NDArray
 
 import floquetrod as fr
-from floquetrod.plane import Axis, Band, Bands, TracedBands
+from floquetrod.plane import Axis, Band, Bands, charted
+from floquetrod.plane.family import Judged
 from floquetrod.plane.polygons import area, contains
 
 Floats = NDArray[np.float64]
@@ -23,18 +24,14 @@ def axes(x: tuple[float, float, int], y: tuple[float, float, int]) -> tuple[Axis
     return Axis("a", "", "", np.linspace(*x)), Axis("b", "", "", np.linspace(*y))
 
 
-def traced(
-    status: Callable[[Floats, Floats], Any], x: tuple[float, float, int], y: tuple[float, float, int], **other: Any
-) -> Bands:
+def traced(status: Callable[[Floats, Floats], Any], x: tuple[float, float, int], y: tuple[float, float, int]) -> Bands:
     """Return the bands of a plane whose status is a function of places."""
 
-    def judge(a: Floats, b: Floats) -> tuple[NDArray[np.int8], Floats]:
-        return np.asarray(status(a, b)).astype(np.int8), np.full(a.size, np.nan)
+    def judge(a: Floats, b: Floats) -> tuple[NDArray[np.int8], float]:
+        a, b = np.broadcast_arrays(a, b)
+        return np.asarray(status(a.ravel(), b.ravel())).astype(np.int8).reshape(a.shape), math.nan
 
-    across, up = axes(x, y)
-    grid = [part.ravel() for part in np.meshgrid(across.values, up.values)]
-    unstable = (judge(*grid)[0] == 0).reshape(up.values.size, -1)
-    return TracedBands(judge, across, up, unstable, "per tau", 0.0, **other)(ACCURACY, None)
+    return charted(Judged(judge), *axes(x, y)).bands
 
 
 def corners(band: Band) -> Floats:
@@ -68,14 +65,13 @@ def agree(bands: Bands, judge: Callable[[Floats, Floats], Any], seed: int = 0, n
 @pytest.mark.parametrize("points", [(60, 50), (25, 20), (80, 40), (200, 200)])
 @pytest.mark.parametrize("growth", [True, False])
 def test_mathieu_traced_agrees_with_transition_curves(points: tuple[int, int], growth: bool) -> None:
-    def judge(alpha: Floats, beta: Floats) -> tuple[NDArray[np.int8], Floats]:
+    def judge(alpha: Floats, beta: Floats) -> tuple[NDArray[np.int8], Any]:
         stable = fr.mathieu.is_stable(alpha, beta)
-        rate = fr.mathieu.growth_rate(alpha, beta) if growth else np.full(alpha.size, np.nan)
+        rate = fr.mathieu.growth_rate(alpha, beta) if growth else math.nan
         return stable.astype(np.int8), rate
 
     x, y = axes((0.0, 2.0, points[0]), (-2.5, 0.6, points[1]))
-    unstable = ~fr.mathieu.is_stable(x.values, y.values[:, None])
-    bands = TracedBands(judge, x, y, unstable, "per tau", 0.0)(ACCURACY, None)
+    bands = charted(Judged(judge), x, y).bands
     assert bands.accuracy == ACCURACY
     assert len(bands) == 4
     agree(bands, fr.mathieu.is_stable)
@@ -195,7 +191,7 @@ def test_two_oscillators() -> None:
     assert max(y for y, _ in bottoms) < 1e-3
     assert sorted(x for _, x in bottoms) == pytest.approx([2.0, 3.0, 4.0], abs=1e-3)
     assert chart.source is not None
-    agree(bands, lambda x, y: chart.source.judge(x, y)[0])  # type: ignore[union-attr]
+    agree(bands, lambda x, y: chart.source.family.verdicts(x, y).status)  # type: ignore[union-attr]
     for band in bands:
         inner = np.flatnonzero((band.y < 0.5) & (band.y > 0.05))
         for i in inner[:: max(1, inner.size // 4)].tolist():

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod.equations import Equation, Mathieu
-from floquetrod.floquet import one_by_one
 from floquetrod.mathieu.arrays import growth_rate, is_stable
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.mathieu.tongue_bands import ExactMathieuBands
-from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
+from floquetrod.mathieu.tongue_bands import tongue_bands
+from floquetrod.mathieu.tongue_curves import Window
+from floquetrod.mathieu.tongue_regions import Oscillators
+from floquetrod.plane import Axis, Chart, Family, Found, Progress, Verdicts, axis_values, charted
+from floquetrod.plane.family import Floats
+from floquetrod.systems.charts import Members
+
+_NEGLIGIBLE = 1e-9  # growth per unit tau, tenfold in 4e8 periods, up to which a tongue is left out
 
 
 def chart(
@@ -66,8 +69,7 @@ def chart(
     y = Axis("beta", r"\beta", "", axis_values("beta", beta))
     c = validate.within("damping", damping, 0.0, validate.LARGEST_DAMPING, "give one number for the whole chart")
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-    growth = validate.flag("growth", growth)
-    workers = validate.workers(workers)
+    growth, workers = validate.flag("growth", growth), validate.workers(workers)
     validate.progress(progress)
     example = validate.function("equation", equation)(0.0, 0.0, 0.0)
     equations.require(example)
@@ -75,82 +77,85 @@ def chart(
         validate.instance("criterion", criterion, FiniteTimeCriterion)
         criterion.require_alone(growth_tolerance=tolerance)
         equations.require(example, (Mathieu,), by="FiniteTimeCriterion")
-    classify = _classify_mathieu if equation is Mathieu else functools.partial(_classify_each, equation)
-    judge: Any = None if equation is Mathieu else _JudgeEach(equation, c, tolerance)
-    judge = judge if criterion is None else _JudgeByCriterion(criterion, c, workers)
+    family: Family = MathieuPlane(c, tolerance, criterion, workers, equation)
+    if equation is not Mathieu and criterion is None:
+        family = Members.of(_Damped(equation, c), x, y, tolerance, workers, (_fixed(c),))
+    return charted(family, x, y, growth=growth, progress=progress)
 
-    def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
-        status, rate = classify(x.values, values, c, tolerance, growth, workers)
-        if criterion is not None:
-            status = criterion.is_stable(x.values, values, c, workers=workers).astype(np.int8)
-        return status, rate
 
-    return charted(
-        x,
-        y,
-        rows,
-        growth=growth,
-        growth_tolerance=tolerance,
-        growth_unit="per tau",
-        subject=lambda: {"kind": example.title, "fixed": [["damping", c, "per unit of tau"]]},
-        criterion="" if criterion is None else str(criterion),
-        rows_at_once=None if equation is Mathieu else 1,
-        progress=progress,
-        source=ExactMathieuBands(x.ends, y.ends, c, tolerance) if equation is Mathieu and criterion is None else None,
-        judge=judge,
-        prompt=criterion is None,
-    )
+def _fixed(damping: float) -> tuple[str, float, str]:
+    return "damping", damping, "per unit of tau"
 
 
 @dataclass(frozen=True)
-class _JudgeEach:
-    """Verdicts on members of a family of equations at any places."""
+class _Damped:
+    """A family of equations with one damping."""
 
     equation: Callable[[float, float, float], Equation]
     damping: float
-    tolerance: float
 
-    def __call__(
-        self, alpha: NDArray[np.float64], beta: NDArray[np.float64]
-    ) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
-        """Return status and growth rate."""
-        members = [self.equation(x, y, self.damping) for x, y in zip(alpha.tolist(), beta.tolist(), strict=True)]
-        return one_by_one.verdicts(members, self.tolerance)
+    def __call__(self, alpha: float, beta: float) -> Equation:
+        return self.equation(alpha, beta, self.damping)
 
 
 @dataclass(frozen=True)
-class _JudgeByCriterion:
-    """Verdicts by the paper's test on Mathieu's equation at any places; growth is not known."""
+class MathieuPlane(Family):
+    """Mathieu's equation over alpha (x) and beta (y), with exact bands; or over what a function makes of them.
 
-    criterion: FiniteTimeCriterion
+    For a test in finite time bands are traced.
+    """
+
     damping: float
+    growth_tolerance: float
+    test: FiniteTimeCriterion | None
     workers: int | None
+    equation: Callable[[float, float, float], Any] = Mathieu
+    growth_unit: str = "per tau"
 
-    def __call__(
-        self, alpha: NDArray[np.float64], beta: NDArray[np.float64]
-    ) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
-        """Return status and NaN."""
-        stable = self.criterion.is_stable(alpha, beta, self.damping, workers=self.workers)
-        return np.asarray(stable).astype(np.int8), np.full(alpha.size, np.nan)
+    @property
+    def prompt(self) -> bool:
+        """Whether there are exact bands."""
+        return self.test is None
 
+    @property
+    def criterion(self) -> str:
+        """What passes the test."""
+        return "" if self.test is None else str(self.test)
 
-def _classify_mathieu(
-    alpha: NDArray[np.float64], beta: NDArray[np.float64], c: float, tolerance: float, growth: bool, workers: int | None
-) -> tuple[Any, Any]:
-    """Return 1 where stable and 0 where not, and the growth rate where it was needed."""
-    rate = growth_rate(alpha, beta, c, workers=workers) if growth or tolerance > 0.0 else np.zeros(())
-    return (rate <= tolerance if tolerance > 0.0 else is_stable(alpha, beta, c, workers=workers)), rate
+    def subject(self) -> dict[str, Any]:
+        """Return the equation's name and its damping."""
+        return {"kind": Mathieu(0.0, 0.0).title, "fixed": [list(_fixed(self.damping))]}
 
+    def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
+        """Return verdicts; growth, where it need not be told, is not."""
+        place = self._coefficients(x, y)
+        rate = growth_rate(*place, workers=self.workers) if growth or self.growth_tolerance else np.nan
+        if self.growth_tolerance:
+            return Verdicts(np.asarray(rate <= self.growth_tolerance).astype(np.int8), rate)
+        stable = is_stable if self.test is None else self.test.is_stable
+        return Verdicts(np.asarray(stable(*place, workers=self.workers)).astype(np.int8), rate)
 
-def _classify_each(
-    equation: Callable[[float, float, float], Equation],
-    alpha: NDArray[np.float64],
-    beta: NDArray[np.float64],
-    c: float,
-    tolerance: float,
-    *_: Any,
-) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
-    """Return 1 where stable, 0 where not and -1 where undecided, and the growth rate, one equation after another."""
-    places = (part.ravel() for part in np.meshgrid(alpha, beta))
-    status, rate = _JudgeEach(equation, c, tolerance)(*places)
-    return status.reshape(beta.size, -1), rate.reshape(beta.size, -1)
+    def _coefficients(self, x: Floats, y: Floats) -> tuple[Any, Any, Any]:
+        """Return alpha, beta and damping at places."""
+        if self.equation is Mathieu:
+            return x, y, self.damping
+        members = [self.equation(a, b, self.damping) for a, b in np.broadcast(x, y)]
+        names = ("alpha", "beta", "damping")
+        shape = np.broadcast_shapes(x.shape, y.shape)
+        alpha, beta, damping = (np.reshape([getattr(each, name) for each in members], shape) for name in names)
+        return alpha, beta, damping
+
+    def growth(self, x: Floats, y: Floats) -> Floats:
+        """Return growth rates, which tell nothing about a test in finite time."""
+        return super().growth(x, y) if self.test is None else np.full(x.shape, np.nan)
+
+    def exact_bands(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> Found | None:
+        """Return the bands of every tongue."""
+        if self.test is not None:
+            return None
+        oscillators = Oscillators(
+            np.array([-(self.damping**2)]), np.ones(1), self.damping, self.growth_tolerance, _NEGLIGIBLE
+        )
+        (first, last), (low, high) = x.values.tolist(), y.values.tolist()
+        window = Window("mean", "amplitude", 1.0, low, high, (first, last))
+        return tongue_bands(oscillators, window, "amplitude", accuracy, progress, are_modes=False)

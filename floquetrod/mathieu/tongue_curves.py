@@ -25,8 +25,8 @@ _BISECTION = 50.0  # counts that an end of a tongue takes
 _SEARCH = 150.0  # what an edge where growth equals a level takes, in counts
 
 
-class Plane(NamedTuple):
-    """A window: lines ``along`` one quantity from ``low`` to ``high``, one for each value of another.
+class Window(NamedTuple):
+    """A window of loads: lines ``along`` one quantity from ``low`` to ``high``, one for each value of another.
 
     That is the one they are ``over``, whose values are in ``span``; ``fixed`` is the third quantity.  An amplitude may
     be negative: it only shifts time.
@@ -58,7 +58,7 @@ class TongueCurves:
 
     Attributes
     ----------
-    plane : Plane
+    window : Window
     order : ndarray of int
     stiffness, gain : ndarray
         In 1/s^2, and what a unit of force takes off it.
@@ -66,7 +66,7 @@ class TongueCurves:
         The level in 1/s, compared with growth without damping.
     """
 
-    plane: Plane
+    window: Window
     order: Ints
     stiffness: Floats
     gain: Floats
@@ -93,7 +93,7 @@ class TongueCurves:
 
     def _upper(self, u: Floats, i: Ints, at: Floats) -> Floats:
         place = self._place(u, i, at)
-        return np.where(self.order[i] == 0, np.inf, place) if self.plane.along == "mean" else place
+        return np.where(self.order[i] == 0, np.inf, place) if self.window.along == "mean" else place
 
     def _ends(self, i: Ints, at: Floats, lower: Flags, upper: Flags) -> Floats:
         """Return both ends in u of the tongues requested."""
@@ -126,7 +126,7 @@ class TongueCurves:
             interpret_up_to=few(*_extent(lines), _SEARCH),
             patience=PATIENCE,
         )
-        return np.where(order == 0, np.inf, out) if self.plane.along == "mean" else out
+        return np.where(order == 0, np.inf, out) if self.window.along == "mean" else out
 
     def summits(self, i: Ints, at: Floats, low: Floats, high: Floats) -> tuple[Floats, Floats]:
         """Return where between ``low`` and ``high`` on the lines growth is fastest, and the square of its rate."""
@@ -146,14 +146,14 @@ class TongueCurves:
 
     def _forces(self, i: Ints, at: Floats) -> tuple[Floats, Floats]:
         """Return p and omega on the lines ``at``."""
-        if self.plane.over == "frequency":
-            return self.gain[i] * self.plane.fixed, at
-        return self.gain[i] * np.abs(at), np.full(at.size, self.plane.fixed)
+        if self.window.over == "frequency":
+            return self.gain[i] * self.window.fixed, at
+        return self.gain[i] * np.abs(at), np.full(at.size, self.window.fixed)
 
     def _lines(self, i: Ints, at: Floats) -> _Lines:
         order = self.order[i].astype(np.float64)
         nothing, one = np.zeros(order.size), np.ones(order.size)
-        if self.plane.along == "mean":
+        if self.window.along == "mean":
             p, omega = self._forces(i, at)
             w0 = omega**-2.0
             q = 2.0 * p * w0
@@ -161,8 +161,8 @@ class TongueCurves:
             low = np.where(order == 0.0, -(4.0 + 1e-6) * (self.rate**2 * w0 + 0.5 * q), order**2 - 2.0 * q)
             return _Lines(one, q, nothing, w0, nothing, low, order**2 + 2.0 * q)
         p = self.gain[i] * at
-        kappa = self.stiffness[i] - self.gain[i] * self.plane.fixed
-        least, most = (self.plane.high**-2.0 / _BEYOND, self.plane.low**-2.0 * _BEYOND)
+        kappa = self.stiffness[i] - self.gain[i] * self.window.fixed
+        least, most = (self.window.high**-2.0 / _BEYOND, self.window.low**-2.0 * _BEYOND)
         with np.errstate(divide="ignore"):
             start = np.where(kappa + p > 0.0, (1.0 - 1e-9) * order**2 / (4.0 * (kappa + p)), np.inf)
         start = np.where(order == 0.0, least, np.clip(start, least, most))
@@ -171,14 +171,14 @@ class TongueCurves:
 
     def _place(self, u: Floats, i: Ints, at: Floats) -> Floats:
         """Return the mean, or the frequency, of a place on the lines."""
-        if self.plane.along == "frequency":
+        if self.window.along == "frequency":
             return np.asarray(u**-0.5)
         _, omega = self._forces(i, at)
         return np.asarray((self.stiffness[i] - 0.25 * omega * omega * u) / self.gain[i])
 
     def _parameter(self, y: Floats, i: Ints, at: Floats) -> Floats:
         """Return what `_place` takes to a mean, or to a frequency."""
-        if self.plane.along == "frequency":
+        if self.window.along == "frequency":
             return np.asarray(y**-2.0)
         _, omega = self._forces(i, at)
         return np.asarray(4.0 * (self.stiffness[i] - self.gain[i] * y) / (omega * omega))

@@ -10,13 +10,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod._util.roots import roots
-from floquetrod.mathieu.concave import Floats, Growth, Ints
+from floquetrod._util.roots import largest, roots
+from floquetrod.mathieu.concave import Floats, Ints
 from floquetrod.mathieu.tongue_curves import Flags, TongueCurves
+from floquetrod.plane.polygons import tidied
 
 _SAMPLES = 33  # lines of a range on which edges are examined, where they may turn back (a choice)
 _RIDGES = 9  # lines on which growth is compared with the level (a choice)
-_GOLDEN = 0.3819660112501051
 _TURNS = 20  # golden sections: to 1e-4 of where they began, growth beside its largest value to 1e-8 (a choice)
 _LOOKS = 5  # lines of an outline on which growth is examined first (a choice)
 _BESIDE = 1e-3  # share of an outline between its end and a look beside it (a choice)
@@ -138,7 +138,7 @@ def _edges(curves: TongueCurves, ranges: Ranges, j: Ints, share: Floats) -> tupl
 
 def _pieces(curves: TongueCurves, ranges: Ranges) -> _Pieces:
     """Return the pieces of all ranges that are not empty, between places where an edge meets an end of the window."""
-    plane = curves.plane
+    window = curves.window
     j, share = _meetings(curves, ranges)
     every = np.arange(ranges.which.size)
     j, share = np.concatenate([every, every, j]), np.concatenate([0.0 * every, 0.0 * every + 1.0, share])
@@ -148,12 +148,12 @@ def _pieces(curves: TongueCurves, ranges: Ranges) -> _Pieces:
     j, share = j[new], share[new]
     left = np.flatnonzero(j[1:] == j[:-1])
     low, top = _edges(curves, ranges, j[left], 0.5 * (share[left] + share[left + 1]))
-    held = (low < plane.high) & (top > plane.low)
+    held = (low < window.high) & (top > window.low)
     left, low, top = left[held], low[held], top[held]
-    bends = np.column_stack([low > plane.low, top < plane.high])
+    bends = np.column_stack([low > window.low, top < window.high])
     # Ends of pieces that hang together are asked once.
     nodes = np.unique(np.concatenate([left, left + 1]))
-    found = _snapped(np.stack(_edges(curves, ranges, j[nodes], share[nodes])), plane.low, plane.high)
+    found = _snapped(np.stack(_edges(curves, ranges, j[nodes], share[nodes])), window.low, window.high)
     found[1] = np.maximum(found[0], found[1])
     number = np.searchsorted(nodes, np.column_stack([left, left + 1]))
     edges = np.stack([found[0][number], found[1][number]], axis=1)
@@ -174,14 +174,14 @@ def _meetings(curves: TongueCurves, ranges: Ranges) -> tuple[Ints, Floats]:
     Where edges are monotone, along the frequency without a level, two lines tell; else edges are sampled, and cells
     where a curve may dip across an end and back are searched for its extremum.
     """
-    plane = curves.plane
-    monotone = plane.over == "frequency" and curves.rate == 0.0
+    window = curves.window
+    monotone = window.over == "frequency" and curves.rate == 0.0
     share = np.linspace(0.0, 1.0, 2 if monotone else _SAMPLES)
     every = np.repeat(np.arange(ranges.which.size), share.size)
     cells: list[tuple[Ints, Floats, Floats, Flags, Floats]] = []  # range, ends, edge, limit
     for top, y in enumerate(_edges(curves, ranges, every, np.tile(share, ranges.which.size))):
         y = y.reshape(-1, share.size)
-        for limit in (plane.low, plane.high):
+        for limit in (window.low, window.high):
             distance = y - limit
             j, k = np.nonzero((distance[:, 1:] > 0.0) != (distance[:, :-1] > 0.0))
             cells.append((j, share[k], share[k + 1], np.full(j.size, top == 1), np.full(j.size, limit)))
@@ -214,39 +214,23 @@ def _dips(
     def height(x: Floats, some: Ints) -> Floats:
         return np.asarray(-side[some] * (_edge(curves, ranges, j[some], x, flag[some]) - limit))
 
-    place, value = _golden(height, share[k], share[k + 1], _TURNS)
+    place, value = largest(height, share[k], share[k + 1], _TURNS)
     across = value > 0.0
     j, k, place = j[across], k[across], place[across]
     flag, limits = np.full(j.size, top), np.full(j.size, limit)
     return [(j, share[k], place, flag, limits), (j, place, share[k + 1], flag, limits)]
 
 
-def _golden(function: Growth, low: Floats, high: Floats, sections: int) -> tuple[Floats, Floats]:
-    """Return where a function is largest between ``low`` and ``high``, and its value, by golden sections."""
-    every = np.arange(low.size)
-    one, two = low + _GOLDEN * (high - low), high - _GOLDEN * (high - low)
-    at_one, at_two = function(one, every), function(two, every)
-    for _ in range(sections):
-        left = at_one >= at_two  # the larger lies left
-        low, high = np.where(left, low, one), np.where(left, two, high)
-        place = np.where(left, low + _GOLDEN * (high - low), high - _GOLDEN * (high - low))
-        value = function(place, every)
-        one, two = np.where(left, place, two), np.where(left, one, place)
-        at_one, at_two = np.where(left, value, at_two), np.where(left, at_one, value)
-    left = at_one >= at_two
-    return np.where(left, one, two), np.where(left, at_one, at_two)
-
-
 def _largest(curves: TongueCurves, ranges: Ranges, pieces: _Pieces) -> tuple[Floats, Floats]:
     """Return the square of the largest growth rate of every outline, and the line and the place where it is."""
-    plane = curves.plane
+    window = curves.window
     first = np.flatnonzero(_begins(pieces.outline))
     last = np.append(first[1:], pieces.j.size)[: first.size] - 1
     j, begin, end = pieces.j[first], pieces.first[first], pieces.last[last]
 
     def on_line(share: Floats, some: Ints) -> tuple[Floats, Floats]:
         low, top = _edges(curves, ranges, j[some], share)
-        low, top = np.clip(low, plane.low, plane.high), np.clip(top, plane.low, plane.high)
+        low, top = np.clip(low, window.low, window.high), np.clip(top, window.low, window.high)
         return curves.summits(ranges.which[j[some]], ranges.at(j[some], share), low, np.maximum(low, top))
 
     every = np.arange(j.size)
@@ -260,7 +244,7 @@ def _largest(curves: TongueCurves, ranges: Ranges, pieces: _Pieces) -> tuple[Flo
     some = np.flatnonzero((k > 0) & (k < _LOOKS - 1) | (on_line(beside, every)[1] > most))
     if some.size:
         low, high = share[some, np.maximum(k[some] - 1, 0)], share[some, np.minimum(k[some] + 1, _LOOKS - 1)]
-        place, value = _golden(lambda x, i: on_line(x, some[i])[1], low, high, _TURNS)
+        place, value = largest(lambda x, i: on_line(x, some[i])[1], low, high, _TURNS)
         better = value > most[some]
         best[some[better]], most[some[better]] = place[better], value[better]
     y, most = on_line(best, every)
@@ -271,8 +255,8 @@ def _vertices(
     curves: TongueCurves, ranges: Ranges, pieces: _Pieces, accuracy: float
 ) -> tuple[Ints, Flags, Floats, Floats, Floats]:
     """Return outline, edge, share, line and place of all vertices."""
-    plane = curves.plane
-    width, height = plane.span[1] - plane.span[0], plane.high - plane.low
+    window = curves.window
+    width, height = window.span[1] - window.span[0], window.high - window.low
     n = pieces.j.size
     number = np.repeat(np.arange(n), 4)
     top = np.tile([False, False, True, True], n)
@@ -289,7 +273,7 @@ def _vertices(
     for _ in range(_DEEPEST):
         middle = 0.5 * (a + b)
         x = ranges.at(pieces.j[piece], middle)
-        y = np.clip(curves.edge(ranges.which[pieces.j[piece]], x, side == 1), plane.low, plane.high)
+        y = np.clip(curves.edge(ranges.which[pieces.j[piece]], x, side == 1), window.low, window.high)
         found.append((pieces.outline[piece], side == 1, middle, x, y))
         dx, dy = (xb - xa) / width, (yb - ya) / height
         length = np.hypot(dx, dy)
@@ -311,24 +295,8 @@ def _vertices(
 
 
 def _polygons(vertices: tuple[Ints, Flags, Floats, Floats, Floats], count: int) -> tuple[Ints, Floats, Floats]:
-    """Return sizes, lines and places of polygons: lower edges forwards, upper ones back.
-
-    Of vertices that coincide one is left, of those on one straight edge of the window the first and the last.
-    """
+    """Return sizes, lines and places of polygons: lower edges forwards, upper ones back."""
     outline, top, share, line, place = vertices
     order = np.lexsort((np.where(top, -share, share), top, outline))
-    outline, line, place = outline[order], line[order], place[order]
-    for straight in (False, True):
-        size = np.bincount(outline, minlength=count)
-        stop = np.cumsum(size)
-        number = np.arange(outline.size)
-        before = np.where(_begins(outline), stop[outline] - 1, number - 1)
-        after = np.where(np.append(_begins(outline)[1:], True), (stop - size)[outline], number + 1)
-        if straight:
-            drop = ((line == line[before]) & (line == line[after])) | (
-                (place == place[before]) & (place == place[after])
-            )
-        else:
-            drop = (line == line[before]) & (place == place[before])
-        outline, line, place = outline[~drop], line[~drop], place[~drop]
-    return np.bincount(outline, minlength=count), line, place
+    number, corners = tidied(outline[order], np.column_stack([line, place])[order])
+    return np.bincount(number, minlength=count), *corners.T

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from floquetrod.mathieu.concave import Floats, Ints
-from floquetrod.mathieu.tongue_curves import Plane, TongueCurves
+from floquetrod.mathieu.tongue_curves import TongueCurves, Window
 from floquetrod.mathieu.tongue_outlines import Outlines, outlines
 from floquetrod.mathieu.tongues import counts, growth_bounds, ladders, where_bounded
 
@@ -17,17 +17,28 @@ _ASKED = 1 << 16  # tongues asked at once whether they may exceed the level: som
 _CELLS = 32  # parts of a range of amplitudes in which tongues are counted (a choice)
 
 
-class Family(NamedTuple):
-    """Equations with ``stiffness`` (1/s^2) and ``gain``, as in `TongueCurves`, compared with a level.
+class Oscillators(NamedTuple):
+    """Equations with ``stiffness`` (1/s^2) and ``gain``, as in `TongueCurves`, freed of their damping rate.
 
-    ``rate`` (1/s) is what growth without damping must exceed; ``least`` what the largest growth of a tongue must, to be
-    more than a hairline.
+    Growth up to ``growth_tolerance`` counts as stable; without one, tongues that grow no faster than ``negligible``
+    are left out.  All three in 1/s.
     """
 
     stiffness: Floats
     gain: Floats
-    rate: float
-    least: float
+    damping: float
+    growth_tolerance: float
+    negligible: float
+
+    @property
+    def rate(self) -> float:
+        """What growth without damping must exceed."""
+        return self.damping + self.growth_tolerance
+
+    @property
+    def least(self) -> float:
+        """What the largest growth of a tongue without damping must exceed."""
+        return self.damping + (self.growth_tolerance or self.negligible)
 
 
 class Regions(NamedTuple):
@@ -40,17 +51,17 @@ class Regions(NamedTuple):
 
 
 def unstable_regions(
-    family: Family, plane: Plane, accuracy: float, progress: Callable[[int, int], None] | None
+    oscillators: Oscillators, window: Window, accuracy: float, progress: Callable[[int, int], None] | None
 ) -> Regions:
     """Return the outlines of all tongues that meet a window and exceed the level there."""
-    which, order, met = _tongues(family, plane)
-    first, last = (np.full(which.size, end) for end in plane.span)
-    if plane.span[0] < 0.0 < plane.span[1]:  # all tongues but 0 have no width without forcing: a part on either side
+    which, order, met = _tongues(oscillators, window)
+    first, last = (np.full(which.size, end) for end in window.span)
+    if window.span[0] < 0.0 < window.span[1]:  # all tongues but 0 have no width without forcing: a part on either side
         split = np.flatnonzero(order > 0)
         which, order = np.concatenate([which, which[split]]), np.concatenate([order, order[split]])
         first, last = np.concatenate([first, np.zeros(split.size)]), np.concatenate([last, last[split]])
         last[split] = 0.0
-    curves = TongueCurves(plane, order, family.stiffness[which], family.gain[which], family.rate)
+    curves = TongueCurves(window, order, oscillators.stiffness[which], oscillators.gain[which], oscillators.rate)
     found = []
     for start in range(0, which.size, _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
@@ -59,7 +70,7 @@ def unstable_regions(
         if progress is not None:
             progress(min(start + _AT_ONCE, which.size), which.size)
     joined = _joined(found)
-    tall = joined.growth > family.least
+    tall = joined.growth > oscillators.least
     joined = _some(joined, tall)
     which, order = which[joined.which], order[joined.which]
     drawn = len(set(zip(which.tolist(), order.tolist(), strict=True)))
@@ -86,37 +97,37 @@ def _some(found: Outlines, chosen: np.ndarray[tuple[int, ...], np.dtype[np.bool_
     )
 
 
-def _tongues(family: Family, plane: Plane) -> tuple[Ints, Ints, int]:
+def _tongues(oscillators: Oscillators, window: Window) -> tuple[Ints, Ints, int]:
     """Return (equation, order) of all tongues that may exceed the level in the window, and how many there are in all.
 
     The count of characteristic values below a mode falls as the mean or the frequency rises.  Between two amplitudes
     none of them moves by more than twice the change of q (Weyl).  A bound on growth, which falls as the mean falls, and
     at given forces with the frequency, leaves out high tongues.
     """
-    every = np.arange(family.gain.size)
-    strongest = max(map(abs, plane.span)) if plane.over == "amplitude" else plane.fixed
+    every = np.arange(oscillators.gain.size)
+    strongest = max(map(abs, window.span)) if window.over == "amplitude" else window.fixed
     if strongest == 0.0:
         return every, np.zeros(every.size, dtype=np.int64), 0  # nothing but static buckling
-    means = (plane.low, plane.high) if plane.along == "mean" else (plane.fixed, plane.fixed)
-    slow, fast = _frequencies(plane)
+    means = (window.low, window.high) if window.along == "mean" else (window.fixed, window.fixed)
+    slow, fast = _frequencies(window)
 
     def coefficients(i: Ints, mean: Floats, amplitude: float, omega: Floats | float) -> tuple[Floats, Floats]:
         x = 4.0 / (omega * omega) if isinstance(omega, float) else 4.0 / omega**2
-        return x * (family.stiffness[i] - family.gain[i] * mean), 0.5 * x * family.gain[i] * amplitude
+        return x * (oscillators.stiffness[i] - oscillators.gain[i] * mean), 0.5 * x * oscillators.gain[i] * amplitude
 
     def settled(place: Floats, i: Ints) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
         """Return whether nothing grows up to a frequency, or up to a mean at the only one."""
         mean, omega = (np.full(i.size, means[1]), place) if slow < fast else (place, np.full(i.size, fast))
         a, q = coefficients(i, mean, strongest, omega)
-        return growth_bounds(a, q) * omega <= family.least
+        return growth_bounds(a, q) * omega <= oscillators.least
 
     low, high = (slow, fast) if slow < fast else means
     ends = np.full(every.size, low), np.full(every.size, high)
     start = where_bounded(settled, *ends)
     matters = start < high
-    amplitudes = np.linspace(*plane.span, _CELLS + 1) if plane.over == "amplitude" else np.array([strongest])
+    amplitudes = np.linspace(*window.span, _CELLS + 1) if window.over == "amplitude" else np.array([strongest])
     least, most, met_least, met_most = ([] for _ in range(4))  # counts for each amplitude
-    step = (plane.span[1] - plane.span[0]) / _CELLS if amplitudes.size > 1 else 0.0
+    step = (window.span[1] - window.span[0]) / _CELLS if amplitudes.size > 1 else 0.0
     for amplitude in np.abs(amplitudes).tolist():
         if amplitude == 0.0:
             amplitude = 1e-9 * strongest  # without forcing tongues have no width, and no count is even
@@ -133,19 +144,21 @@ def _tongues(family: Family, plane: Plane) -> tuple[Ints, Ints, int]:
     met = np.max(met_most, axis=0) // 2 - (np.min(met_least, axis=0) + 1) // 2 + 1
     which, order = ladders((np.min(least, axis=0) + 1) // 2, np.where(matters, np.max(most, axis=0) // 2, -1))
     parts = [slice(start, start + _ASKED) for start in range(0, which.size, _ASKED)]
-    tall = np.concatenate([_tall(family, plane, which[part], order[part], strongest) for part in parts] or [which > 0])
+    tall = np.concatenate(
+        [_tall(oscillators, window, which[part], order[part], strongest) for part in parts] or [which > 0]
+    )
     return which[tall], order[tall], int(np.maximum(met, 0).sum())
 
 
-def _frequencies(plane: Plane) -> tuple[float, float]:
+def _frequencies(window: Window) -> tuple[float, float]:
     """Return the lowest and the highest frequency of a window."""
-    if plane.along == "frequency":
-        return plane.low, plane.high
-    return plane.span if plane.over == "frequency" else (plane.fixed, plane.fixed)
+    if window.along == "frequency":
+        return window.low, window.high
+    return window.span if window.over == "frequency" else (window.fixed, window.fixed)
 
 
 def _tall(
-    family: Family, plane: Plane, which: Ints, order: Ints, strongest: float
+    oscillators: Oscillators, window: Window, which: Ints, order: Ints, strongest: float
 ) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Return which tongues may exceed the level in the window.
 
@@ -155,15 +168,15 @@ def _tall(
     alone buckles a mode: those are all kept.)
     """
     line = np.full(which.size, strongest)
-    if plane.over == "frequency":
-        top = plane._replace(
-            along="frequency", over="amplitude", fixed=plane.high, low=plane.span[0], high=plane.span[1]
+    if window.over == "frequency":
+        top = window._replace(
+            along="frequency", over="amplitude", fixed=window.high, low=window.span[0], high=window.span[1]
         )
-        curves = TongueCurves(top, order, family.stiffness[which], family.gain[which], 0.0)
+        curves = TongueCurves(top, order, oscillators.stiffness[which], oscillators.gain[which], 0.0)
         edge, _ = curves.edges(np.arange(which.size), line)
-        line = np.clip(edge, *plane.span)
-    curves = TongueCurves(plane, order, family.stiffness[which], family.gain[which], 0.0)
-    tall = curves.ridge(np.arange(which.size), line) > family.least**2
-    if plane.along == "frequency":
-        tall |= family.stiffness[which] < family.gain[which] * plane.fixed
+        line = np.clip(edge, *window.span)
+    curves = TongueCurves(window, order, oscillators.stiffness[which], oscillators.gain[which], 0.0)
+    tall = curves.ridge(np.arange(which.size), line) > oscillators.least**2
+    if window.along == "frequency":
+        tall |= oscillators.stiffness[which] < oscillators.gain[which] * window.fixed
     return tall

@@ -9,9 +9,9 @@ from floquetrod._util.lazy import names_of
 if TYPE_CHECKING:
     from floquetrod.plane.axes import Axis, axis_values
     from floquetrod.plane.bands import Band, Bands
-    from floquetrod.plane.chart import BandSource, Chart, Progress
-    from floquetrod.plane.filling import charted, fill_rows
-    from floquetrod.plane.tracing import TracedBands
+    from floquetrod.plane.chart import BandSource, Chart
+    from floquetrod.plane.family import Family, Found, Progress, Verdicts
+    from floquetrod.plane.filling import charted
 
 __all__ = [
     "Axis",
@@ -19,34 +19,22 @@ __all__ = [
     "BandSource",
     "Bands",
     "Chart",
+    "Family",
+    "Found",
     "Progress",
-    "TracedBands",
+    "Verdicts",
     "axis_values",
     "charted",
-    "fill_rows",
 ]
 
 __getattr__ = names_of(
     __name__,
     {
-        "plane.axes": (
-            "Axis",
-            "axis_values",
-        ),
-        "plane.bands": (
-            "Band",
-            "Bands",
-        ),
-        "plane.chart": (
-            "BandSource",
-            "Chart",
-            "Progress",
-        ),
-        "plane.filling": (
-            "charted",
-            "fill_rows",
-        ),
-        "plane.tracing": ("TracedBands",),
+        "plane.axes": ("Axis", "axis_values"),
+        "plane.bands": ("Band", "Bands"),
+        "plane.chart": ("BandSource", "Chart"),
+        "plane.family": ("Family", "Found", "Progress", "Verdicts"),
+        "plane.filling": ("charted",),
     },
 )
 

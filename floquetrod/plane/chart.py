@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
@@ -16,6 +15,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Bands
+from floquetrod.plane.family import Progress
 
 _FORMAT = "floquetrod chart 3"
 
@@ -30,9 +30,6 @@ CELLS = {"proved stable": 1, "proved unstable": 0, "with a boundary": 2, "undeci
 
 ACCURACY = 1.0 / 3000.0
 """Accuracy of bands as a share of each axis: half a pixel of a picture 1,500 pixels wide (a choice)."""
-
-Progress = Callable[[int, int], None]
-"""Called with what is done and its total."""
 
 
 class BandSource(Protocol):

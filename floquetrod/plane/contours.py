@@ -7,7 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from floquetrod.plane.judging import Bools, Floats, Ints
+from floquetrod.plane.family import Bools, Floats, Ints
 
 
 @dataclass(frozen=True)

@@ -6,26 +6,10 @@ edge of the plane bounds an unstable region like any other boundary; nothing is 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeAlias
-
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod.plane.axes import Axis
-
-Floats: TypeAlias = NDArray[np.float64]
-Ints: TypeAlias = NDArray[np.int64]
-Bools: TypeAlias = NDArray[np.bool_]
-
-Judge: TypeAlias = Callable[[Floats, Floats], tuple[NDArray[np.int8], Floats]]
-"""Verdicts at places x, y (n,): 1 stable, 0 unstable, -1 undecided, and growth rates, NaN where not known."""
-
-Namer: TypeAlias = Callable[[float, float], tuple[int | None, int | None, int | None]]
-"""Mode, partner and tongue of what grows at a place, see `floquetrod.plane.Band`; None for what is not known."""
-
-VERTEX = 1e-10
-"""Share of the axes between the places judged unstable and not, on whose middle a vertex is put."""
+from floquetrod.plane.family import Bools, Family, Floats
 
 _HALVINGS = 60
 
@@ -37,23 +21,12 @@ class OutOfBudget(Exception):
 class Plane:
     """Verdicts at points given as shares of two axes, with a count of them."""
 
-    def __init__(
-        self,
-        judge: Judge,
-        x: Axis,
-        y: Axis,
-        level: float,
-        most: int,
-        quick: Judge | None = None,
-        vertex: float = VERTEX,
-    ) -> None:
-        self.judge = judge
-        self.quick = quick or judge
+    def __init__(self, family: Family, x: Axis, y: Axis, most: int) -> None:
+        self.family = family
         self.low = np.array([x.values[0], y.values[0]])
         self.high = np.array([x.values[-1], y.values[-1]])
-        self.level = level
-        self.most = most
-        self.vertex = vertex
+        self.most = min(most, family.most_judged)
+        self.vertex = family.vertex
         self.judged = 0
 
     def shares(self, places: Floats) -> Floats:
@@ -79,9 +52,9 @@ class Plane:
                 raise OutOfBudget
             self.judged += count
             place = self.places(shares[inside])
-            status, rate = (self.quick if quick else self.judge)(place[:, 0], place[:, 1])
-            unstable[inside] = status == 0
-            excess[inside] = rate - self.level
+            found = self.family.verdicts(place[:, 0], place[:, 1], quick=quick)
+            unstable[inside] = found.status == 0
+            excess[inside] = found.growth - self.family.growth_tolerance
         return unstable, excess
 
     def boundary(self, inside: Floats, outside: Floats) -> Floats:

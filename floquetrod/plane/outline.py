@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from floquetrod.plane.judging import Bools, Floats, Ints
+from floquetrod.plane.family import Bools, Floats, Ints
+from floquetrod.plane.polygons import tidied
 
 _AT_ONCE = 1 << 20  # pairs of rays and sides examined together (a choice): some tens of megabytes
 
@@ -100,23 +101,15 @@ class Outline:
         return distance, side
 
     def rings(self) -> list[Floats]:
-        """Return the places of each ring, without nodes between two others on the same edge of the plane."""
-        after, seen, rings = self.after.tolist(), [False] * self.size, []
+        """Return the places of each ring, without spare nodes."""
+        after, seen, order, number = self.after.tolist(), [False] * self.size, [], []
         for first in range(self.size):
-            ring, at = [], first
+            at = first
             while not seen[at]:
                 seen[at] = True
-                ring.append(at)
+                order.append(at)
+                number.append(first)
                 at = after[at]
-            if len(ring) > 2:
-                rings.append(_spare(self.place[ring]))
+        which, vertices = tidied(np.array(number, dtype=np.int64), self.place[order])
+        rings = np.split(vertices, np.flatnonzero(np.diff(which)) + 1)
         return [ring for ring in rings if len(ring) > 2]
-
-
-def _spare(ring: Floats) -> Floats:
-    """Leave out repeated places, and those on an edge of the plane between two others on it."""
-    ring = ring[(ring != np.roll(ring, 1, axis=0)).any(axis=1)]
-    before, later = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)
-    same = (ring == before) & (ring == later) & ((ring == 0.0) | (ring == 1.0))
-    result: Floats = ring[~same.any(axis=1)]
-    return result

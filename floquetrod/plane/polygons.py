@@ -4,7 +4,35 @@ from __future__ import annotations
 
 import numpy as np
 
-from floquetrod.plane.judging import Bools, Floats
+from floquetrod.plane.family import Bools, Floats, Ints
+
+
+def tidied(number: Ints, vertices: Floats) -> tuple[Ints, Floats]:
+    """Return polygons without spare vertices: of those that coincide one is left, of those on one straight line two.
+
+    Only level and upright lines count, as the edges of a plane are.
+
+    Parameters
+    ----------
+    number : ndarray (n,)
+        Which polygon each vertex belongs to, in increasing order.
+    vertices : ndarray (n, 2)
+        In the order of each polygon.
+    """
+    for straight in (False, True):
+        size = np.bincount(number)
+        stop, place = np.cumsum(size), np.arange(number.size)
+        begins = np.diff(number, prepend=-1) > 0
+        ends = np.diff(number, append=size.size) > 0
+        before = np.where(begins, stop[number] - 1, place - 1)
+        same = vertices == vertices[before]
+        if straight:
+            after = np.where(ends, (stop - size)[number], place + 1)
+            kept = ~(same & (vertices == vertices[after])).any(axis=1)
+        else:
+            kept = ~same.all(axis=1)
+        number, vertices = number[kept], vertices[kept]
+    return number, vertices
 
 
 def area(ring: Floats) -> float:

@@ -8,7 +8,8 @@ from typing import TypeAlias
 import numpy as np
 
 from floquetrod.plane.contours import Crossings
-from floquetrod.plane.judging import Bools, Floats, Ints, Plane, between
+from floquetrod.plane.family import Bools, Floats, Ints
+from floquetrod.plane.judging import Plane, between
 from floquetrod.plane.outline import Outline
 from floquetrod.plane.tips import THINNEST, follow
 

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from floquetrod.plane.judging import Bools, Floats, Ints, Plane, between
+from floquetrod.plane.family import Bools, Floats, Ints
+from floquetrod.plane.judging import Plane, between
 from floquetrod.plane.outline import Outline
 
 THINNEST = 10.0

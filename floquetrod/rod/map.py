@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
 from floquetrod._util import validate
-from floquetrod._util.version import __version__
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.plane import Axis, Chart, Progress, axis_values, fill_rows
+from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
 from floquetrod.rod.friction.mode_friction import friction_and_kick
 from floquetrod.rod.loads.axial import require_off_resonance
 from floquetrod.rod.loads.load import LIMITS, AnyLoad, Quantity, kind, require_load
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.modes.mode_model import ModeModel
-from floquetrod.rod.plane import LoadPlane
+from floquetrod.rod.plane import AXES, LoadPlane
 from floquetrod.rod.rod import Rod
-
-_AXES: dict[Quantity, tuple[str, str, str]] = {
-    "frequency": ("frequency", r"\omega", "rad/s"),
-    "mean": ("mean force", r"F_\mathrm{ave}", "N"),
-    "amplitude": ("amplitude", r"\Delta F", "N"),
-}
-"""Quantities of a load, the one drawn to the right first."""
 
 
 def stability_map(
@@ -109,8 +99,8 @@ def stability_map(
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     if damping is not None:
         rod = rod.replace(damping_rate=damping)
-    across, up = (name for name in _AXES if name not in fixed)
-    x, y = (Axis(*_AXES[name], axis_values(name, given[name])) for name in (across, up))
+    across, up = (name for name in AXES if name not in fixed)
+    x, y = (Axis(*AXES[name], axis_values(name, given[name])) for name in (across, up))
     value = validate.finite(fixed[0], given[fixed[0]])
     most = {fixed[0]: value, across: float(x.values[-1]), up: float(y.values[-1])}
     warn_unless_uniform(rod, kind(like).with_numbers(most["mean"], most["amplitude"], most["frequency"]))
@@ -119,46 +109,13 @@ def stability_map(
         _require_provable(model, tolerance, criterion=criterion, friction=rubbing)
     if fixed[0] == "frequency":
         require_off_resonance(model.like, rod.wave_speed, rod.length, value)
+    friction, kick = rubbing or (None, None)
     plane = LoadPlane(rod, across, up, fixed[0], value, tolerance, criterion, friction, kick, like, workers)
-
-    def rows(values: NDArray[np.float64]) -> tuple[NDArray[Any], ...]:
-        if growth:
-            return plane.with_growth(x.values, values)
-        return (plane.verdicts(x.values, values),)
-
-    kinds = (np.int8, np.float64, np.int64)[: 3 if growth else 1]
-    at_once = None if model.loads_at_once is None else max(1, model.loads_at_once // x.values.size)
-    verdicts, *rest = fill_rows(rows, y.values, x.values.size, kinds, progress, at_once)
-    name, _, unit = _AXES[fixed[0]]
-    fixed_values: list[list[Any]] = [[name, value, unit], ["critical force", rod.critical_force, "N"]]
-    if rubbing is not None:
-        fixed_values += [["friction", rubbing[0], ""], ["kick", rubbing[1], "m/s"]]
-    subject: dict[str, Any] = {"kind": "rod", "fixed": fixed_values, "rod": rod.as_dict()}
-    if like is not None:
-        subject["load"] = like.kind_as_dict()
-        subject["kind"] = ", ".join(filter(None, ["rod", like.departures]))
-    rate, mode = rest if growth else (None, None)
-    words = "" if criterion is None else str(criterion)
-    undecided = int((verdicts == -1).sum())
-    plain = rubbing is None and criterion is None
-    source = model.bands(across, up, x, y, value, tolerance) if plain else None
-    cells = None
-    if certified:
-        cells = model.certified_cells({across: x, up: y}, (fixed[0], value), tolerance, workers, progress)
-    return Chart(
-        x,
-        y,
-        verdicts == 1,
-        rate,
-        mode,
-        "1/s",
-        subject,
-        tolerance,
-        words,
-        undecided,
-        __version__,
-        source or plane.traced(x, y, verdicts),
-        cells,
+    found = charted(plane, x, y, growth=growth, progress=progress)
+    if not certified:
+        return found
+    return replace(
+        found, cells=model.certified_cells({across: x, up: y}, (fixed[0], value), tolerance, workers, progress)
     )
 
 

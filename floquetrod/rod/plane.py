@@ -6,32 +6,35 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util.arrays import shaped
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.plane import Axis, TracedBands
-from floquetrod.plane.judging import VERTEX
-from floquetrod.rod.loads.load import AnyLoad, Loads, Quantity
+from floquetrod.plane import Axis, Family, Found, Progress, Verdicts
+from floquetrod.plane.family import VERTEX, Floats
+from floquetrod.rod.loads.load import Load, Loads, Quantity
+from floquetrod.rod.modes.mode_model import BandFinder, ModeModel
 from floquetrod.rod.rod import Rod
 
-_MOST_FAST, _MOST_SLOW = 100_000, 4000
-"""Points judged at most for bands: by a criterion, and of coupled modes or with friction, a minute or so (a choice)."""
-
-_VERTEX_SLOW = 1e-6
-"""How far their vertices may be from the boundary, as a share of the axes: nearer to it verdicts take much longer."""
+AXES: dict[Quantity, tuple[str, str, str]] = {
+    "frequency": ("frequency", r"\omega", "rad/s"),
+    "mean": ("mean force", r"F_\mathrm{ave}", "N"),
+    "amplitude": ("amplitude", r"\Delta F", "N"),
+}
+"""Quantities of a load, the one drawn to the right first."""
 
 
 @dataclass(frozen=True)
-class LoadPlane:
-    """What is asked about a rod's loads in a plane; it judges places for `floquetrod.plane.TracedBands`.
+class LoadPlane(Family):
+    """A rod's loads over a plane.
 
     Attributes
     ----------
     across, up, fixed : str
         The quantities, that along x first; the last has one value, ``value``.
-    growth_tolerance, criterion, friction, kick, like, workers
+    growth_tolerance, friction, kick, like, workers
         As in `stability_map`.
+    test : FiniteTimeCriterion or None
+        Its criterion.
     """
 
     rod: Rod
@@ -40,54 +43,96 @@ class LoadPlane:
     fixed: Quantity
     value: float
     growth_tolerance: float
-    criterion: FiniteTimeCriterion | None
+    test: FiniteTimeCriterion | None
     friction: float | None
     kick: float | None
-    like: AnyLoad | None
+    like: Load | None
     workers: int | None
+    growth_unit: str = "1/s"
 
-    def verdicts(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> Any:
-        """Return 1 where stable, 0 where not, -1 where undecided, x and y broadcast against each other."""
-        return self.rod.verdicts(
+    @property
+    def model(self) -> ModeModel:
+        """What the modes are."""
+        return self.rod.modes_under(self.like)
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether stable means that nothing grows for all time, without friction."""
+        return self.test is None and self.friction is None
+
+    @property
+    def prompt(self) -> bool:
+        """Whether there are exact bands."""
+        return self.is_plain and self.model.bands(self.across, self.up, self.value, self.growth_tolerance) is not None
+
+    @property
+    def criterion(self) -> str:
+        """What passes the test."""
+        return "" if self.test is None else str(self.test)
+
+    @property
+    def points_at_once(self) -> int:
+        """As many as the model likes."""
+        return self.model.loads_at_once or super().points_at_once
+
+    @property
+    def most_judged(self) -> int:
+        """Fewer than usual: a criterion, and more so coupled modes or friction, take a minute or so (a choice)."""
+        return 100_000 if self._is_fast else 4000
+
+    @property
+    def vertex(self) -> float:
+        """Nearer to a boundary than this, verdicts but those of a criterion take much longer."""
+        return VERTEX if self._is_fast else 1e-6
+
+    @property
+    def _is_fast(self) -> bool:
+        return self.test is not None and self.friction is None
+
+    def subject(self) -> dict[str, Any]:
+        """Return the rod, its load, and what does not vary."""
+        name, _, unit = AXES[self.fixed]
+        fixed = [[name, self.value, unit], ["critical force", self.rod.critical_force, "N"]]
+        if self.friction is not None:
+            fixed += [["friction", self.friction, ""], ["kick", self.kick, "m/s"]]
+        subject: dict[str, Any] = {"kind": "rod", "fixed": fixed, "rod": self.rod.as_dict()}
+        if self.like is not None:
+            subject["load"] = self.like.kind_as_dict()
+            subject["kind"] = ", ".join(filter(None, ["rod", self.like.departures]))
+        return subject
+
+    def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
+        """Return verdicts, with growth rates in 1/s and the numbers of the fastest modes where they must be told."""
+        if growth and self.is_plain:
+            loads = Loads.of(*self._load(x, y))
+            found = self.model.answers(loads, self.growth_tolerance, self.workers)
+            return Verdicts(*(shaped(each, loads.shape) for each in found))
+        status = self.rod.verdicts(
             *self._load(x, y),
             growth_tolerance=self.growth_tolerance,
-            criterion=self.criterion,
+            criterion=self.test,
             friction=self.friction,
             kick=self.kick,
             like=self.like,
             workers=self.workers,
         )
+        return Verdicts(np.asarray(status), *(self._fastest(x, y) if growth else ()))
 
-    def with_growth(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[Any, Any, Any]:
-        """Return verdicts, growth rates in 1/s and the numbers of the fastest modes."""
-        if self.criterion is not None:
-            return self.verdicts(x, y), *self.fastest(x, y)
-        loads = Loads.of(*self._load(x, y))
-        found = self.rod.modes_under(self.like).answers(loads, self.growth_tolerance, self.workers)
-        return shaped(found.status, loads.shape), shaped(found.growth, loads.shape), shaped(found.mode, loads.shape)
+    def growth(self, x: Floats, y: Floats) -> Floats:
+        """Return growth rates in 1/s, which tell nothing about a test in finite time or a kick against friction."""
+        return np.asarray(self._fastest(x, y)[0]) if self.is_plain else np.full(x.shape, np.nan)
 
-    def fastest(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[Any, Any]:
+    def exact_bands(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> Found | None:
+        """Return the bands between exact curves where the model has them."""
+        find: BandFinder | None = None
+        if self.is_plain:
+            find = self.model.bands(self.across, self.up, self.value, self.growth_tolerance)
+        return None if find is None else find(x, y, accuracy, progress)
+
+    def _fastest(self, x: Floats, y: Floats) -> tuple[Any, Any]:
         """Return the growth rate in 1/s and the number of the fastest mode."""
         return self.rod.fastest(*self._load(x, y), like=self.like, workers=self.workers)
 
-    def growth(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the growth rate in 1/s."""
-        return np.asarray(self.fastest(x, y)[0])
-
-    def __call__(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
-        """Return verdicts, and NaN: growth is asked for apart."""
-        return np.asarray(self.verdicts(x, y)).astype(np.int8), np.full(x.size, np.nan)
-
-    def traced(self, x: Axis, y: Axis, verdicts: NDArray[np.int8]) -> TracedBands:
-        """Return the source that traces the bands of a map; growth is not known with friction or a criterion."""
-        plain = self.criterion is None and self.friction is None
-        growth = self.growth if plain else None
-        fast = self.criterion is not None and self.friction is None
-        most, vertex = (_MOST_FAST, VERTEX) if fast else (_MOST_SLOW, _VERTEX_SLOW)
-        return TracedBands(
-            self, x, y, verdicts == 0, "1/s", self.growth_tolerance, growth, most=most, vertex=vertex, prompt=False
-        )
-
-    def _load(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[Any, Any, Any]:
+    def _load(self, x: Floats, y: Floats) -> tuple[Any, Any, Any]:
         along: dict[Quantity, Any] = {self.across: x, self.up: y, self.fixed: self.value}
         return along["mean"], along["amplitude"], along["frequency"]

@@ -15,8 +15,8 @@ from floquetrod.floquet.methods.determinant import determinant
 from floquetrod.floquet.methods.square_wave import square_wave
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.floquet.verdict import Stability
-from floquetrod.plane import Axis, Band, Bands, TracedBands
-from floquetrod.plane.chart import ACCURACY
+from floquetrod.plane import Axis, Band, Bands, charted
+from floquetrod.plane.family import Judged
 from floquetrod.plotting import palette
 from floquetrod.plotting import paper as drawing
 from floquetrod.plotting.paper import Interval
@@ -144,12 +144,10 @@ def figure_8(points: int, chart: int) -> Any:
 def _traced(method: Callable[[Mathieu], Stability], points: int) -> Bands:
     """Return the bands of the chart that a method finds unstable, traced from its verdicts."""
 
-    def judge(alpha: Floats, beta: Floats) -> tuple[NDArray[np.int8], Floats]:
-        status = [method(Mathieu(x, y)).status for x, y in zip(alpha.tolist(), beta.tolist(), strict=True)]
-        return np.array([STATUS_CODES[each] for each in status], dtype=np.int8), np.full(alpha.size, np.nan)
+    def status(alpha: float, beta: float) -> int:
+        return STATUS_CODES[method(Mathieu(alpha, beta)).status]
 
+    judge = np.vectorize(status, otypes=[np.int8])
     alpha, beta = (values.ravel() for values in window(points))
-    x, y = np.meshgrid(alpha, beta)
-    unstable = judge(x.ravel(), y.ravel())[0].reshape(x.shape) == 0
-    axes = Axis("alpha", r"\alpha", "", alpha), Axis("beta", r"\beta", "", beta)
-    return TracedBands(judge, *axes, unstable, "per tau", 0.0)(ACCURACY, None)
+    family = Judged(lambda x, y: (judge(x, y), np.nan))
+    return charted(family, Axis("alpha", r"\alpha", "", alpha), Axis("beta", r"\beta", "", beta)).bands

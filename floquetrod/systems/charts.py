@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -18,14 +18,11 @@ from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.systems.many import STABLE, UNSTABLE
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import tolerated
-from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
-from floquetrod.plane.judging import VERTEX
+from floquetrod.plane import Axis, Chart, Family, Progress, Verdicts, axis_values, charted
+from floquetrod.plane.family import VERTEX, Floats, Names
 from floquetrod.systems import arrays
 
 Problem = Equation | HillSystem | PeriodicSystem
-
-_VERTEX = 1e-8
-"""Share of the axes within which vertices of systems lie on a boundary (a choice: closer to it verdicts are slow)."""
 
 _GREEK = re.compile(
     "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|iota|kappa|lambda|mu|nu|xi|pi|rho|sigma|tau|upsilon|phi|chi|psi|omega"
@@ -76,66 +73,100 @@ def chart(
     [[True, False, True], [True, False, True]]
     """
     validate.function("family", family)
-    (x_name, x_values), (y_name, y_values) = _parameters(over)
-    x, y = (Axis(name, _symbol(name), "", values) for name, values in ((x_name, x_values), (y_name, y_values)))
-    growth = validate.flag("growth", growth)
+    x, y = (Axis(name, _symbol(name), "", values) for name, values in _parameters(over))
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-    workers = validate.workers(workers)
+    growth, workers = validate.flag("growth", growth), validate.workers(workers)
     validate.progress(progress)
-    first = _member(family, {x_name: float(x_values[0]), y_name: float(y_values[0])}, None)
-    kinds = {_kind(first)}
-
-    judge = _Judge(family, (x_name, y_name), first, tolerance, workers)
-
-    def row(values: NDArray[np.float64]) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
-        members = judge.members(x_values, np.full(x_values.size, values.item()))
-        kinds.update(map(_kind, members))
-        status, rate = _verdicts(members, tolerance, workers)
-        return status[None, :], rate[None, :]
-
-    return charted(
-        x,
-        y,
-        row,
-        growth=growth,
-        growth_tolerance=tolerance,
-        growth_unit="per tau" if isinstance(first, Equation) else "per unit time",
-        subject=lambda: {"kind": ", ".join(sorted(kinds)), "fixed": []},
-        rows_at_once=1,
-        progress=progress,
-        judge=judge,
-        quick=replace(judge, quick=True),
-        name=judge.name,
-        vertex=VERTEX if isinstance(first, Equation) else _VERTEX,
-    )
+    return charted(Members.of(family, x, y, tolerance, workers), x, y, growth=growth, progress=progress)
 
 
-@dataclass(frozen=True, eq=False)
-class _Judge:
-    """Verdicts on a family's members at any places."""
+@dataclass(frozen=True)
+class Members(Family):
+    """Any family of a user: a function that returns the equation or system of a place.
 
-    family: Callable[..., Problem]
+    Attributes
+    ----------
+    function : callable (keywords) -> Problem
+    names : tuple of str
+        The keywords, that of x first.
+    like : Problem
+        One of the members: equations make charts per unit tau, systems of their own unit of time.
+    growth_tolerance, workers
+        As in `chart`.
+    fixed : tuple of (name, value, unit)
+        What the same function has been told besides.
+    kinds : set of str
+        What the members judged so far are, in words.
+    """
+
+    function: Callable[..., Problem]
     names: tuple[str, str]
     like: Problem
-    tolerance: float
-    workers: int | None
-    quick: bool = False
+    growth_tolerance: float
+    workers: int | None = None
+    fixed: tuple[tuple[str, float, str], ...] = ()
+    kinds: set[str] = field(default_factory=set, compare=False)
 
-    def members(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> list[Problem]:
+    @classmethod
+    def of(
+        cls,
+        function: Callable[..., Problem],
+        x: Axis,
+        y: Axis,
+        growth_tolerance: float,
+        workers: int | None,
+        fixed: tuple[tuple[str, float, str], ...] = (),
+    ) -> Members:
+        """Return the family of a function called with the names of two axes."""
+        corner = {axis.name: float(axis.values[0]) for axis in (x, y)}
+        return cls(function, (x.name, y.name), _member(function, corner, None), growth_tolerance, workers, fixed)
+
+    @property
+    def growth_unit(self) -> str:  # type: ignore[override]
+        """Growth per unit tau of equations, per unit of the time that a system's period is given in."""
+        return "per tau" if isinstance(self.like, Equation) else "per unit time"
+
+    @property
+    def vertex(self) -> float:
+        """Closer to a boundary than this verdicts on systems are slow (a choice)."""
+        return VERTEX if isinstance(self.like, Equation) else 1e-8
+
+    @property
+    def points_at_once(self) -> int:
+        """One row."""
+        return 1
+
+    def subject(self) -> dict[str, Any]:
+        """Say what the members are."""
+        return {"kind": ", ".join(sorted(self.kinds)), "fixed": [list(each) for each in self.fixed]}
+
+    def members(self, x: Floats, y: Floats) -> list[Problem]:
+        """Return the members at places x, y (n,)."""
         points = (dict(zip(self.names, place, strict=True)) for place in zip(x.tolist(), y.tolist(), strict=True))
-        return [_member(self.family, point, self.like) for point in points]
+        members = [_member(self.function, point, self.like) for point in points]
+        self.kinds.update(map(_kind, members))
+        return members
 
-    def __call__(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
-        """Return status and growth rate at places."""
-        return _verdicts(self.members(x, y), self.tolerance, self.workers, self.quick)
+    def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
+        """Return status and growth rate, which every verdict tells."""
+        x, y = np.broadcast_arrays(x, y)
+        members = self.members(x.ravel(), y.ravel())
+        systems = [member for member in members if not isinstance(member, Equation)]
+        if systems:
+            answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=self.workers, quick=quick))
+            status, rate = (np.array(column) for column in zip(*answers, strict=True))
+            status[(status == UNSTABLE) & tolerated(rate, self.growth_tolerance)] = STABLE
+        else:
+            status, rate = one_by_one.verdicts(members, self.growth_tolerance)
+        return Verdicts(status.reshape(x.shape), rate.reshape(x.shape))
 
-    def name(self, x: float, y: float) -> tuple[int | None, int | None, int | None]:
+    def name(self, x: float, y: float) -> Names:
         """Return the mode, its partner and the order of the fastest resonance at a place; None where none is named.
 
         Nor is buckling: a region of it may hold that of several modes.
         """
         (member,) = self.members(np.array([x]), np.array([y]))
-        verdict = stability(member)
+        verdict = None if isinstance(member, Equation) else stability(member)
         if not isinstance(verdict, SystemStability) or not verdict.resonances:
             return None, None, None
         resonance = verdict.resonances[0]
@@ -146,19 +177,6 @@ class _Judge:
         first, second = resonance.modes
         order = resonance.order or None
         return (second, -first, order) if resonance.kind == "difference" else (first, second, order)
-
-
-def _verdicts(
-    members: Sequence[Problem], tolerance: float, workers: int | None, quick: bool = False
-) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
-    """Return 1 where stable, 0 where not and -1 where undecided, and the growth rates."""
-    systems = [member for member in members if not isinstance(member, Equation)]
-    if not systems:
-        return one_by_one.verdicts(members, tolerance)
-    answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=workers, quick=quick))
-    status, rate = (np.array(column) for column in zip(*answers, strict=True))
-    status[(status == UNSTABLE) & tolerated(rate, tolerance)] = STABLE
-    return status.astype(np.int8), rate
 
 
 def _parameters(over: Any) -> list[tuple[str, NDArray[np.float64]]]:

@@ -26,7 +26,7 @@ from floquetrod.rod.model.constants import (
     mode_constants,
 )
 from floquetrod.rod.modes.independent_verdict import classify_modes
-from floquetrod.rod.modes.mode_model import Bools, Floats, Ints, ModeModel, Statuses
+from floquetrod.rod.modes.mode_model import BandFinder, Bools, Floats, Ints, ModeModel, Statuses
 
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
     from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
-    from floquetrod.rod.modes.independent_bands import ExactRodBands
 
 _PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
 
@@ -170,13 +169,11 @@ class IndependentModel(ModeModel):
 
         return SearchedTongues(self.rod, search, modes).unstable_bands(bands)
 
-    def bands(
-        self, across: Quantity, up: Quantity, x: Axis, y: Axis, fixed: float, growth_tolerance: float
-    ) -> ExactRodBands:
+    def bands(self, across: Quantity, up: Quantity, fixed: float, growth_tolerance: float) -> BandFinder:
         """Return what finds the unstable bands of a map between exact curves."""
-        from floquetrod.rod.modes.independent_bands import ExactRodBands
+        from floquetrod.rod.modes.independent_bands import ExactBands
 
-        return ExactRodBands(self.constants, across, up, x.ends, y.ends, fixed, growth_tolerance)
+        return ExactBands(self.constants, across, up, fixed, growth_tolerance)
 
     # --- a kick against friction, and a test of finite time ---
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from floquetrod.rod.model.data import RodData
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
     from floquetrod.mathieu.criterion import FiniteTimeCriterion
-    from floquetrod.plane import Axis, BandSource
+    from floquetrod.plane import Axis, Found
     from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
@@ -34,6 +34,13 @@ Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Statuses = NDArray[np.int8]
+
+
+class BandFinder(Protocol):
+    """Finds the unstable bands of a map over two axes, of which the ends count, see `floquetrod.plane.Family`."""
+
+    def __call__(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> Found:
+        """Return them."""
 
 
 class Answers(NamedTuple):
@@ -180,9 +187,7 @@ class ModeModel(ABC):
     ) -> tuple[UnstableBand, ...]:
         """Return what grows between the ends of bands, in increasing order, in which nothing is stable."""
 
-    def bands(
-        self, across: Quantity, up: Quantity, x: Axis, y: Axis, fixed: float, growth_tolerance: float
-    ) -> BandSource | None:
+    def bands(self, across: Quantity, up: Quantity, fixed: float, growth_tolerance: float) -> BandFinder | None:
         """Return what finds the unstable bands of a map between exact curves; None where verdicts must be traced."""
         return None
 

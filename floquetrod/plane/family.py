@@ -1,0 +1,131 @@
+"""What a chart is of: problems over a plane, told by verdicts on places, and by exact bands where there are any."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.plane.axes import Axis
+from floquetrod.plane.bands import Band
+
+Floats: TypeAlias = NDArray[np.float64]
+Ints: TypeAlias = NDArray[np.int64]
+Bools: TypeAlias = NDArray[np.bool_]
+
+Progress: TypeAlias = Callable[[int, int], None]
+"""Called with what is done and its total."""
+
+Names: TypeAlias = tuple[int | None, int | None, int | None]
+"""Mode, partner and tongue of what grows, see `floquetrod.plane.Band`; None for what is not known."""
+
+VERTEX = 1e-10
+"""Share of the axes between the places judged unstable and not, on whose middle a vertex is put."""
+
+
+class Verdicts(NamedTuple):
+    """Of places: status 1, 0 or -1, growth rate (NaN where not known), and the fastest mode, None if nothing has modes.
+
+    Each an array of the shape of the places, or one value for all.
+    """
+
+    status: Any
+    growth: Any = np.nan
+    mode: Any = None
+
+
+class Found(NamedTuple):
+    """Bands and what is left out of them, as in `floquetrod.plane.Bands`."""
+
+    bands: tuple[Band, ...]
+    hairlines: int
+    accuracy: float
+    resolution: tuple[float, float]
+
+
+class Family(ABC):
+    """Problems over a plane; one that can be pickled makes a chart that can be.
+
+    What is not abstract here a family may leave as it is.
+
+    Attributes
+    ----------
+    growth_unit, growth_tolerance
+        As in `floquetrod.plane.Chart`.
+    """
+
+    growth_unit: str
+    growth_tolerance: float
+
+    @abstractmethod
+    def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
+        """Return verdicts at places x, y, broadcast against each other.
+
+        Parameters
+        ----------
+        growth : bool
+            Whether growth must be told, and the mode where there is one; else it may be NaN.
+        quick : bool
+            Whether what would take long may stay undecided.
+        """
+
+    def subject(self) -> dict[str, Any]:
+        """Return what is charted, see `floquetrod.plane.Chart`; asked when all points are judged."""
+        return {"kind": "", "fixed": []}
+
+    def growth(self, x: Floats, y: Floats) -> Floats:
+        """Return growth rates at places x, y (n,) in a band, NaN where they are not known."""
+        return np.asarray(self.verdicts(x, y, growth=True).growth)
+
+    def name(self, x: float, y: float) -> Names:
+        """Return what grows at a place."""
+        return None, None, None
+
+    def exact_bands(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> Found | None:
+        """Return the bands between exact curves, None where verdicts must be traced."""
+        return None
+
+    @property
+    def prompt(self) -> bool:
+        """Whether bands are found about as fast as the chart, so that they may be drawn unasked."""
+        return True
+
+    @property
+    def criterion(self) -> str:
+        """What "stable" means where it is not the problem's own stability; "" where it is."""
+        return ""
+
+    @property
+    def points_at_once(self) -> int:
+        """Points judged between two reports of progress; whole rows are, one at least."""
+        return 1 << 18  # about a megabyte an array (a choice)
+
+    @property
+    def most_judged(self) -> int:
+        """Places judged at most while bands are traced."""
+        return 300_000  # a choice
+
+    @property
+    def vertex(self) -> float:
+        """How far traced vertices may be from the boundary, as a share of the axes.
+
+        Tongues ten times as thin are not followed.
+        """
+        return VERTEX
+
+
+@dataclass(frozen=True)
+class Judged(Family):
+    """A family told by a function from places x, y to status and growth rate alone."""
+
+    judge: Callable[[Any, Any], tuple[Any, Any]]
+    growth_unit: str = "per tau"
+    growth_tolerance: float = 0.0
+
+    def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
+        """Return what the function says."""
+        return Verdicts(*self.judge(x, y))
