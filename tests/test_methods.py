@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.floquet.dispatch import EQUATIONS
 from floquetrod.floquet.methods.determinant import _log_product, determinant
 from floquetrod.floquet.methods.reference import discriminant_excess
 from floquetrod.floquet.methods.spectral import spectral
+from floquetrod.floquet.registry import METHODS, applicable
 from floquetrod.floquet.verdict import Cost, Interval, Verdict, classify
 from strategies import decades, hills, mathieus, near_boundary_points, numbers, square_waves
 
@@ -161,8 +161,8 @@ def test_stated_errors_cover_the_truth(equation: fr.Mathieu | fr.Meissner | fr.H
     with mpmath.workdps(40):
         period = mpmath.mpf(equation.period) if isinstance(equation, fr.Hill) else 2 * mpmath.pi
         truth = exact.sign * (4 * exact.excess + 2) * mpmath.exp(-period * equation.damping)
-    for name, applies in EQUATIONS.methods.items():
-        if not applies(equation) or name == "reference":
+    for name in (method.name for method in applicable(equation)):
+        if name == "reference":
             continue
         if name == "square_wave" and isinstance(equation, fr.Mathieu):  # an approximation, and says so
             continue
@@ -259,10 +259,36 @@ def test_auto_takes_no_options_and_names_are_checked() -> None:
         fr.stability(fr.Mathieu(1.0, 0.0), digits=30)
     with pytest.raises(ValueError, match="method must be one of 'auto', 'spectral'"):
         fr.stability(fr.Mathieu(1.0, 0.0), method="magic")
+    for method, taken in (
+        ("spectral", "no options"),
+        ("determinant", "terms"),
+        ("leapfrog", "step and periods and limit"),
+    ):
+        with pytest.raises(TypeError, match=f"^method='{method}' takes {taken}, got digits$"):
+            fr.stability(fr.Mathieu(1.0, 0.0), method=method, digits=30)
+    with pytest.raises(TypeError, match=r"^method='reference' takes digits, got most_digits$"):
+        fr.stability(fr.Mathieu(1.0, 0.0), method="reference", digits=30, most_digits=60)
     with pytest.raises(TypeError, match="equation must be an Equation, such as Mathieu"):
         fr.stability("Mathieu")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="equation must be one Fourier series"):
         fr.stability(fr.Meissner(1.0, 0.0), method="spectral")
+
+
+def test_compare_says_which_methods_do_not_apply_and_why() -> None:
+    for problem in (fr.Mathieu(0.5, -0.25), fr.Meissner(0.5, -0.25), fr.HillSystem([[1.0]], gyroscopic=None)):
+        comparison = fr.compare(problem)
+        assert [r.method for r in comparison.results] == [method.name for method in applicable(problem)]
+        left_out = dict(comparison.left_out)
+        assert {r.method for r in comparison.results} | left_out.keys() == {method.name for method in METHODS}
+        for method, why in left_out.items():
+            kind = next(each for each in METHODS if each.name == method).serves(problem)
+            with pytest.raises(
+                ValueError if kind is None else TypeError, match="method must be" if kind is None else why
+            ):
+                fr.stability(problem, method)
+    assert dict(fr.compare(fr.Mathieu(0.5, -0.25)).left_out)["segmented"] == (
+        "segmented is a method for systems, not for scalar equations"
+    )
 
 
 def test_the_verdict_decides_only_beyond_the_error() -> None:

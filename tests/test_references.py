@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 import floquetrod as fr
-from floquetrod.floquet.dispatch import EQUATIONS, SYSTEMS
 from floquetrod.floquet.references import FLOQUETROD, SOURCES, STUDY, references
+from floquetrod.floquet.registry import METHODS
 
 MATHIEU = fr.Mathieu(0.5, -0.25)
 SYSTEM = fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]])
@@ -19,12 +19,22 @@ LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
 
 
 def test_every_method_has_sources_and_no_others_have() -> None:
-    named = {("equation", name) for name in EQUATIONS.methods} | {("system", name) for name in SYSTEMS.methods}
+    named = {("equation", method.name) for method in METHODS if method.equations is not None}
+    named |= {("system", method.name) for method in METHODS if method.systems is not None}
     others = {("equation", "certify"), ("system", "certify"), ("any", "solve"), ("rod", "model")}
     assert SOURCES.keys() == named | others
     assert all(SOURCES.values())
     with pytest.raises(KeyError):
         references(("equation", "guess"))
+
+
+def test_every_method_is_named_where_people_look() -> None:
+    page = (Path(__file__).parents[1] / "docs/reference/verdicts.rst").read_text(encoding="utf-8")
+    systems = (Path(__file__).parents[1] / "docs/reference/systems.rst").read_text(encoding="utf-8")
+    for method in METHODS:
+        assert f'"{method.name}"' in str(fr.stability.__doc__)
+        assert method.equations is None or f"floquetrod.methods.{method.name}\n" in page
+        assert method.systems is None or f"floquet.system_methods.{method.name}\n" in systems
 
 
 def test_floquetrod_is_cited_as_its_own_file_says() -> None:

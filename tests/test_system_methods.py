@@ -16,14 +16,14 @@ from scipy.integrate import solve_ivp
 import floquetrod as fr
 from conftest import depth
 from floquetrod.floquet import system_methods
-from floquetrod.floquet.dispatch import SYSTEMS
+from floquetrod.floquet.registry import METHODS, applicable
 from floquetrod.floquet.system_methods import reference, segmented, spectral
 from floquetrod.floquet.systems import counts, precise_maps
 from fuzz import neutral
 from strategies import numbers, systems
 from system_cases import CASES, coupled, wide
 
-EVERY = {name: getattr(system_methods, name) for name in SYSTEMS.methods}
+EVERY = {m.name: getattr(system_methods, m.name) for m in METHODS if m.systems is not None}
 METHODS = {name: method for name, method in EVERY.items() if name != "half_period"}  # they take any system
 System = fr.HillSystem | fr.PeriodicSystem
 
@@ -59,7 +59,7 @@ def check_agreement(one: Any, truth: Any, slack: float = 1e-13) -> None:
 
 
 @pytest.mark.parametrize(
-    ("case", "method"), [(case, name) for case in CASES for name in EVERY if SYSTEMS.methods[name](CASES[case][0])]
+    ("case", "method"), [(case, method.name) for case in CASES for method in applicable(CASES[case][0])]
 )
 def test_truth(case: str, method: str) -> None:
     system, growth, status = CASES[case]
@@ -142,9 +142,9 @@ def test_one_equation_is_the_scalar_one(
 def test_methods_agree(system: System) -> None:
     truth = reference(system)
     assert truth.error < 1e-14 or truth.status == "undecided"
-    for name, applies in SYSTEMS.methods.items():
-        if applies(system) and name != "reference":
-            check_agreement(EVERY[name](system), truth)
+    for method in applicable(system):
+        if method.name != "reference":
+            check_agreement(EVERY[method.name](system), truth)
 
 
 @settings(max_examples=depth(8, 3))
@@ -439,9 +439,9 @@ def test_a_single_sine_is_reversible_about_a_quarter_of_its_period(harmonic: int
 
     found = solve_ivp(slope, (0.0, 2.0), np.eye(4).ravel(), method="DOP853", rtol=1e-12, atol=1e-13)
     expected = np.poly(found.y[:, -1].reshape(4, 4))
-    for name, applies in SYSTEMS.methods.items():
-        assert applies(system)
-        result = EVERY[name](system)
+    assert [method.name for method in applicable(system)] == list(EVERY)
+    for method in EVERY.values():
+        result = method(system)
         assert result.status == "stable", result
         assert np.poly(np.array(result.multipliers)) == pytest.approx(expected, abs=1e-9)
 

@@ -111,9 +111,9 @@ def test_what_the_quick_rules_leave_open_is_judged_alone(monkeypatch: pytest.Mon
     same = fr.HillSystem(np.eye(2), [np.array([0.1, 0.2])[:, None, None] * np.eye(2)], period=2.0)
     asked, judge = [], arrays.judge
 
-    def counted(family: Any, system: Any, **options: Any) -> Any:
+    def counted(system: Any, **options: Any) -> Any:
         asked.append(system)
-        return judge(family, system, **options)
+        return judge(system, **options)
 
     monkeypatch.setattr(arrays, "judge", counted)
     found = arrays.verdicts(same)

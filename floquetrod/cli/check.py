@@ -34,6 +34,7 @@ from floquetrod.cli.loads import (
 )
 from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting
+from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
 from floquetrod.rod.answers.verdict import QUICK, Margin, RodStability
 from floquetrod.rod.loads.load import KINDS, Load, Quantity
@@ -133,7 +134,8 @@ def add(check: argparse.ArgumentParser) -> None:
     check.add_argument(
         "--plot-force", metavar="FILE", type=Path, help="write the measured force with its fit (.png, .pdf, .svg)"
     )
-    check.add_argument("--method", help="of a system: half_period, monodromy, ... (default: the first that decides)")
+    names = ", ".join(method.name for method in METHODS if method.systems is not None)
+    check.add_argument("--method", help=f"of a system: {names} (default: the first that decides)")
 
 
 def _check(options: argparse.Namespace) -> Answer:

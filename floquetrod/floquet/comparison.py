@@ -9,9 +9,10 @@ from typing import Any
 
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.report import Report, Reported, Table
-from floquetrod.equations import Equation, HillSystem, PeriodicSystem
-from floquetrod.floquet.dispatch import family_of, run
+from floquetrod.equations import Equation
+from floquetrod.floquet.dispatch import run
 from floquetrod.floquet.references import united
+from floquetrod.floquet.registry import METHODS, Problem, applicable, require_problem
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability
 
@@ -32,7 +33,7 @@ class Comparison(Reported, NoTruthValue):
 
     ask = ".agree, or .stable of each of its .results"
 
-    equation: Equation | HillSystem | PeriodicSystem
+    equation: Problem
     results: tuple[Stability | SystemStability, ...]
     seconds: tuple[float, ...] = field(compare=False)
 
@@ -53,6 +54,12 @@ class Comparison(Reported, NoTruthValue):
     def agree(self) -> bool:
         """Whether no two methods contradict each other."""
         return not self.disagreements
+
+    @property
+    def left_out(self) -> tuple[tuple[str, str], ...]:
+        """The methods that do not apply, each with the reason."""
+        refusals = ((method.name, method.refusal(self.equation)) for method in METHODS)
+        return tuple((name, refusal) for name, refusal in refusals if refusal is not None)
 
     @property
     def references(self) -> tuple[str, ...]:
@@ -102,7 +109,7 @@ class Comparison(Reported, NoTruthValue):
         return f"{report.headline}\n{report.table}"
 
 
-def compare(equation: Equation | HillSystem | PeriodicSystem) -> Comparison:
+def compare(equation: Problem) -> Comparison:
     """Classify an equation or a system by every method that applies, and report where they agree and where not.
 
     Examples
@@ -112,10 +119,9 @@ def compare(equation: Equation | HillSystem | PeriodicSystem) -> Comparison:
     True
     """
     results, seconds = [], []
-    family = family_of(equation)
-    for name, applies in family.methods.items():
-        if applies(equation):
-            start = time.perf_counter()
-            results.append(run(family, name, equation))
-            seconds.append(time.perf_counter() - start)
+    require_problem(equation)
+    for method in applicable(equation):
+        start = time.perf_counter()
+        results.append(run(method.name, equation))
+        seconds.append(time.perf_counter() - start)
     return Comparison(equation, tuple(results), tuple(seconds))

@@ -2,116 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, NamedTuple, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod._util.calling import tells_arguments
-from floquetrod.equations import Equation, HillSystem, Mathieu, Meissner, PeriodicSystem, matrices, require
+from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.floquet.registry import Problem, in_turn, of_kind, require_problem
 from floquetrod.floquet.verdict import Stability, Verdict
 
 if TYPE_CHECKING:
+    from typing import TypedDict, Unpack
+
     from floquetrod.floquet.systems.result import SystemStability
 
+    class Options(TypedDict, total=False):
+        """Options of the methods."""
 
-class Family(NamedTuple):
-    """Methods that judge one kind of problem.
-
-    Attributes
-    ----------
-    code : callable
-        Returns the module where each is a function of its name, imported when one is used.
-    methods : dict of callable
-        Every method, and whether it applies to a problem.
-    in_turn : callable
-        The methods that "auto" tries one after another: the fast path first, where there is one.
-    """
-
-    code: Callable[[], ModuleType]
-    methods: dict[str, Callable[[Any], bool]]
-    in_turn: Callable[[Any], tuple[str, ...]]
-
-
-def _equation_in_turn(equation: Equation) -> tuple[str, ...]:
-    if isinstance(equation, Mathieu):
-        return "spectral", "reference"
-    if isinstance(equation, Meissner):
-        return "square_wave", "reference"
-    return ("monodromy", "spectral", "reference") if equation.is_smooth else ("monodromy", "reference")
-
-
-def _has_even_form(system: HillSystem | PeriodicSystem) -> bool:
-    """Return whether half a period of the system freed of uniform damping tells its multipliers."""
-    from floquetrod.floquet.systems.classification import undamped_pairs
-
-    pairs = undamped_pairs(system)
-    return pairs is not None and isinstance(pairs[0], HillSystem) and pairs[0].is_even
-
-
-def _system_in_turn(system: HillSystem | PeriodicSystem) -> tuple[str, ...]:
-    first = "half_period" if _has_even_form(system) else "monodromy"
-    return first, "segmented", "reference"
-
-
-def _equation_methods() -> ModuleType:
-    from floquetrod.floquet import methods
-
-    return methods
-
-
-def _system_methods() -> ModuleType:
-    from floquetrod.floquet import system_methods
-
-    return system_methods
-
-
-EQUATIONS = Family(
-    _equation_methods,
-    {
-        "spectral": lambda equation: equation.is_smooth,
-        "determinant": lambda equation: isinstance(equation, Mathieu),
-        "monodromy": lambda equation: True,
-        "square_wave": lambda equation: isinstance(equation, (Meissner, Mathieu)),
-        "leapfrog": lambda equation: True,
-        "reference": lambda equation: True,
-    },
-    _equation_in_turn,
-)
-"""Scalar equations."""
-
-SYSTEMS = Family(
-    _system_methods,
-    {
-        "half_period": _has_even_form,
-        "monodromy": lambda system: True,
-        "segmented": lambda system: True,
-        "spectral": lambda system: system.is_smooth,
-        "reference": lambda system: True,
-    },
-    _system_in_turn,
-)
-"""Systems of equations."""
-
-
-def family_of(problem: Any) -> Family:
-    """Return the family of a problem, checked; TypeError for what is none, ValueError for a batch."""
-    if isinstance(problem, HillSystem | PeriodicSystem):
-        matrices.require_one(problem, "equation")
-        return SYSTEMS
-    require(problem, hint="or a HillSystem or PeriodicSystem")
-    return EQUATIONS
+        terms: int | None
+        rtol: float | None
+        step: float | None
+        periods: int | None
+        limit: float | None
+        digits: int | None
+        most_digits: int | None
 
 
 @overload
-def stability(equation: Equation, method: str = "auto", **options: Any) -> Stability: ...
+def stability(equation: Equation, method: str = "auto", **options: Unpack[Options]) -> Stability: ...
 @overload
-def stability(equation: HillSystem | PeriodicSystem, method: str = "auto", **options: Any) -> SystemStability: ...
-@tells_arguments()
 def stability(
-    equation: Equation | HillSystem | PeriodicSystem, method: str = "auto", **options: Any
+    equation: HillSystem | PeriodicSystem, method: str = "auto", **options: Unpack[Options]
+) -> SystemStability: ...
+def stability(
+    equation: Problem,
+    method: str = "auto",
+    *,
+    terms: int | None = None,
+    rtol: float | None = None,
+    step: float | None = None,
+    periods: int | None = None,
+    limit: float | None = None,
+    digits: int | None = None,
+    most_digits: int | None = None,
 ) -> Stability | SystemStability:
     """Classify an equation or a system: is it stable, how fast does it grow, and how sure is that?
 
@@ -122,11 +55,12 @@ def stability(
         equations.
     method : str
         "auto", or the name of one: of equations "spectral", "determinant", "monodromy", "square_wave", "leapfrog",
-        "reference"; of systems "half_period", "monodromy", "segmented", "spectral", "reference".  "auto" takes the
+        "reference"; of systems "spectral", "half_period", "monodromy", "segmented", "reference".  "auto" takes the
         fastest trustworthy one and continues with slower, more accurate ones while the verdict is undecided.
-    **options
-        Passed to the method: ``terms`` (determinant), ``rtol`` (monodromy, half_period, segmented), ``step``,
-        ``periods``, ``limit`` (leapfrog), ``digits`` (reference), ``most_digits`` (reference, of systems).
+    terms, rtol, step, periods, limit, digits, most_digits : optional
+        For the method named, whose page says what they are: ``terms`` (determinant), ``rtol`` (monodromy, half_period,
+        segmented, spectral of systems), ``step``, ``periods``, ``limit`` (leapfrog), ``digits`` (reference),
+        ``most_digits`` (reference, of systems).  TypeError where the method does not take them.
 
     Returns
     -------
@@ -140,24 +74,26 @@ def stability(
     >>> stability(HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]])).strongly_stable
     True
     """
-    family = family_of(equation)
-    validate.choice("method", method, ("auto", *family.methods))
-    result: Stability | SystemStability
+    require_problem(equation)
+    validate.choice("method", method, ("auto", *(each.name for each in of_kind(equation))))
+    every = {"terms": terms, "rtol": rtol, "step": step, "periods": periods, "limit": limit}
+    every |= {"digits": digits, "most_digits": most_digits}
+    options = {name: value for name, value in every.items() if value is not None}
     if method != "auto":
-        result = run(family, method, equation, **options)
-        return result
+        found: Stability | SystemStability = run(method, equation, **options)
+        return found
     if options:
         raise TypeError(f"method='auto' accepts no options, got {', '.join(options)}; name a method to pass them to")
-    result = judge(family, equation)
-    return result
+    judged: Stability | SystemStability = judge(equation)
+    return judged
 
 
-def judge(family: Family, equation: Equation | HillSystem | PeriodicSystem, **last: Any) -> Any:
+def judge(problem: Problem, **last: Any) -> Any:
     """Return what "auto" finds, one method after another; the last one, with many digits, is given ``last``."""
-    *names, finest = family.in_turn(equation)
+    *names, finest = in_turn(problem)
     result: Verdict | None = None
     for name in (*names, finest):
-        found = run(family, name, equation, **(last if name == finest else {}))
+        found = run(name, problem, **(last if name == finest else {}))
         result = found if result is None else _better(result, found)
         if result.status != "undecided":
             break
@@ -170,8 +106,24 @@ def _better(result: Any, later: Any) -> Any:
 
 
 @np.errstate(under="ignore")  # what is too small for a double is 0 to all methods, whatever a caller lets numpy raise
-def run(family: Family, method: str, equation: Equation | HillSystem | PeriodicSystem, **options: Any) -> Any:
-    """Call the method of this name of the equation's family."""
-    call = getattr(family.code(), method)
-    result: Verdict = tells_arguments()(call)(equation, **options) if options else call(equation)
+def run(method: str, problem: Problem, **options: Any) -> Any:
+    """Call the method of this name, of a scalar equation or of a system."""
+    if isinstance(problem, Equation):
+        from floquetrod.floquet import methods as code
+    else:
+        from floquetrod.floquet import system_methods as code  # type: ignore[no-redef]
+    call = getattr(code, method)
+    if options:
+        _require_taken(method, call, options)
+    result: Verdict = call(problem, **options)
     return result
+
+
+def _require_taken(method: str, call: Any, options: dict[str, Any]) -> None:
+    """Raise TypeError where an option is not the method's."""
+    import inspect
+
+    parameters = inspect.signature(call).parameters.values()
+    taken = [parameter.name for parameter in parameters if parameter.kind is parameter.KEYWORD_ONLY]
+    if unknown := [name for name in options if name not in taken]:
+        raise TypeError(f"method={method!r} takes {' and '.join(taken) or 'no options'}, got {', '.join(unknown)}")

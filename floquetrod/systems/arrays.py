@@ -16,7 +16,7 @@ from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.batches import flat, pick
 from floquetrod.equations.hill_system import EvenForm
-from floquetrod.floquet.dispatch import SYSTEMS, judge
+from floquetrod.floquet.dispatch import judge
 from floquetrod.floquet.kernels.system_even import pair_numbers
 from floquetrod.floquet.status import STATUS_CODES, are
 from floquetrod.floquet.systems import even, many, whole
@@ -140,7 +140,7 @@ def verdicts(
     open_ones = () if quick else np.flatnonzero(status == many.UNDECIDED).tolist()
     decided = size - len(open_ones)
     for judged, i in enumerate(open_ones, 1):
-        result = judge(SYSTEMS, pick(systems, i), most_digits=_MOST_DIGITS)
+        result = judge(pick(systems, i), most_digits=_MOST_DIGITS)
         status[i] = STATUS_CODES[result.status]
         growth[i] = result.growth_rate
         if progress is not None:

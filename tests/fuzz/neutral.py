@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.floquet.dispatch import SYSTEMS
+from floquetrod.floquet.registry import applicable
 from fuzz.core import limit
 from fuzz.system_draws import decades
 
@@ -52,12 +52,10 @@ def draw(rng: np.random.Generator) -> tuple[Any, list[complex]]:
 def disagreements(rng: np.random.Generator) -> list[str]:
     """Return what is wrong about answers on one system of known exponents, each on a line."""
     system, exact = draw(rng)
-    results = {"auto": None, **dict.fromkeys(SYSTEMS.methods)}
     lines = []
-    for method in results:
-        if method == "auto" or SYSTEMS.methods[method](system):
-            with limit(60.0):
-                lines += [f"{method}: {line}" for line in against(fr.stability(system, method), exact)]
+    for method in ("auto", *(method.name for method in applicable(system))):
+        with limit(60.0):
+            lines += [f"{method}: {line}" for line in against(fr.stability(system, method), exact)]
     with limit(60.0):
         stable, rate = fr.systems.is_stable(system), fr.systems.growth_rate(system)
     largest = max(e.real for e in exact)

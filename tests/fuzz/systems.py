@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.floquet.dispatch import SYSTEMS
+from floquetrod.floquet.registry import applicable
 from fuzz import neutral, system_draws
 from fuzz.core import LONGEST, Found, limit
 from fuzz.system_draws import System
@@ -40,10 +40,10 @@ def warm() -> None:
     for n in (1, 2, 3, 20):
         mean, waves = np.diag(np.arange(1.0, n + 1.0)), [np.full((n, n), 0.01)] if n != 2 else [wave]
         for more in ({}, {"sines": [0.5 * waves[0], waves[0]]}, {"damping": mean, "sines": [waves[0], waves[0]]}):
-            for method in ("half_period", "monodromy", "segmented"):
-                system = fr.HillSystem(mean, waves, **more)
-                if SYSTEMS.methods[method](system):
-                    fr.stability(system, method)
+            system = fr.HillSystem(mean, waves, **more)
+            for method in applicable(system):
+                if method.name in ("half_period", "monodromy", "segmented"):
+                    fr.stability(system, method.name)
             fr.systems.is_stable(fr.systems.stack([system] * 70))
             fr.systems.multipliers(system)
 
@@ -65,9 +65,9 @@ def told(system: System) -> str:
 def disagreements(system: System, rng: np.random.Generator) -> list[str]:
     """Return every pair of answers about a system that contradict each other, each on a line."""
     results = {}
-    for method, applies in SYSTEMS.methods.items():
+    for method in (each.name for each in applicable(system)):
         slow = method in ("spectral", "reference")
-        if applies(system) and (not slow or (system.order <= 3 and rng.random() < 0.3)):
+        if not slow or (system.order <= 3 and rng.random() < 0.3):
             with limit(60.0 if slow else LONGEST):
                 results[method] = fr.stability(system, method)
     with limit(60.0):

@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.floquet.dispatch import EQUATIONS
+from floquetrod.floquet.registry import applicable
 from fuzz import oracle, precise, rods
 from fuzz.core import Found, limit
 
@@ -123,10 +123,9 @@ def one(equation: Any) -> list[str]:
     """Return what is wrong about the verdicts of every method on one equation, `certify` included."""
     rate, x = exact(equation)
     wrong = []
-    for name, applies in EQUATIONS.methods.items():
-        if applies(equation):
-            with limit():
-                wrong += [f"{name}: {what}" for what in judged(fr.stability(equation, name), rate, x)]
+    for method in applicable(equation):
+        with limit():
+            wrong += [f"{method.name}: {what}" for what in judged(fr.stability(equation, method.name), rate, x)]
     with limit():
         wrong += [f"auto: {what}" for what in judged(fr.stability(equation), rate, x, decides=True)]
         proof = fr.certify(equation)

@@ -6,9 +6,9 @@ import math
 
 import numpy as np
 
-from floquetrod import equations
 from floquetrod._util import validate
 from floquetrod.equations import Mathieu
+from floquetrod.floquet import registry
 from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
 
 _EPS = 2.220446049250313e-16
@@ -44,7 +44,7 @@ def determinant(equation: Mathieu, *, terms: int | None = None) -> Stability:
     >>> determinant(Mathieu(alpha=0.5, beta=-0.25), terms=40).status
     'unstable'
     """
-    equations.require(equation, (Mathieu,), by="Hill's four determinants")
+    registry.require(equation, "determinant")
     rows = _enough(equation) if terms is None else validate.integer("terms", terms, 2, _MOST_TERMS)
     q = 2.0 * abs(equation.alpha)
     a = -4.0 * (equation.beta + equation.damping**2)

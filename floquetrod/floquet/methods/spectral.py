@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod import equations
 from floquetrod.equations import Equation, Mathieu
+from floquetrod.floquet import registry
 from floquetrod.floquet.kernels import mathieu as kernels
 from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify, declined
 
@@ -51,11 +51,7 @@ def spectral(equation: Equation) -> Stability:
     >>> spectral(Mathieu(alpha=1e-8, beta=-0.25)).growth_rate
     4.999999999999999e-09
     """
-    equations.require(equation)
-    if not equation.is_smooth:
-        raise TypeError(
-            f"equation must be one Fourier series for the spectral method, such as Mathieu or Hill, got {equation!r}"
-        )
+    registry.require(equation, "spectral")
     return _mathieu(equation) if isinstance(equation, Mathieu) else _hill(equation)
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from floquetrod import equations
 from floquetrod.equations import Mathieu, Meissner
+from floquetrod.floquet import registry
 from floquetrod.floquet.kernels.square_wave import square_wave_excess
 from floquetrod.floquet.verdict import Cost, Stability, classify
 
@@ -40,7 +40,7 @@ def square_wave(equation: Meissner | Mathieu) -> Stability:
     >>> square_wave(Meissner(alpha=0.0, beta=-0.16)).status
     'stable'
     """
-    equations.require(equation, (Meissner, Mathieu), by="the square-wave method")
+    registry.require(equation, "square_wave")
     c2 = equation.damping**2
     high, low = math.fsum((equation.beta, equation.alpha, c2)), math.fsum((equation.beta, -equation.alpha, c2))
     sign, excess, exponent, error = square_wave_excess(high, low, _EPS * c2)

@@ -1,0 +1,129 @@
+"""One registry of methods: what each of them serves, and in which order they are tried."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from floquetrod._util import validate
+from floquetrod.equations import Equation, HillSystem, Mathieu, Meissner, PeriodicSystem, matrices
+from floquetrod.equations import require as require_equation
+
+Problem = Equation | HillSystem | PeriodicSystem
+"""What verdicts are on: a scalar equation, or a system."""
+
+Served = Callable[[Any], "str | None"]
+
+
+def _any(_: Any) -> None:
+    """Serve every problem."""
+
+
+def _series(equation: Equation) -> str | None:
+    needed = "equation must be one Fourier series for the spectral method, such as Mathieu or Hill"
+    return None if equation.is_smooth else needed
+
+
+def _smooth(system: HillSystem | PeriodicSystem) -> str | None:
+    needed = "system must be one Fourier series for the spectral method, and this one has several pieces"
+    return None if system.is_smooth else needed
+
+
+def _sine(equation: Equation) -> str | None:
+    return None if isinstance(equation, Mathieu) else "equation must be Mathieu for Hill's four determinants"
+
+
+def _two_levels(equation: Equation) -> str | None:
+    needed = "equation must be Meissner, Mathieu for the square-wave method"
+    return None if isinstance(equation, Meissner | Mathieu) else needed
+
+
+def _even(system: HillSystem | PeriodicSystem) -> str | None:
+    from floquetrod.floquet.systems.classification import undamped_pairs
+
+    pairs = undamped_pairs(system)
+    if pairs is not None and isinstance(pairs[0], HillSystem) and pairs[0].is_even:
+        return None
+    return (
+        "system must have a stiffness even about an instant, no gyroscopic matrix, and damping 2 c M or none for "
+        "half_period; method='monodromy' takes any"
+    )
+
+
+class Method(NamedTuple):
+    """A method: the function of its name in `floquetrod.floquet.methods`, of systems in `floquet.system_methods`.
+
+    Attributes
+    ----------
+    name : str
+    equations, systems : callable (problem) -> str or None, optional
+        None where it serves the problem, else the sentence that says what it needs.  None in place of a callable where
+        it serves nothing of that kind.
+    """
+
+    name: str
+    equations: Served | None = None
+    systems: Served | None = None
+
+    def serves(self, problem: Problem) -> Served | None:
+        """Return what tells whether it serves a problem of this kind; None where it serves none of the kind."""
+        return self.equations if isinstance(problem, Equation) else self.systems
+
+    def refusal(self, problem: Problem) -> str | None:
+        """Return None where it serves the problem, else the sentence why not."""
+        served = self.serves(problem)
+        if served is not None:
+            return served(problem)
+        kinds = ("systems", "scalar equations") if self.equations is None else ("scalar equations", "systems")
+        return f"{self.name} is a method for {kinds[0]}, not for {kinds[1]}"
+
+
+METHODS = (
+    Method("spectral", _series, _smooth),
+    Method("determinant", _sine),
+    Method("half_period", systems=_even),
+    Method("monodromy", _any, _any),
+    Method("segmented", systems=_any),
+    Method("square_wave", _two_levels),
+    Method("leapfrog", _any),
+    Method("reference", _any, _any),
+)
+"""Every method there is."""
+
+_NAMED = {method.name: method for method in METHODS}
+
+
+def of_kind(problem: Problem) -> tuple[Method, ...]:
+    """Return the methods for a scalar equation, or those for a system."""
+    return tuple(method for method in METHODS if method.serves(problem) is not None)
+
+
+def applicable(problem: Problem) -> tuple[Method, ...]:
+    """Return the methods that serve a problem."""
+    return tuple(method for method in of_kind(problem) if method.refusal(problem) is None)
+
+
+def require_problem(problem: Any) -> None:
+    """Raise TypeError for what is neither an equation nor a system, ValueError for a batch."""
+    if isinstance(problem, HillSystem | PeriodicSystem):
+        matrices.require_one(problem, "equation")
+    else:
+        require_equation(problem, hint="or a HillSystem or PeriodicSystem")
+
+
+def require(equation: Any, method: str) -> None:
+    """Raise TypeError unless the method of this name serves a scalar equation."""
+    require_equation(equation)
+    if refusal := _NAMED[method].refusal(equation):
+        raise TypeError(f"{refusal}, got {validate.short(equation)}")
+
+
+def in_turn(problem: Problem) -> tuple[str, ...]:
+    """Return the methods that "auto" tries one after another, the fastest trustworthy one first."""
+    if isinstance(problem, Mathieu):
+        return "spectral", "reference"
+    if isinstance(problem, Meissner):
+        return "square_wave", "reference"
+    if isinstance(problem, Equation):
+        return ("monodromy", "spectral", "reference") if problem.is_smooth else ("monodromy", "reference")
+    return "monodromy" if _even(problem) else "half_period", "segmented", "reference"
