@@ -23,7 +23,10 @@ def drawn(rng: np.random.Generator) -> tuple[real_rods.Question, Any]:
             return question, verdict
 
 
-@pytest.mark.parametrize("quantity", ["mean", "amplitude", "frequency"])
+# The other two are compared in test_coupled_answers.py, on rods that are given.
+@pytest.mark.parametrize(
+    "quantity", ["amplitude", *(pytest.param(other, marks=pytest.mark.slow) for other in ("mean", "frequency"))]
+)
 def test_a_margin_ends_with_the_range_that_holds_the_load(quantity: Any, rng: np.random.Generator) -> None:
     with core.own_warnings_only():
         compare(quantity, rng, depth(20, 1))

@@ -14,6 +14,7 @@ ROD = fr.Rod.nitinol()
 FORCE = ROD.critical_force
 
 
+@pytest.mark.slow  # test_growth.py holds the same growth against theory
 def test_growth() -> None:
     """The Cosserat rod in the limit of many segments, by its second order; at 250 it is 0.5 % off itself."""
     load, periods = fr.AxialLoad(0.2 * FORCE, 0.2 * FORCE, 150.0), 12

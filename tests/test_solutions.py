@@ -47,7 +47,12 @@ def precise(order: float, q: float) -> tuple[Any, list[Any]]:
         ]
 
 
-@pytest.mark.parametrize(("order", "q"), [(0.5, 1.0), (3.3, 25.0), (-2.2, -7.0), (7.9, 100.0), (0.01, 50.0)])
+LARGE = [(3.3, 25.0), (7.9, 100.0), (0.01, 50.0)]  # ten seconds of digits
+
+
+@pytest.mark.parametrize(
+    ("order", "q"), [(0.5, 1.0), (-2.2, -7.0), *(pytest.param(*both, marks=pytest.mark.slow) for both in LARGE)]
+)
 def test_real_orders_to_1e_12(order: float, q: float) -> None:
     value, function = precise(order, q)
     assert abs(real_order_values(order, q) - value) < 1e-13 * max(1.0, abs(q))
