@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -66,9 +68,36 @@ def record(tmp_path: Path) -> str:
     return str(path)
 
 
+@pytest.fixture
+def asked_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Compute the answer to one question once, however often the terminal and a test ask for it."""
+    asks = {fr.Rod: ["stability", "stable_mean_forces", "stable_amplitudes"], fr.RodStability: ["margin"]}
+    for kind, names in asks.items():
+        for name in names:
+            monkeypatch.setattr(kind, name, remembering(getattr(kind, name)))
+
+
+def remembering(ask: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a method that keeps its answers, by all that it is given but a report of progress."""
+
+    def asked(*given: Any, **named: Any) -> Any:
+        bound = inspect.signature(ask).bind(*given, **{name: v for name, v in named.items() if name != "progress"})
+        bound.apply_defaults()
+        question = repr(bound.arguments)
+        if question not in ANSWERS.setdefault(ask.__name__, {}):
+            ANSWERS[ask.__name__][question] = ask(*given, **named)
+        return ANSWERS[ask.__name__][question]
+
+    return asked
+
+
+ANSWERS: dict[str, dict[str, Any]] = {}
+
+
 # --- check -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("asked_once")
 def test_check_tells_all_a_user_needs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pyplot.close("all")  # of other tests
     shape = tmp_path / "shape.png"
@@ -119,6 +148,7 @@ def test_json_says_what_the_library_does(capsys: pytest.CaptureFixture[str]) -> 
     assert fr.Rod(**found["rod"]) == rod
 
 
+@pytest.mark.usefixtures("asked_once")
 def test_json_tells_the_margins_that_the_library_finds(capsys: pytest.CaptureFixture[str]) -> None:
     found = answer(capsys, "check", "--rod", WIRE, *PUSH)
     rod = fr.Rod.from_toml(WIRE)
@@ -147,6 +177,7 @@ def test_the_exit_code_is_the_verdict(capsys: pytest.CaptureFixture[str]) -> Non
     assert said(capsys, "check", "--rod", WIRE, *stable, "--no-margins", "--exit-code").startswith("STABLE\n")
 
 
+@pytest.mark.usefixtures("asked_once")
 def test_margins_are_left_out_where_they_take_long(capsys: pytest.CaptureFixture[str]) -> None:
     text = said(capsys, "check", "--rod", WIRE, *PUSH, "--modes", "1-51")
     assert "margins   not searched, because this takes hundreds of verdicts; add --margins" in text
@@ -191,6 +222,7 @@ def test_a_measured_force(record: str, tmp_path: Path, capsys: pytest.CaptureFix
 # --- ranges and maps -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.usefixtures("asked_once")
 def test_ranges_name_resonances_and_their_resolution(record: str, capsys: pytest.CaptureFixture[str]) -> None:
     question = ["ranges", "--rod", WIRE, "--amplitude", "0.2Fcr", "--frequency", "20Hz", "--mean", "0:0.6Fcr"]
     text = said(capsys, *question)
@@ -222,6 +254,7 @@ def test_ranges_say_where_a_resonance_has_no_name(
     assert "'unnamed'" in found["ends_are"]
 
 
+@pytest.mark.usefixtures("asked_once")
 def test_ranges_take_waves(capsys: pytest.CaptureFixture[str]) -> None:
     question = ["ranges", "--rod", WELL, "--mean", "0.5Fcr", "--frequency", "4Hz", "--amplitude", "0:0.1Fcr"]
     rod = fr.Rod.from_toml(WELL)
