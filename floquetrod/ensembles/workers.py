@@ -48,6 +48,7 @@ class TaskRunner:
         self._is_own = executor is None
         self._stop = threading.Event()
         self._same_process = isinstance(self.executor, ThreadPoolExecutor)
+        self._pickles_by_value = not (isinstance(executor, ProcessPoolExecutor) or _is_of(executor, "mpi4py"))
         self._room, self._counted = 0, -math.inf
 
     @property
@@ -90,8 +91,8 @@ class TaskRunner:
         try:
             pickle.dumps(job)
         except Exception as error:  # pickle raises many kinds
-            if not (isinstance(self.executor, ProcessPoolExecutor) or _is_of(self.executor, "mpi4py")):
-                with suppress(Exception):  # of executors that pickle functions by value
+            if self._pickles_by_value:
+                with suppress(Exception):
                     import cloudpickle
 
                     cloudpickle.dumps(job)
@@ -107,7 +108,7 @@ class TaskRunner:
             raise KeyboardInterrupt  # which ends a run as Ctrl-C would in the main thread
 
 
-def _is_of(executor: Executor, package: str) -> bool:
+def _is_of(executor: Executor | None, package: str) -> bool:
     """Return whether an executor is one of a package."""
     return type(executor).__module__.partition(".")[0] == package
 
@@ -130,21 +131,24 @@ class OwnProcesses(TaskRunner):
     """
 
     def __init__(self, workers: int) -> None:
-        """Start them."""
+        """Start each when it has a task."""
         self._alive, self._lifeline = _CONTEXT.Pipe(duplex=False)
-        self._pools = [_Pool.started(self._alive) for _ in range(workers)]
-        self._tasks: list[Future[Any] | None] = [None] * workers
-        self._failed_starts = 0
-        super().__init__(self._pools[0].executor)
+        self._pools: list[_Pool] = []
+        self._tasks: list[Future[Any]] = []  # the latest of each
+        self._workers, self._failed_starts = workers, 0
+        self._same_process = self._pickles_by_value = False
 
     @property
     def room(self) -> int:
         """Return how many tasks to hand over: one for every process, so that its death is that of one task."""
-        return len(self._pools)
+        return self._workers
 
     def submit(self, job: Job, batch: Batch) -> Future[list[Outcome]]:
-        """Hand a task to a process that has none, or to a new one in the place of one that has died."""
-        place = next(place for place, task in enumerate(self._tasks) if task is None or task.done())
+        """Hand a task to a process that has none, or to a new one, also in the place of one that has died."""
+        place = next((place for place, task in enumerate(self._tasks) if task.done()), len(self._pools))
+        if place == len(self._pools):
+            self._pools.append(_Pool.started(self._alive))
+            self._tasks.append(self._pools[place].begun)
         try:
             task = self._pools[place].executor.submit(simulate_runs, job, batch)
         except BrokenExecutor:
