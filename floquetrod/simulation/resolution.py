@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from typing import NamedTuple
 
@@ -48,6 +49,7 @@ class GrowingWaves(NamedTuple):
         return LEAST_SEGMENTS * self.highest
 
 
+@functools.lru_cache(maxsize=16)  # of the rods and loads of an ensemble: as long as a short run takes
 def growing_waves(driving: Driving, duration: float) -> GrowingWaves:
     """Return the modes that grow by a factor of 20 or more in ``duration`` s, an estimate.
 
