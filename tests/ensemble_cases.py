@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray
 
-import conftest
 import floquetrod as fr
 from floquetrod.ensembles.runs import Runs, require_runs
 
 ROOT = Path(__file__).parents[1]
 LOAD = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
 PROBLEM = fr.SimulationProblem(fr.Rod.nitinol(), LOAD, duration=0.01, segments=60, frames=5)
-OVER = {"frequency": [120.0, 150.0], "kick": [0.01, 0.05, 0.1], "seed": range(5)}  # 30 runs
-SEEDS = conftest.depth(100, 40)
+OVER = {"frequency": [120.0, 150.0], "kick": [0.01, 0.05, 0.1], "seed": [3, 4]}
+RUNS = 12
+"""Of `OVER`."""
+SEEDS = 100
 """Of ensembles long enough to be killed."""
 
 
@@ -37,6 +39,31 @@ def assert_same(one: Any, other: Any) -> None:
         a, b = first[name], second[name]
         assert a.dtype.kind == b.dtype.kind, name
         assert np.array_equal(a, b, equal_nan=a.dtype.kind == "f"), name
+
+
+@functools.cache
+def undisturbed(summary: Any = None, frames: bool = False) -> Any:
+    """Return the runs of `OVER`, which nothing disturbs."""
+    return fr.ensemble(PROBLEM, OVER, summary=summary, frames=frames)
+
+
+@functools.cache
+def _stored(varied: tuple[tuple[str, tuple[float, ...]], ...], frames: bool) -> tuple[dict[str, bytes], Any]:
+    """Return the files of a store by their paths, and what is in it."""
+    with tempfile.TemporaryDirectory() as name:
+        place = Path(name) / "runs.zarr"
+        found = fr.ensemble(PROBLEM, dict(varied), store=place, frames=frames).load()
+        files = [path for path in place.rglob("*") if path.is_file()]
+        return {path.relative_to(place).as_posix(): path.read_bytes() for path in files}, found
+
+
+def stored(place: Path, over: Mapping[str, Sequence[float]], *, frames: bool) -> Any:
+    """Make a store that holds all runs, once for all tests, and return what is in it."""
+    files, found = _stored(tuple((name, tuple(values)) for name, values in over.items()), frames)
+    for name, content in files.items():
+        (place / name).parent.mkdir(parents=True, exist_ok=True)
+        (place / name).write_bytes(content)
+    return found
 
 
 def in_memory(found: Any) -> Runs:
@@ -68,6 +95,23 @@ def kills_at_150(run: fr.Simulation) -> Mapping[str, float]:
     if run.problem.load.frequency == 150.0:
         os.kill(os.getpid(), signal.SIGKILL)
     return {"one": 1.0}
+
+
+def waits_at_140_dies_at_150(run: fr.Simulation) -> Mapping[str, float]:
+    """Return a summary; at one frequency end the process, at another begin once and wait until that has happened."""
+    frequency, folder = run.problem.load.frequency, Path(os.environ["ENSEMBLE_CASES"])
+    with (folder / f"{frequency:g}").open("a") as file:
+        file.write("made\n")
+    if frequency == 150.0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    while frequency == 140.0 and not _has_died_twice(folder):
+        time.sleep(0.01)
+    return {"one": 1.0}
+
+
+def _has_died_twice(folder: Path) -> bool:
+    """Return whether the run at 150 rad/s has been made twice, the first time with the process that is gone since."""
+    return (folder / "150").exists() and (folder / "150").read_text().count("made") == 2
 
 
 class Stopped:
@@ -104,6 +148,8 @@ def script(body: str, *arguments: object, **options: Any) -> subprocess.Popen[st
 
 def killed_again_and_again(place: Path, times: int, seed: int, how: str) -> int:
     """Kill a process that fills a store so many times, at random moments; return the runs it had then."""
+    import xarray  # which processes that make runs do without
+
     rng = np.random.default_rng(seed)
     for _ in range(times):
         body = f"fr.ensemble(PROBLEM, {{**OVER, 'seed': range(SEEDS)}}, store=sys.argv[1], {how})"

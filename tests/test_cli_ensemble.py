@@ -244,6 +244,7 @@ def test_signals_keep_what_came(
     assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are those of POSIX")
 def test_a_terminated_command_leaves_its_store_whole(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     # The second run would take days: the command cannot come to its end before it is told to.

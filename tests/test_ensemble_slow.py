@@ -15,7 +15,7 @@ import pytest
 import xarray
 
 import floquetrod as fr
-from ensemble_cases import OVER, PROBLEM, ROOT, assert_same, killed_again_and_again
+from ensemble_cases import OVER, PROBLEM, ROOT, SEEDS, assert_same, killed_again_and_again
 from floquetrod.ensembles import axes, workers
 
 pytestmark = pytest.mark.slow
@@ -54,7 +54,7 @@ def test_two_thousand_runs_on_a_dask_cluster(serial: Any, tmp_path: Path) -> Non
         found = fr.ensemble(
             PROBLEM,
             MANY,
-            executor=client.get_executor(),
+            executor=client,
             store=tmp_path / "runs.zarr",
             summary=lambda run: {"process": float(os.getpid())},
         )
@@ -97,16 +97,16 @@ def process(run: fr.Simulation) -> dict[str, float]:
 def test_twenty_kills_of_the_parent_lose_and_repeat_nothing(how: str, tmp_path: Path) -> None:
     place = tmp_path / "runs.zarr"
     had, made = killed_again_and_again(place, 20, 7, how), []
-    over = {**OVER, "seed": range(100)}
+    over = {**OVER, "seed": range(SEEDS)}
     found = fr.ensemble(PROBLEM, over, store=place, progress=lambda done, total: made.append(done))
-    assert len(made) == 600 - had
+    assert len(made) == 6 * SEEDS - had
     assert_same(found, fr.ensemble(PROBLEM, over))
 
 
 def test_twenty_kills_of_workers_lose_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pids: list[int] = []
     started, rng = workers._Pool.started, np.random.default_rng(11)
-    kills = set(rng.choice(np.arange(20, 580), 20, replace=False).tolist())
+    kills = set(rng.choice(np.arange(20, 6 * SEEDS - 20), 20, replace=False).tolist())
 
     def noted(alive: Any) -> Any:
         pool = started(alive)
@@ -121,7 +121,7 @@ def test_twenty_kills_of_workers_lose_nothing(tmp_path: Path, monkeypatch: pytes
                 kills.discard(done)
 
     monkeypatch.setattr(workers._Pool, "started", noted)
-    over = {**OVER, "seed": range(100)}
+    over = {**OVER, "seed": range(SEEDS)}
     seen: list[int] = []
     found = fr.ensemble(
         PROBLEM,
@@ -130,7 +130,7 @@ def test_twenty_kills_of_workers_lose_nothing(tmp_path: Path, monkeypatch: pytes
         store=tmp_path / "runs.zarr",
         progress=lambda done, total: (kill(done, total), seen.append(done))[0],
     )
-    assert seen == list(range(1, 601))
+    assert seen == list(range(1, 6 * SEEDS + 1))
     assert_same(found, fr.ensemble(PROBLEM, over))
     assert len(kills) < 10
 
