@@ -218,7 +218,7 @@ def test_every_matrix_is_read(tmp_path: Path) -> None:
         ("[system]\nmass = [[1.0]]", "it has neither stiffness nor mean; give stiffness for M q''"),
         ("[system]\nstiffness = [[1.0]]\nmean = [[1.0]]", "it has stiffness and mean; give stiffness for"),
         ("[system]\nmean = [[1.0]]\nmass = [[1.0]]", "key 'mass' does not go with mean, in first order"),
-        ("[system]\nstiffness = [[1.0]]\ncoefficient_error = 1", "key 'coefficient_error' does not go with stiffness"),
+        ("[system]\nmean = [[1.0]]\ndamping = [[1.0]]", "key 'damping' does not go with mean"),
         (COUPLED, "it has neither period nor frequency; give one of them for cosines and sines"),
         (COUPLED + "period = 1\nfrequency = 1", "it has period and frequency; give one of them"),
         (COUPLED + "period = 0", "period must be greater than zero, got 0"),

@@ -314,7 +314,7 @@ def test_copies_and_the_repr(name: str) -> None:
 
 
 def test_a_system_in_pieces_is_not_taken_for_a_smooth_one() -> None:
-    with pytest.raises(ValueError, match="stiffness, cosines, sines and period must be left out beside pieces"):
+    with pytest.raises(ValueError, match="pieces must be those of which stiffness and period are the mean and the sum"):
         dataclasses.replace(SQUARE, stiffness=STIFF)
     with pytest.raises(TypeError, match="must be one finite Fourier series, got one of 2 pieces"):
         SQUARE.harmonics  # noqa: B018

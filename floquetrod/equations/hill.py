@@ -95,8 +95,8 @@ class Hill(Equation):
                 f"function must have a series that agrees with it to {_MOST_ERROR:g} of its size, got one to "
                 f"{found.error / largest:.1g}; HillSystem.from_function takes it, of one equation with K = -p"
             )
-        series = ([float(matrix[0, 0]) for matrix in part] for part in (value.cosines, value.sines))
-        return cls(float(value.mean[0, 0]), *map(tuple, series), period=float(period), damping=damping)
+        cosines, sines = (tuple(float(m[0, 0]) for m in part) for part in (value.cosines, value.sines))
+        return cls(float(value.mean[0, 0]), cosines, sines, float(period), damping)
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau); broadcasts over ``tau``."""

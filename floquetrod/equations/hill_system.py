@@ -130,7 +130,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         def optional(name: str, value: Any) -> Matrix | None:
             return None if value is None else matrices.square(name, value, order, "stiffness")
 
-        values = {
+        values: dict[str, Any] = {
             "stiffness": mean,
             "cosines": matrices.by_harmonic("cosines", cosines, order, "stiffness"),
             "sines": matrices.by_harmonic("sines", sines, order, "stiffness"),
@@ -139,8 +139,8 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             "gyroscopic": _unless_zero(_skew(optional("gyroscopic", gyroscopic))),
             "period": matrices.periods(period),
             "coefficient_error": validate.nonnegative("coefficient_error", coefficient_error),
-            "pieces": by_pieces.checked(pieces, mean, cosines, sines, period, "stiffness"),
         }
+        values["pieces"] = by_pieces.checked(pieces, values, self.MEAN)
         self._take(values)
 
     @classmethod

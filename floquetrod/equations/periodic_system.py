@@ -70,14 +70,14 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
         """Check and copy the parameters."""
         average = matrices.square("mean", mean, most=2 * matrices.MOST_EQUATIONS)
         order = average.shape[-1]
-        values = {
+        values: dict[str, Any] = {
             "mean": average,
             "cosines": matrices.by_harmonic("cosines", cosines, order, "mean"),
             "sines": matrices.by_harmonic("sines", sines, order, "mean"),
             "period": matrices.periods(period),
             "coefficient_error": validate.nonnegative("coefficient_error", coefficient_error),
-            "pieces": by_pieces.checked(pieces, average, cosines, sines, period, "mean"),
         }
+        values["pieces"] = by_pieces.checked(pieces, values, self.MEAN)
         self._take(values)
 
     @classmethod

@@ -363,15 +363,18 @@ def value_at(system: Any, times: Any) -> NDArray[np.float64]:
     return np.asarray(result / weight[..., None, None])
 
 
-def checked(pieces: Any, mean: Matrix, cosines: Any, sines: Any, period: Any, name: str) -> Pieces:
-    """Return the pieces that a constructor was given, of which all else must follow."""
+def checked(pieces: Any, others: dict[str, Any], mean: str) -> Pieces:
+    """Return the pieces that a constructor was given, from which its mean, its series and its period must follow."""
     if isinstance(pieces, tuple) and not pieces:
         return ()
     found = read(pieces)
-    whole = total([duration for duration, _ in found])
-    fitting = not len(cosines) and not len(sines) and np.array_equal(whole, period)
-    if not (fitting and np.array_equal(average(found, whole), mean)):
-        raise ValueError(f"{name}, cosines, sines and period must be left out beside pieces; from_pieces takes these")
+    period = total([duration for duration, _ in found])
+    fitting = not others["cosines"] and not others["sines"] and np.array_equal(period, others["period"])
+    if not (fitting and np.array_equal(average(found, period), others[mean])):
+        raise ValueError(
+            f"pieces must be those of which {mean} and period are the mean and the sum, without cosines and sines; "
+            "from_pieces finds these"
+        )
     return found
 
 

@@ -42,7 +42,7 @@ class Sampled(NamedTuple):
 def expanded(function: Any, period: Any, jumps: Any, most: int) -> Sampled:
     """Return a function's matrix, at most ``most`` rows, in pieces that end at its ``jumps``; without any in one."""
     validate.function("function", function)
-    period = validate.positive("period", period)
+    period = float(matrices.periods(validate.positive("period", period)))
     instants = [validate.finite(f"jumps[{i}]", t) for i, t in enumerate(validate.sequence("jumps", jumps))]
     for i, t in enumerate(instants):
         if not 0.0 <= t < period:
@@ -163,7 +163,7 @@ def _fit(function: Function, period: float, begin: Fraction, length: Fraction, s
         noise = missed <= _REQUIRED_DECAY * size and missed > 0.4 * before
         if total <= _LARGEST_FIT * size and (missed <= _ROUNDED * size or (noise and count > 4)):
             tidy = _tidy(values, trials)
-            rows = tidy(solved.reshape(-1, *shape))
+            rows = tidy(np.asarray(solved, dtype=np.float64).reshape(-1, *shape))
             value = Varying(rows[0], rows[1] / lasts, rows[2 : 2 + count], rows[2 + count :])
             return _Fit(value, 2.0 * missed + 4.0 * _EPS * total)
         before = missed

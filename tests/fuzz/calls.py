@@ -448,6 +448,8 @@ def _of_systems() -> dict[str, Call]:
     matrix, wave = [[2.0, 0.5], [0.5, 1.0]], [WAVE]
     hill = {"stiffness": matrix, "cosines": wave, "sines": wave, "mass": matrix, "damping": matrix, "period": 2.0}
     first = {"mean": matrix, "cosines": wave, "sines": wave, "period": 2.0, "coefficient_error": 1e-12}
+    pieces = [(0.5, matrix), (1.5, fr.equations.Varying(matrix, [[0.1, 0.0], [0.0, 0.2]], wave))]
+    others = {"mass": matrix, "damping": matrix, "gyroscopic": [[0.0, 1.0], [-1.0, 0.0]]}
     axes = {"omega": (2.5, 3.5, 3), "epsilon": (0.1, 0.3, 2)}
     charted = {"family": oscillators, "over": axes, "growth": True, "growth_tolerance": 0.1, "workers": 1}
     several = fr.systems.stack([SYSTEM, fr.HillSystem(matrix, period=1.0)])
@@ -465,9 +467,20 @@ def _of_systems() -> dict[str, Call]:
         "chart": Call(fr.chart, charted | {"progress": None}),
         "HillSystem": Call(fr.HillSystem, hill | {"gyroscopic": [[0.0, 1.0], [-1.0, 0.0]]}),
         "HillSystem.coefficient": Call(SYSTEM.coefficient, {"t": 0.3}),
+        "HillSystem.from_pieces": Call(
+            fr.HillSystem.from_pieces, others | {"pieces": pieces, "coefficient_error": 1e-12}
+        ),
+        "HillSystem.from_function": Call(
+            fr.HillSystem.from_function, others | {"function": swing, "period": 2.0, "jumps": [0.0, 1.0]}
+        ),
         "PeriodicSystem": Call(fr.PeriodicSystem, first),
+        "PeriodicSystem.from_pieces": Call(
+            fr.PeriodicSystem.from_pieces, {"pieces": pieces, "coefficient_error": 1e-12}
+        ),
         "PeriodicSystem.coefficient": Call(FIRST_ORDER.coefficient, {"t": 0.3}),
-        "PeriodicSystem.from_function": Call(fr.PeriodicSystem.from_function, {"function": swing, "period": 2.0}),
+        "PeriodicSystem.from_function": Call(
+            fr.PeriodicSystem.from_function, {"function": swing, "period": 2.0, "jumps": [0.5]}
+        ),
     }
 
 
