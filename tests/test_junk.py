@@ -67,7 +67,16 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     ),
     (fr.PeriodicSystem.from_function, {"function": lambda t: [[1.0]], "period": 6.0, "jumps": [1.0]}),
     (fr.PeriodicSystem.from_pieces, {"pieces": [(1.0, [[1.0]])], "coefficient_error": 0.0}),
-    (fr.HillSystem.from_pieces, {"pieces": [(1.0, [[1.0]]), (2.0, [[3.0]])], "mass": [[1.0]], "damping": [[0.1]]}),
+    (
+        fr.HillSystem.from_pieces,
+        {
+            "pieces": [(1.0, [[1.0]]), (2.0, [[3.0]])],
+            "mass": [[1.0]],
+            "damping": [[0.1]],
+            "gyroscopic": [[0.0]],
+            "coefficient_error": 0.0,
+        },
+    ),
     (fr.Hill.from_function, {"function": lambda t: 1.0, "period": 6.0, "damping": 0.1}),
     (fr.equations.Varying, {"mean": [[1.0]], "slope": [[1.0]], "cosines": [[[1.0]]], "sines": [[[1.0]]]}),
     (fr.HillSystem([[1.0]]).coefficient, {"t": 1.0}),

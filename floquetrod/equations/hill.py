@@ -87,6 +87,8 @@ class Hill(Equation):
         """
         from floquetrod.equations import sampling
 
+        validate.function("function", function)
+        period, damping = validate.positive("period", period), damping_rate(damping)
         found = sampling.expanded(lambda tau: [[function(tau)]], period, (), 1)
         ((_, value),) = found.pieces
         largest = abs(float(value.mean[0, 0])) + sum(abs(float(m[0, 0])) for m in (*value.cosines, *value.sines))
@@ -96,7 +98,7 @@ class Hill(Equation):
                 f"{found.error / largest:.1g}; HillSystem.from_function takes it, of one equation with K = -p"
             )
         cosines, sines = (tuple(float(m[0, 0]) for m in part) for part in (value.cosines, value.sines))
-        return cls(float(value.mean[0, 0]), cosines, sines, float(period), damping)
+        return cls(float(value.mean[0, 0]), cosines, sines, period, damping)
 
     def coefficient(self, tau: Any) -> Any:
         """Return p(tau); broadcasts over ``tau``."""
