@@ -82,6 +82,14 @@ def test_charts_of_other_equations(
     assert np.array_equal(tolerant.stable, chart.stable | (chart.growth_rate <= 0.3))
 
 
+def test_an_error_of_the_equation_names_the_point() -> None:
+    def family(alpha: float, beta: float, damping: float) -> fr.Meissner:
+        return fr.Meissner(alpha, beta / (1.0 - alpha), damping)
+
+    with pytest.raises(ValueError, match=r"equation\(alpha=1, beta=-1\) raised ZeroDivisionError"):
+        fr.mathieu.chart((0.0, 2.0, 3), (-1.0, 0.0, 2), equation=family)
+
+
 def test_undecided_points_are_counted_and_not_called_stable() -> None:
     # alpha = 4, beta = -5: the square wave's discriminant touches 2 without crossing.
     chart = fr.mathieu.chart((3.0, 4.0, 2), (-5.0, -4.0, 2), equation=fr.Meissner)

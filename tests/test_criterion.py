@@ -105,6 +105,22 @@ def test_charts_and_maps_take_the_criterion() -> None:
     assert np.array_equal(chart.stable, expected)
 
 
+def test_a_function_of_equations_is_tested_by_the_equations_it_returns() -> None:
+    criterion = fr.FiniteTimeCriterion()
+    plane = (0.0, 1.5, 12), (-2.0, 0.5, 10)
+    chart = fr.mathieu.chart(
+        *plane, 0.01, equation=lambda a, b, c: fr.Mathieu(2.0 * a, b, 2.0 * c), criterion=criterion, growth=True
+    )
+    expected = criterion.is_stable(2.0 * chart.x.values, chart.y.values[:, None], 0.02)
+    assert np.array_equal(chart.stable, expected)
+    assert np.array_equal(
+        chart.growth_rate, fr.mathieu.growth_rate(2.0 * chart.x.values, chart.y.values[:, None], 0.02)
+    )
+    assert not np.array_equal(expected, criterion.is_stable(chart.x.values, chart.y.values[:, None], 0.01))
+    place = chart.bands.bands[-1].place
+    assert not criterion.is_stable(2.0 * place[0], place[1], 0.02)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -79,7 +79,8 @@ def chart(
         equations.require(example, (Mathieu,), by="FiniteTimeCriterion")
     family: Family = MathieuPlane(c, tolerance, criterion, workers, equation)
     if equation is not Mathieu and criterion is None:
-        family = Members.of(_Damped(equation, c), x, y, tolerance, workers, (_fixed(c),))
+        fixed = (_fixed(c),)
+        family = Members(_Damped(equation, c), ("alpha", "beta"), example, tolerance, workers, fixed, "equation")
     return charted(family, x, y, growth=growth, progress=progress)
 
 

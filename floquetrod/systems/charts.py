@@ -77,7 +77,9 @@ def chart(
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     growth, workers = validate.flag("growth", growth), validate.workers(workers)
     validate.progress(progress)
-    return charted(Members.of(family, x, y, tolerance, workers), x, y, growth=growth, progress=progress)
+    corner = {axis.name: float(axis.values[0]) for axis in (x, y)}
+    members = Members(family, (x.name, y.name), _member(family, corner, None), tolerance, workers)
+    return charted(members, x, y, growth=growth, progress=progress)
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,9 @@ class Members(Family):
     growth_tolerance, workers
         As in `chart`.
     fixed : tuple of (name, value, unit)
-        What the same function has been told besides.
+        What the function has been told besides.
+    argument : str
+        What the function is called in errors.
     kinds : set of str
         What the members judged so far are, in words.
     """
@@ -105,21 +109,8 @@ class Members(Family):
     growth_tolerance: float
     workers: int | None = None
     fixed: tuple[tuple[str, float, str], ...] = ()
+    argument: str = "family"
     kinds: set[str] = field(default_factory=set, compare=False)
-
-    @classmethod
-    def of(
-        cls,
-        function: Callable[..., Problem],
-        x: Axis,
-        y: Axis,
-        growth_tolerance: float,
-        workers: int | None,
-        fixed: tuple[tuple[str, float, str], ...] = (),
-    ) -> Members:
-        """Return the family of a function called with the names of two axes."""
-        corner = {axis.name: float(axis.values[0]) for axis in (x, y)}
-        return cls(function, (x.name, y.name), _member(function, corner, None), growth_tolerance, workers, fixed)
 
     @property
     def growth_unit(self) -> str:  # type: ignore[override]
@@ -143,7 +134,7 @@ class Members(Family):
     def members(self, x: Floats, y: Floats) -> list[Problem]:
         """Return the members at places x, y (n,)."""
         points = (dict(zip(self.names, place, strict=True)) for place in zip(x.tolist(), y.tolist(), strict=True))
-        members = [_member(self.function, point, self.like) for point in points]
+        members = [_member(self.function, point, self.like, self.argument) for point in points]
         self.kinds.update(map(_kind, members))
         return members
 
@@ -192,23 +183,25 @@ def _parameters(over: Any) -> list[tuple[str, NDArray[np.float64]]]:
     return [(name, axis_values(f"over[{name!r}]", values)) for name, values in over.items()]
 
 
-def _member(family: Callable[..., Problem], point: dict[str, float], like: Problem | None) -> Problem:
+def _member(
+    family: Callable[..., Problem], point: dict[str, float], like: Problem | None, argument: str = "family"
+) -> Problem:
     """Return the family's member at a point, checked."""
-    at = f"family({', '.join(f'{name}={value:.6g}' for name, value in point.items())})"
-    member: Any
+    at = f"{argument}({', '.join(f'{name}={value:.6g}' for name, value in point.items())})"
+    found: Any
     try:
-        member = family(**point)
+        found = family(**point)
     except Exception as error:
         raise ValueError(f"{at} raised {type(error).__name__}: {error}") from error
-    if not isinstance(member, Problem):
+    if not isinstance(found, Problem):
         wanted = "a HillSystem, a PeriodicSystem or an Equation"
-        raise TypeError(f"{at} must return {wanted}, got {validate.short(member)}")
-    if not isinstance(member, Equation) and member.shape:
-        raise ValueError(f"{at} must return one system, got a batch of shape {member.shape}")
-    if like is not None and isinstance(member, Equation) != isinstance(like, Equation):
+        raise TypeError(f"{at} must return {wanted}, got {validate.short(found)}")
+    if not isinstance(found, Equation) and found.shape:
+        raise ValueError(f"{at} must return one system, got a batch of shape {found.shape}")
+    if like is not None and isinstance(found, Equation) != isinstance(like, Equation):
         what = "an Equation, as at other points" if isinstance(like, Equation) else "a system, as at other points"
-        raise TypeError(f"{at} must return {what}, got {validate.short(member)}")
-    result: Problem = member
+        raise TypeError(f"{at} must return {what}, got {validate.short(found)}")
+    result: Problem = found
     return result
 
 
