@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import ROUND_CEILING, Context
 from typing import Any, NamedTuple
@@ -17,7 +17,7 @@ from floquetrod._util.report import number as finite
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.answers.intervals import QUANTITIES, Cause, Search, StabilityInterval, UnstableBand
 from floquetrod.rod.loads.axial import AxialGap, between
-from floquetrod.rod.loads.load import KINDS, Load, Loads, Progress, Quantity
+from floquetrod.rod.loads.load import KINDS, Load, Loads, Progress, Quantity, load_bounds
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.modes.mode_model import ModeModel
@@ -232,24 +232,30 @@ class StabilityIntervals(Reported, NoTruthValue):
         }
 
 
-def stability_intervals(
+_SEARCHED: dict[Quantity, float] = {"mean": 1.5, "amplitude": 1.0}
+"""Up to how many critical forces is searched by default."""
+
+
+def stable_values(
     model: ModeModel,
     varied: Quantity,
-    largest: Load,
-    bounds: tuple[float, float],
+    others: Mapping[Quantity, float],
+    bounds: tuple[float, float] | None,
     growth_tolerance: float,
     progress: Progress | None,
 ) -> StabilityIntervals:
-    """Return the stability intervals of one quantity within ``bounds``, with as many modes as ``largest`` needs."""
-    validate.progress(progress)
-    search = Search(varied, largest, bounds, validate.tolerance("growth_tolerance", growth_tolerance))
+    """Return the stability intervals of one quantity; see `floquetrod.Rod.stable_mean_forces`."""
+    low, high = (0.0, _largest(model, varied)) if bounds is None else load_bounds(varied, bounds)
+    largest = _load(model, {**others, varied: high})
     if varied == "frequency":
-        mode_constants(model.rod).require_in_reach(Loads.single(largest.varied(varied, bounds[0])))
+        mode_constants(model.rod).require_in_reach(Loads.single(largest.varied(varied, low)))
+    validate.progress(progress)
+    search = Search(varied, largest, (low, high), validate.tolerance("growth_tolerance", growth_tolerance))
     warn_unless_uniform(model.rod, largest)
     found = model.ranges(search, progress)
     return StabilityIntervals(
         *QUANTITIES[varied],
-        bounds,
+        search.bounds,
         found.intervals,
         search.growth_tolerance,
         found.modes,
@@ -261,14 +267,29 @@ def stability_intervals(
 
 
 def first_unstable(
-    model: ModeModel, varied: Quantity, largest: Load, growth_tolerance: float, progress: Progress | None = None
+    model: ModeModel,
+    varied: Quantity,
+    others: Mapping[Quantity, float],
+    growth_tolerance: float,
+    progress: Progress | None = None,
 ) -> float:
-    """Return where one quantity, going from zero to that of ``largest``, first meets growth; infinite without any."""
+    """Return where one quantity, going up from zero, first meets growth; infinite without any."""
+    largest = _load(model, {**others, varied: _largest(model, varied)})
     validate.progress(progress)
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     warn_unless_uniform(model.rod, largest)
     search = Search(varied, largest, (0.0, getattr(largest, varied)), tolerance)
     return model.first_unstable(search, _saying_how_far(progress, varied, largest))
+
+
+def _largest(model: ModeModel, varied: Quantity) -> float:
+    """Return up to which force in N is searched by default."""
+    return _SEARCHED[varied] * model.rod.critical_force
+
+
+def _load(model: ModeModel, numbers: Mapping[Quantity, float]) -> Load:
+    """Return a load of the kind of the model."""
+    return model.like.with_numbers(numbers["mean"], numbers["amplitude"], numbers["frequency"])
 
 
 def _saying_how_far(progress: Progress | None, varied: Quantity, largest: Load) -> Progress | None:

@@ -4,35 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast, overload
-
-import numpy as np
+from typing import TYPE_CHECKING, Any, overload
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import shaped
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.floquet.status import are
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.rod.friction.mode_friction import friction_and_kick
+from floquetrod.rod import many_loads, one_load
 from floquetrod.rod.loads.load import (
     QUANTITIES,
     AnyLoad,
     Loads,
-    LoadSource,
     Progress,
     Quantity,
     kind,
-    load_bounds,
     require_load,
 )
 from floquetrod.rod.mode_equations.coupling import coupling
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
-from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.model.constants import HAIRLINE_GROWTH
 from floquetrod.rod.model.data import RodData
-from floquetrod.rod.model.parts import friction_coefficient
-from floquetrod.rod.model.plausibility import warn_of_hertz, warn_of_load
 from floquetrod.rod.modes.independent import IndependentModel
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -42,7 +34,6 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.answers.verdict import RodStability
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
-    from floquetrod.rod.loads.record import ForceRecord
     from floquetrod.rod.ranges import StabilityIntervals
 
 
@@ -272,24 +263,8 @@ class Rod(RodData):
         >>> rod.stability(load).unstable_modes
         (7,)
         """
-        record = cast("ForceRecord", load) if isinstance(load, LoadSource) else None
-        load = require_load("load", load)
-        rubbing = friction_and_kick(friction, kick)
-        growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-        validate.progress(progress)
-        warn_unless_uniform(self, load)
-        warn_of_load(self, load if record is None or record.force_unit_named else record)
-        model = self.modes_under(load)
-        if friction is not None:
-            model.require("friction")
-        if record is not None:
-            from floquetrod.rod.record_noise import classify_record
-
-            return classify_record(model, record, modes, growth_tolerance, progress)
-        linear = model.verdict(load, modes, growth_tolerance, progress)
-        if linear.stable and modes is None and model.prompt:
-            warn_of_hertz(self, load, growth_tolerance)
-        return linear if rubbing is None else model.with_kick(linear, *rubbing)
+        model = self.modes_under(require_load("load", load))
+        return one_load.stability(model, load, modes, growth_tolerance, friction, kick, progress)
 
     def critical_kick(self, load: AnyLoad, *, friction: float, growth_tolerance: float = 0.0) -> CriticalKick:
         """Return the smallest kick, a transverse velocity in m/s, found to buckle the rod against friction.
@@ -306,11 +281,8 @@ class Rod(RodData):
         >>> round(1e3 * kick, 1), mode, round(1e3 * none_up_to, 1)
         (32.1, 9, 27.8)
         """
-        from floquetrod.rod.friction.kicks import critical_kick
-
-        friction = friction_coefficient(friction)
-        self.modes_under(require_load("load", load)).require("friction")
-        return critical_kick(self.stability(load, growth_tolerance=growth_tolerance), friction)
+        load = require_load("load", load)
+        return one_load.critical_kick(self.modes_under(load), load, friction, growth_tolerance)
 
     def critical_kicks(
         self,
@@ -324,11 +296,8 @@ class Rod(RodData):
         workers: int | None = None,
     ) -> CriticalKick:
         """Return what `critical_kick` does over arrays of loads (N, N, rad/s) that broadcast; mode 0 for none."""
-        friction = friction_coefficient(friction)
-        tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-        loads = Loads.of(mean, amplitude, frequency)
-        found = self.modes_under(like).critical_kicks(loads, friction, tolerance, workers)
-        return found._replace(**{name: shaped(part, loads.shape) for name, part in found._asdict().items()})
+        numbers = mean, amplitude, frequency
+        return many_loads.critical_kicks(self.modes_under(like), numbers, friction, growth_tolerance, workers)
 
     def stable_mean_forces(
         self,
@@ -370,11 +339,10 @@ class Rod(RodData):
         >>> len(found), 0.34 * rod.critical_force in found, 0.2 * rod.critical_force in found
         (5, True, False)
         """
-        low, high = (0.0, 1.5 * self.critical_force) if bounds is None else load_bounds("mean", bounds)
-        load = kind(like).with_numbers(high, amplitude, frequency)
-        from floquetrod.rod.ranges import stability_intervals
+        from floquetrod.rod.ranges import stable_values
 
-        return stability_intervals(self.modes_under(load), "mean", load, (low, high), growth_tolerance, progress)
+        others: dict[Quantity, float] = {"amplitude": amplitude, "frequency": frequency}
+        return stable_values(self.modes_under(like), "mean", others, bounds, growth_tolerance, progress)
 
     def stable_amplitudes(
         self,
@@ -392,11 +360,10 @@ class Rod(RodData):
         the amplitude: with damping or tolerance unstable parts narrower than the ``resolution`` of the result may be
         missed (docs/theory/ranges.md).  See `stable_mean_forces` for the other arguments.
         """
-        low, high = (0.0, self.critical_force) if bounds is None else load_bounds("amplitude", bounds)
-        load = kind(like).with_numbers(mean, high, frequency)
-        from floquetrod.rod.ranges import stability_intervals
+        from floquetrod.rod.ranges import stable_values
 
-        return stability_intervals(self.modes_under(load), "amplitude", load, (low, high), growth_tolerance, progress)
+        others: dict[Quantity, float] = {"mean": mean, "frequency": frequency}
+        return stable_values(self.modes_under(like), "amplitude", others, bounds, growth_tolerance, progress)
 
     def stable_frequencies(
         self,
@@ -414,12 +381,10 @@ class Rod(RodData):
         in one direction only, so that counting finds every tongue, and inside one the growth per period is concave in
         1 / omega^2 (docs/theory/ranges.md).  See `stable_mean_forces` for the other arguments.
         """
-        low, high = load_bounds("frequency", bounds)
-        fastest = kind(like).with_numbers(mean, amplitude, high)
-        from floquetrod.rod.ranges import stability_intervals
+        from floquetrod.rod.ranges import stable_values
 
-        model = self.modes_under(fastest)
-        return stability_intervals(model, "frequency", fastest, (low, high), growth_tolerance, progress)
+        others: dict[Quantity, float] = {"mean": mean, "amplitude": amplitude}
+        return stable_values(self.modes_under(like), "frequency", others, bounds, growth_tolerance, progress)
 
     def critical_mean_force(
         self,
@@ -439,10 +404,10 @@ class Rod(RodData):
         ``progress`` is called with the numbers of parts of the search done and of all.  What it raises ends the search,
         with a note up to which force nothing grows.
         """
-        load = kind(like).with_numbers(1.5 * self.critical_force, amplitude, frequency)
         from floquetrod.rod.ranges import first_unstable
 
-        return first_unstable(self.modes_under(load), "mean", load, growth_tolerance, progress)
+        others: dict[Quantity, float] = {"amplitude": amplitude, "frequency": frequency}
+        return first_unstable(self.modes_under(like), "mean", others, growth_tolerance, progress)
 
     def critical_amplitude(
         self,
@@ -460,10 +425,10 @@ class Rod(RodData):
 
         ``progress`` as in `critical_mean_force`.
         """
-        load = kind(like).with_numbers(mean, self.critical_force, frequency)
         from floquetrod.rod.ranges import first_unstable
 
-        return first_unstable(self.modes_under(load), "amplitude", load, growth_tolerance, progress)
+        others: dict[Quantity, float] = {"mean": mean, "frequency": frequency}
+        return first_unstable(self.modes_under(like), "amplitude", others, growth_tolerance, progress)
 
     def is_stable(
         self,
@@ -526,21 +491,10 @@ class Rod(RodData):
         >>> Rod.nitinol().verdicts([0.2, 0.72], 1.187, 150.0, friction=0.1, kick=0.05)
         array([1, 0], dtype=int8)
         """
-        tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-        rubbing = friction_and_kick(friction, kick)
-        validate.progress(progress)
-        if criterion is not None:
-            validate.instance("criterion", criterion, FiniteTimeCriterion)
-            criterion.require_alone(growth_tolerance=tolerance, friction=0.0 if rubbing is None else rubbing[0])
-        model, loads = self.modes_under(like), Loads.of(mean, amplitude, frequency)
-        if rubbing is not None:
-            parts = [model.kicked(part, *rubbing, tolerance, workers) for part in loads.in_parts(progress)]
-            found = np.concatenate(parts)
-        elif criterion is not None:
-            found = np.concatenate([model.passing(part, criterion, workers) for part in loads.in_parts(progress)])
-        else:
-            found = model.status(loads, tolerance, workers, progress)
-        return shaped(found, loads.shape)
+        numbers = mean, amplitude, frequency
+        return many_loads.verdicts(
+            self.modes_under(like), numbers, growth_tolerance, criterion, friction, kick, workers, progress
+        )
 
     def growth_rate(
         self,
@@ -573,10 +527,7 @@ class Rod(RodData):
 
         Where modes are coupled their number is -1: `stability` names them.  ``progress`` as in `is_stable`.
         """
-        validate.progress(progress)
-        loads = Loads.of(mean, amplitude, frequency)
-        growth, mode = self.modes_under(like).fastest(loads, workers, progress)
-        return shaped(growth, loads.shape), shaped(mode, loads.shape)
+        return many_loads.fastest(self.modes_under(like), (mean, amplitude, frequency), workers, progress)
 
     # --- proofs ---
 

@@ -12,6 +12,7 @@ from floquetrod.rod.answers.reports import load_lines, shown_in
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.friction.kicks import CriticalKick
 from floquetrod.rod.loads.load import AxialLoad, with_waves
+from floquetrod.rod.model.data import special_parameters
 from floquetrod.simulation.growth import GrowthFit
 from floquetrod.simulation.result import BUCKLED_ANGLE
 from floquetrod.units import Unit
@@ -113,7 +114,8 @@ class Findings(Reported):
         run = self.run
         problem, steps, rod = run.problem, run.time_steps, run.rod
         shown = shown_in(units, rod.critical_force)
-        lines = [("rod", f"{rod.departures}; SI units")] if rod.departures else []
+        special = special_parameters(rod)
+        lines = [("rod", f"{special}; SI units")] if special else []
         lines += load_lines(problem.load, shown, rod)
         lines += [("", text) for text in _ends(run, shown)]
         off, work = float(abs(run.energy_error).max()), float(abs(run.energy["work"]).max())

@@ -68,8 +68,10 @@ def growth_error(v: Any, damping: float) -> float:
 
     The error of a verdict is that of its discriminant relative to max(1, abs(discriminant)).
     """
-    if v.status == "stable" or not v.error < math.inf:
-        return 0.0 if v.status == "stable" else math.inf
+    if v.growth_rate == 0.0 and v.status == "stable":  # a growth within the tolerance has an error like any other
+        return 0.0
+    if not v.error < math.inf:
+        return math.inf
     half = 0.5 * (v.growth_rate + damping) * v.period
     if half > 15.0:
         return v.error / v.period

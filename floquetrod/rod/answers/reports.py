@@ -12,7 +12,7 @@ from floquetrod._util.report import Report, Reported, number
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.loads.axial import AxialResonance, added_mean
 from floquetrod.rod.loads.load import Load, Quantity
-from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.data import RodData, special_parameters
 from floquetrod.units import Unit
 
 Line = tuple[str, str]
@@ -185,12 +185,13 @@ class ReportedVerdict(Reported, _Verdict):
         """Return lines about rod and load, and what is taken for granted where that is more than the study does."""
         rod, load = self.rod, self.load
         lines = [("rod", f"critical force {rod.critical_force:.4g} N, critical mode {rod.critical_mode:.3g}")]
-        if rod.departures:
+        special = special_parameters(rod)
+        if special:
             size = f"inertia {rod.mass_per_length:.4g} kg/m, weight in fluid {rod.weight_per_length:.4g} N/m"
             bend = f"E I {rod.flexural_rigidity:.4g} N m^2, half wave {rod.critical_half_wave:.4g} m"
-            lines += [("", f"{rod.departures}; SI units"), ("", f"{size}, {bend}")]
+            lines += [("", f"{special}; SI units"), ("", f"{size}, {bend}")]
         lines += load_lines(load, shown, rod)
-        if rod.departures or load.departures:
+        if special or load.departures:
             lines.append(("assumed", "; ".join(self.assumptions)))
         return lines
 

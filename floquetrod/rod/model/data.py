@@ -236,12 +236,6 @@ class RodData(TellsAttributes):
         """All parameters but the ends, numbers in SI units by name."""
         return {f.name: getattr(self, f.name) for f in fields(self) if f.name != "ends"}
 
-    @property
-    def departures(self) -> str:
-        """What this rod has that a solid rod in a horizontal channel without fluids has not, "" where nothing."""
-        found = ((name, getattr(self, name)) for name, plain in _PLAIN.items() if getattr(self, name) != plain)
-        return ", ".join(f"{name} = {value if isinstance(value, str) else f'{value:g}'}" for name, value in found)
-
     # --- parts ---
 
     @cached_property
@@ -448,3 +442,9 @@ class RodData(TellsAttributes):
 
 def _modes(mode: Any) -> NDArray[np.float64]:
     return validate.array("mode", mode, least=0.0, largest=10.0 * MOST_MODES)
+
+
+def special_parameters(rod: RodData) -> str:
+    """Return what a rod has that a solid one with hinged ends, horizontal and without fluids, has not; "" for none."""
+    found = ((name, getattr(rod, name)) for name, plain in _PLAIN.items() if getattr(rod, name) != plain)
+    return ", ".join(f"{name} = {value if isinstance(value, str) else f'{value:g}'}" for name, value in found)
