@@ -34,6 +34,8 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof import Proof as Proof
     from floquetrod.floquet.proof import certify as certify
     from floquetrod.floquet.proof.region import RegionProof as RegionProof
+    from floquetrod.floquet.solutions import FloquetMode as FloquetMode
+    from floquetrod.floquet.solutions import floquet_solutions as floquet_solutions
     from floquetrod.floquet.solve import Solution as Solution
     from floquetrod.floquet.solve import solve as solve
     from floquetrod.floquet.status import UndecidedWarning as UndecidedWarning
@@ -75,6 +77,7 @@ _WHERE = {
     "CoupledRodStability": "rod.answers.verdict",
     "Explorer": "explorer",
     "ForceRecord": "rod.loads.record",
+    "FloquetMode": "floquet.solutions",
     "FrictionalMathieu": "equations",
     "Hill": "equations",
     "HillSystem": "equations",
@@ -107,6 +110,7 @@ _WHERE = {
     "compare": "floquet.comparison",
     "conventions": "equations.conventions",
     "ensemble": "ensembles.ensemble",
+    "floquet_solutions": "floquet.solutions",
     "friction": "friction",
     "mathieu": "mathieu",
     "methods": "floquet.methods",

@@ -12,8 +12,9 @@ import pytest
 import floquetrod as fr
 from floquetrod._util.arrays import inverses, norms
 from floquetrod.floquet.kernels.system_even_pairs import pair_values
+from floquetrod.floquet.pairs import slopes
 from floquetrod.floquet.systems import even
-from floquetrod.floquet.systems.spectra import pair_log_errors, touching
+from floquetrod.floquet.systems.spectra import touching
 from floquetrod.systems import arrays
 
 System = fr.HillSystem | fr.PeriodicSystem
@@ -166,7 +167,7 @@ def test_numbers_whose_squares_overflow() -> None:
     assert two[6:].tolist() == one[6:].tolist()
 
     y = np.array([1e250, 2.0])
-    errors = pair_log_errors(y, 1.0 + y, 1e-9 * y)
+    errors = slopes(y, 1.0 + y, 1e-9 * y)
     assert errors == pytest.approx([2e-9, 2e-9 * 2.0 / math.sqrt(6.0)])
 
 

@@ -11,8 +11,9 @@ from floquetrod._util.content import NoTruthValue
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.equations import Equation
 from floquetrod.floquet.dispatch import run
+from floquetrod.floquet.problems import Problem, require_problem
 from floquetrod.floquet.references import united
-from floquetrod.floquet.registry import METHODS, Problem, applicable, require_problem
+from floquetrod.floquet.registry import METHODS, applicable
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Stability
 

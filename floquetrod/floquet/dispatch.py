@@ -8,7 +8,8 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
-from floquetrod.floquet.registry import Problem, in_turn, of_kind, require_problem
+from floquetrod.floquet.problems import Problem, require_problem
+from floquetrod.floquet.registry import in_turn, of_kind
 from floquetrod.floquet.verdict import Stability, Verdict
 
 if TYPE_CHECKING:

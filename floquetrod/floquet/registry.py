@@ -6,11 +6,9 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, HillSystem, Mathieu, Meissner, PeriodicSystem, matrices
+from floquetrod.equations import Equation, HillSystem, Mathieu, Meissner, PeriodicSystem
 from floquetrod.equations import require as require_equation
-
-Problem = Equation | HillSystem | PeriodicSystem
-"""What verdicts are on: a scalar equation, or a system."""
+from floquetrod.floquet.problems import Problem
 
 Served = Callable[[Any], "str | None"]
 
@@ -101,14 +99,6 @@ def of_kind(problem: Problem) -> tuple[Method, ...]:
 def applicable(problem: Problem) -> tuple[Method, ...]:
     """Return the methods that serve a problem."""
     return tuple(method for method in of_kind(problem) if method.refusal(problem) is None)
-
-
-def require_problem(problem: Any) -> None:
-    """Raise TypeError for what is neither an equation nor a system, ValueError for a batch."""
-    if isinstance(problem, HillSystem | PeriodicSystem):
-        matrices.require_one(problem, "equation")
-    else:
-        require_equation(problem, hint="or a HillSystem or PeriodicSystem")
 
 
 def require(equation: Any, method: str) -> None:

@@ -1,8 +1,8 @@
-"""The one result every method returns, and the one place where a discriminant becomes a verdict.
+"""What every method returns, and the one place where the excess of a scalar equation becomes a verdict.
 
 With c the damping, T the period and A = exp(-c tau) u, the undamped u has multipliers of product 1 and sum D_u.
-The *excess* X = (abs(D_u) - 2) / 4 is what decides: X = sinh(growth T / 2)^2 where u grows, -sin(rotation / 2)^2 where
-it is bounded.  Methods hand over X rather than D_u because near a boundary X keeps digits that D_u has rounded away.
+Their excess X = (abs(D_u) - 2) / 4 decides: see `floquetrod.floquet.pairs`.  Methods hand over X rather than D_u
+because near a boundary X keeps digits that D_u has rounded away.
 """
 
 from __future__ import annotations
@@ -10,15 +10,23 @@ from __future__ import annotations
 import math
 import sys
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 
+import numpy as np
+
+from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.report import Report, Reported, number
-from floquetrod.equations import Equation
+from floquetrod.equations import Equation, PeriodicSystem
+from floquetrod.floquet import pairs
 from floquetrod.floquet.references import references
 from floquetrod.floquet.status import Status as Status
 
+if TYPE_CHECKING:
+    from floquetrod.floquet.solutions import MonodromyMatrix
+
 _EPS = sys.float_info.epsilon
+_STATUS: dict[int, Status] = {1: "unstable", -1: "stable"}
 
 
 class Interval(NamedTuple):
@@ -114,15 +122,137 @@ class Verdict(Answer):
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
-class Stability(Reported, Verdict):
+class FloquetVerdict(Reported, Verdict):
+    """Verdict on a scalar equation or a system of equations, in the unit of its time.
+
+    Attributes
+    ----------
+    equation : Equation, HillSystem or PeriodicSystem
+        What was classified; ``system`` is another name of it.
+    method : str
+        Name of the method.
+    exponent_errors : tuple of float
+        Error of each exponent: a bound or an estimate, the method says which.
+    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
+        As in every `Verdict`.  A method that gave up has no exponents, and NaN for the growth rate.
+    """
+
+    unit: ClassVar[str] = "time"
+    equation: Any
+    method: str
+    if TYPE_CHECKING:
+
+        @property
+        def exponent_errors(self) -> tuple[float, ...]:
+            """Error of each exponent."""
+
+    @classmethod
+    def declined(cls, equation: Any, method: str, cost: Cost, note: str) -> Self:
+        """Return the undecided verdict of a method that gave up, for the reason in ``note``."""
+        return cls(
+            equation=equation,
+            method=method,
+            status="undecided",
+            growth_rate=math.nan,
+            exponents=(),
+            period=float(equation.period),
+            error=math.inf,
+            cost=cost,
+            note=note,
+        )
+
+    @property
+    def system(self) -> Any:
+        """What was classified, as ``equation``."""
+        return self.equation
+
+    @cached_property
+    def monodromy(self) -> MonodromyMatrix:
+        """The matrix that maps (A, A'), (q, q') or x over one period from time 0, and its error; computed when asked.
+
+        Apart from the method of the verdict, by `floquetrod.solve`.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> matrix, error = fr.stability(fr.Mathieu(alpha=0.5, beta=-0.25)).monodromy
+        >>> f"{matrix[0, 0] + matrix[1, 1]:.9f}", error < 1e-12
+        ('-4.396848439', True)
+        """
+        from floquetrod.floquet.solutions import monodromy_over_period
+
+        return monodromy_over_period(self.equation)
+
+    @cached_property
+    def damping_to_stabilise(self) -> float:
+        """Uniform damping rate, per unit of time, that it takes to keep motion from growing; 0 where none.
+
+        The rate c is added to what damping there is: to that of a scalar equation, as C + 2 c M in a `HillSystem`, as
+        A - c I in a `PeriodicSystem`, where it is the growth rate itself.  Else it is searched, to ten digits: nothing
+        grows at larger rates among those tried, which are two, four and eight times the growth rate, and those from the
+        fastest frequency down in 12 steps by halves.  Damping can destabilise: of a stable system it need not be 0.
+
+        Infinite where the mean stiffness alone is unstable, which damping only slows down.  NaN where the search would
+        take more than about a minute, where growth is not known, or cannot be distinguished from none at some rate.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> found = fr.stability(fr.HillSystem([[1.0]], cosines=[[[0.3]]], period=3.141592653589793))
+        >>> round(found.growth_rate, 6), round(found.damping_to_stabilise, 6)
+        (0.074803, 0.074908)
+        """
+        if isinstance(self.equation, PeriodicSystem) or math.isnan(self.growth_rate):
+            return self.growth_rate
+        from floquetrod.floquet.systems.damping import damping_to_stabilise
+
+        system = self.equation.as_system() if isinstance(self.equation, Equation) else self.equation
+        return damping_to_stabilise(system, self.growth_rate)
+
+    @property
+    def multiplier_errors(self) -> tuple[float, ...]:
+        """Error of each multiplier, in the sense of ``exponent_errors``."""
+        return tuple(
+            abs(mu) * math.expm1(min(error * self.period, 700.0))
+            for mu, error in zip(self.multipliers, self.exponent_errors, strict=True)
+        )
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        return references(("equation" if isinstance(self.equation, Equation) else "system", self.method))
+
+    @property
+    def _status_in_words(self) -> str:
+        return self.status
+
+    @property
+    def _named(self) -> str:
+        """Name of what grows, or of the interval, after a comma."""
+        return ""
+
+    @property
+    def _known(self) -> str:
+        """What was computed, and how well it is known."""
+        return ""
+
+    def __repr__(self) -> str:
+        """Return the verdict as a sentence."""
+        verdict = self._status_in_words
+        if self.status == "unstable":
+            verdict += f": grows {pace(self.growth_rate)} per unit {self.unit}"
+        elif self.status == "undecided" and self.exponents:
+            verdict += f": growth {self.growth_rate:.3g} per unit {self.unit} cannot be distinguished from none"
+        text = f"{verdict}{self._named}; {self._known}; {self.method}, {self.cost}"
+        return f"<{text}; {self.note}>" if self.note else f"<{text}>"
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Stability(FloquetVerdict):
     """Verdict on one scalar equation, per unit tau.
 
     Attributes
     ----------
-    equation : Equation
-        The equation classified.
-    method : str
-        Name of the method.
     discriminant : float
         Trace of the monodromy matrix (sum of the multipliers); infinite when beyond the range of a double.
     log_abs_discriminant : float
@@ -130,21 +260,31 @@ class Stability(Reported, Verdict):
     interval : Interval or None
         The stability interval or resonance tongue, of the equation freed of its damping; None where the method cannot
         tell.
+    equation, system, method, exponent_errors
+        As in every `FloquetVerdict`.
     status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
         As in every `Verdict`; there are two exponents, and ``error`` is a bound or estimate (the method says which) on
         the discriminant's error relative to max(1, abs(discriminant)).
     """
 
-    equation: Equation
-    method: str
-    discriminant: float
-    log_abs_discriminant: float
-    interval: Interval | None
+    unit: ClassVar[str] = "tau"
+    discriminant: float = math.nan
+    log_abs_discriminant: float = math.nan
+    interval: Interval | None = None
 
     @property
-    def references(self) -> tuple[str, ...]:
-        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
-        return references(("equation", self.method))
+    def exponent_errors(self) -> tuple[float, ...]:
+        """Error of each exponent, which follows from that of the discriminant; near a boundary from its root."""
+        if not self.exponents:
+            return ()
+        s = (self.exponents[0] + self.equation.damping) * self.period
+        if s.real > 600.0:
+            error = 0.5 * self.error
+        else:
+            y, above = (np.array([half**2]) for half in (np.sinh(0.5 * s), np.cosh(0.5 * s)))
+            radius = 0.25 * self.error * np.maximum(1.0, np.minimum(np.abs(y), np.abs(above)))
+            error = float(pairs.log_errors(y, above, radius)[0])
+        return (error / self.period + 4.0 * _EPS * abs(self.exponents[0]),) * 2
 
     def report(self) -> Report:
         """Return the verdict in lines: growth, discriminant, method."""
@@ -177,17 +317,13 @@ class Stability(Reported, Verdict):
             return f"{'-' if self.discriminant < 0.0 else ''}exp({self.log_abs_discriminant:.10g})"
         return f"{self.discriminant:.10g}"
 
-    def __repr__(self) -> str:
-        """Return the verdict as a sentence."""
-        verdict: str = self.status
-        if self.status == "unstable":
-            verdict += f": grows {pace(self.growth_rate)} per unit tau"
-        elif self.status == "undecided":
-            verdict += f": growth {self.growth_rate:.3g} per unit tau cannot be distinguished from none"
-        if self.interval is not None:
-            verdict += f", {self.interval}"
-        text = f"{verdict}; discriminant {self._size} +- {self.error:.1g} relative; {self.method}, {self.cost}"
-        return f"<{text}; {self.note}>" if self.note else f"<{text}>"
+    @property
+    def _named(self) -> str:
+        return "" if self.interval is None else f", {self.interval}"
+
+    @property
+    def _known(self) -> str:
+        return f"discriminant {self._size} +- {self.error:.1g} relative" if self.exponents else "nothing computed"
 
 
 def pace(growth_rate: float) -> str:
@@ -234,19 +370,20 @@ def classify(
         excess, shift = math.frexp(excess)
         exponent += shift
     else:
-        excess, exponent = _ldexp(excess, exponent), 0
-    undamped_growth = _growth(excess, exponent, period)
+        excess, exponent = pairs.ldexp(excess, exponent), 0
+    undamped_growth = pairs.growth(excess, exponent) / period
     net = undamped_growth - damping
-    status = undamped_status or _decide(excess, exponent, excess_error)
+    status = undamped_status or _STATUS.get(pairs.decided_far(excess, exponent, excess_error), "undecided")
     if damping > 0.0 and status != "stable":
-        low, high = (edge - damping for edge in _growth_band(excess, exponent, excess_error, period))
+        low, high = (edge / period - damping for edge in pairs.growth_band(excess, exponent, excess_error))
         if growth is not None:
             low, net, high = growth
         status = "unstable" if low > 0.0 else "stable" if high < 0.0 else "undecided"
     if tested is not None:
         status, net = tested
     elif status == "undecided" and excess_error < math.inf:
-        decided = _without_variation(equation)
+        level = equation.level
+        decided = None if level is None else static_status(-level, 0.0, damping)
         status, note = (decided, "") if decided else (status, note)
     net = max(0.0, net)
     discriminant, log_size = _discriminant(sign, excess, exponent, damping * period)
@@ -268,11 +405,6 @@ def classify(
     )
 
 
-def declined(equation: Equation, method: str, cost: Cost, note: str) -> Stability:
-    """Return the undecided `Stability` of a method that gave up, for the reason in ``note``."""
-    return classify(equation, method, sign=1, excess=0.0, excess_error=math.inf, cost=cost, note=note)
-
-
 def tolerated(rate: Any, tolerance: float) -> Any:
     """Return whether unstable motion of this growth rate, or rates, counts as stable: none with a tolerance of zero.
 
@@ -281,22 +413,14 @@ def tolerated(rate: Any, tolerance: float) -> Any:
     return (tolerance > 0.0) & (rate <= tolerance)
 
 
-def _without_variation(equation: Equation) -> Status | None:
-    """Return the verdict on a constant coefficient: its sign decides.  None where the coefficient varies."""
-    level = equation.level
-    if level is None:
-        return None
-    bounded = level < 0 or (level == 0 and equation.damping > 0.0)  # at zero, with damping: 1 and exp(-2 c tau)
-    return "stable" if bounded else "unstable"
+def static_status(stiffness: Any, error: float, damping: float) -> Status | None:
+    """Return the verdict on q'' + 2 c q' + k q = 0, k known but for its error: the sign of k decides.
 
-
-def _decide(excess: float, exponent: int, excess_error: float) -> Status:
-    """Return the verdict on an undamped equation that X and its error allow."""
-    if exponent > 900:
-        return "unstable" if excess_error < 1.0 else "undecided"
-    value = _ldexp(excess, exponent)
-    size = excess_error * max(1.0, abs(value))
-    return "unstable" if value > size else "stable" if value < -size else "undecided"
+    Where k is exactly zero motion drifts without damping, and comes to rest with any.  None where not known.
+    """
+    if stiffness == 0 and error == 0.0:
+        return "stable" if damping > 0.0 else "unstable"
+    return _STATUS.get(int(pairs.decided(-stiffness, error)))
 
 
 def discriminant_excess_of(trace: float) -> tuple[int, float]:
@@ -304,35 +428,12 @@ def discriminant_excess_of(trace: float) -> tuple[int, float]:
     return (1 if trace >= 0.0 else -1), 0.25 * (abs(trace) - 2.0)
 
 
-def _growth(excess: float, exponent: int, period: float) -> float:
-    """Growth rate of u: 2 asinh(sqrt X) / T, zero where X <= 0."""
-    if excess <= 0.0:
-        return 0.0
-    if exponent > 900:
-        return (2.0 * math.log(2.0) + math.log(excess) + exponent * math.log(2.0)) / period
-    odd = exponent % 2
-    root = _ldexp(math.sqrt(_ldexp(excess, odd)), (exponent - odd) // 2)
-    return 2.0 * math.asinh(root) / period
-
-
-def _growth_band(excess: float, exponent: int, excess_error: float, period: float) -> tuple[float, float]:
-    """Return the growth rates of u at both ends of the band of X."""
-    if exponent > 900:
-        middle = _growth(excess, exponent, period)
-        spread = 2.0 * excess_error / period
-        return middle - spread, middle + spread
-    value = _ldexp(excess, exponent)
-    size = excess_error * max(1.0, abs(value))
-    slack = 4.0 * _EPS
-    return _growth(value - size, 0, period) * (1.0 - slack), _growth(value + size, 0, period) * (1.0 + slack)
-
-
 def _discriminant(sign: int, excess: float, exponent: int, decay: float) -> tuple[float, float]:
     """Return the damped discriminant and the logarithm of its magnitude."""
     if exponent > 900:
         log_size = 2.0 * math.log(2.0) + math.log(excess) + exponent * math.log(2.0) - decay
         return sign * _exp(log_size), log_size
-    size = 2.0 + 4.0 * _ldexp(excess, exponent)
+    size = 2.0 + 4.0 * pairs.ldexp(excess, exponent)
     log_size = math.log(abs(size)) - decay if size != 0.0 else -math.inf
     if math.isinf(size) or decay > 700.0:
         return sign * _exp(log_size), log_size
@@ -340,13 +441,10 @@ def _discriminant(sign: int, excess: float, exponent: int, decay: float) -> tupl
 
 
 def _exponents(sign: int, excess: float, growth: float, damping: float, period: float) -> tuple[complex, complex]:
-    half_turn = math.pi / period
     if excess > 0.0:
-        turn = half_turn if sign < 0 else 0.0
-        return complex(growth - damping, turn), complex(-growth - damping, turn)
-    angle = 2.0 * math.asin(min(1.0, math.sqrt(-excess))) / period
-    if sign < 0:
-        angle = half_turn - angle
+        half_turn = math.pi / period if sign < 0 else 0.0
+        return complex(growth - damping, half_turn), complex(-growth - damping, half_turn)
+    angle = pairs.turn(excess, sign) / period
     return complex(-damping, angle), complex(-damping, -angle)
 
 
@@ -362,10 +460,3 @@ def _multiplier(exponent: complex, period: float) -> complex:
 
 def _exp(power: float) -> float:
     return math.exp(power) if power < 709.0 else math.inf
-
-
-def _ldexp(value: float, exponent: int) -> float:
-    try:
-        return math.ldexp(value, exponent)
-    except OverflowError:
-        return math.copysign(math.inf, value)

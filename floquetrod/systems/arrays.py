@@ -18,6 +18,7 @@ from floquetrod.equations.batches import flat, pick
 from floquetrod.equations.hill_system import EvenForm
 from floquetrod.floquet.dispatch import judge
 from floquetrod.floquet.kernels.system_even import pair_numbers
+from floquetrod.floquet.pairs import logarithms
 from floquetrod.floquet.status import STATUS_CODES, are
 from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
@@ -207,7 +208,7 @@ class _EvenBatch(_Batch):
         else:
             y = _eigenvalues(even.pair_matrices(*systems, _ACCURACY).matrix)
             y[np.isinf(systems.uncertainty)] = np.nan
-        logs = 2.0 * np.arcsinh(np.sqrt(y))
+        logs = logarithms(y)
         return np.asarray(np.exp(np.concatenate([logs, -logs], axis=1)))
 
     def verdicts(self, part: slice) -> ManyVerdicts:

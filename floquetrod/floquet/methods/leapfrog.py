@@ -14,7 +14,7 @@ from floquetrod._util.compilation import compiled
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import value_on
 from floquetrod.floquet.kernels.leapfrog import leapfrog_run
-from floquetrod.floquet.verdict import Cost, Stability, Status, classify, declined, discriminant_excess_of
+from floquetrod.floquet.verdict import Cost, Stability, Status, classify, discriminant_excess_of
 
 _MOST_STEPS = 100_000_000  # steps of a run, a choice: a fraction of a second to a second
 _FINEST_GRID = 4096  # steps of a period that pieces may ask for so that they meet at steps (a choice)
@@ -67,7 +67,7 @@ def leapfrog(equation: Equation, *, step: float = 5e-4, periods: int = 100, limi
         note = (
             f"would take {needed:.3g} steps, above the limit of {_MOST_STEPS:.0e}; take a longer step or fewer periods"
         )
-        return declined(equation, "leapfrog", Cost(0, "steps"), note)
+        return Stability.declined(equation, "leapfrog", Cost(0, "steps"), note)
     # With every other and every fourth step too, the coefficient jumps at steps, if its pieces allow.
     grid = math.lcm(4, *(4 * piece.share.denominator for piece in pieces))
     grid = grid if grid <= _FINEST_GRID else 4

@@ -16,7 +16,7 @@ from floquetrod._util.compilation import INTERPRETED_UP_TO, runner
 from floquetrod.equations import Equation, Piece
 from floquetrod.equations.base import from_instant
 from floquetrod.floquet.kernels.taylor import ORDER, REACH, advance
-from floquetrod.floquet.verdict import Cost, Stability, classify, declined
+from floquetrod.floquet.verdict import Cost, Stability, classify
 
 _MOST_STEPS = 1_000_000
 _EPS = 2.220446049250313e-16
@@ -68,7 +68,7 @@ def monodromy(equation: Equation, *, rtol: float = 1e-12) -> Stability:
     needed = _needed(pieces, frequency)
     if needed > _MOST_STEPS:
         note = f"would take {needed:.3g} steps or more, above the limit of {_MOST_STEPS}; use another method"
-        return declined(equation, "monodromy", Cost(0, "steps"), note)
+        return Stability.declined(equation, "monodromy", Cost(0, "steps"), note)
     fine, change, total = _converged(pieces, equation.period, frequency, rtol)
     relative = change + 4.0 * _EPS * (fine.steps + 4)
     sign, excess, exponent, error = _excess(fine, relative, frequency, half is not None)

@@ -27,7 +27,7 @@ from typing import Any, NamedTuple
 from floquetrod._util import validate
 from floquetrod.equations import Equation, require
 from floquetrod.floquet.fixed_point import GUARD_BITS, Stretch, multiply, period_map
-from floquetrod.floquet.verdict import Cost, Stability, Status, classify, declined
+from floquetrod.floquet.verdict import Cost, Stability, Status, classify
 
 _LARGEST_RAISE = 20  # working digits go up to this many times the digits asked for (heuristic)
 _LARGEST_WORK = 3e6  # terms of series times their cost, a few seconds' worth (heuristic)
@@ -83,7 +83,7 @@ def reference(equation: Equation, *, digits: int = 50) -> Stability:
     try:
         found = discriminant_excess(equation, digits)
     except TooMuchWork as reason:
-        return declined(equation, "reference", Cost(0, "terms"), str(reason))
+        return Stability.declined(equation, "reference", Cost(0, "terms"), str(reason))
     context = MPContext()
     context.dps = 2 * digits + 20
     excess, error = (context.mpf(number) for number in (found.excess, found.error))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from floquetrod.equations import Equation, Mathieu
 from floquetrod.floquet import registry
 from floquetrod.floquet.kernels import mathieu as kernels
-from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify, declined
+from floquetrod.floquet.verdict import Cost, Interval, Stability, Status, classify
 
 _EPS = 2.220446049250313e-16
 _MOST_ROWS = 250  # rows of a banded matrix beyond which `spectral` declines (a choice: a few seconds of work)
@@ -144,7 +144,7 @@ def _hill(equation: Equation) -> Stability:
         cut *= 2
     else:
         note = f"needs Hill matrices of more than {_MOST_ROWS} rows; use method='monodromy'"
-        return declined(equation, "spectral", Cost(rows, "rows"), note)
+        return Stability.declined(equation, "spectral", Cost(rows, "rows"), note)
     status: Status = "undecided" if below is None else "stable" if below % 2 else "unstable"
     coarse = _central_exponent(mean, harmonics, turn, cut)
     fine = _central_exponent(mean, harmonics, turn, cut + 4)

@@ -1,10 +1,9 @@
 """The one place where a spectrum with errors becomes a verdict on a system.
 
-Multipliers of a Hamiltonian or reversible system come in mu, 1 / mu.  Each pair is one number y = (mu + 1/mu - 2) / 4 =
-sinh(s / 2)^2, s = log mu, and the motion is bounded where y lies between -1 and 0; near these ends y keeps digits that
-mu has lost.  A real matrix has y real or in complex pairs, so that a y apart from all others is real, and of several
-close ones the Krein form (where definite) or the discriminant (of two) says whether they are.  Of any other system the
-logarithms of the multipliers decide.
+Multipliers of a Hamiltonian or reversible system come in mu, 1 / mu, each pair of which is one number y: see
+`floquetrod.floquet.pairs`.  A real matrix has y real or in complex pairs, so that a y apart from all others is real,
+and of several close ones the Krein form (where definite) or the discriminant (of two) says whether they are.  Of any
+other system the logarithms of the multipliers decide.
 """
 
 from __future__ import annotations
@@ -17,11 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.floquet import pairs
 from floquetrod.floquet.systems import resonances, spectra
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.spectra import Discs
 from floquetrod.floquet.systems.symplectic import krein_form
-from floquetrod.floquet.verdict import Cost, Status
+from floquetrod.floquet.verdict import Cost, Status, static_status
 
 System = HillSystem | PeriodicSystem
 Krein = Callable[[NDArray[np.intp]], int]
@@ -94,17 +94,17 @@ def classify_pairs(
         return declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
     limit = freed[1] * float(system.period)
     if digits is None:
-        net = np.abs(2.0 * np.arcsinh(np.sqrt(discs.values)).real) - limit
+        net = np.abs(pairs.logarithms(discs.values).real) - limit
         digits = ManyDigits(1.0 + discs.values, net, lambda cluster: spectra.discriminant(discs, cluster))
-    logs = np.array([_logarithm(complex(v), complex(a)) for v, a in zip(discs.values, digits.above, strict=True)])
-    net = digits.net.copy()
-    errors = _log_errors(discs.values, digits.above, discs.radii)
+    logs = np.array([pairs.logarithm(complex(v), complex(a)) for v, a in zip(discs.values, digits.above, strict=True)])
+    net, outside = digits.net.copy(), pairs.outside(discs.values, digits.above)
+    errors = pairs.log_errors(discs.values, digits.above, discs.radii)
     signs = np.zeros(len(logs), dtype=int)
     parts = []
     for cluster in discs.clusters:
         part, on_axis = _pair_part(discs, digits, errors, limit, cluster, krein)
         if on_axis:
-            net[cluster] = np.where(_outside(discs, digits, cluster) > 0.0, net[cluster], -limit)
+            net[cluster] = np.where(outside[cluster] > 0.0, net[cluster], -limit)
             logs[cluster] = net[cluster] + limit + 1j * np.abs(logs[cluster].imag)
         signs[cluster] = part.krein
         parts.append(part)
@@ -122,21 +122,6 @@ def classify_pairs(
     )
 
 
-def _logarithm(y: complex, above: complex) -> complex:
-    """Return s = 2 asinh(sqrt y), its angle from 0 to pi, or its negative below the real axis, from y and 1 + y."""
-    if abs(above) >= abs(y):
-        return complex(2.0 * np.arcsinh(np.sqrt(y)))
-    found = complex(2.0 * np.arcsinh(np.sqrt(-above)))  # s = i pi + v with sinh(v / 2)^2 = -(1 + y)
-    lower = y.imag < 0.0
-    return complex(found.real, math.copysign(math.pi - abs(found.imag), -1.0 if lower else 1.0))
-
-
-def _outside(discs: Discs, digits: ManyDigits, cluster: NDArray[np.intp]) -> NDArray[np.float64]:
-    """Return distances of y from the interval from -1 to 0."""
-    y, above = discs.values[cluster], digits.above[cluster]
-    return np.where(y.real > 0.0, np.abs(y), np.where(above.real < 0.0, np.abs(above), np.abs(y.imag)))
-
-
 def _pair_part(
     discs: Discs,
     digits: ManyDigits,
@@ -147,11 +132,12 @@ def _pair_part(
 ) -> tuple[_Part, bool]:
     """Return the classification of a cluster of y, and whether its members must be on the real axis."""
     y, radii, net = discs.values[cluster], discs.radii[cluster], digits.net[cluster]
+    above = digits.above[cluster]
     high = float((net + errors[cluster]).max())
     low = max(-limit, float((net - errors[cluster]).min()))
-    if not (_outside(discs, digits, cluster) <= radii).any():
+    if not (pairs.outside(y, above) <= radii).any():
         return _Part(low, high, False), False
-    inside = bool((y.real + radii < 0.0).all() and (digits.above[cluster].real - radii > 0.0).all())
+    inside = bool((pairs.decided(pairs.excess(y.real, above.real), radii) < 0).all())
     if len(cluster) == 1:
         if inside:
             return _Part(-limit, -limit, True, krein=krein(cluster) if krein else 0), True
@@ -171,21 +157,8 @@ def _pair_part(
 
 def _named(y: complex) -> str:
     """Return where a cluster's multipliers are, in words."""
-    angle = abs(2.0 * np.arcsinh(np.sqrt(complex(y))).imag)
+    angle = abs(pairs.logarithms(complex(y)).imag)
     return f"exp(+-{angle:.4g} i)"
-
-
-def _log_errors(
-    y: NDArray[np.complex128], above: NDArray[np.complex128], radii: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return by how much s = 2 asinh(sqrt y) may change within discs, a root near the ends of y.
-
-    Half way to an end and closer s has changed by no more than a root's whole way.
-    """
-    nearest = np.minimum(np.abs(y), np.abs(above))
-    whole = 2.0 * np.abs(np.arcsinh(np.sqrt(nearest + radii))) + 2.0 * np.sqrt(radii)
-    changes = spectra.pair_log_errors(y, above, radii)
-    return np.where(radii > 0.5 * nearest, whole, np.fmin(changes, whole))
 
 
 class LogDiscs(NamedTuple):
@@ -303,9 +276,8 @@ def _verdict(
     texts = [text for text in (note, reason if status == "undecided" else "") if text]
     result_exponents = tuple(complex(exponents[i]) for i in order)
     return SystemStability(
-        system=system,
+        equation=system,
         method=method,
-        structure=system.structure,
         status=status,
         growth_rate=0.0 if status == "stable" else fastest,
         exponents=result_exponents,
@@ -320,6 +292,8 @@ def _verdict(
     )
 
 
+declined = SystemStability.declined
+
 MOST_SECONDS = 60.0
 """Longest estimated time of a map (a choice)."""
 
@@ -330,26 +304,6 @@ def too_long(system: System, method: str, seconds: float) -> SystemStability | N
         return None
     note = f"would take about {seconds:.2g} s; take a shorter period, or fewer or softer equations"
     return declined(system, method, Cost(0, "periods"), note)
-
-
-def declined(system: System, method: str, cost: Cost, note: str) -> SystemStability:
-    """Return the undecided result of a method that gave up, for the reason in ``note``."""
-    return SystemStability(
-        system=system,
-        method=method,
-        structure=system.structure,
-        status="undecided",
-        growth_rate=math.nan,
-        exponents=(),
-        exponent_errors=(),
-        krein_signs=(),
-        resonances=(),
-        strongly_stable=None,
-        period=float(system.period),
-        error=math.inf,
-        cost=cost,
-        note=note,
-    )
 
 
 def _without_variation(system: System) -> Status | None:
@@ -379,12 +333,11 @@ def _static_status(system: HillSystem, freed: HillSystem, damping: float) -> Sta
     if not system.stiffness.any(axis=0).all() and damping == 0.0:
         return "unstable"
     if not system.stiffness.any():
-        return "stable"
+        return static_status(0.0, 0.0, damping)
     form = freed.even_form
     if form is None:
         return None
     values = np.linalg.eigvalsh(form.stiffness)
     limit = damping * damping
     slack = float(form.error) + 8.0 * _EPS * system.order * float(np.abs(values).max()) + 4.0 * _EPS * limit
-    least = float(values[0]) + limit
-    return "stable" if least > slack else "unstable" if least < -slack else None
+    return static_status(float(values[0]) + limit, slack, damping)

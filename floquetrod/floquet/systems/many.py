@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import inverses, norms
+from floquetrod.floquet import pairs
 from floquetrod.floquet.status import STATUS_CODES
-from floquetrod.floquet.systems.spectra import pair_log_errors
 
 _EPS = 2.220446049250313e-16
 
@@ -69,9 +69,9 @@ def _apart(values: NDArray[Any], radii: NDArray[np.float64]) -> NDArray[np.bool_
 def pair_verdicts(discs: ManyDiscs, period: NDArray[np.float64], damping: float) -> ManyVerdicts:
     """Return verdicts from y = (mu + 1/mu - 2) / 4 of the pairs of systems freed of uniform damping."""
     y, radii, apart = discs
-    growth = np.abs(2.0 * np.arcsinh(np.sqrt(y)).real)
+    growth = np.abs(pairs.logarithms(y).real)
     off = np.abs(y - np.clip(y.real, -1.0, 0.0)) > radii
-    inside = (np.abs(y.imag) <= radii) & (y.real + radii < 0.0) & (y.real - radii > -1.0)
+    inside = (np.abs(y.imag) <= radii) & (pairs.decided(pairs.excess(y.real, 1.0 + y.real), radii) < 0)
     bounded = apart & inside & ~off
     grows = off & (apart | _reduce(np.logical_and, off)[:, None])
     growth = np.where(bounded, 0.0, growth)
@@ -79,7 +79,7 @@ def pair_verdicts(discs: ManyDiscs, period: NDArray[np.float64], damping: float)
         unstable, stable = _reduce(np.logical_or, grows), _reduce(np.logical_and, bounded)
     else:
         limit = (damping * period)[:, None]
-        uncertainty = pair_log_errors(y, 1.0 + y, radii)
+        uncertainty = pairs.slopes(y, 1.0 + y, radii)
         known = apart & (radii <= 0.5 * np.minimum(np.abs(y), np.abs(1.0 + y)))
         unstable = _reduce(np.logical_or, known & (growth - uncertainty > limit))
         stable = _reduce(np.logical_and, bounded | (known & (growth + uncertainty < limit)))

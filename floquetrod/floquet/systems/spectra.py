@@ -134,14 +134,6 @@ def log_distances(one: NDArray[np.complex128], other: NDArray[np.complex128]) ->
     return np.asarray(np.hypot(gap.real, turned))
 
 
-def pair_log_errors(y: NDArray[Any], above: NDArray[Any], radii: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return by how much s = 2 asinh(sqrt y) changes with y, to first order: ds = dy / sqrt(y (1 + y)), 1 + y given."""
-    y, above = np.abs(y), np.abs(above)
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        product = y * above
-        return np.asarray(2.0 * radii / np.where(np.isinf(product), np.sqrt(y) * np.sqrt(above), np.sqrt(product)))
-
-
 def basis_of(discs: Discs, cluster: NDArray[np.intp]) -> NDArray[np.complex128]:
     """Return an orthonormal basis of a cluster's invariant subspace."""
     return np.asarray(np.linalg.qr(discs.right[:, cluster])[0])

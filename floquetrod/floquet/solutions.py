@@ -1,0 +1,209 @@
+"""The map over a period and the Floquet solutions of any equation or system, marched by `solve`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
+from floquetrod._util.content import ByContent
+from floquetrod.equations import Equation, HillSystem
+from floquetrod.floquet.problems import Problem, require_problem
+from floquetrod.floquet.solve import Solution, solve
+from floquetrod.floquet.systems import spectra
+
+_EPS = 2.220446049250313e-16
+_LATEST = 1e6  # periods (a choice: beyond it rounding of the phase costs more than ten digits)
+_DECAYS = 1.0 - 1e-6  # magnitudes of multipliers below it are found from the map backwards (a choice)
+_SURE = 1e-3  # rad that the error of the map may turn an eigenvector by (a choice)
+_LARGEST_RESIDUAL = 1e-6  # of a solution, relative (a choice)
+
+Floats = NDArray[np.float64]
+
+
+class MonodromyMatrix(NamedTuple):
+    """The matrix (N, N) that maps a state over one period, and an estimate of the largest error of an entry."""
+
+    matrix: Floats
+    error: float
+
+
+def monodromy_over_period(problem: Problem, *, backward: bool = False) -> MonodromyMatrix:
+    """Return the matrix that maps (A, A'), (q, q') or x from the beginning of a period to its end, or back.
+
+    Each column is a solution with unit initial values; its error is the estimate of `floquetrod.solve`, and rounding.
+    """
+    span = (float(problem.period), 0.0) if backward else (0.0, float(problem.period))
+    order = _states(problem)
+    columns = [_marched(problem, unit, span) for unit in np.eye(order)]
+    matrix = np.stack([column.states[-1] for column in columns], axis=1)
+    errors = ((column.error + len(column.time) * _EPS) * float(np.abs(column.states).max()) for column in columns)
+    return MonodromyMatrix(matrix, max(errors))
+
+
+def _states(problem: Problem) -> int:
+    """Return how many numbers make a state."""
+    if isinstance(problem, Equation):
+        return 2
+    return 2 * problem.order if isinstance(problem, HillSystem) else problem.order
+
+
+def _marched(problem: Problem, state: Floats, span: tuple[float, float]) -> Solution:
+    """Return the solution from a state at the beginning of a span."""
+    return solve(problem, state.reshape(2, -1) if isinstance(problem, HillSystem) else state, span)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FloquetMode(ByContent):
+    """A solution x(t) = exp(exponent t) p(t), p of the period of the equation.
+
+    Attributes
+    ----------
+    equation : Equation, HillSystem or PeriodicSystem
+    exponent : complex
+        Its real part is the growth rate; the imaginary one lies between -pi / period and pi / period.
+    period : float
+    error : float
+        Estimate of the largest error of a state, as a part of the largest state within a period: that of both parts,
+        and by how much the state at the end of the period differs from exp(exponent period) times that at its start.
+    """
+
+    equation: Any
+    exponent: complex
+    period: float
+    error: float
+    _parts: tuple[Solution, Solution]
+
+    def __call__(self, time: Any, derivative: int = 0) -> Any:
+        """Return the solution at times (array_like), or its first derivative.
+
+        Complex; of a scalar equation in the shape of ``time``, of a system with its n components in a last axis.
+        """
+        times = validate.array("time", time, least=-_LATEST * self.period, largest=_LATEST * self.period)
+        periods = np.floor(times / self.period)
+        phase = np.clip(times - periods * self.period, 0.0, self.period)
+        real, imaginary = (np.asarray(part(phase, derivative)) for part in self._parts)
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            values = _times(np.exp(self.exponent * self.period * periods), real + 1j * imaginary)
+        return shaped(values, values.shape)
+
+    def periodic(self, time: Any) -> Any:
+        """Return the periodic part p at times, exp(-exponent t) x(t)."""
+        times = validate.array("time", time, least=-_LATEST * self.period, largest=_LATEST * self.period)
+        phase = times - np.floor(times / self.period) * self.period
+        values = _times(np.exp(-self.exponent * phase), np.asarray(self(phase)))
+        return shaped(values, values.shape)
+
+    def __repr__(self) -> str:
+        """Return the equation and the exponent."""
+        return f"<Floquet solution of {type(self.equation).__name__}, exponent {self.exponent:.6g}, {self.error:.1g}>"
+
+
+def _times(factors: Any, states: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    """Return factors times states, whose components are in a last axis where they have several."""
+    several = np.asarray(factors)
+    return np.asarray(several.reshape(several.shape + (1,) * (states.ndim - several.ndim)) * states)
+
+
+def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
+    """Return the Floquet solutions exp(exponent t) p(t) of any equation or system, the faster growing first.
+
+    As many as the equation has multipliers, 2 of a scalar equation, independent of each other.  Each begins with a
+    state of norm 1: an eigenvector of the map over a period, from which it is marched by `floquetrod.solve`, backwards
+    where it decays.  `floquetrod.mathieu.floquet_solutions` has those of Mathieu's equation as Fourier series.
+
+    Parameters
+    ----------
+    equation : Equation, HillSystem or PeriodicSystem
+        One, not a batch.
+
+    Returns
+    -------
+    tuple of FloquetMode
+
+    Raises
+    ------
+    TypeError
+        For anything else.
+    ValueError
+        Where multipliers cannot be distinguished and need not have as many solutions, as on a boundary of stability,
+        where they span too many decades, and where a solution grows beyond the range of `floquetrod.solve`.
+
+    Examples
+    --------
+    >>> import floquetrod as fr
+    >>> growing, decaying = floquet_solutions(fr.Meissner(alpha=0.5, beta=-0.25))
+    >>> f"{growing.exponent:.9f}", growing.error < 1e-12
+    ('0.285714286+0.500000000j', True)
+    """
+    require_problem(equation)
+    found = [_mode(equation, mu, vector, backward=backward) for mu, vector, backward in _eigenpairs(equation)]
+    return tuple(sorted(found, key=lambda mode: (-mode.exponent.real, -mode.exponent.imag)))
+
+
+def _eigenpairs(equation: Problem) -> list[tuple[complex, NDArray[np.complex128], bool]]:
+    """Return multipliers and eigenvectors; those that decay from the map backwards, in which they are the largest."""
+    order = _states(equation)
+    found = [(mu, vector, False) for mu, vector in _independent(equation, order, backward=False)]
+    if len(found) < order:
+        back = _independent(equation, order - len(found), backward=True)
+        found += [(1.0 / mu, vector, True) for mu, vector in back]
+    return found
+
+
+def _independent(equation: Problem, most: int, *, backward: bool) -> list[tuple[complex, NDArray[np.complex128]]]:
+    """Return eigenvalues of a map over a period, none that decay, and independent eigenvectors, ``most`` of them.
+
+    ValueError where there may be fewer vectors than eigenvalues.
+    """
+    matrix, error = monodromy_over_period(equation, backward=backward)
+    discs = spectra.eigenvalue_discs(matrix, error * len(matrix))
+    if discs is None:
+        raise _indistinct(equation, "some")
+    found = []
+    for cluster in discs.clusters:
+        if float(np.abs(discs.values[cluster]).max()) < _DECAYS and not backward:
+            continue
+        if len(cluster) == 1:
+            vectors, sure = discs.right[:, cluster], spectra.subspace_error(discs, cluster) < _SURE
+        else:
+            vectors = spectra.basis_of(discs, cluster)
+            block = vectors.conj().T @ matrix @ vectors - np.mean(discs.values[cluster]) * np.eye(len(cluster))
+            sure = float(np.abs(block).max()) <= 8.0 * discs.error
+        found += [(complex(discs.values[i]), vectors[:, k], sure) for k, i in enumerate(cluster)]
+    found = sorted(found, key=lambda pair: -abs(pair[0]))[:most]
+    unsure = [mu for mu, _, sure in found if not sure]
+    if unsure:
+        raise _indistinct(equation, f"{1.0 / unsure[0] if backward else unsure[0]:.6g}")
+    return [(mu, vector) for mu, vector, _ in found]
+
+
+def _indistinct(equation: Problem, where: str) -> ValueError:
+    return ValueError(
+        f"equation must have multipliers that can be distinguished, or as many solutions as they are, got {where} that "
+        f"cannot: {validate.short(equation)} is on a boundary of stability, or too close to one"
+    )
+
+
+def _mode(equation: Problem, mu: complex, vector: NDArray[np.complex128], *, backward: bool) -> FloquetMode:
+    """March an eigenvector over a period, and check that it returns multiplied."""
+    period = float(equation.period)
+    span = (period, 0.0) if backward else (0.0, period)
+    vector = mu * vector if backward else vector
+    real, imaginary = (_marched(equation, np.ascontiguousarray(part), span) for part in (vector.real, vector.imag))
+    begin, end = (real.states[i] + 1j * imaginary.states[i] for i in (0, -1))
+    factor = 1.0 / mu if backward else mu
+    size = max(float(np.abs(part.states).max()) for part in (real, imaginary))
+    residual = float(np.abs(end - factor * begin).max()) / size
+    if not residual < _LARGEST_RESIDUAL:
+        raise ValueError(
+            f"equation must have multipliers that a double can hold beside each other, got {validate.short(equation)}, "
+            f"whose Floquet solution of multiplier {mu:.6g} misses its end by {residual:.1g}"
+        )
+    error = max(real.error, imaginary.error, residual)
+    exponent = complex(np.log(complex(mu.real, mu.imag + 0.0))) / period  # of -x + 0i, whatever the sign of zero
+    return FloquetMode(equation, exponent, period, error, (real, imaginary))
