@@ -19,9 +19,9 @@ from conftest import depth
 from floquetrod.equations import Equation, FrictionalMathieu, Hill, Mathieu, Meissner
 from floquetrod.floquet.methods.reference import discriminant_excess, reference
 from floquetrod.floquet.proof import certify
-from floquetrod.floquet.proof.certification import by_trace
 from floquetrod.floquet.proof.intervals import arithmetic, cosh_sinhc, pi
-from floquetrod.floquet.proof.problem import exact_problem
+from floquetrod.floquet.proof.problem import problem_of
+from floquetrod.floquet.proof.scalar import by_trace
 from floquetrod.floquet.proof.series import Series, Wave
 from floquetrod.floquet.proof.trace import enclose_trace
 from floquetrod.floquet.verdict import Interval
@@ -292,7 +292,7 @@ def test_both_ways_of_treating_damping_agree() -> None:
     # Where counting proves decay, the trace must prove it too.
     equation = Mathieu(1.0, -0.6, damping=0.05)
     assert certify(equation).statement.endswith("every solution decays")
-    assert by_trace(arithmetic(30), exact_problem(equation, {}), None).status == certify(equation).status == "stable"
+    assert by_trace(arithmetic(30), problem_of(equation), None).status == certify(equation).status == "stable"
 
 
 def test_huge_parameters() -> None:
@@ -329,9 +329,9 @@ def test_wrong_digits(digits: Any, error: type[Exception]) -> None:
 
 
 def test_wrong_equation() -> None:
-    with pytest.raises(TypeError, match="equation must be Mathieu"):
+    with pytest.raises(TypeError, match="equation must be an Equation such as Mathieu"):
         certify("Mathieu")  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="equation must be Mathieu"):
+    with pytest.raises(TypeError, match="equation must be an Equation such as Mathieu"):
         certify(FrictionalMathieu, alpha=1, beta=0, gamma=1)  # type: ignore[arg-type]
 
 
@@ -348,7 +348,7 @@ def test_wrong_equation() -> None:
     ],
 )
 def test_an_equation_becomes_one_exact_problem(equation: Equation, constant: Any, halves: Any, sinusoid: Any) -> None:
-    problem = exact_problem(equation, {})
+    problem = problem_of(equation)
     assert problem.equation == equation
     assert sum(piece.share for piece in problem.pieces) == 1
     assert (problem.constant, problem.halves, problem.sinusoid) == (constant, halves, sinusoid)

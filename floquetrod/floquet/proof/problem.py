@@ -1,4 +1,4 @@
-"""Equations in exact numbers: a proof needs neither classes of equations nor doubles."""
+"""Scalar equations in exact numbers: of values from their pieces, of classes from parameters of any numeric type."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from itertools import zip_longest
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, Hill, HillSystem, Mathieu, Meissner, require
+from floquetrod.equations import Equation, Hill, HillSystem, Mathieu, Meissner
+from floquetrod.equations import Piece as EquationPiece
 
 MOST_DIGITS = 10_000
 """Most digits of an exact number, and of the arithmetic of a proof (a choice)."""
@@ -83,16 +84,38 @@ Parameters = dict[str, Any]
 """Exact parameters of an equation, Fraction or tuple of Fraction, by name."""
 
 
-def exact_problem(equation: Equation | type[Equation], parameters: Parameters) -> ExactProblem:
-    """Return the problem of an equation, given as a value, or as a class with its parameters."""
-    if isinstance(equation, type) and any(issubclass(equation, kind) for kind in _READERS):
-        return _read(equation, parameters)
-    require(equation, tuple(_READERS))
-    kind: Any = type(equation)
-    if parameters:
-        names = ", ".join(parameters)
-        raise TypeError(f"{names} must follow a class: certify({kind.__name__}, ...), not a value of it")
-    return _read(kind, {field.name: getattr(equation, field.name) for field in fields(kind)})
+def exact_problem(kind: type[Equation], parameters: Parameters) -> ExactProblem:
+    """Return the problem of a class of equations with parameters of any numeric type."""
+    return _read(kind, parameters)
+
+
+def is_readable(value: Any) -> bool:
+    """Return whether this is a class of equations whose parameters may be given exactly."""
+    return isinstance(value, type) and any(issubclass(value, kind) for kind in _READERS)
+
+
+def problem_of(equation: Equation) -> ExactProblem | None:
+    """Return the problem of an equation whose coefficient is one Fourier series, or has two values over halves of 2 pi.
+
+    None for any other.  Time is scaled so that a period that is an exact multiple of pi is 2 pi.
+    """
+    level, multiple = equation.level, equation.period_over_pi
+    scale = Fraction(1) if multiple is None else multiple / 2
+    given = equation.pieces() if level is None else (EquationPiece(Fraction(1), level),)
+    if any(piece.slope for piece in given):
+        return None
+    pieces = tuple(Piece(p.share, Fraction(p.mean) * scale**2, _waves(p.harmonics, scale**2)) for p in given)
+    period = Fraction(equation.period) if multiple is None else None
+    found = ExactProblem(equation, pieces, Fraction(equation.damping) * scale, period, ())
+    return found if len(pieces) == 1 or found.halves is not None else None
+
+
+def _waves(harmonics: tuple[complex, ...], factor: Fraction) -> tuple[Wave, ...]:
+    """Return harmonics times a factor, exactly, without zeros at the end."""
+    waves = [Wave(factor * Fraction(z.real), -factor * Fraction(z.imag)) for z in harmonics]
+    while waves and not any(waves[-1]):
+        waves.pop()
+    return tuple(waves)
 
 
 def problem_of_one(system: HillSystem) -> ExactProblem | None:
@@ -155,7 +178,7 @@ def _hill(parameters: Parameters) -> tuple[Piece, ...]:
 
 
 _READERS: dict[type, Callable[[Parameters], tuple[Piece, ...]]] = {Mathieu: _mathieu, Meissner: _meissner, Hill: _hill}
-"""The classes of equations a proof knows, with the pieces of their coefficient."""
+"""The classes of equations whose parameters may be given exactly, with the pieces of their coefficient."""
 
 
 # --- exact numbers ---

@@ -19,6 +19,7 @@ import numpy as np
 
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.proof.balls import Doubles, up
+from floquetrod.floquet.proof.digits import settled
 from floquetrod.floquet.proof.integers import Integers
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
 from floquetrod.floquet.proof.result import Enclosure, Proof
@@ -52,24 +53,19 @@ def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proo
     problem = system_problem(system)
     if problem.error:
         max_digits = min(max_digits, _MOST_DIGITS_OF_INEXACT)
-    digits, reason = min(Doubles.digits, max_digits), ""
-    while True:
+
+    def attempt(digits: int) -> Proof:
         arithmetic = Doubles() if digits <= Doubles.digits else Integers(digits)
-        try:
-            with np.errstate(all="ignore"):  # what is not finite decides nothing
-                finding = _attempt(arithmetic, problem)
-            return Proof(system, finding.status, None, digits, finding.statement, finding.enclosures)
-        except (Unresolved, np.linalg.LinAlgError) as why:
-            reason = f"{why} with {digits} digits"
-            if digits >= max_digits:
-                break
-        except TooMuchWork as why:
-            reason = f"{reason}; " * bool(reason) + f"{why} are more work than is worth waiting for"
-            break
-        digits = min(2 * digits, max_digits)
-    if problem.error:
-        reason += f"; the coefficients are known only to {problem.error:.2g}"
-    return Proof(system, "undecided", None, digits, reason)
+        with np.errstate(all="ignore"):  # what is not finite decides nothing
+            finding = _attempt(arithmetic, problem)
+        return Proof(system, finding.status, None, digits, finding.statement, finding.enclosures)
+
+    def undecided(digits: int, reason: str) -> Proof:
+        if problem.error:
+            reason += f"; the coefficients are known only to {problem.error:.2g}"
+        return Proof(system, "undecided", None, digits, reason)
+
+    return settled(attempt, max_digits, undecided)
 
 
 def _attempt(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder) -> _Finding:

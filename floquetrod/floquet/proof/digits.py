@@ -1,0 +1,33 @@
+"""As many digits as it takes: a proof is attempted with more of them until it succeeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.result import Proof
+
+FIRST = 15
+"""Digits of the first attempt: those of doubles."""
+
+
+def settled(attempt: Callable[[int], Proof], most: int, undecided: Callable[[int, str], Proof]) -> Proof:
+    """Return the first proof that succeeds, of attempts with twice as many digits each, up to ``most``.
+
+    An attempt raises `Unresolved` where its digits are too few and `TooMuchWork` where they are too many; ``undecided``
+    makes the answer of the digits and the reason then.
+    """
+    digits, reason = min(FIRST, most), ""
+    while True:
+        try:
+            return attempt(digits)
+        except (Unresolved, np.linalg.LinAlgError) as why:
+            reason = f"{why} with {digits} digits"
+            if digits >= most:
+                return undecided(digits, reason)
+        except TooMuchWork as why:
+            before = f"{reason}; " if reason else ""
+            return undecided(digits, f"{before}{why} are more work than is worth waiting for")
+        digits = min(2 * digits, most)
