@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import ast
 import pickle
+import re
+from argparse import Namespace
 from pathlib import Path
 
 import pytest
 
 import floquetrod as fr
-from floquetrod._util.arguments import argument_of, located, wrong_type, wrong_value
+from floquetrod import cli
+from floquetrod._util.arguments import Mention, Message, argument_of, located, written, wrong_type, wrong_value
+from floquetrod.cli.messages import in_options
 
 
 def test_an_error_knows_its_argument() -> None:
@@ -40,3 +45,57 @@ def test_errors_of_the_library_carry_their_arguments(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="needs independent modes") as caught:
         fr.Rod.nitinol().critical_kick(fr.AxialWave(0.3, 0.3, 150.0), friction=0.1)
     assert argument_of(caught.value) is not None
+
+
+def test_a_message_keeps_what_it_mentions() -> None:
+    error = wrong_value("frequency", "resonates; give ", Mention("axial_damping"), ", or ", Mention("mean_at", "m=0"))
+    assert str(error) == "frequency resonates; give axial_damping, or m=0"
+    for known in (error, pickle.loads(pickle.dumps(error))):
+        assert written(known, lambda each: each.name.upper()) == "frequency resonates; give AXIAL_DAMPING, or MEAN_AT"
+    inner = Message("a {brace} and ", Message("in it ", Mention("wave", "AxialWave")), "!")
+    assert (inner, inner.written(lambda _: "--wave")) == (
+        "a {brace} and in it AxialWave!",
+        "a {brace} and in it --wave!",
+    )
+    assert written(ValueError("give AxialWave"), lambda _: "--wave") == "give AxialWave"
+
+
+@pytest.mark.parametrize(
+    ("error", "typed", "said"),
+    [
+        (
+            wrong_value("growth_tolerance", "must be 0"),
+            {"growth_tolerance": "1"},
+            "--growth-tolerance must be 0; it was",
+        ),
+        (
+            wrong_value("channel_radius", "is 1"),
+            {"bore": "1mm"},
+            "--bore, the channel radius, is 1; it was given as '1mm'",
+        ),
+        (wrong_value("channel_radius", "is 1"), {"bore": None}, "channel_radius is 1"),
+        (wrong_value("modes[2]", "is 0; ", Mention("wave")), {"wave": None}, "modes[2] is 0; --wave"),
+        (located("file", wrong_value("length", "is 0")), {"length": "1m"}, "file: length is 0"),
+        (ValueError("use AxialWave, mean_at=None"), {"wave": None, "mean_at": None}, "use AxialWave, mean_at=None"),
+    ],
+)
+def test_the_terminal_names_its_options(error: Exception, typed: dict[str, str], said: str) -> None:
+    assert in_options(error, Namespace(**typed)).startswith(said)
+
+
+_REWRITE = {"replace", "removeprefix", "removesuffix", "startswith", "endswith", "partition", "split", "translate"}
+
+
+@pytest.mark.parametrize("path", sorted(Path(cli.__file__).parent.glob("*.py")), ids=lambda path: path.name)
+def test_the_terminal_reads_nothing_from_messages(path: Path) -> None:
+    """Neither regular expressions nor methods of strings are applied to what the library says."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Attribute):
+            continue
+        owner = ast.unparse(node.func.value)
+        subjects = [owner] if node.func.attr in _REWRITE and node.args else []  # split() at spaces makes one line
+        if node.func.attr in {"match", "fullmatch", "search", "sub", "findall", "split", "finditer"}:
+            subjects += [ast.unparse(each) for each in node.args]
+        read = {name for text in subjects for name in re.findall(r"[a-z_]+", text)}
+        assert not read & {"error", "message", "warning", "reason", "problem", "told"}, ast.unparse(node)

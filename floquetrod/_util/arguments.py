@@ -1,15 +1,69 @@
-"""Errors that know which argument they are about, so that a terminal or a file can give it the name that was typed."""
+"""Errors that know which argument they are about, and messages which others they name.
+
+So a terminal or a file can give them the names that were typed, and nobody reads an argument from a message.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple, TypeVar
 
 E = TypeVar("E", ValueError, TypeError)
 
 
-def wrong_value(argument: str, problem: str) -> ValueError:
-    """Return an error that says which argument it is about, and carries that for `argument_of`."""
-    return _about(argument, problem, ValueError(f"{argument} {problem}"))
+class Mention(NamedTuple):
+    """What a message names beside the argument that it is about, most often in a remedy.
+
+    Attributes
+    ----------
+    name : str
+        The argument; "" for what makes sense in Python alone.
+    python : str
+        How it is written in Python, where that is not the name: "mean_at=None".
+    value : str
+        What it is set to, where the remedy says that, as it is typed in a terminal: "none".
+    """
+
+    name: str
+    python: str = ""
+    value: str = ""
+
+    def __str__(self) -> str:
+        return self.python or self.name
+
+
+class Message(str):
+    """A text of pieces, some of which name arguments; in Python it reads as one string.
+
+    >>> remedy = Message("add ", Mention("axial_damping"))
+    >>> str(remedy), remedy.written(lambda each: "--axial-damping")
+    ('add axial_damping', 'add --axial-damping')
+    """
+
+    pieces: tuple[str | Mention, ...]
+
+    def __new__(cls, *pieces: str | Mention) -> Message:
+        """Return the text; a piece may be such a text."""
+        made = super().__new__(cls, "".join(map(str, pieces)))
+        made.pieces = tuple(
+            each for piece in pieces for each in (piece.pieces if isinstance(piece, Message) else (piece,))
+        )
+        return made
+
+    def written(self, name: Callable[[Mention], str]) -> str:
+        """Return the text with other names of what it mentions."""
+        return "".join(name(piece) if isinstance(piece, Mention) else piece for piece in self.pieces)
+
+
+def wrong_value(
+    argument: str, problem: str, *more: str | Mention, kind: Callable[[str], ValueError] = ValueError
+) -> ValueError:
+    """Return an error that says which argument it is about, and carries that for `argument_of`.
+
+    ``problem`` and what follows it may mention others, see `Message`.
+    """
+    text = Message(problem, *more)
+    return _about(argument, text, kind(Message(f"{argument} ", text)))
 
 
 def wrong_type(argument: str, problem: str) -> TypeError:
@@ -50,9 +104,9 @@ class Argument(NamedTuple):
     problem: str
     where: str
 
-    def named(self, name: str) -> str:
-        """Return the message with another name for the argument."""
-        return ": ".join(filter(None, [self.where, f"{name} {self.problem}"]))
+    def named(self, name: str, mentioned: Callable[[Mention], str] = str) -> str:
+        """Return the message with another name for the argument, and for those that are mentioned."""
+        return ": ".join(filter(None, [self.where, f"{name} {written(self.problem, mentioned)}"]))
 
 
 def argument_of(error: BaseException) -> Argument | None:
@@ -62,3 +116,9 @@ def argument_of(error: BaseException) -> Argument | None:
         return None
     name, _, place = known[0].partition("[")
     return Argument(name, place.rstrip("]").strip("'"), *known[1:])
+
+
+def written(text: object, mentioned: Callable[[Mention], str]) -> str:
+    """Return a text, or that of an error or a warning, with other names for the arguments that it mentions."""
+    said = text.args[0] if isinstance(text, BaseException) and text.args else text
+    return said.written(mentioned) if isinstance(said, Message) else str(text)

@@ -167,8 +167,7 @@ def _check(options: argparse.Namespace) -> Answer:
     _require_figures({"--plot": options.plot, "--plot-force": options.plot_force})
     _draw_record(record, options.plot_force)
     result = _judged(question)
-    linear = getattr(result, "linear", result)  # without friction
-    known = STATUS_CODES[linear.status] if question.modes is None else None  # a hint is about all modes
+    known = STATUS_CODES[result.linear.status] if question.modes is None else None  # a hint is about all modes
     warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance, known)
     if options.plot is not None:
         from floquetrod.plotting import charts

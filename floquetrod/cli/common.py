@@ -6,15 +6,15 @@ import argparse
 import logging
 import re
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod._util.arguments import argument_of
 from floquetrod._util.suggest import did_you_mean
+from floquetrod.cli.messages import option
 from floquetrod.cli.parser import ratio
 from floquetrod.cli.waiting import say
 from floquetrod.units import Unit
@@ -188,10 +188,7 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
                 f"--rod {options.rod!r} needs {' and '.join(missing)}, the diameter of its hole and its length; or "
                 "write all of it into a TOML file"
             )
-        try:
-            rod = fr.Rod.catalogue(options.rod, **changes)
-        except ValueError as error:
-            raise _as_option(error, {"name": "--rod", "bore": "--bore", "length": "--length"}) from None
+        rod = fr.Rod.catalogue(options.rod, **changes)
     else:
         rod = _in_channel(named_rod("--rod", options.rod), changes)
     if options.damping_rate is not None:
@@ -204,24 +201,7 @@ def _in_channel(rod: fr.Rod, changes: dict[str, float]) -> fr.Rod:
     """Return the rod with another length or channel."""
     if "bore" in changes:
         changes["channel_diameter"] = changes.pop("bore")
-    try:
-        return rod.replace(**changes) if changes else rod
-    except ValueError as error:
-        hole = {f"channel_{size}": f"--bore, the channel {size}," for size in ("diameter", "radius")}
-        raise _as_option(error, hole | {"length": "--length"}) from None
-
-
-def _as_option(error: ValueError, options: Mapping[str, str]) -> ValueError:
-    """Return an error with an option in place of the argument that it is about."""
-    about = argument_of(error)
-    if about is None or about.where or about.name not in options:
-        return error
-    return ValueError(about.named(options[about.name]))
-
-
-def option(name: str) -> str:
-    """Return the option that sets an argument, as it is typed."""
-    return f"--{name.replace('_', '-')}"
+    return rod.replace(**changes) if changes else rod
 
 
 def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:

@@ -13,19 +13,15 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import Any
 
 import floquetrod as fr
-from floquetrod._util.report import number
 from floquetrod._util.tables import require_file
 from floquetrod.cli.common import describe_command, warnings_at_once
 from floquetrod.cli.parser import ratio, whole_number
 from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.waiting import Waiting, roughly, say
-from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
-from floquetrod.ensembles.statistics import probability
+from floquetrod.ensembles.overview import Overview, Row
 
 _HELP = """\
 Simulate a rod many times, with other loads, kicks, seeds or data each time, and count how often it buckles.
@@ -65,10 +61,6 @@ which share a store by --part.  The exit status is 130 when interrupted, 2 for i
 
 _ROWS = 40  # of the table that are printed, as a screen has; all of them are in the JSON
 _REASONS = 5  # kinds of failure that are printed, the most frequent ones
-_SAMPLED = ("seed", "sample", "run")
-"""Dimensions along which runs are samples of one another."""
-
-_NUMBERS = str.maketrans("", "", "0123456789.,+-")
 _LOGGED = 60.0  # s between lines of progress where stderr is a log: a thousand in a night
 
 
@@ -107,7 +99,7 @@ def _ensemble(options: argparse.Namespace) -> Answer:
             raise ValueError(str(error)) from None
         except KeyboardInterrupt:  # before the first run, or while results were read
             return Answer(f"INTERRUPTED before a run was done\n{_onwards(options)}", 130)
-    summary = _Summary.of(found, options.confidence)
+    summary = Overview.of(found, options.confidence)
     complete = summary.pending == 0 or progress.is_complete or not stopped
     record = {
         "runs": summary.total,
@@ -196,72 +188,13 @@ def _stopped_by_signals() -> Iterator[list[int]]:
             signal.signal(number, signal.SIG_DFL if handler is None else handler)
 
 
-class _Row(NamedTuple):
-    """The probability of buckling, with its interval, for one value of everything but the samples."""
-
-    at: dict[str, float]
-    counts: dict[str, int]
-    shares: dict[str, float | None]
-
-
-class _Summary(NamedTuple):
-    """What came of an ensemble: numbers of runs, reasons of failures, and a row for every value of the other axes."""
-
-    total: int
-    done: int
-    failed: int
-    pending: int
-    buckled: int
-    reasons: list[tuple[str, int]]
-    rows: list[_Row]
-    units: dict[str, str]
-
-    @classmethod
-    def of(cls, found: Any, confidence: float) -> _Summary:
-        """Return it from what `floquetrod.ensemble` returned."""
-        if not isinstance(found, Runs):
-            found = found[["status", "reason", "buckled"]]  # frames stay where they are
-        runs = require_runs("runs", found)
-        status = runs["status"]
-        done, failed, pending = (int((status == kind).sum()) for kind in (DONE, FAILED, PENDING))
-        buckled = int((runs["buckled"][status == DONE] == 1).sum())
-        sampled = [dim for dim in runs.variables["status"].dims if dim in _SAMPLED]
-        rows = _rows(probability(runs, over=sampled, confidence=confidence)) if sampled else []
-        return cls(
-            status.size, done, failed, pending, buckled, _grouped(runs["reason"][status == FAILED]), rows, runs.units
-        )
-
-
-def _rows(found: Runs) -> list[_Row]:
-    """Return the probability of buckling for every value of the axes that are left, in SI units."""
-    dims, shape = found.variables["probability"].dims, found["probability"].shape
-    rows = []
-    for place in np.ndindex(shape):
-        at = dict(zip(dims, place, strict=True))
-        values = {name: axis.values[at[axis.dims[0]]].item() for name, axis in found.coords.items()}
-        counts = {name: int(found[name][place]) for name in ("done", "failed")}
-        shares = {name: number(float(found[name][place])) for name in ("probability", "lower", "upper")}
-        rows.append(_Row(values, counts, shares))
-    return rows
-
-
 def _key(name: str, unit: str) -> str:
     """Return the name of what is varied with its unit, as in kick_m_per_s."""
     written = unit.replace("1/", "per_").replace("/", "_per_").replace("^", "")
     return name if unit == "1" else f"{name}_{written}"
 
 
-def _grouped(reasons: Any) -> list[tuple[str, int]]:
-    """Return the reasons of failures, with how often; those that differ in numbers alone are one."""
-    groups: dict[str, tuple[str, int]] = {}
-    for reason in map(str, np.ravel(reasons)):
-        kind = reason.translate(_NUMBERS)
-        first, count = groups.get(kind, (reason, 0))
-        groups[kind] = first, count + 1
-    return sorted(groups.values(), key=lambda group: -group[1])
-
-
-def _report(summary: _Summary, record: dict[str, Any], study: fr.Study, options: argparse.Namespace) -> Iterator[str]:
+def _report(summary: Overview, record: dict[str, Any], study: fr.Study, options: argparse.Namespace) -> Iterator[str]:
     """Yield the lines of the answer."""
     headline = (
         f"{summary.done:,} of {summary.total:,} runs done, {summary.failed:,} failed, {summary.pending:,} pending"
@@ -287,7 +220,7 @@ def _named(options: argparse.Namespace) -> str:
     return "--json lists them" if options.store is None else f"see reason in {options.store}"
 
 
-def _table(rows: list[_Row], study: fr.Study, options: argparse.Namespace) -> Iterator[str]:
+def _table(rows: list[Row], study: fr.Study, options: argparse.Namespace) -> Iterator[str]:
     """Yield the table of probabilities."""
     if not rows:
         return

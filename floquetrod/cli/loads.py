@@ -9,7 +9,8 @@ from typing import TypeVar
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import option, read_quantity, read_range
+from floquetrod.cli.common import read_quantity, read_range
+from floquetrod.cli.messages import option
 from floquetrod.cli.waiting import Waiting, say
 from floquetrod.rod import reading
 from floquetrod.rod.loads.load import KINDS, Load, Quantity

@@ -16,9 +16,9 @@ from types import ModuleType
 from typing import Any, NamedTuple
 
 import floquetrod as fr
-from floquetrod._util.arguments import argument_of
-from floquetrod.cli.common import compiling_told, option
+from floquetrod.cli.common import compiling_told
 from floquetrod.cli.completion import add_completion
+from floquetrod.cli.messages import in_options
 from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import say
 
@@ -43,7 +43,10 @@ def _run(argv: Sequence[str]) -> int:
         if sys.stdout is None:
             raise ValueError("standard output is closed, so the answer would be lost; direct it to a file or /dev/null")
         words = _attached(argv)
-        options = _parser(next((word for word in words if word in _COMMANDS), "")).parse_args(words)
+        parser = _parser(next((word for word in words if word in _COMMANDS), ""))
+        options = parser.parse_args(words)
+        if options.command is None:
+            parser.error("command is missing; name one, such as floquetrod check")
         with compiling_told(), warnings.catch_warnings():
             if options.command != "compare":  # which knows no rods
                 warnings.simplefilter("always", fr.UniformForceWarning)
@@ -61,7 +64,7 @@ def _run(argv: Sequence[str]) -> int:
         say(f"floquetrod: error: {what}")
         return 2
     except (ValueError, OSError) as error:
-        say(f"floquetrod: error: {' '.join(_naming_options(error, options).split())}")
+        say(f"floquetrod: error: {' '.join(in_options(error, options).split())}")
         return 2
     except KeyboardInterrupt:
         say("floquetrod: interrupted")
@@ -112,9 +115,7 @@ class _Telling:
         self.known: dict[str, bool] = {}  # texts, and whether they have been printed
 
     def __call__(self, message: Warning | str, category: type[Warning], *_: Any, **__: Any) -> None:
-        from floquetrod.rod.model.plausibility import SILENCE
-
-        text = str(message).removesuffix(SILENCE)
+        text = in_options(message, self.options)
         at_once = issubclass(category, fr.PlausibilityWarning)
         if at_once and text not in self.known:
             self._say(text)
@@ -126,40 +127,7 @@ class _Telling:
             self._say(text)
 
     def _say(self, text: str) -> None:
-        say(f"floquetrod: warning: {_in_options(text, self.options)}")
-
-
-_ARGUMENTS = {"load": "mean", "criterion": "paper_criterion"}
-"""Arguments of the library that an option of another name sets."""
-
-_WORDS = {
-    "mean_at=None": ("mean_at", "--mean-at none"),
-    "axial_damping": ("axial_damping", "--axial-damping"),
-    "AxialWave": ("wave", "--wave"),
-    "force_unit,": ("force_unit", "--force-unit"),
-    "range(1, n + 1)": ("modes", "--modes 1-n"),
-}
-"""What remedies of the library name, with the option that a command has for it."""
-
-
-def _in_options(message: str, options: argparse.Namespace) -> str:
-    """Return a message of the library with options in place of what its remedies name, where the command has them."""
-    for words, (name, typed) in _WORDS.items():
-        if name in vars(options):
-            message = message.replace(words, typed)
-    return message
-
-
-def _naming_options(error: Exception, options: argparse.Namespace) -> str:
-    """Return what an error says, with the option in place of the argument that it is about, and what was typed."""
-    about, given = argument_of(error), vars(options)
-    if about is None or about.where:
-        return _in_options(str(error), options)
-    name = about.name if about.name in given else _ARGUMENTS.get(about.name, about.name)
-    if given.get(name) is None:
-        return _in_options(str(error), options)
-    message = _in_options(about.named(option(name)), options)
-    return message if str(given[name]) in message else f"{message}; it was given as {given[name]!r}"
+        say(f"floquetrod: warning: {text}")
 
 
 def _is_quantity(value: object) -> bool:
@@ -234,7 +202,7 @@ def _parser(only: str | None = None) -> Parser:
     )
     parser.add_argument("--version", action="version", version=f"floquetrod {fr.__version__}")
     add_completion(parser, _parser)
-    commands = parser.add_subparsers(dest="command", required=True, metavar="command", parser_class=Parser)
+    commands = parser.add_subparsers(dest="command", metavar="command", parser_class=Parser)
     for name, (summary, module) in _COMMANDS.items():
         command = commands.add_parser(name, help=summary)
         command.elsewhere = partial(_elsewhere, name)

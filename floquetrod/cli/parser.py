@@ -21,9 +21,12 @@ class Parser(argparse.ArgumentParser):
 
     elsewhere: Callable[[str], str] = staticmethod(lambda _: "")
 
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options, exit_on_error=False)  # but raise errors, which know the option that they are about
+
     def error(self, message: str) -> NoReturn:
         """Raise ValueError, which the terminal shows as one line."""
-        raise ValueError(f"{_plain(message)} (see {self.prog} --help)")
+        raise ValueError(f"{message} (see {self.prog} --help)")
 
     def _print_message(self, message: str, file: Any = None) -> None:
         """Print help or version; argparse passes over what cannot be written."""
@@ -34,7 +37,10 @@ class Parser(argparse.ArgumentParser):
         words = list(args)
         for word in takewhile(lambda word: word != "--" and self._is_own(word), words):
             self._require_known(word)
-        found, left = super().parse_known_args(words, namespace)
+        try:
+            found, left = super().parse_known_args(words, namespace)
+        except argparse.ArgumentError as error:
+            self.error(_plain(error))
         if left:
             self.error(_alone(left[0], words, self._option_string_actions))
         return found, left
@@ -43,6 +49,13 @@ class Parser(argparse.ArgumentParser):
     def options(self) -> tuple[str, ...]:
         """The options there are, as they are typed."""
         return tuple(self._option_string_actions)
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse what is not among the choices of an option, or is no command."""
+        known = list(action.choices or ())
+        if known and value not in known:
+            wrong = f"must be one of {', '.join(known)}, got {value!r}{did_you_mean(value, known)}"
+            raise argparse.ArgumentError(action, wrong)
 
     def _is_own(self, word: str) -> bool:
         """Return whether a word is for this parser: what follows the name of a command is for that of the command."""
@@ -74,21 +87,12 @@ def _alone(word: str, words: Sequence[str], options: Any) -> str:
     return f"{word!r} belongs to no option; a value of several words needs quotes, as in {option} {shlex.quote(value)}"
 
 
-def _plain(message: str) -> str:
-    """Return a message of argparse as the library words its own."""
-    if message.endswith("required: command"):
-        return "command is missing; name one, such as floquetrod check"
-    found = re.fullmatch(r"argument (\S+): (.*)", message, re.DOTALL)
-    if found is None:
-        return message
-    name, problem = found.groups()
-    choice = re.fullmatch(r"invalid choice: '(.*)' \(choose from (.*)\)", problem, re.DOTALL)
-    if choice is not None:
-        known = [each.strip(" '") for each in choice[2].split(",")]
-        return f"{name} must be one of {', '.join(known)}, got {choice[1]!r}{did_you_mean(choice[1], known)}"
-    if problem == "expected one argument":
-        return f"{name} needs a value"
-    return f"{name} {problem}"
+def _plain(error: argparse.ArgumentError) -> str:
+    """Return an error of argparse as the library words its own."""
+    if error.argument_name is None:
+        return str(error.message)
+    problem = "needs a value" if error.message == "expected one argument" else error.message
+    return f"{error.argument_name} {problem}"
 
 
 def whole_number(text: str) -> int:

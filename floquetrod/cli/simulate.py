@@ -18,7 +18,6 @@ from floquetrod.cli.common import (
     add_rod,
     add_units,
     describe_command,
-    option,
     read_rod,
     read_units,
     warnings_at_once,
@@ -32,6 +31,7 @@ from floquetrod.cli.loads import (
     require_quantities,
     warn_of_hertz,
 )
+from floquetrod.cli.messages import option
 from floquetrod.cli.parser import whole_number
 from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting, roughly, say

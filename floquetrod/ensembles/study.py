@@ -15,7 +15,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arguments import argument_of, located
+from floquetrod._util.arguments import Message, argument_of, located
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.ensembles.axes import LAYOUTS, MOST_RUNS, names_of
@@ -266,7 +266,7 @@ def _warn_of_hertz(path: Path, tables: Mapping[str, Any], problem: SimulationPro
             loads = [load.with_numbers(mean, amplitude, float(text)) for mean, amplitude in product(*forces)]
             suspicion = suspicion_of_hertz(f"study file {path}: frequency", text, rod, loads)
             if suspicion:
-                warnings.warn(suspicion + SILENCE, PlausibilityWarning, stacklevel=level_of_caller())
+                warnings.warn(Message(suspicion, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
                 return
 
 

@@ -157,9 +157,9 @@ def _rounded(limits: dict[str, tuple[float, float]], units: dict[str, known.Unit
 
 def _units(rod: Rod, names: Mapping[str, str]) -> dict[str, known.Unit]:
     if not isinstance(names, Mapping):
-        raise TypeError(f"units must be a mapping such as {{'mean': 'Fcr'}}, got {validate.short(names)}")
+        raise validate.wrong_type("units", f"must be a mapping such as {{'mean': 'Fcr'}}, got {validate.short(names)}")
     if not names.keys() <= KINDS.keys():
-        raise ValueError(f"units must be of mean, amplitude and frequency, got {dict(names)!r}")
+        raise validate.wrong_value("units", f"must be of mean, amplitude and frequency, got {dict(names)!r}")
     return {
         name: known.unit(names.get(name, ""), f"units[{name!r}]", kind, rod.critical_force)
         for name, kind in KINDS.items()

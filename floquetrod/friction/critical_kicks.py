@@ -106,7 +106,9 @@ def critical_kick(
     """
     limited = validate.array("largest", largest, least=0.0, largest=math.inf)
     if not (limited > 0.0).all():
-        raise ValueError(f"largest must be greater than zero, got {largest!r}; leave it out to look at every kick")
+        raise validate.wrong_value(
+            "largest", f"must be greater than zero, got {largest!r}; leave it out to look at every kick"
+        )
     shape, alpha, beta, gamma, c, limit = arguments(alpha, beta, gamma, damping, largest=limited)
     samples = validate.integer("samples", samples, 1, _MOST_SAMPLES)
     max_steps = validate.integer("max_steps", max_steps, 1)

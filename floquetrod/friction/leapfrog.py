@@ -41,12 +41,16 @@ def leapfrog_escapes(
     """
     shape, alpha, beta, gamma, c, kick = arguments(alpha, beta, gamma, damping, kick=size_of(kick))
     if not (gamma > 0.0).all():
-        raise ValueError("gamma must be greater than zero here; without friction use method='leapfrog' of stability")
+        raise validate.wrong_value(
+            "gamma", "must be greater than zero here; without friction use method='leapfrog' of stability"
+        )
     periods = validate.integer("periods", periods, 1)
     count = math.ceil(2.0 * math.pi / validate.within("step", step, 1e-6, 0.5))
     limit = validate.positive("limit", limit)
     if float(periods) * count > _MOST_STEPS:
-        raise ValueError(f"periods must be at most {_MOST_STEPS // count:.0f} of {count} steps, got {periods}")
+        raise validate.wrong_value(
+            "periods", f"must be at most {_MOST_STEPS // count:.0f} of {count} steps, got {periods}"
+        )
     sine = np.sin(2.0 * math.pi * np.arange(count) / count)
     out = np.empty(alpha.size, dtype=np.bool_)
 

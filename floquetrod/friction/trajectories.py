@@ -72,9 +72,10 @@ def trajectory(equation: FrictionalMathieu, kick: float, *, periods: int = 20) -
     _, cells, bases, _ = prepared.propagators
     most = periods * (2 * len(cells) + 40)
     if most > _MOST:
-        raise ValueError(
-            f"periods must be at most {_MOST // (2 * len(cells) + 40)} for this equation, got {periods}: "
-            f"the record would have up to {most} rows; friction.fate decides about all time"
+        raise validate.wrong_value(
+            "periods",
+            f"must be at most {_MOST // (2 * len(cells) + 40)} for this equation, got {periods}: "
+            f"the record would have up to {most} rows; friction.fate decides about all time",
         )
     orbit, findings = np.zeros(1, ORBIT)[0], prepared.no_findings()[0]
     with np.errstate(over="ignore"):

@@ -88,9 +88,10 @@ class Sampling:
         except ValueError as error:
             listed = ", ".join(f"{name} = {value:.6g}" for name, value in sample.items())
             remedy = ".  Truncate the distribution, with scipy.stats.truncnorm for example" if good.any() else ""
-            raise ValueError(
-                f"parameters must describe possible rods and loads, but {np.count_nonzero(~good):,} of {good.size:,} "
-                f"samples do not, such as {listed}: {error}{remedy}"
+            raise validate.wrong_value(
+                "parameters",
+                f"must describe possible rods and loads, but {np.count_nonzero(~good):,} of {good.size:,} "
+                f"samples do not, such as {listed}: {error}{remedy}",
             ) from None
 
     def _refuse(self, sample: Mapping[str, float]) -> NoReturn:
@@ -125,20 +126,20 @@ def quantile_function(given: Any) -> Any:
 def distributions(parameters: Any) -> dict[str, Any]:
     """Return the argument ``parameters``, checked, its pairs as tuples of floats."""
     if not isinstance(parameters, Mapping):
-        raise TypeError(f"parameters must map names to distributions, got {validate.short(parameters)}")
+        raise validate.wrong_type("parameters", f"must map names to distributions, got {validate.short(parameters)}")
     if not parameters:
-        raise ValueError("parameters must name at least one number of the rod or the load, got none")
+        raise validate.wrong_value("parameters", "must name at least one number of the rod or the load, got none")
     allowed = (*LIMITS, *parts.LIMITS)
     checked: dict[str, Any] = {}
     for name, given in parameters.items():
         if name not in allowed:
-            raise ValueError(f"parameters must be among {', '.join(allowed)}, got {validate.short(name)}")
+            raise validate.wrong_value("parameters", f"must be among {', '.join(allowed)}, got {validate.short(name)}")
         argument = f"parameters[{name!r}]"
         if isinstance(given, tuple | list):
             checked[name] = validate.interval(argument, given)
             continue
         if quantile_function(given) is None:
-            raise TypeError(f"{argument} must be {_EXAMPLE}, got {validate.short(given)}")
+            raise validate.wrong_type(argument, f"must be {_EXAMPLE}, got {validate.short(given)}")
         quantiles(name, given, np.array([0.25, 0.5, 0.75]))
         checked[name] = given
     return checked

@@ -85,7 +85,7 @@ def stability_map(
     workers = validate.workers(workers)
     validate.progress(progress)
     if rubbing is not None and growth:
-        raise ValueError("growth is that of the rod without friction; leave out either growth or friction")
+        raise validate.wrong_value("growth", "is that of the rod without friction; leave out either growth or friction")
     given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
     largest = max(limits.largest for limits in LIMITS.values())  # the number of points, too, is among the values
     fixed = [
@@ -123,12 +123,13 @@ def _require_provable(model: ModeModel, tolerance: float, **others: Any) -> None
     """Raise ValueError for a map whose cells cannot be proved."""
     given = [name for name, value in others.items() if value is not None]
     if given:
-        raise ValueError(
-            f"certified is about stability for all time without friction; leave out either it or {given[0]}"
+        raise validate.wrong_value(
+            "certified", f"is about stability for all time without friction; leave out either it or {given[0]}"
         )
     model.require("certified")
     if tolerance == 0.0 and model.rod.damping_rate == 0.0:
-        raise ValueError(
-            "certified needs a growth_tolerance above 0, 1e-6 1/s say, or a rod with damping: without, tongues too "
-            "thin to matter are everywhere, and no cell is stable"
+        raise validate.wrong_value(
+            "certified",
+            "needs a growth_tolerance above 0, 1e-6 1/s say, or a rod with damping: without, tongues too "
+            "thin to matter are everywhere, and no cell is stable",
         )

@@ -153,7 +153,7 @@ class StabilityIntervals(Reported, NoTruthValue):
         """Return the `table`, whose text is ``str(report)``; a notebook shows it as a table."""
         wanted = self.unit if unit is None else unit
         if not isinstance(wanted, str):
-            raise TypeError(f"unit must be a word such as 'Hz', got {validate.short(unit)}")
+            raise validate.wrong_type("unit", f"must be a word such as 'Hz', got {validate.short(unit)}")
         if size is None:
             model, search = self.searched
             wanted, size = units.unit(wanted, "unit", KINDS[search.varied], model.rod.critical_force)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from floquetrod import units
-from floquetrod._util.arguments import argument_of
+from floquetrod._util.arguments import argument_of, located
 from floquetrod._util.tables import require_file
 from floquetrod.rod.loads.load import KINDS, LIMITS, AxialWave, Load, Quantity, kind
 from floquetrod.rod.rod import Rod
@@ -131,10 +131,9 @@ def named_rod(name: str, text: str, folder: Path | None = None) -> Rod:
     if text.strip().lower() == "nitinol":
         return Rod.nitinol()
     wanted = "nitinol, a steel pipe such as '2.00x0.156 CT90', or a TOML file"
+    path = Path(text) if folder is None else folder / text
+    require_file(name, path, wanted, ["nitinol"])
     try:
-        path = Path(text) if folder is None else folder / text
-        require_file(name, path, wanted, ["nitinol"])
         return Rod.from_toml(path if text else text)
     except (ValueError, OSError) as error:
-        message = str(error)
-        raise ValueError(message if message.startswith(name) else f"{name}: {message}") from None
+        raise located(name, error) from None

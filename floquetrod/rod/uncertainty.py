@@ -217,7 +217,7 @@ def probability_of_instability(
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     confidence = validate.positive("confidence", confidence, "0.95, say")
     if confidence >= 1.0:
-        raise ValueError(f"confidence must be less than 1, got {confidence:g}; 0.95, say")
+        raise validate.wrong_value("confidence", f"must be less than 1, got {confidence:g}; 0.95, say")
     seed = _entropy() if seed is None else validate.integer("seed", seed, 0, 2**128 - 1)
     workers = validate.workers(workers)
     validate.progress(progress)

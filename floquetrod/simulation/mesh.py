@@ -82,10 +82,11 @@ class DiscreteRod:
             math.floor(min(rod.length / rod.radius, 1e18)),
         )
         if least > min(most, MOST_SEGMENTS):
-            raise ValueError(
-                f"rod cannot be simulated: {LEAST_SEGMENTS} segments for every half wave of its critical mode "
+            raise validate.wrong_value(
+                "rod",
+                f"cannot be simulated: {LEAST_SEGMENTS} segments for every half wave of its critical mode "
                 f"{rod.critical_mode:.6g} are {least:,}, and at most {min(most, MOST_SEGMENTS):,} are possible; "
-                "check the units"
+                "check the units",
             )
         if segments < least:
             raise validate.wrong_value(

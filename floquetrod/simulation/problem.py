@@ -317,9 +317,10 @@ class SimulationProblem:
         force = max(map(abs, self.driving.mean_forces)) + self.load.amplitude * np.abs(self.load.harmonics).sum()
         strain = force / self.rod.axial_rigidity
         if strain > LARGEST_STRAIN:
-            raise ValueError(
-                f"load strains the rod by {strain:.2g}, must be at most {LARGEST_STRAIN:g}; its critical force is "
-                f"{self.rod.critical_force:.4g} N: check the units"
+            raise validate.wrong_value(
+                "load",
+                f"strains the rod by {strain:.2g}, must be at most {LARGEST_STRAIN:g}; its critical force is "
+                f"{self.rod.critical_force:.4g} N: check the units",
             )
 
 
@@ -557,7 +558,9 @@ def _simulation(meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) -> Simula
     count, nodes = time.size, problem.segments + 1
     fits = (ended == "duration") == (count == problem.frames) and (problem.stop_early or ended in ENDINGS[::3])
     if not (1 <= count <= problem.frames and fits and seconds >= 0.0):
-        raise ValueError(f"it has {count} of {problem.frames} frames, made in {seconds!r} s, and ended: {ended}")
+        raise validate.wrong_value(
+            "it", f"has {count} of {problem.frames} frames, made in {seconds!r} s, and ended: {ended}"
+        )
     positions, velocities = (
         files.field(arrays, name, np.float64, (count, nodes, 3), finite=True) for name in ("positions", "velocities")
     )

@@ -166,8 +166,9 @@ def _pairs(name: str, values: Any, example: str) -> list[tuple[Any, Any]]:
         try:
             first, second = value
         except Exception:  # no pair, or whatever an object raises when asked for its parts
-            message = f"{name} must be a sequence of pairs such as {example}, got {validate.short(value)} in it"
-            raise TypeError(message) from None
+            raise validate.wrong_type(
+                name, f"must be a sequence of pairs such as {example}, got {validate.short(value)} in it"
+            ) from None
         pairs.append((first, second))
     return pairs
 

@@ -101,10 +101,11 @@ def time_steps(mesh: DiscreteRod, duration: float, frames: int, largest: float |
     steps, most = max(duration / step, frames - 1.0), _MOST_WORK / mesh.segments
     if steps > most:
         name, value = ("duration", duration) if largest is None else ("time_step", step)
-        raise ValueError(
-            f"{name} of {value:.4g} s makes {steps:.4g} steps of {step:.4g} s, at most {most:.4g} are taken with "
+        raise wrong_value(
+            name,
+            f"of {value:.4g} s makes {steps:.4g} steps of {step:.4g} s, at most {most:.4g} are taken with "
             f"{mesh.segments} segments (about two weeks on one core); simulate a shorter time, or take a longer "
-            "step or fewer segments"
+            "step or fewer segments",
         )
     between = duration / (frames - 1)
     if between < _SMALLEST_PART * step:

@@ -42,9 +42,9 @@ def shown_in(names: Mapping[str, str] | None, critical_force: float) -> dict[str
     """Return the unit to show each quantity of a load, and a kick, in; SI and mm/s where none is named."""
     names = {} if names is None else names
     if not isinstance(names, Mapping):
-        raise TypeError(f"units must be a mapping such as {{'mean': 'Fcr'}}, got {validate.short(names)}")
+        raise validate.wrong_type("units", f"must be a mapping such as {{'mean': 'Fcr'}}, got {validate.short(names)}")
     if not names.keys() <= _SHOWN.keys():
-        raise ValueError(f"units must be of mean, amplitude, frequency and kick, got {dict(names)!r}")
+        raise validate.wrong_value("units", f"must be of mean, amplitude, frequency and kick, got {dict(names)!r}")
     named = {"kick": KICK, **names}
     return {
         name: known.unit(named.get(name, ""), f"units[{name!r}]", kind, critical_force) for name, kind in _SHOWN.items()

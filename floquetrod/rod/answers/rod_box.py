@@ -168,18 +168,20 @@ def _rod_sides(rod: RodData, given: Mapping[str, Any] | None) -> dict[str, Inter
     if given is None:
         return {}
     if not isinstance(given, Mapping):
-        raise TypeError(f'rod must be a mapping such as {{"length": (3.05, 3.15)}}, got {validate.short(given)}')
+        raise validate.wrong_type(
+            "rod", f'must be a mapping such as {{"length": (3.05, 3.15)}}, got {validate.short(given)}'
+        )
     sides: dict[str, Interval] = {}
     for word, value in given.items():
         name = DIAMETERS.get(word, word)
         if name not in rod.parameters:
             also = "; give inner_radius in place of it" if word == "wall_thickness" else ""
             also = "; the ends of a rod are not a number" if word == "ends" else also
-            raise ValueError(
-                f"rod must name parameters of a rod ({', '.join(rod.parameters)}), got {validate.short(word)}{also}"
+            raise validate.wrong_value(
+                "rod", f"must name parameters of a rod ({', '.join(rod.parameters)}), got {validate.short(word)}{also}"
             )
         if name in sides:
-            raise ValueError(f"rod must give {name} once, got it also as {word}")
+            raise validate.wrong_value("rod", f"must give {name} once, got it also as {word}")
         ends = side_ends(str(word), value, validate.finite)
         sides[name] = Interval(*(0.5 * end if word in DIAMETERS else end for end in ends))
     return sides

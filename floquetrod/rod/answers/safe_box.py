@@ -153,7 +153,7 @@ def largest_safe_box(
     require_in_reach(box)
     proof = prove(box, tolerance)
     if not proof.stable:
-        raise ValueError(f"around must be a load that is proved stable, got {load}: {proof!r}")
+        raise validate.wrong_value("around", f"must be a load that is proved stable, got {load}: {proof!r}")
     search = _Search(box, tolerance, accuracy, {name: _reach(rod, judge(tolerance), name) for name in chosen}, progress)
     found = search.widest()
     ranges = tuple(
@@ -167,7 +167,7 @@ def _chosen(vary: Iterable[Quantity]) -> tuple[Quantity, ...]:
     """Return the quantities that may vary, checked."""
     given = [validate.choice("vary", name, QUANTITIES) for name in validate.sequence("vary", vary, '("mean",)')]
     if not given:
-        raise ValueError(f"vary must name one of {', '.join(QUANTITIES)} at least, got none")
+        raise validate.wrong_value("vary", f"must name one of {', '.join(QUANTITIES)} at least, got none")
     return tuple(name for name in QUANTITIES if name in given)
 
 

@@ -284,6 +284,11 @@ class RodStability(Verdict, ReportedVerdict):
         return self.evidence.load
 
     @property
+    def linear(self) -> RodStability:
+        """The verdict without friction, as a `FrictionalRodStability` has it: this one."""
+        return self
+
+    @property
     def references(self) -> tuple[str, ...]:
         """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
         return united(references(("rod", "model")), self.evidence.references)
@@ -411,7 +416,7 @@ class RodStability(Verdict, ReportedVerdict):
     def time_to_grow(self, factor: float = 10.0) -> float:
         """Return the time in s in which the fastest mode grows by ``factor``, infinite when none grows."""
         if not validate.finite("factor", factor) > 1.0:
-            raise ValueError(f"factor must be greater than 1, got {factor!r}")
+            raise validate.wrong_value("factor", f"must be greater than 1, got {factor!r}")
         return math.log(factor) / self.growth_rate if self.growth_rate > 0.0 else math.inf
 
     @cached_property

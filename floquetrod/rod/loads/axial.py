@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arguments import Mention, wrong_value
 from floquetrod.rod.loads.load import AxialWave, Load
 
 MOST_FACTOR = 100.0
@@ -177,10 +178,16 @@ def require_off_resonance(load: Load, wave_speed: float, length: float, frequenc
         near = found.resonance
         at = f"the axial resonance of the rod at {near.harmonic * near.frequency:.6g} rad/s"
         where = f"is where harmonic {near.harmonic} of the load meets {at}" if near.harmonic > 1 else f"is at {at}"
-        raise AxialResonanceError(
-            f"frequency {frequency:.9g} rad/s ({frequency / (2.0 * math.pi):.6g} Hz) {where}, far end "
-            f"{getattr(load, 'far_end', '')}: without axial_damping the force along its {length:g} m would be more "
-            f"than {MOST_FACTOR:g} times that at the driven end; give axial_damping, or another frequency"
+        damping = Mention("axial_damping")
+        raise wrong_value(
+            "frequency",
+            f"{frequency:.9g} rad/s ({frequency / (2.0 * math.pi):.6g} Hz) {where}, far end "
+            f"{getattr(load, 'far_end', '')}: without ",
+            damping,
+            f" the force along its {length:g} m would be more than {MOST_FACTOR:g} times that at the driven end; give ",
+            damping,
+            ", or another frequency",
+            kind=AxialResonanceError,
         )
 
 
@@ -201,9 +208,11 @@ def gaps(
         least = max(0, math.ceil((k * bounds[0] / unit - half - first) / step))
         last = math.floor((k * bounds[1] / unit + half - first) / step)
         if last - least >= _MOST_RESONANCES:
-            raise ValueError(
-                f"bounds hold {last - least + 1} axial resonances of harmonic {k}, more than {_MOST_RESONANCES} can be "
-                "gone round: give narrower bounds, or axial_damping"
+            raise wrong_value(
+                "bounds",
+                f"hold {last - least + 1} axial resonances of harmonic {k}, more than {_MOST_RESONANCES} can be "
+                "gone round: give narrower bounds, or ",
+                Mention("axial_damping"),
             )
         for n in range(least, last + 1):
             phase = first + n * step

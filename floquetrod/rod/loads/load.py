@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.arguments import Mention
 from floquetrod._util.arrays import broadcast
 from floquetrod._util.calling import TellsAttributes, tells_arguments
 
@@ -382,9 +383,15 @@ class AxialWave(Load):
         else:  # keeps its digits where the rod is short against the wave
             top, below = (f * np.expm1(-2j * kappa * x) for f, x in ((decayed(s), length - s), (1.0, length)))
         if abs(below) < _RESONANT and abs(kappa) * length > 1.0:
-            raise ValueError(
-                f"frequency {frequency:g} rad/s is a resonance of axial waves in a rod of {length:g} m, far end "
-                f"{self.far_end}: without axial_damping the force is infinite; give axial_damping, or another frequency"
+            damping = Mention("axial_damping")
+            raise validate.wrong_value(
+                "frequency",
+                f"{frequency:g} rad/s is a resonance of axial waves in a rod of {length:g} m, far end {self.far_end}: "
+                "without ",
+                damping,
+                " the force is infinite; give ",
+                damping,
+                ", or another frequency",
             )
         found = top / below
         return np.asarray(found.real if self.axial_damping == 0.0 else found)

@@ -119,9 +119,10 @@ class ForceRecord(LoadSource, ByContent):
         guess = None if frequency is None else load_number("frequency", frequency)
         times, forces = _checked(time, force)
         if most is not None and 2 * most + 4 > times.size:
-            raise ValueError(
-                f"harmonics must be at most {times.size // 2 - 2} for {times.size} samples, got {most}: a harmonic has "
-                "two unknowns, mean, trend and frequency one each"
+            raise validate.wrong_value(
+                "harmonics",
+                f"must be at most {times.size // 2 - 2} for {times.size} samples, got {most}: a harmonic has "
+                "two unknowns, mean, trend and frequency one each",
             )
         missing = np.size(time) - times.size
         samples = Samples.of(times, forces)
@@ -196,9 +197,12 @@ class ForceRecord(LoadSource, ByContent):
             load_number("frequency", frequency)
         try:
             found = read_columns(path, *wanted, time_unit, force_unit, delimiter)
-            record = cls(found.time, found.force, harmonics, frequency)
         except (OSError, ValueError) as error:
             raise located(f"force record {path}", error) from None
+        try:
+            record = cls(found.time, found.force, harmonics, frequency)
+        except ValueError as error:  # about the samples, not about which columns hold them
+            raise ValueError(f"force record {path}: {error}") from None
         object.__setattr__(record, "force_unit_named", found.has_unit)
         return record
 
@@ -316,16 +320,19 @@ def _checked(time: Any, force: Any) -> tuple[NDArray[np.float64], NDArray[np.flo
     if not (steps > 0.0).all():
         at = int(np.flatnonzero(steps <= 0.0)[0])
         if (np.diff(forces) > 0.0).all():
-            raise ValueError("time must increase; force does in its place: the two columns are swapped")
+            raise validate.wrong_value("time", "must increase; force does in its place: the two columns are swapped")
         remedy = "sort the samples by time"
         if not (steps < 0.0).any():
             remedy = "equal times may have lost digits where they were written; keep one sample of each"
-        raise ValueError(
-            f"time must increase, got {float(times[at + 1])!r} after {float(times[at])!r} s "
-            f"({int((steps <= 0.0).sum())} of {steps.size} steps do not increase); {remedy}"
+        raise validate.wrong_value(
+            "time",
+            f"must increase, got {float(times[at + 1])!r} after {float(times[at])!r} s "
+            f"({int((steps <= 0.0).sum())} of {steps.size} steps do not increase); {remedy}",
         )
     if np.ptp(forces) <= 4.0 * np.finfo(float).eps * np.abs(forces).max():
-        raise ValueError(f"force must vary, got {float(forces[0])!r} N throughout; for a constant force use AxialLoad")
+        raise validate.wrong_value(
+            "force", f"must vary, got {float(forces[0])!r} N throughout; for a constant force use AxialLoad"
+        )
     return times, forces
 
 
@@ -340,7 +347,7 @@ def _column(name: str, values: Any, least: float, largest: float) -> NDArray[np.
         values = np.where(holes, 0.0, values)
     result = np.where(holes, np.nan, validate.array(name, values, least=least, largest=largest))
     if result.ndim != 1:
-        raise ValueError(f"{name} must be one-dimensional, got an array of shape {result.shape}")
+        raise validate.wrong_value(name, f"must be one-dimensional, got an array of shape {result.shape}")
     return result
 
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from floquetrod._util.arguments import wrong_value
 from floquetrod.rod.loads.record_fit import Fit, Floats, Samples, fit
 
 FALSE_HARMONIC = 0.01
@@ -81,20 +82,23 @@ def find(samples: Samples, guess: float | None, most: int | None) -> Found:
         periods, tried = _near(samples, power, guess, most)
         best = _climb(samples, periods, most, _GUESS_HARMONICS)
     if best is None:
-        raise ValueError(_none("the fit does not settle"))
+        raise _without_period("the fit does not settle")
     if best.omega < FEWEST_PERIODS * math.pi:
-        raise ValueError(_short(best.omega / math.pi))
+        raise _too_short(best.omega / math.pi)
     return _kept(samples, best, tried, most)
 
 
-def _none(why: str) -> str:
-    return f"force shows no period above the noise: {why}; record longer, or give its frequency in rad/s"
+def _without_period(why: str) -> ValueError:
+    return wrong_value(
+        "force", f"shows no period above the noise: {why}; record longer, or give its frequency in rad/s"
+    )
 
 
-def _short(periods: float) -> str:
-    return (
-        f"force must be recorded for two periods or more, got {periods:.2g}: its strongest variation takes "
-        f"{1.0 / periods:.2g} of the time recorded; record longer, or give its frequency (rad/s) where that is a drift"
+def _too_short(periods: float) -> ValueError:
+    return wrong_value(
+        "force",
+        f"must be recorded for two periods or more, got {periods:.2g}: its strongest variation takes "
+        f"{1.0 / periods:.2g} of the time recorded; record longer, or give its frequency (rad/s) where that is a drift",
     )
 
 
@@ -104,12 +108,12 @@ def _short(periods: float) -> str:
 def _strongest(samples: Samples, power: Spectrum, level: Floats) -> float:
     """Return the strongest frequency in periods per record; ValueError where noise alone may be as strong."""
     if not power.power.size:
-        raise ValueError(f"force must have more samples than {samples.tau.size} for its period to be found")
+        raise wrong_value("force", f"must have more samples than {samples.tau.size} for its period to be found")
     top = int(power.power.argmax())
     variance = max(float(level @ level) / level.size, samples.rounding**2)
     tried = power.power.size * power.step
     if math.log(tried) - power.power[top] / variance > math.log(_FALSE_PERIOD):
-        raise ValueError(_none("white noise would have as strong a frequency"))
+        raise _without_period("white noise would have as strong a frequency")
     shift = 0.0
     if 0 < top < power.power.size - 1:
         before, at, after = power.power[top - 1 : top + 2]
@@ -117,7 +121,7 @@ def _strongest(samples: Samples, power: Spectrum, level: Floats) -> float:
         shift = 0.5 * (before - after) / bend if bend < 0.0 else 0.0
     periods = power.step * (top + 1 + shift)
     if periods < FEWEST_PERIODS:
-        raise ValueError(_short(periods))
+        raise _too_short(periods)
     return periods
 
 
@@ -125,13 +129,15 @@ def _near(samples: Samples, power: Spectrum, guess: float, most: int) -> tuple[f
     """Return the frequency near a guess whose harmonics are strongest, and among how many it was chosen."""
     reach = max(_GUESS * guess, 0.5)
     if guess + reach < FEWEST_PERIODS:
-        raise ValueError(
-            f"frequency must have two periods or more in the record, got {guess:.2g}; give it in rad/s or record longer"
+        raise wrong_value(
+            "frequency",
+            f"must have two periods or more in the record, got {guess:.2g}; give it in rad/s or record longer",
         )
     if not guess + reach < samples.highest:
-        raise ValueError(
-            f"frequency must lie below half of the sampling rate, got {guess * math.pi / samples.half:.6g} rad/s for "
-            f"samples that are {samples.interval * samples.half:.3g} s apart; give it in rad/s"
+        raise wrong_value(
+            "frequency",
+            f"must lie below half of the sampling rate, got {guess * math.pi / samples.half:.6g} rad/s for "
+            f"samples that are {samples.interval * samples.half:.3g} s apart; give it in rad/s",
         )
     numbers = np.arange(1, min(most, _GUESS_HARMONICS, int(samples.highest / guess)) + 1)
     tries = np.arange(max(guess - reach, power.step), guess + reach, 0.5 * power.step / numbers[-1])
@@ -239,11 +245,11 @@ def _kept(samples: Samples, best: Fit, tried: float, most: int) -> Found:
     chances = every.log_chances()
     numbers = tuple(np.array(every.numbers)[chances < math.log(FALSE_HARMONIC / len(every.numbers))].tolist())
     if not numbers or chances.min() + math.log(tried) > math.log(_FALSE_PERIOD):
-        raise ValueError(_none("noise would have as strong a frequency"))
+        raise _without_period("noise would have as strong a frequency")
     trend = every.trend_chance() < math.log(_FALSE_TREND)
     found = fit(samples, every.omega, numbers, trend=trend)
     if found is None:
-        raise ValueError(_none("the fit does not settle"))
+        raise _without_period("the fit does not settle")
     left = _left(samples, found)
     factors = coloured(samples, found, left)
     beyond: list[int] = []

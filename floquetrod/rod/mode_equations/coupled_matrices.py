@@ -17,6 +17,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arguments import Mention, wrong_value
 from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem
 from floquetrod.rod.loads import axial
@@ -59,20 +60,23 @@ def _too_many(
     if without_waves <= MOST_COUPLED:
         frequency = max(np.unique(loads.frequency).tolist(), key=lambda at: _largest_along(rod, like, at))
         forces = (uniform.mean + uniform.amplitude) / rod.critical_force
-        return AxialResonanceError(
-            f"frequency {frequency:.6g} rad/s is next to an axial resonance of the rod, which makes "
+        return wrong_value(
+            "frequency",
+            f"{frequency:.6g} rad/s is next to an axial resonance of the rod, which makes "
             f"{uniform.amplitude:.3g} N of {given:.3g} N along it, {forces:.3g} critical forces, for which "
-            f"{needed} coupled modes would be needed, more than {MOST_COUPLED}; give more axial_damping, another "
-            "frequency, a shorter length, or choose the number of modes"
+            f"{needed} coupled modes would be needed, more than {MOST_COUPLED}; give more ",
+            Mention("axial_damping"),
+            ", another frequency, a shorter length, or choose the number of modes",
+            kind=AxialResonanceError,
         )
-    remedies = [
-        *(["the rod its damping_rate"] if rod.damping_rate == 0.0 else []),
-        *(["a growth_tolerance"] if growth_tolerance <= HAIRLINE_GROWTH else []),
-        "a shorter length",
-    ]
-    return ValueError(
-        f"load needs {needed} coupled modes, more than {MOST_COUPLED}: so long a rod has that many resonances "
-        f"below the frequency; give {', '.join(remedies)}, or choose the number of modes"
+    is_free, is_strict = rod.damping_rate == 0.0, growth_tolerance <= HAIRLINE_GROWTH
+    return wrong_value(
+        "load",
+        f"needs {needed} coupled modes, more than {MOST_COUPLED}: so long a rod has that many resonances below the "
+        "frequency; give ",
+        *(("the rod its ", Mention("damping_rate"), ", ") if is_free else ()),
+        *(("a ", Mention("growth_tolerance"), ", ") if is_strict else ()),
+        "a shorter length, or choose the number of modes",
     )
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from floquetrod._util.arguments import wrong_value
+from floquetrod._util.arguments import Mention, wrong_value
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.model.parts import Ends
 
@@ -26,9 +26,10 @@ def coupling(ends: Ends, weight_along: float, load: Load) -> tuple[str, ...]:
 
 def refusal(name: str, found: tuple[str, ...]) -> ValueError:
     """Return the error for what independent modes are needed for, given what couples them, in words."""
-    remedy = "; mean_at=None neglects the weight along the rod" if "weight along the rod" in found else ""
+    neglected = ("; ", Mention("mean_at", "mean_at=None", "none"), " neglects the weight along the rod")
     return wrong_value(
         name,
         "needs independent modes, those of hinged ends under a sine that is uniform along the rod, got "
-        f"{', '.join(found)}{remedy}",
+        f"{', '.join(found)}",
+        *(neglected if "weight along the rod" in found else ()),
     )

@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 
+from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.calling import level_of_caller
 from floquetrod.rod.loads.load import AxialWave, Load
 from floquetrod.rod.model.data import RodData
@@ -36,9 +37,13 @@ def warn_unless_uniform(rod: RodData, load: Load) -> None:
     ratio = highest * rod.wave_ratio(load)
     if load.amplitude > 0.0 and load.is_uniform and ratio > UNIFORM_UP_TO:
         warnings.warn(
-            f"at {highest * load.frequency:.6g} rad/s the rod is {ratio:.2g} axial wavelengths long (wave speed "
-            f"{rod.wave_speed:.0f} m/s); this load assumes a force that is uniform along the rod, which is accurate "
-            f"below {UNIFORM_UP_TO:g} wavelengths; use AxialWave, which computes the waves",
+            Message(
+                f"at {highest * load.frequency:.6g} rad/s the rod is {ratio:.2g} axial wavelengths long (wave speed "
+                f"{rod.wave_speed:.0f} m/s); this load assumes a force that is uniform along the rod, which is "
+                f"accurate below {UNIFORM_UP_TO:g} wavelengths; use ",
+                Mention("wave", "AxialWave"),
+                ", which computes the waves",
+            ),
             UniformForceWarning,
             stacklevel=level_of_caller(),
         )

@@ -13,11 +13,12 @@ import warnings
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.calling import level_of_caller
 from floquetrod.rod.model.catalogue import pipes
 from floquetrod.units import unit_of, units_of
 
-SILENCE = ' (silence with warnings.simplefilter("ignore", fr.PlausibilityWarning))'
+SILENCE = Mention("", ' (silence with warnings.simplefilter("ignore", fr.PlausibilityWarning))')
 """The end of every warning; a terminal leaves it out."""
 
 _MAKERS = (
@@ -59,7 +60,7 @@ def warn_of_rod(rod: Any) -> None:
         level = _level_of_user()
         if level is None:
             return
-        warnings.warn(suspicion + SILENCE, PlausibilityWarning, stacklevel=level)
+        warnings.warn(Message(suspicion, SILENCE), PlausibilityWarning, stacklevel=level)
 
 
 def _level_of_user() -> int | None:
@@ -191,11 +192,13 @@ def suspicions_of_record(rod: Any, record: Any) -> Iterator[str]:
     others = {unit: share * units_of("force")[unit] for unit, is_usual in usual.items() if is_usual}
     others = {unit: other for unit, other in others.items() if _matters(other)}
     if others:
-        yield (
+        yield Message(
             f"the record names no unit of force: taken in N, its {record.mean:.4g} +- {record.amplitude:.4g} N are "
-            f"{share:.2g} of the critical force, in "
-            + ", in ".join(f"{unit} {other:.2g}" for unit, other in others.items())
-            + f"; give force_unit, {', '.join(['N', *others][:-1])} or {list(others)[-1]}"
+            f"{share:.2g} of the critical force, in ",
+            ", in ".join(f"{unit} {other:.2g}" for unit, other in others.items()),
+            "; give ",
+            Mention("force_unit"),
+            f", {', '.join(['N', *others][:-1])} or {list(others)[-1]}",
         )
 
 
@@ -227,7 +230,7 @@ def warn_of_load(rod: Any, load: Any) -> None:
     """Warn of a load, or a record, that is suspicious on this rod."""
     is_unnamed = not getattr(load, "force_unit_named", True)
     for suspicion in suspicions_of_record(rod, load) if is_unnamed else suspicions_of_load(rod, load):
-        warnings.warn(suspicion + SILENCE, PlausibilityWarning, stacklevel=level_of_caller())
+        warnings.warn(Message(suspicion, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
 
 
 def _verdict(rod: Any, load: Any, frequency: float, growth_tolerance: float) -> int:
@@ -240,9 +243,12 @@ def warn_of_hertz(rod: Any, load: Any, growth_tolerance: float) -> None:
     """Warn where a load of independent modes that is stable may have been meant in Hz, and in Hz is unstable."""
     if may_be_hertz(rod, load) and _verdict(rod, load, 2.0 * math.pi * load.frequency, growth_tolerance) == 0:
         warnings.warn(
-            f"frequency = {load.frequency:g} rad/s is below all but the narrowest tongues of this rod, and with it "
-            f"nothing grows; with {load.frequency:g} Hz something would. Was it in Hz? AxialLoad.hertz takes Hz, and "
-            f'so does frequency="{load.frequency:g}Hz"{SILENCE}',
+            Message(
+                f"frequency = {load.frequency:g} rad/s is below all but the narrowest tongues of this rod, and with it "
+                f"nothing grows; with {load.frequency:g} Hz something would. Was it in Hz? AxialLoad.hertz takes Hz, "
+                f'and so does frequency="{load.frequency:g}Hz"',
+                SILENCE,
+            ),
             HertzWarning,
             stacklevel=level_of_caller(),
         )

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arguments import Mention
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
@@ -159,8 +160,9 @@ def chosen_count(modes: Iterable[int]) -> int:
     """Return how many modes a caller chose: coupled modes are taken from the first on, without gaps."""
     chosen = validate.modes(modes)
     if chosen != tuple(range(1, len(chosen) + 1)):
-        raise ValueError(
-            f"modes of a rod whose modes are coupled must be 1 to some number, got {validate.short(list(chosen))}; "
-            "give range(1, n + 1)"
+        raise validate.wrong_value(
+            "modes",
+            f"of a rod whose modes are coupled must be 1 to some number, got {validate.short(list(chosen))}; give ",
+            Mention("modes", "range(1, n + 1)", "1-n"),
         )
     return validate.integer("modes", len(chosen), 1, MOST_COUPLED)

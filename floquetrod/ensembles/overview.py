@@ -1,0 +1,75 @@
+"""An ensemble at a glance: how many runs there are of each status, why some failed, how probable buckling is."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util.report import number
+from floquetrod.ensembles.runs import DONE, FAILED, PENDING, Runs, require_runs
+from floquetrod.ensembles.statistics import probability
+
+_SAMPLED = ("seed", "sample", "run")
+"""Dimensions along which runs are samples of one another."""
+
+_NUMBERS = str.maketrans("", "", "0123456789.,+-")
+
+
+class Row(NamedTuple):
+    """The probability of buckling, with its interval, for one value of everything but the samples."""
+
+    at: dict[str, float]
+    counts: dict[str, int]
+    shares: dict[str, float | None]
+
+
+class Overview(NamedTuple):
+    """What came of an ensemble: numbers of runs, reasons of failures, and a row for every value of the other axes."""
+
+    total: int
+    done: int
+    failed: int
+    pending: int
+    buckled: int
+    reasons: list[tuple[str, int]]
+    rows: list[Row]
+    units: dict[str, str]
+
+    @classmethod
+    def of(cls, found: Any, confidence: float) -> Overview:
+        """Return it from what `floquetrod.ensemble` returned."""
+        if not isinstance(found, Runs):
+            found = found[["status", "reason", "buckled"]]  # frames stay where they are
+        runs = require_runs("runs", found)
+        status = runs["status"]
+        done, failed, pending = (int((status == kind).sum()) for kind in (DONE, FAILED, PENDING))
+        buckled = int((runs["buckled"][status == DONE] == 1).sum())
+        sampled = [dim for dim in runs.variables["status"].dims if dim in _SAMPLED]
+        rows = _table(probability(runs, over=sampled, confidence=confidence)) if sampled else []
+        return cls(
+            status.size, done, failed, pending, buckled, _counted(runs["reason"][status == FAILED]), rows, runs.units
+        )
+
+
+def _table(found: Runs) -> list[Row]:
+    """Return the probability of buckling for every value of the axes that are left, in SI units."""
+    dims, shape = found.variables["probability"].dims, found["probability"].shape
+    rows = []
+    for place in np.ndindex(shape):
+        at = dict(zip(dims, place, strict=True))
+        values = {name: axis.values[at[axis.dims[0]]].item() for name, axis in found.coords.items()}
+        counts = {name: int(found[name][place]) for name in ("done", "failed")}
+        shares = {name: number(float(found[name][place])) for name in ("probability", "lower", "upper")}
+        rows.append(Row(values, counts, shares))
+    return rows
+
+
+def _counted(reasons: Any) -> list[tuple[str, int]]:
+    """Return the reasons of failures, with how often; those that differ in numbers alone are one."""
+    groups: dict[str, tuple[str, int]] = {}
+    for reason in map(str, np.ravel(reasons)):
+        kind = reason.translate(_NUMBERS)
+        first, count = groups.get(kind, (reason, 0))
+        groups[kind] = first, count + 1
+    return sorted(groups.values(), key=lambda group: -group[1])
