@@ -24,7 +24,7 @@ from floquetrod.explorer.shown import Shown
 from floquetrod.explorer.words import margin_words
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.plotting import explorer_panels as panels
-from floquetrod.rod.answers.verdict import Margin
+from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.loads.load import Loads
 
 mpl.use("Agg")

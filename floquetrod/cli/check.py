@@ -36,7 +36,8 @@ from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
-from floquetrod.rod.answers.verdict import QUICK, Margin, RodStability
+from floquetrod.rod.answers.margins import FEW_MODES, Margin
+from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import KINDS, Load, Quantity
 from floquetrod.rod.reading import LOAD_OPTIONS, RECORD_OPTIONS
 from floquetrod.units import Unit
@@ -123,7 +124,7 @@ def add(check: argparse.ArgumentParser) -> None:
     check.add_argument(
         "--margins",
         action=argparse.BooleanOptionalAction,
-        help=f"search the margins and the damping that stabilises (default: up to {QUICK} coupled modes)",
+        help=f"search the margins and the damping that stabilises (default: up to {FEW_MODES} coupled modes)",
     )
     check.add_argument(
         "--plot",

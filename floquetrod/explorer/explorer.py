@@ -13,7 +13,7 @@ from floquetrod.explorer.limits import Scale, step
 from floquetrod.explorer.shown import Shown
 from floquetrod.explorer.words import margin_words
 from floquetrod.plotting.explorer import Window
-from floquetrod.rod.answers.verdict import Margin
+from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.loads.load import KINDS, AnyLoad, Load, require_load
 from floquetrod.rod.rod import Rod
 

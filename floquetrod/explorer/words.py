@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from floquetrod.rod.answers.verdict import Margin, RodStability
+from floquetrod.rod.answers.margins import Margin
+from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load
 from floquetrod.units import Unit
 

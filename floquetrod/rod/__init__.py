@@ -8,7 +8,7 @@ from floquetrod._util.lazy import names_of
 
 if TYPE_CHECKING:
     from floquetrod.rod.answers.intervals import BucklingWarning, StabilityInterval, UnstableBand
-    from floquetrod.rod.answers.verdict import Margin
+    from floquetrod.rod.answers.margins import Margin
     from floquetrod.rod.friction.kicks import CriticalKick
     from floquetrod.rod.friction.mode_friction import ModeFriction
     from floquetrod.rod.loads.axial import AxialGap, AxialResonance, AxialResponse
@@ -63,7 +63,7 @@ __getattr__ = names_of(
             "StabilityInterval",
             "UnstableBand",
         ),
-        "rod.answers.verdict": ("Margin",),
+        "rod.answers.margins": ("Margin",),
     },
 )
 

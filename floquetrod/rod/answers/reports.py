@@ -10,6 +10,7 @@ from floquetrod import units as known
 from floquetrod._util import validate
 from floquetrod._util.report import Report, Reported, number
 from floquetrod.floquet.verdict import Status
+from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.loads.axial import AxialResonance, added_mean
 from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.model.data import RodData, special_parameters
@@ -97,18 +98,6 @@ def _both(value: float, shown: Unit, rod: RodData) -> str:
     return f"{shown.show(value)} ({known.unit(other, other, kind, rod.critical_force).show(value, 4)})"
 
 
-class _Margin(Protocol):
-    """A `floquetrod.rod.answers.verdict.Margin`."""
-
-    @property
-    def below(self) -> float: ...
-    @property
-    def above(self) -> float: ...
-
-    resolution: float
-    searched: tuple[float, float]
-
-
 if TYPE_CHECKING:
 
     class _Verdict(Protocol):
@@ -156,7 +145,7 @@ class ReportedVerdict(Reported, _Verdict):
     """
 
     def report(
-        self, units: Mapping[str, str] | None = None, margins: Mapping[Quantity, _Margin] | None = None
+        self, units: Mapping[str, str] | None = None, margins: Mapping[Quantity, Margin] | None = None
     ) -> Report:
         """Return the verdict in lines and a table: what grows, rod and load, growth, margins, method, modes.
 
@@ -205,7 +194,7 @@ class ReportedVerdict(Reported, _Verdict):
             ),
         ]
 
-    def _reach(self, margins: Mapping[Quantity, _Margin], shown: Mapping[str, Unit]) -> list[Line]:
+    def _reach(self, margins: Mapping[Quantity, Margin], shown: Mapping[str, Unit]) -> list[Line]:
         """Return how far the load is from a change of the verdict, and the damping it would take."""
         change = {"stable": "unstable", "unstable": "stable"}.get(self.status, "decided")
         lines: list[Line] = []
@@ -222,7 +211,7 @@ class ReportedVerdict(Reported, _Verdict):
             lines.append(("damping", none if math.isinf(rate) else self.evidence.enough.format(f"{rate:.6g} 1/s")))
         return lines
 
-    def as_dict(self, margins: Mapping[Quantity, _Margin] | None = None) -> dict[str, Any]:
+    def as_dict(self, margins: Mapping[Quantity, Margin] | None = None) -> dict[str, Any]:
         """Return the verdict as numbers for JSON, units in the keys; None for what is infinite or not known.
 
         With ``margins``, which `margins` returns, these and the damping that stabilises.
@@ -251,7 +240,7 @@ class ReportedVerdict(Reported, _Verdict):
             **self.evidence.numbers(self),
         }
 
-    def _margins_as_dict(self, margins: Mapping[Quantity, _Margin]) -> dict[str, Any]:
+    def _margins_as_dict(self, margins: Mapping[Quantity, Margin]) -> dict[str, Any]:
         found: dict[str, Any] = {}
         for quantity, margin in margins.items():
             _, name, unit = _NAMES[quantity]
@@ -264,7 +253,7 @@ class ReportedVerdict(Reported, _Verdict):
         return {**found, "damping_to_stabilise_per_s": number(self.damping_to_stabilise)}
 
 
-def _unchanged(margin: _Margin, name: Quantity, unit: Unit) -> str:
+def _unchanged(margin: Margin, name: Quantity, unit: Unit) -> str:
     """Return that no change was found, and up to where was searched."""
     if not any(margin.searched):
         return "not searched: so many modes take minutes; in Python, verdict.margin goes on, with progress"

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import islice, pairwise
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
-from floquetrod._util.report import Table
 from floquetrod.equations import HillSystem, Mathieu
 from floquetrod.floquet.references import references, united
 from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.verdict import Stability, Verdict
+from floquetrod.rod.answers.evidence import Evidence, Shape
+from floquetrod.rod.answers.margins import FEW_MODES, MARGIN_SECONDS, WAYS, Edge, Margin, in_hundredths
 from floquetrod.rod.answers.reports import ReportedVerdict
 from floquetrod.rod.loads.axial import AxialResponse
 from floquetrod.rod.loads.load import Load, Progress, Quantity
@@ -33,224 +32,6 @@ Floats = NDArray[np.float64]
 
 _TOLD_OF_ONE = ("mode_verdicts", "mode_growth_rates", "mode_equations", "whole", "convergence", "shape", "system")
 """What is told of one kind of modes alone."""
-
-_SPANS = (1 / 32, 1 / 8, 0.5, 2.0, 8.0)
-"""Reaches of the search for a margin: in critical forces, or as the factor less one by which a frequency changes."""
-
-
-_WAYS: dict[Quantity, Callable[[float, float], tuple[list[float], list[float]]]] = {
-    "mean": lambda here, unit: ([here - x * unit for x in _SPANS], [here + x * unit for x in _SPANS]),
-    "amplitude": lambda here, unit: (
-        [max(0.0, here - x * unit) for x in _SPANS],
-        [here + x * unit for x in _SPANS if x <= 2.0],
-    ),
-    "frequency": lambda here, unit: ([here / (1.0 + x) for x in _SPANS], [here * (1.0 + x) for x in _SPANS]),
-}
-"""The ends of the pieces of a search for a margin, down and up, from where the load is and the critical force."""
-
-MARGIN_SECONDS = 10.0  # that a margin of coupled modes may take (a choice)
-
-QUICK = 50  # coupled modes up to which margins take some seconds (a choice)
-
-
-class _Distances(NamedTuple):
-    below: float
-    above: float
-
-
-class Margin(_Distances):
-    """How far one quantity of the load may fall or rise until the verdict changes; infinite when out of reach.
-
-    Attributes
-    ----------
-    below, above : float
-        The distances; ``below, above = margin``.
-    resolution : float
-        Changes closer together than this may have been passed over, in the unit of the distances; 0 where none can be.
-    searched : (float, float)
-        Up to which distances below and above was searched: where there is a change, it is that.
-
-    Comparing compares the distances.
-    """
-
-    resolution: float
-    searched: tuple[float, float]
-
-    def __new__(
-        cls, below: float, above: float, resolution: float = 0.0, searched: tuple[float, float] | None = None
-    ) -> Margin:
-        """Return a pair of distances with what is known of the search."""
-        margin = super().__new__(cls, below, above)
-        margin.resolution, margin.searched = resolution, (below, above) if searched is None else searched
-        return margin
-
-    @property
-    def nearest(self) -> float:
-        """The smaller of both."""
-        return min(self)
-
-
-class Shape(NamedTuple):
-    """The fastest growing solution along the rod, freed of its growth; its largest deflection is 1.
-
-    Attributes
-    ----------
-    s : ndarray
-        Position in m from the upper end.
-    deflection : ndarray
-        At the instant of largest deflection.
-    envelope : ndarray
-        Largest deflection over a period, at each position.
-    """
-
-    s: NDArray[np.float64]
-    deflection: NDArray[np.float64]
-    envelope: NDArray[np.float64]
-
-
-def _part(progress: Progress | None, number: int, parts: int) -> Progress | None:
-    """Return what reports one of the parts of a search in hundredths of them."""
-    if progress is None:
-        return None
-    return lambda done, total: progress(100 * number + 100 * done // total, 100 * parts)
-
-
-class Edge(NamedTuple):
-    """Where the verdict changes on a way, None where it does not, up to where was searched, and how finely.
-
-    ``seconds`` is about how long that takes.
-    """
-
-    at: float | None
-    searched: float
-    resolution: float
-    seconds: float = 0.0
-
-
-class Evidence(ABC):
-    """What a verdict rests on: the equations of the modes under the load, and what was found of them.
-
-    Every model of the modes has its own; a verdict asks it for what depends on the equations.
-    """
-
-    kind: ClassVar[str]
-    """Of which modes it is, in words."""
-
-    @property
-    @abstractmethod
-    def load(self) -> Load:
-        """The load."""
-
-    @property
-    @abstractmethod
-    def modes(self) -> tuple[int, ...]:
-        """Modes looked at."""
-
-    @property
-    @abstractmethod
-    def cutoff(self) -> str:
-        """Why these modes and no others."""
-
-    @property
-    @abstractmethod
-    def references(self) -> tuple[str, ...]:
-        """What to cite for the methods used."""
-
-    @property
-    @abstractmethod
-    def resonances(self) -> tuple[Resonance, ...]:
-        """What grows, the fastest first."""
-
-    def unstable_modes(self, verdict: RodStability) -> tuple[int, ...]:
-        """Return the modes that take part in what grows faster than the tolerance."""
-        if verdict.status != "unstable":
-            return ()
-        growing = [r for r in self.resonances if r.growth_rate > verdict.growth_tolerance]
-        return tuple(sorted({mode for resonance in growing for mode in resonance.modes}))
-
-    def fastest_mode(self, verdict: RodStability) -> int | None:
-        """Return the mode that grows fastest, the lower one of a combination; None when none grows, or is named."""
-        return min(self.resonances[0].modes) if self.resonances and verdict.growth_rate > 0.0 else None
-
-    @abstractmethod
-    def damping_to_stabilise(self, verdict: RodStability) -> float:
-        """Return the smallest damping rate in 1/s from which every larger one keeps all modes from growing."""
-
-    @abstractmethod
-    def growth_of(self, verdict: RodStability, mode: int) -> float:
-        """Return the growth rate of a mode in 1/s, of the rod where it has none of its own."""
-
-    def is_fastest(self, verdict: RodStability, mode: int | None) -> bool:
-        """Return whether the growth rate of the rod is that of a mode."""
-        return mode == verdict.fastest_mode
-
-    def plot(self, verdict: RodStability, ax: Any = None) -> Any:
-        """Draw the shape in which the rod grows; return the axes."""
-        from floquetrod.plotting.rod import draw_shape
-
-        return draw_shape(verdict, ax)
-
-    # --- what a report says of it ---
-
-    has_exact_margins: ClassVar[bool] = False
-    """Whether margins are computed in milliseconds from boundaries; else they are found by sampling."""
-
-    enough: ClassVar[str] = "stable at every rate tried above {}"
-    """Which damping rates stabilise, with {} for the least."""
-
-    @abstractmethod
-    def headline(self, verdict: RodStability) -> str:
-        """Return what grows, or why that is not known; "" where there is nothing to say."""
-
-    def fastest_in_words(self, verdict: RodStability) -> str:
-        """Return what grows fastest, to stand before "at so many 1/s"."""
-        return f"{self.resonances[0]}," if self.resonances else "growth"
-
-    def grows_in(self, verdict: RodStability) -> str:
-        """Return, to stand behind the growth rate, in which mode; "" where that is said elsewhere."""
-        return ""
-
-    @abstractmethod
-    def method(self, verdict: RodStability) -> str:
-        """Return how the verdict was found, and how good it is."""
-
-    def named_lines(self, verdict: RodStability) -> list[tuple[str, str]]:
-        """Return lines that name what grows."""
-        return []
-
-    @property
-    def table(self) -> Table | None:
-        """The modes nearest to trouble, where each has an equation of its own."""
-        return None
-
-    @abstractmethod
-    def numbers(self, verdict: RodStability) -> dict[str, Any]:
-        """Return what `RodStability.as_dict` has besides."""
-
-    @abstractmethod
-    def edge(
-        self,
-        verdict: RodStability,
-        varied: Quantity,
-        piece: tuple[float, float],
-        seconds: float,
-        progress: Progress | None,
-    ) -> Edge:
-        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, in about so many seconds."""
-
-    def sentence(self, verdict: RodStability) -> str:
-        """Return status, growth and the modes that grow."""
-        if verdict.status == "stable":
-            slow = f", growth {verdict.growth_rate:.3g} 1/s within the tolerance" if verdict.growth_rate > 0.0 else ""
-            return f"stable{slow}"
-        if verdict.status == "undecided":
-            return "undecided"
-        names = ", ".join(map(str, verdict.unstable_modes))
-        some = f"modes {names} grow" if len(verdict.unstable_modes) > 1 else f"mode {names} grows"
-        return (
-            f"unstable: {some}; mode {verdict.fastest_mode} at {verdict.growth_rate:.6g} 1/s, tenfold in "
-            f"{verdict.time_to_grow():.3g} s"
-        )
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -465,14 +246,14 @@ class RodStability(Verdict, ReportedVerdict):
         ValueError
             For another quantity, and for ``seconds`` that are not greater than zero.
         """
-        validate.choice("quantity", quantity, _WAYS)
+        validate.choice("quantity", quantity, WAYS)
         if not (isinstance(seconds, float) and seconds == math.inf):
             seconds = validate.positive("seconds", seconds, "leave it out to search everything")
         validate.progress(progress)
         here: float = getattr(self.load, quantity)
-        ways = [[here, *way] for way in _WAYS[quantity](here, self.rod.critical_force)]
+        ways = [[here, *way] for way in WAYS[quantity](here, self.rod.critical_force)]
         parts = sum(len(way) - 1 for way in ways)
-        told = (_part(progress, number, parts) for number in range(parts))
+        told = (in_hundredths(progress, number, parts) for number in range(parts))
         ends = [self._end(quantity, way, 0.5 * seconds, list(islice(told, len(way) - 1))) for way in ways]
         if progress is not None:
             progress(100 * parts, 100 * parts)
@@ -497,7 +278,7 @@ class RodStability(Verdict, ReportedVerdict):
         """
         validate.progress(progress)
         found: dict[Quantity, Margin] = {}
-        for i, quantity in enumerate(_WAYS):
+        for i, quantity in enumerate(WAYS):
 
             def told(done: int, parts: int, before: int = 25 * i) -> None:
                 if progress is not None:
@@ -512,7 +293,7 @@ class RodStability(Verdict, ReportedVerdict):
     @property
     def has_quick_margins(self) -> bool:
         """Whether margins take some seconds at most, as all do but those of many coupled modes."""
-        return self.evidence.has_exact_margins or self.modes_checked <= QUICK
+        return self.evidence.has_exact_margins or self.modes_checked <= FEW_MODES
 
     @property
     def margin_tolerance(self) -> float:

@@ -17,8 +17,9 @@ from floquetrod.floquet.verdict import Status, Verdict
 from floquetrod.friction.critical_kicks import CriticalKickBounds, known_bounds
 from floquetrod.friction.fate_of_kicks import BOUNDED, ESCAPES, UNDECIDED, Fate, known_fate, known_fates
 from floquetrod.friction.inputs import growth_without_friction
+from floquetrod.rod.answers.margins import MARGIN_SECONDS, Margin
 from floquetrod.rod.answers.reports import shown_in
-from floquetrod.rod.answers.verdict import MARGIN_SECONDS, Margin, RodStability
+from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.friction.mode_friction import ModeFriction, kicks_of, mode_friction
 from floquetrod.rod.loads.load import Progress, Quantity
 from floquetrod.rod.mode_equations.modal_systems import GrowingModes, ModalSystems

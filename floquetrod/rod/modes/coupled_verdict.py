@@ -19,7 +19,9 @@ from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
-from floquetrod.rod.answers.verdict import Edge, Evidence, RodStability, Shape
+from floquetrod.rod.answers.evidence import Evidence, Shape
+from floquetrod.rod.answers.margins import Edge
+from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity
 from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, largest_uniform, require_few, up_to_resonance
 from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
