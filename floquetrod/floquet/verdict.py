@@ -413,7 +413,7 @@ def tolerated(rate: Any, tolerance: float) -> Any:
     return (tolerance > 0.0) & (rate <= tolerance)
 
 
-def static_status(stiffness: Any, error: float, damping: float) -> Status | None:
+def static_status(stiffness: Any, error: float, damping: Any) -> Status | None:
     """Return the verdict on q'' + 2 c q' + k q = 0, k known but for its error: the sign of k decides.
 
     Where k is exactly zero motion drifts without damping, and comes to rest with any.  None where not known.
