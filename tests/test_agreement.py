@@ -8,6 +8,7 @@ import pytest
 
 import floquetrod as fr
 from benchmarks import agreement
+from conftest import depth
 
 
 def test_no_two_methods_differ_by_more_than_they_state() -> None:
@@ -19,7 +20,7 @@ def test_no_two_methods_differ_by_more_than_they_state() -> None:
 
 
 def test_no_two_methods_for_systems_differ_by_more_than_they_state() -> None:
-    found = agreement.matrix(agreement.draw_systems(5, seed=1))
+    found = agreement.matrix(agreement.draw_systems(depth(10, 5), seed=1))
     assert found.faults == []
     assert {"half_period", "monodromy", "segmented", "spectral", "reference"} == set(found.seconds)
     assert all(found.seconds.values())

@@ -368,7 +368,12 @@ def test_bad_input(arguments: list[str], message: str, capsys: pytest.CaptureFix
     assert message in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("size", [(11.0, 7.0), (3.9, 10.14), (3.2, 10.14), (7.9, 10.14), (8.0, 5.6)])
+OTHER_SIZES = (3.9, 10.14), (7.9, 10.14), (8.0, 5.6)
+
+
+@pytest.mark.parametrize(
+    "size", [(11.0, 7.0), (3.2, 10.14), *(pytest.param(size, marks=pytest.mark.slow) for size in OTHER_SIZES)]
+)
 def test_nothing_is_cut_off_or_overlaps_on_a_screen_or_a_phone(size: tuple[float, float]) -> None:
     explorer = fr.Explorer(ROD)
     explorer.refine()

@@ -280,13 +280,13 @@ def test_margins_can_fail() -> None:
 
 
 def test_real_rods_can_fail() -> None:
-    rod = ROD.replace(inclination=math.radians(60.0))
-    load = fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0)
+    rod = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, inclination=math.radians(60.0))  # of few modes
+    load = fr.AxialLoad(0.2 * rod.critical_force, 0.5 * rod.critical_force, 2.2 * rod.pendulum_frequency)
     question = real_rods.Question(rod, load, 0.0)
     right = rod.stability(load)
     assert real_rods.sound(question, right) == real_rods.against_finite_differences(question, right) == []
     stable = dataclasses.replace(right, status="stable")
-    assert "finite differences have 2.8163" in real_rods.against_finite_differences(question, stable)[0]
+    assert "finite differences have 2.38776" in real_rods.against_finite_differences(question, stable)[0]
     assert "stable, growth" in real_rods.sound(question, stable)[0]
     rate, error = right.growth_rate, right.error
     faster = dataclasses.replace(right, growth_rate=rate + 1e-5 + 3.0 * error)
@@ -294,6 +294,7 @@ def test_real_rods_can_fail() -> None:
     assert "unstable, finite" in real_rods.compared(question._replace(tolerance=3.0), right, rate, 1e-6)[0]
 
 
+@pytest.mark.slow  # test_margins_can_fail shows as much
 def test_a_margin_of_coupled_modes_that_is_too_large_would_be_found(rng: np.random.Generator) -> None:
     rod = ROD.replace(ends="clamped", damping_rate=0.5)
     question = real_rods.Question(rod, fr.AxialLoad(0.1 * ROD.critical_force, 0.1 * ROD.critical_force, 20.0), 0.0)
@@ -383,6 +384,7 @@ def tool(*words: str) -> subprocess.Popen[str]:
     return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment, cwd=ROOT)
 
 
+@pytest.mark.slow
 def test_the_tool_prints_a_table() -> None:
     process = tool("--only", "verdicts", "--seed", "3", "--seeds", "2", "--cases", "1", "--workers", "2")
     text, _ = process.communicate(timeout=600)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import doctest
 import importlib
+import io
 import os
 import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+from floquetrod import cli
 
 ROOT = Path(__file__).parents[1]
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
@@ -49,31 +54,44 @@ def test_python_snippets(page: str) -> None:
     assert runner.summarize(verbose=False).failed == 0, "".join(report)
 
 
-def require_as_shown(block: str, folder: Path) -> None:
-    """Run the command of a console block in a folder and compare; a last line "..." stands for any rest."""
-    command, _, shown = block.replace("\\\n", " ").partition("\n")
-    prompt, program, *arguments = shlex.split(command)
-    assert (prompt, program) == ("$", "floquetrod")
-    run = subprocess.run(
-        [sys.executable, "-m", program, *arguments],
+def in_a_process(arguments: list[str], folder: Path) -> str:
+    """Return what a command prints in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "floquetrod", *arguments],
         capture_output=True,
         text=True,
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )
+    ).stdout
+
+
+def in_this_process(arguments: list[str], folder: Path) -> str:
+    """Return what a command prints."""
+    with contextlib.chdir(folder), contextlib.redirect_stdout(io.StringIO()) as said:
+        cli.main(arguments)
+    return said.getvalue()
+
+
+def require_as_shown(block: str, folder: Path, run: Callable[[list[str], Path], str]) -> None:
+    """Run the command of a console block in a folder and compare; a last line "..." stands for any rest."""
+    command, _, shown = block.replace("\\\n", " ").partition("\n")
+    prompt, program, *arguments = shlex.split(command)
+    assert (prompt, program) == ("$", "floquetrod")
     beginning, rest, _ = shown.strip().partition("\n...")
-    came = run.stdout.strip()
-    assert (came[: len(beginning)] if rest else came).strip() == beginning.strip(), run.stderr
+    came = run(arguments, folder).strip()
+    assert (came[: len(beginning)] if rest else came).strip() == beginning.strip()
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/start/first_ten_minutes.md"])
-def test_terminal_snippets(page: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("page", "run"), [("README.md", in_a_process), ("docs/start/first_ten_minutes.md", in_this_process)]
+)
+def test_terminal_snippets(page: str, run: Callable[[list[str], Path], str], tmp_path: Path) -> None:
     (rod,) = blocks(page, "toml")
     (tmp_path / "my_rod.toml").write_text(rod, encoding="utf-8")
     texts = blocks(page, "console")
     assert texts
     for text in texts:
-        require_as_shown(text, tmp_path)
+        require_as_shown(text, tmp_path, run)
 
 
 def test_what_the_front_door_points_to_is_there() -> None:

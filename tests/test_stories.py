@@ -17,7 +17,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 
 from test_docs import STORIES, execute
-from test_snippets import require_as_shown
+from test_snippets import in_this_process, require_as_shown
 
 HOW_TO = Path(__file__).parents[1] / "docs/how_to"
 
@@ -66,7 +66,7 @@ def test_what_the_terminal_shows(story: str, ran: Ran) -> None:
     blocks = re.findall(r"^```console\n(.*?)^```", text, re.DOTALL | re.MULTILINE)
     assert blocks
     for block in blocks:
-        require_as_shown(block, folder)
+        require_as_shown(block, folder, in_this_process)
 
 
 # --- my rod -----------------------------------------------------------------------------------------------------------
