@@ -244,7 +244,7 @@ def _onwards(options: argparse.Namespace) -> str:
 
 
 def _command(options: argparse.Namespace) -> str | None:
-    """Return the command that goes on, None where nothing was kept."""
+    """Return the command that goes on, None where nothing was stored."""
     if options.store is None:
         return None
     words = ["floquetrod", "ensemble", str(options.study), "--store", str(options.store)]

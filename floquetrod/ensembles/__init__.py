@@ -1,4 +1,4 @@
-"""One simulation with many values of what it depends on: what is varied, who makes the runs, where results are kept."""
+"""One simulation with many values of what it depends on: what is varied, who makes the runs, where results go."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ def ensemble(
     summary : callable, optional
         Makes further results of every run: takes a `Simulation`, returns numbers by name.
     frames : bool
-        Whether time, angle and positions of every frame are kept, too.
+        Whether time, angle and positions of every frame are stored, too.
     part : tuple of int, optional
         (k, n): makes the k-th of n parts only, for the jobs of an array that share a store ending in ".zarr".
     retry_failed : bool
@@ -174,7 +174,7 @@ def _fill(
     retry_failed: bool,
     progress: Callable[[int, int], None] | None,
 ) -> None:
-    """Make the runs that are pending, and keep what comes of them, until all are done or Ctrl-C."""
+    """Make the runs that are pending, and record what comes of them, until all are done or Ctrl-C."""
     study, runs = store.layout.study, store.layout.runs_of(chunks)
     try:
         store.open_part(chunks)
@@ -182,14 +182,14 @@ def _fill(
         for outcome in first:
             if outcome.run in pending:  # else another process has made it meanwhile
                 pending.remove(outcome.run)
-                store.keep(outcome)
+                store.record(outcome)
         done = len(runs) - len(pending)
         with (
             suppress(KeyboardInterrupt),
             closing(work(runner, job, pending, study.values, store.save_when_due)) as outcomes,
         ):
             for outcome in outcomes:
-                store.keep(outcome)
+                store.record(outcome)
                 done += 1
                 if progress is not None:
                     progress(done, len(runs))

@@ -1,4 +1,4 @@
-"""What is kept of an ensemble, and where: in memory.
+"""What is stored of an ensemble, and where: in memory.
 
 `floquetrod.ensembles.stores_disk` and `floquetrod.ensembles.stores_zarr` have the stores that save it as it comes.
 """
@@ -237,8 +237,8 @@ class MemoryStore:
         """Return one run that is done, or none."""
         return [int(run) for run in np.flatnonzero(self.values["status"] == DONE)[:1]]
 
-    def keep(self, outcome: Outcome) -> None:
-        """Keep what came of a run."""
+    def record(self, outcome: Outcome) -> None:
+        """Take over what came of a run."""
         run = outcome.run
         for name, value in (*outcome.results.items(), *outcome.summary.items()):
             self.values[name][run] = value
@@ -247,11 +247,11 @@ class MemoryStore:
             self.reasons[run] = outcome.reason[:REASON]
         self.values["status"][run] = outcome.status
         if outcome.frames is not None:
-            self._keep_frames(run, outcome.frames)
+            self._record_frames(run, outcome.frames)
         self._mark(run)
 
     def _mark(self, run: int) -> None:
-        """Note that what is kept of a run is to be saved."""
+        """Note that what is recorded of a run is to be saved."""
         self._dirty.add(bisect.bisect_right(self.layout.starts, run) - 1)
 
     def save_when_due(self) -> None:
@@ -292,8 +292,8 @@ class MemoryStore:
             )
         return {name: np.full((self.layout.study.size, *shape), np.nan) for name, shape in shapes.items()}
 
-    def _keep_frames(self, run: int, frames: Mapping[str, NDArray[np.float64]]) -> None:
-        """Keep the frames of a run; those of one that ended early leave NaN."""
+    def _record_frames(self, run: int, frames: Mapping[str, NDArray[np.float64]]) -> None:
+        """Take over the frames of a run; those of one that ended early leave NaN."""
         for name, values in frames.items():
             self._frames[name][run, : len(values)] = values
 

@@ -3,6 +3,11 @@
 It is of zarr's format 2, whose types include text and whose consolidated metadata is part of the format.  Files of
 chunks are written here: a file of that format is the compressed content of its array.  Each takes the place of an older
 one at once, has a checksum, and counts as missing where that does not fit.
+
+`Dataset.to_zarr(region=...)` would not do.  Of its chunks a damaged one makes the whole array unreadable, and one that
+is lost reads as fill values: test_ensemble_stores.py::test_damaged_chunks_are_computed_again.  After Ctrl-C a thread of
+zarr's goes on writing: ::test_ctrl_c_while_a_store_is_made_leaves_nothing_beside_it.  zarr 3.0 writes files in place,
+and a kill cuts them off.
 """
 
 from __future__ import annotations
@@ -162,7 +167,7 @@ class ZarrStore(DiskStore):
         """Return no variables: `to_xarray` reads them from the store."""
         return {}
 
-    def _keep_frames(self, run: int, frames: Mapping[str, NDArray[np.float64]]) -> None:
+    def _record_frames(self, run: int, frames: Mapping[str, NDArray[np.float64]]) -> None:
         """Write the frames of a run; where they cannot be written they wait, as far as memory is for them."""
         if not self._succeeds(partial(self._write_frames, run, frames)):
             size = 8 * sum(math.prod(length for _, length in dims) for dims in self.layout.frame_shapes.values())

@@ -21,7 +21,7 @@ OWN_ERRORS = (Exception, SystemExit)
 
 
 class Job(NamedTuple):
-    """What all tasks share: the problem, the summary, its names (None while unknown), and whether frames are kept."""
+    """What all tasks share: the problem, the summary, its names (None while unknown), and whether frames are stored."""
 
     problem: SimulationProblem
     summary: Summary | None
