@@ -78,7 +78,7 @@ class Hill(Equation):
         period : float
             Its period.
         damping : float
-            c.
+            Damping c, as of the equation.
 
         Examples
         --------

@@ -160,8 +160,14 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         pieces : sequence of (duration, K)
             From t = 0 on, over a period, which is the exact sum of the durations: positive numbers, `Fraction` among
             them, or arrays of them for a batch.  K is a matrix (..., n, n), constant over the piece, or a `Varying`.
-        mass, damping, gyroscopic, coefficient_error
-            As of the system.
+        mass : array_like (..., n, n), optional
+            M, as of the system.
+        damping : array_like (..., n, n), optional
+            C, as of the system.
+        gyroscopic : array_like (..., n, n), optional
+            G, as of the system.
+        coefficient_error : float
+            Of K(t), as of the system.
 
         Examples
         --------
@@ -202,8 +208,12 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             Its period.
         jumps : sequence of float
             Instants from 0 up to the period at which K jumps, or has a kink; none by default.
-        mass, damping, gyroscopic
-            As of the system.
+        mass : array_like (n, n), optional
+            M, as of the system.
+        damping : array_like (n, n), optional
+            C, as of the system.
+        gyroscopic : array_like (n, n), optional
+            G, as of the system.
 
         Examples
         --------
@@ -308,7 +318,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
 
     @property
     def is_even(self) -> bool:
-        """Whether half a period is enough: a stiffness even about an instant, without C and G."""
+        """Whether the stiffness is even about an instant, and there is neither C nor G, so that half a period is enough."""
         return self.even_form is not None or self.even_start is not None
 
     def as_periodic_system(self) -> PeriodicSystem:

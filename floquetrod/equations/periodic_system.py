@@ -90,7 +90,7 @@ class PeriodicSystem(matrices.PeriodicMatrixSystem):
             From t = 0 on, over a period, which is the exact sum of the durations: positive numbers, `Fraction` among
             them, or arrays of them for a batch.  A is a matrix (..., N, N), constant over the piece, or a `Varying`.
         coefficient_error : float
-            As of the system.
+            Of A(t), as of the system.
 
         Examples
         --------

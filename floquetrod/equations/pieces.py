@@ -40,8 +40,10 @@ class Varying(ByContent):
         Constant part, which is the whole at the beginning of the piece where there are no harmonics.
     slope : array_like (..., n, n), optional
         Change per unit of time; none by default, and None where it is zero.
-    cosines, sines : sequence of array_like (..., n, n)
-        Coefficients of the harmonics of the whole period, from the first on; none by default.
+    cosines : sequence of array_like (..., n, n)
+        Coefficients of the cosines of the whole period, from the first harmonic on; none by default.
+    sines : sequence of array_like (..., n, n)
+        Coefficients of the sines of the whole period, from the first harmonic on; none by default.
 
     Examples
     --------
