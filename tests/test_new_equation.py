@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import math
+import pickle
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +18,7 @@ from scipy.integrate import solve_ivp
 
 import floquetrod as fr
 from conftest import depth
+from floquetrod.cli import main
 from floquetrod.equations import Equation, Piece
 from strategies import numbers
 
@@ -117,6 +121,108 @@ def test_where_the_period_begins_changes_no_eigenvalue(kind: type, alpha: float,
     matrix = fr.methods.monodromy_matrix(kind(alpha, beta), start=start)
     found = fr.stability(kind(alpha, beta), method="monodromy")
     assert np.trace(matrix) == pytest.approx(found.discriminant, rel=1e-9, abs=1e-9 * np.abs(matrix).max())
+
+
+@settings(max_examples=depth(20, 4))
+@given(KINDS, numbers(-5.0, 5.0), numbers(-8.0, 2.0), st.just(0.0) | numbers(1e-2, 0.3))
+def test_it_is_proved(kind: type, alpha: float, beta: float, damping: float) -> None:
+    assume(alpha != 0.0)
+    equation = kind(alpha, beta, damping)
+    proof, verdict = fr.certify(equation, max_digits=30), fr.stability(equation)
+    assert isinstance(proof, fr.Proof)
+    assert proof.equation == equation
+    assert {proof.status, verdict.status} != {"stable", "unstable"}
+    clear = damping == 0.0 and abs(abs(verdict.discriminant) - 2.0) > 1e-6
+    assert proof.status != "undecided" or not clear
+    assert proof.status == fr.certify(equation.as_system(), max_digits=30).status
+    assert ("its period, 2 pi, was taken as the double" in proof.statement) == (kind is Trapezoid)
+
+
+@settings(max_examples=depth(10, 3))
+@given(KINDS, numbers(0.5, 3.0), numbers(-3.0, 0.5), st.just(0.0) | numbers(1e-2, 0.3))
+def test_it_is_solved_and_has_floquet_solutions(kind: type, alpha: float, beta: float, damping: float) -> None:
+    equation = kind(alpha, beta, damping)
+    verdict = fr.stability(equation)
+    assume(abs(verdict.exponents[0] - verdict.exponents[1]) * verdict.period > 1e-2)
+    matrix, error = verdict.monodromy
+    assert np.abs(matrix - fr.methods.monodromy_matrix(equation)).max() < 1e-9 * np.abs(matrix).max() + error
+    times = np.linspace(0.0, 2.0, 9) * equation.period
+    for mode, exponent in zip(fr.floquet_solutions(equation), verdict.exponents, strict=True):
+        assert mode.exponent.real == pytest.approx(exponent.real, abs=1e-9)
+        both = [
+            fr.solve(equation, part, times[-1])
+            for part in zip(*((mode(0.0, d).real, mode(0.0, d).imag) for d in (0, 1)), strict=True)
+        ]
+        size = np.abs(mode(times)).max() + np.abs(mode(times[-1]))
+        growth = np.exp(verdict.growth_rate * times[-1])  # which a solution that decays has of the other
+        assert mode(times) == pytest.approx(both[0](times) + 1j * both[1](times), abs=1e-9 * (size + growth))
+
+
+@pytest.mark.parametrize("kind", [Trapezoid, Bumps])
+def test_everything_about_it_can_be_pickled(kind: type) -> None:
+    equation = kind(1.5, -0.6, 0.02)
+    results = [equation, fr.stability(equation), fr.certify(equation), fr.solve(equation, (1.0, 0.0), 3.0)]
+    for result in [*results, *fr.floquet_solutions(equation)]:
+        assert pickle.loads(pickle.dumps(result)) == result
+    assert pickle.loads(pickle.dumps(fr.compare(equation))).results == fr.compare(equation).results
+
+
+@pytest.mark.parametrize("kind", [Trapezoid, Bumps])
+def test_the_damping_that_stabilises_it_does(kind: type) -> None:
+    equation = kind(2.5, -1.0)
+    least = fr.stability(equation).damping_to_stabilise
+    assert 0.0 < least < math.inf
+    assert fr.stability(kind(2.5, -1.0, least * (1.0 + 1e-7))).status == "stable"
+    assert fr.stability(kind(2.5, -1.0, least * (1.0 - 1e-7))).status == "unstable"
+
+
+def test_the_terminal_takes_it_as_a_system(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    equation = Trapezoid(2.5, -1.0, 0.03)
+    lines = ["[system]", f"damping = [[{2.0 * equation.damping!r}]]"]
+    for piece in equation.pieces():
+        lines += ["[[system.pieces]]", f"duration = {float(piece.share) * equation.period!r}"]
+        lines += [f"stiffness = [[{-float(piece.mean)!r}]]", f"slope = [[{-float(piece.slope)!r}]]"]
+    path = tmp_path / "trapezoid.toml"
+    path.write_text("\n".join(lines))
+    assert main(["check", "--system", str(path), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    verdict = fr.stability(equation)
+    assert found["status"] == verdict.status
+    assert found["growth_rate_per_unit_time"] == pytest.approx(verdict.growth_rate, rel=1e-9)
+    assert main(["certify", "--system", str(path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["status"] == fr.certify(equation).status == verdict.status
+
+
+@dataclass(frozen=True)
+class Smooth(Equation):
+    """A smooth equation whose period is an exact multiple of pi, and not 2 pi."""
+
+    alpha: float
+    beta: float
+    damping: float = 0.0
+
+    @property
+    def period(self) -> float:
+        """Period in tau."""
+        return math.pi
+
+    @property
+    def period_over_pi(self) -> Fraction:
+        """Its exact value over pi."""
+        return Fraction(1)
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the series."""
+        return (Piece(Fraction(1), self.beta, (complex(self.alpha, 0.0),)),)
+
+
+@pytest.mark.parametrize("alpha", [1e-12, 0.3, 4.0])
+def test_a_smooth_one_is_proved_as_fast_as_mathieus_and_with_its_exact_period(alpha: float) -> None:
+    """A'' = (beta + alpha cos 2 tau) A is Mathieu's equation in twice the time; its first tongue is at beta = -1."""
+    for beta in (-1.0, -0.7, -2.6, 0.1):
+        proof, known = fr.certify(Smooth(alpha, beta)), fr.certify(fr.Mathieu(alpha / 4.0, beta / 4.0))
+        assert (proof.status, proof.interval) == (known.status, known.interval)
+        assert fr.stability(Smooth(alpha, beta)).status == known.status
 
 
 def test_steep_ramps_tend_to_the_square_wave() -> None:
