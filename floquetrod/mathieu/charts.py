@@ -132,9 +132,9 @@ class MathieuPlane(Family):
         place = self._coefficients(x, y)
         rate = growth_rate(*place, workers=self.workers) if growth or self.growth_tolerance else np.nan
         if self.growth_tolerance:
-            return Verdicts(np.asarray(rate <= self.growth_tolerance).astype(np.int8), rate)
+            return Verdicts(rate <= self.growth_tolerance, rate)
         stable = is_stable if self.test is None else self.test.is_stable
-        return Verdicts(np.asarray(stable(*place, workers=self.workers)).astype(np.int8), rate)
+        return Verdicts(stable(*place, workers=self.workers), rate)
 
     def _coefficients(self, x: Floats, y: Floats) -> tuple[Any, Any, Any]:
         """Return alpha, beta and damping at places."""

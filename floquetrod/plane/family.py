@@ -28,8 +28,9 @@ VERTEX = 1e-10
 
 
 class Verdicts(NamedTuple):
-    """Of places: status 1, 0 or -1, growth rate (NaN where not known), and the fastest mode, None if nothing has modes.
+    """Of places: status 1, 0 or -1, growth rate (NaN where not known), and the fastest mode (None without modes).
 
+    Where nothing is undecided, the status may be whether it is stable.
     Each an array of the shape of the places, or one value for all.
     """
 

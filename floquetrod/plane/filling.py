@@ -55,5 +55,5 @@ def charted(family: Family, x: Axis, y: Axis, *, growth: bool = False, progress:
         family.criterion,
         int((status < 0).sum()),
         __version__,
-        FamilyBands(family, x, y, status == 0),
+        FamilyBands(family, x, y, status),
     )

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Bands
-from floquetrod.plane.family import Bools, Family, Progress
+from floquetrod.plane.family import Family, Progress
 from floquetrod.plane.tracing import traced
 
 
@@ -18,14 +21,14 @@ class FamilyBands:
     ----------
     family : Family
     x, y : Axis
-    unstable : ndarray (ny, nx) of bool
-        The points of the chart that are unstable, for families without exact curves.
+    status : ndarray (ny, nx) of int8
+        Of the points of the chart, for families without exact curves.
     """
 
     family: Family
     x: Axis
     y: Axis
-    unstable: Bools
+    status: NDArray[np.int8]
 
     @property
     def prompt(self) -> bool:
@@ -36,7 +39,7 @@ class FamilyBands:
         """Return the bands with an accuracy as a share of each axis."""
         found = self.family.exact_bands(self.x.ends, self.y.ends, accuracy, progress)
         if found is None:
-            found = traced(self.family, self.x, self.y, self.unstable, accuracy, progress)
+            found = traced(self.family, self.x, self.y, self.status == 0, accuracy, progress)
         return Bands(
             self.x.ends,
             self.y.ends,
