@@ -12,6 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 import floquetrod as fr
+from floquetrod.mathieu.charts import MathieuPlane
 from floquetrod.plane import Axis, Band, Bands, charted
 from floquetrod.plane.family import Judged
 from floquetrod.plane.polygons import area, contains
@@ -94,6 +95,39 @@ def test_mathieu_traced_agrees_with_transition_curves(points: tuple[int, int], g
         for band in bands:
             dense = rate[contains(corners(band), np.column_stack([a.ravel(), b.ravel()]))].max()
             assert dense * (1.0 - 1e-9) <= band.largest_growth <= 1.02 * dense
+
+
+class Traced(MathieuPlane):
+    """The same plane, of which no exact bands are known."""
+
+    def exact_bands(self, *_: Any) -> None:
+        """Return none."""
+        return
+
+
+@pytest.mark.parametrize(("damping", "tolerance"), [(0.05, 0.0), (0.02, 0.01)])
+def test_exact_and_traced_bands_of_one_family_agree(damping: float, tolerance: float) -> None:
+    charts = [
+        charted(kind(damping, tolerance, None, None), *axes((0.0, 2.0, 40), (-1.6, 0.4, 40)))
+        for kind in (MathieuPlane, Traced)
+    ]
+    exact, found = (sorted(chart.bands, key=lambda band: -area_of(band)) for chart in charts)
+    assert [len(exact), len(found)] == [3, 3]
+    for one, other in zip(exact, found, strict=True):
+        around = 2.0 * (np.ptp(one.x) / 2.0 + np.ptp(one.y) / 2.0)
+        assert area_of(one) / 4.0 == pytest.approx(area_of(other) / 4.0, abs=2.0 * ACCURACY * around)
+        assert one.largest_growth == pytest.approx(other.largest_growth, rel=1e-3)
+        assert distances(corners(other), charts[0].bands, (2.0, 2.0)).max() < 2.0 * ACCURACY
+    stated = [
+        (chart.bands.growth_unit, chart.bands.growth_tolerance, chart.bands.accuracy, chart.bands.hairlines)
+        for chart in charts
+    ]
+    assert stated[0] == stated[1]
+    assert [any(chart.bands.resolution) for chart in charts] == [False, True]
+
+
+def area_of(band: Band) -> float:
+    return abs(area(corners(band)))
 
 
 def test_a_tip_is_followed_to_less_than_a_thousandth_of_the_grid() -> None:

@@ -9,8 +9,8 @@ import numpy as np
 
 from floquetrod.plane.contours import Crossings
 from floquetrod.plane.family import Bools, Floats, Ints
-from floquetrod.plane.judging import Plane, between
 from floquetrod.plane.outline import Outline
+from floquetrod.plane.places import Plane, between
 from floquetrod.plane.tips import THINNEST, follow
 
 _FAR_APART = 8  # every how many crossings of a grid a vertex is put first (a choice)

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 
 from floquetrod.plane.family import Bools, Floats, Ints
-from floquetrod.plane.judging import Plane, between
 from floquetrod.plane.outline import Outline
+from floquetrod.plane.places import Plane, between
 
 THINNEST = 10.0
 """Width below which a tongue is not followed, in multiples of the accuracy of vertices."""

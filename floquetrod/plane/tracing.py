@@ -8,8 +8,8 @@ from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Band
 from floquetrod.plane.contours import crossings
 from floquetrod.plane.family import Bools, Family, Floats, Found, Progress
-from floquetrod.plane.judging import OutOfBudget, Plane
 from floquetrod.plane.outline import Outline
+from floquetrod.plane.places import OutOfBudget, Plane
 from floquetrod.plane.polygons import contains, with_holes_joined
 from floquetrod.plane.refining import outlined, refined
 

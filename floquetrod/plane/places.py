@@ -29,11 +29,6 @@ class Plane:
         self.vertex = family.vertex
         self.judged = 0
 
-    def shares(self, places: Floats) -> Floats:
-        """Return places (n, 2) in units of the axes as shares of them."""
-        result: Floats = (places - self.low) / (self.high - self.low)
-        return result
-
     def places(self, shares: Floats) -> Floats:
         """Return shares of the axes (n, 2) as places in their units."""
         result: Floats = np.clip(self.low + shares * (self.high - self.low), self.low, self.high)
