@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.content import ByContent
 from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Bands
 from floquetrod.plane.family import Family, Progress
@@ -14,7 +15,7 @@ from floquetrod.plane.tracing import traced
 
 
 @dataclass(frozen=True, eq=False)
-class FamilyBands:
+class FamilyBands(ByContent):
     """A source of bands, see `floquetrod.plane.BandSource`.
 
     Attributes
