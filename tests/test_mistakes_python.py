@@ -66,7 +66,7 @@ MISTAKES: list[tuple[Call, str, str, str]] = [
     (lambda: fr.stability(0.5, -0.25), "equation", "0.5", "HillSystem"),  # type: ignore[call-overload]
     (lambda: fr.stability(LOAD), "equation", "AxialLoad", "Mathieu"),  # type: ignore[call-overload]
     (lambda: fr.stability(EQUATION, "monodrmy"), "method", "'monodrmy'", "did you mean monodromy?"),
-    (lambda: fr.stability(EQUATION, "monodromy", tol=1e-9), "stability()", "'tol'", "did you mean rtol?"),
+    (lambda: fr.stability(EQUATION, "monodromy", tol=1e-9), "stability()", "'tol'", "unexpected keyword"),
     (lambda: fr.stability(EQUATION, rtol=1e-9), "method", "rtol", "name a method"),
     (lambda: fr.Mathieu(a=1.2, q=0.9), "Mathieu()", "'a'", "Mathieu.from_aq(a, q)"),
     (lambda: fr.Mathieu(alpha=0.5, betta=0.9), "Mathieu()", "'betta'", "did you mean beta?"),

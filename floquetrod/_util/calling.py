@@ -11,36 +11,33 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from floquetrod._util.suggest import did_you_mean
 
-T = TypeVar("T", bound=Callable[..., Any])
+T = TypeVar("T")
 
 _UNKNOWN = re.compile(r"(.+ got an unexpected keyword argument '(\w+)')")
 
 
-def tells_arguments(**instead: str) -> Callable[[T], T]:
-    """Return a decorator of functions and dataclasses whose TypeErrors about how they are called name the remedy.
+def constructor_hints(**instead: str) -> Callable[[type[T]], type[T]]:
+    """Return a decorator of dataclasses whose TypeErrors about how they are constructed name the remedy.
 
     The remedy is the argument nearest to one that is not known, or all arguments.  ``instead`` has remedies of its own
     for names that are often given.
     """
 
-    def decorate(target: T) -> T:
-        function: Callable[..., Any] = vars(target)["__init__"] if isinstance(target, type) else target
+    def decorate(target: type[T]) -> type[T]:
+        construct: Callable[..., None] = vars(target)["__init__"]
 
-        @functools.wraps(function)
-        def called(*given: Any, **named: Any) -> Any:
+        @functools.wraps(construct)
+        def called(self: T, *given: Any, **named: Any) -> None:
             try:
-                return function(*given, **named)
+                construct(self, *given, **named)
             except TypeError as error:
                 # One entry: raised by the call itself, before anything inside ran.
                 if error.__traceback__ is None or error.__traceback__.tb_next is not None:
                     raise
-                message = str(error)
-                if isinstance(target, type):  # named after the class that was called, which may be derived
-                    message = message.replace(f"{function.__qualname__}()", f"{type(given[0]).__name__}()")
-                raise TypeError(_with_remedy(message, function, instead)) from None
+                # Named after the class that was called, which may be derived.
+                message = str(error).replace(f"{construct.__qualname__}()", f"{type(self).__name__}()")
+                raise TypeError(_with_remedy(message, construct, instead)) from None
 
-        if not isinstance(target, type):
-            return called  # type: ignore[return-value]
         setattr(target, "__init__", called)  # noqa: B010  (an assignment, which mypy takes for unsound)
         return target
 

@@ -14,14 +14,14 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
-from floquetrod._util.calling import tells_arguments
+from floquetrod._util.calling import constructor_hints
 from floquetrod.equations.base import Equation, Piece, damping_rate, set_field, times
 
 _EPS = 2.220446049250313e-16
 _MOST_ERROR = 1e-12  # of the series of a function, over its size (a choice)
 
 
-@tells_arguments(frequency="period is 2 pi / frequency")
+@constructor_hints(frequency="period is 2 pi / frequency")
 @dataclass(frozen=True)
 class Hill(Equation):
     """Hill's equation A'' + 2 c A' = p(tau) A for a finite Fourier series p.

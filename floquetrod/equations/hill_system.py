@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import norms
 from floquetrod._util.caching import cached_property
-from floquetrod._util.calling import tells_arguments
+from floquetrod._util.calling import constructor_hints
 from floquetrod.equations import matrices, sampling
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import Matrix, Structure
@@ -47,7 +47,7 @@ class EvenForm(NamedTuple):
     uncertainty: NDArray[np.float64]
 
 
-@tells_arguments(frequency="period is 2 pi / frequency")
+@constructor_hints(frequency="period is 2 pi / frequency")
 @dataclass(frozen=True, eq=False, repr=False)
 class HillSystem(matrices.PeriodicMatrixSystem):
     """The system M q'' + (C + G) q' + K(t) q = 0 of n equations, K(t) periodic: a finite Fourier series, or in pieces.

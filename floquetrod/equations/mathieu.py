@@ -10,12 +10,12 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
-from floquetrod._util.calling import tells_arguments
+from floquetrod._util.calling import constructor_hints
 from floquetrod.equations.base import Alternating, Piece, damping_rate, set_field, times
 from floquetrod.equations.hill import Hill
 
 
-@tells_arguments(a="Mathieu.from_aq(a, q) accepts them", q="Mathieu.from_aq(a, q) takes them")
+@constructor_hints(a="Mathieu.from_aq(a, q) accepts them", q="Mathieu.from_aq(a, q) takes them")
 @dataclass(frozen=True)
 class Mathieu(Alternating):
     """Mathieu's equation A'' + 2 c A' = (beta + alpha sin tau) A, of period 2 pi.
@@ -77,7 +77,7 @@ class Mathieu(Alternating):
         return Hill(self.beta, sines=(self.alpha,), damping=self.damping)
 
 
-@tells_arguments()
+@constructor_hints()
 @dataclass(frozen=True)
 class FrictionalMathieu:
     """Mathieu's equation with dry friction, A'' + 2 c A' = (beta + alpha sin tau) A - gamma sign(A').

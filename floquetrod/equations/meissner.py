@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util.arrays import shaped
-from floquetrod._util.calling import tells_arguments
+from floquetrod._util.calling import constructor_hints
 from floquetrod.equations.base import Alternating, Piece, times
 
 
-@tells_arguments()
+@constructor_hints()
 @dataclass(frozen=True)
 class Meissner(Alternating):
     """Meissner's equation A'' + 2 c A' = (beta + alpha sign(sin tau)) A, of period 2 pi.

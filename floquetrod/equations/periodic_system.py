@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
-from floquetrod._util.calling import tells_arguments
+from floquetrod._util.calling import constructor_hints
 from floquetrod.equations import matrices, sampling
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.matrices import Matrix, Structure
 
 
-@tells_arguments(frequency="period is 2 pi / frequency")
+@constructor_hints(frequency="period is 2 pi / frequency")
 @dataclass(frozen=True, eq=False, repr=False)
 class PeriodicSystem(matrices.PeriodicMatrixSystem):
     """The system x' = A(t) x of N equations with A(t) = mean + sum_k cosines[k-1] cos k w t + sines[k-1] sin k w t.

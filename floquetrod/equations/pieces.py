@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.calling import tells_arguments
+from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod.equations import matrices
 from floquetrod.equations.matrices import Matrix
@@ -26,7 +26,7 @@ Pieces = tuple[tuple[Any, "Varying"], ...]
 """What a system with jumps is made of: durations, each a double, a Fraction or an array of a batch, and matrices."""
 
 
-@tells_arguments()
+@constructor_hints()
 @dataclass(frozen=True, eq=False, repr=False)
 class Varying(ByContent):
     """A matrix that varies over a piece of the period, for ``from_pieces`` of `HillSystem` and `PeriodicSystem`.

@@ -10,7 +10,7 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import broadcast, shaped
-from floquetrod._util.calling import tells_arguments
+from floquetrod._util.calling import constructor_hints
 from floquetrod._util.compilation import over_chunks
 from floquetrod.floquet.kernels.leapfrog import leapfrog_map_fill
 from floquetrod.floquet.kernels.taylor import mathieu_map_fill
@@ -19,7 +19,7 @@ from floquetrod.mathieu.kernels.powers import displacement_fill
 _CHUNK = 256  # points a thread takes at a time: each costs microseconds, by leapfrog a tenth of a millisecond
 
 
-@tells_arguments()
+@constructor_hints()
 @dataclass(frozen=True)
 class FiniteTimeCriterion:
     """Stable when abs(A(end)) / A'(0) stays below a limit after a number of periods, from A(0) = 0.

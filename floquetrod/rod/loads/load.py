@@ -15,7 +15,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import Mention
 from floquetrod._util.arrays import broadcast
-from floquetrod._util.calling import TellsAttributes, tells_arguments
+from floquetrod._util.calling import TellsAttributes, constructor_hints
 
 Quantity: TypeAlias = Literal["mean", "amplitude", "frequency"]
 """A quantity of `AxialLoad`."""
@@ -244,7 +244,7 @@ class Load(TellsAttributes, ABC):
         )
 
 
-@tells_arguments()
+@constructor_hints()
 @dataclass(frozen=True, repr=False)
 class AxialLoad(Load):
     """Force F(t) = mean + amplitude sin(frequency t) that pushes both ends of the rod inwards, alike along the rod.
@@ -323,7 +323,7 @@ FAR_ENDS = ("held", "free", "driven")
 """What the lower end may be under an axial wave."""
 
 
-@tells_arguments()
+@constructor_hints()
 @dataclass(frozen=True, repr=False)
 class AxialWave(Load):
     """Force that a vibration at the upper end, s = 0, sends along the rod as axial waves of its speed c_0.

@@ -15,7 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.arguments import located
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
-from floquetrod._util.calling import tells_arguments
+from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod.rod.loads.load import LIMITS, AxialLoad, LoadSource, load_number
 from floquetrod.rod.loads.record_file import column_argument, delimiter_argument, read_columns
@@ -27,7 +27,7 @@ _FEWEST = 12  # samples
 _MOST_HARMONICS = 1000  # largest value of ``harmonics`` (a choice)
 
 
-@tells_arguments()
+@constructor_hints()
 @dataclass(frozen=True, eq=False, init=False, repr=False)
 class ForceRecord(LoadSource, ByContent):
     """Force measured over time, with noise and over any number of periods, fitted by a mean and a Fourier series.

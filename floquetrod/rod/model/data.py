@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
-from floquetrod._util.calling import TellsAttributes, tells_arguments
+from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod.rod.loads.axial import AxialResponse, axial_response
 from floquetrod.rod.loads.load import AnyLoad, Load, require_load
 from floquetrod.rod.model import formulas
@@ -60,7 +60,7 @@ _PLAIN: dict[str, float | str] = {
 """Values of a solid rod in a horizontal channel without fluids."""
 
 
-@tells_arguments(**MEANT)
+@constructor_hints(**MEANT)
 @dataclass(frozen=True, init=False, repr=False)
 class RodData(TellsAttributes):
     """Data sheet of a straight elastic rod or tube on the floor of a straight circular channel.
