@@ -18,9 +18,9 @@ from matplotlib.backend_bases import ResizeEvent
 
 import floquetrod as fr
 from floquetrod import cli, units
-from floquetrod.explorer import commands, judging, limits, maps, modes
+from floquetrod.explorer import commands, limits, maps, modes, portions
 from floquetrod.explorer.background import Background, Parts, Stale
-from floquetrod.explorer.shown import Shown
+from floquetrod.explorer.view import View
 from floquetrod.explorer.words import margin_words
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.plotting import explorer_panels as panels
@@ -62,7 +62,7 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(maps, "_MAP", (8, 8))
     monkeypatch.setattr(maps, "_COARSENINGS", (4, 1))
     monkeypatch.setattr(modes, "_LINE", (3, 5))
-    monkeypatch.setattr("floquetrod.rod.answers.verdict.QUICK", 0)
+    monkeypatch.setattr("floquetrod.rod.answers.verdict.FEW_MODES", 0)
 
 
 def pixels(explorer: fr.Explorer) -> np.ndarray:
@@ -72,7 +72,7 @@ def pixels(explorer: fr.Explorer) -> np.ndarray:
 def test_what_is_shown_at_once_and_in_time_is_the_verdict(explorer: fr.Explorer) -> None:
     sliders = explorer.window.sliders
     ends = limits.Scale.of(ROD).limits(explorer.load)
-    shown = Shown(ROD, explorer.load, ends)
+    shown = View(ROD, explorer.load, ends)
     for mean, amplitude, omega in ((0.34, 0.2, 150.0), (0.8, 0.6, 60.0)):
         for name, value in (("mean", mean * UNIT), ("amplitude", amplitude * UNIT), ("frequency", omega)):
             sliders[name].set_val(value)
@@ -230,9 +230,9 @@ def test_loads_that_cannot_be_judged_are_shown_so() -> None:
     # A quarter wave of the rod: without damping the axial wave is infinite.
     resonant = 0.5 * math.pi * ROD.wave_speed / ROD.length
     load = fr.AxialWave(0.2, 0.1, resonant)
-    shown = Shown(ROD, load, limits.Scale.of(ROD).limits(load))
+    shown = View(ROD, load, limits.Scale.of(ROD).limits(load))
     assert next(shown.in_time(load, lambda: False))["verdict"].startswith("no verdict: frequency")
-    status, growth = judging.judged(shown.model, Loads.single(load))
+    status, growth = portions.statuses_and_rates(shown.model, Loads.single(load))
     assert (status.tolist(), np.isnan(growth).tolist()) == ([-1], [True])
 
 

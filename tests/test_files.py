@@ -21,7 +21,7 @@ import floquetrod as fr
 from damages import damaged, sealed, shuffled
 from floquetrod import cli
 from floquetrod._util import files
-from floquetrod._util.files import whole_file, writable
+from floquetrod._util.files import atomic_file, writable
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -29,7 +29,7 @@ LOAD = fr.AxialLoad(0.2 * FCR, 0.2 * FCR, 150.0)
 
 
 def write(path: Path, content: bytes) -> None:
-    with whole_file(path) as file:
+    with atomic_file(path) as file:
         file.write(content)
 
 
@@ -103,7 +103,7 @@ def test_permissions_and_links_are_kept(tmp_path: Path, writer: tuple[str, Calla
 def test_nobody_reads_in_the_part_what_they_may_not_read_in_the_file(tmp_path: Path) -> None:
     path = tmp_path / "secret"
     path.touch(0o600)
-    with whole_file(path) as file:
+    with atomic_file(path) as file:
         assert stat.S_IMODE(os.fstat(file.fileno()).st_mode) == 0o600
 
 
@@ -146,7 +146,7 @@ def test_parts_of_the_dead_are_removed_and_those_of_the_living_are_not(tmp_path:
     foreign = tmp_path / ".floquetrod-notes.part"
     dead.write_bytes(b"half")
     foreign.write_bytes(b"somebody else's")
-    with whole_file(tmp_path / "one") as one:
+    with atomic_file(tmp_path / "one") as one:
         one.write(b"1")
         assert not dead.exists()
         (living,) = set(left_over(tmp_path)) - {foreign}

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 import floquetrod as fr
 from floquetrod.explorer import maps, modes
-from floquetrod.explorer.shown import Shown
+from floquetrod.explorer.view import Shown
 from floquetrod.plotting.explorer_panels import UNKNOWN
 from floquetrod.rod.loads.load import AnyLoad, Load, Loads, kind
-from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.modes.coupled import CoupledModel
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
 
@@ -29,7 +29,7 @@ PACKAGE = Path(fr.__file__).parent
 
 
 @dataclass(frozen=True)
-class TwoModes(ModeSystems):
+class TwoModes(CoupledEquations):
     """Modes 1 and 2 of a rod with hinged ends, and a spring between their amplitudes."""
 
     rod: fr.Rod

@@ -25,8 +25,8 @@ def broadcast(**arrays: NDArray[Any]) -> tuple[tuple[int, ...], tuple[NDArray[An
         listed = ", ".join(str(array.shape) for array in arrays.values())
         raise ValueError(f"{', '.join(some)} and {last} must broadcast to one shape, got shapes {listed}") from None
     validate.elements(", ".join(arrays), math.prod(shape))
-    whole = (array if array.shape == shape else np.broadcast_to(array, shape) for array in arrays.values())
-    return shape, tuple(array.ravel() for array in whole)
+    everywhere = (array if array.shape == shape else np.broadcast_to(array, shape) for array in arrays.values())
+    return shape, tuple(array.ravel() for array in everywhere)
 
 
 def norms(matrices: NDArray[Any]) -> NDArray[np.float64]:

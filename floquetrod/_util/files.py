@@ -54,7 +54,7 @@ def writable(path: str | Path) -> Path:
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[IO[bytes]]:
+def atomic_file(path: Path) -> Iterator[IO[bytes]]:
     """Open a file for writing that takes the place of ``path`` once it is complete and on the disk.
 
     Until then the old one stays.  Symbolic links are followed; an older file's permissions are kept.
@@ -178,7 +178,7 @@ def write_npz(path: str | Path, meta: Mapping[str, Any], arrays: Mapping[str, ND
     if size > _LARGEST:
         raise ValueError(f"{path} would hold {size:,} bytes, at most {_LARGEST:,} are written and read; save less")
     method = zipfile.ZIP_DEFLATED if compress else zipfile.ZIP_STORED
-    with whole_file(path) as file:
+    with atomic_file(path) as file:
         with zipfile.ZipFile(file, "w") as archive:
             archive.comment = bytes(_SEALED)  # room for the checksum
             for name, array in content.items():

@@ -30,8 +30,8 @@ from floquetrod.cli.loads import (
     require_quantities,
     warn_of_hertz,
 )
+from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import whole_number
-from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.floquet.proof.result import MAX_BOXES
@@ -109,7 +109,7 @@ _OF_A_ROD = (
 """Options that say nothing about a system."""
 
 
-def _certify(options: argparse.Namespace) -> Answer:
+def _certify(options: argparse.Namespace) -> Output:
     if options.system is not None:
         usual = {"growth_tolerance": f"{HAIRLINE_GROWTH:g}", "max_boxes": MAX_BOXES}
         given = [name for name in _OF_A_ROD if getattr(options, name) not in (None, [], False, usual.get(name))]
@@ -150,10 +150,10 @@ def _certify(options: argparse.Namespace) -> Answer:
 
 def _answer(
     options: argparse.Namespace, found: RegionProof | SafeBox, proof: RegionProof, shown: dict[str, Unit]
-) -> Answer:
+) -> Output:
     """Return the answer, and an exit status where that is asked for."""
     status = _STATUS[proof.status] if options.exit_code else 0
-    return answer(options, lambda: found.report(names(shown)), found.as_dict, status)
+    return output(options, lambda: found.report(names(shown)), found.as_dict, status)
 
 
 _VARY = "a parameter of the rod and its range, such as length=3.05:3.15, length=1% or length=±5mm"

@@ -32,7 +32,7 @@ from floquetrod.cli.loads import (
     require_quantities,
     warn_of_hertz,
 )
-from floquetrod.cli.report import Answer, answer, names
+from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
@@ -139,12 +139,12 @@ def add(check: argparse.ArgumentParser) -> None:
     check.add_argument("--method", help=f"of a system: {names} (default: the first that decides)")
 
 
-def _check(options: argparse.Namespace) -> Answer:
+def _check(options: argparse.Namespace) -> Output:
     if options.system is not None:
         from floquetrod.cli import system
 
         system.require_alone(options, [name for name in _OF_A_ROD if getattr(options, name) is not None])
-        about_system, verdict = system.judge(options)
+        about_system, verdict = system.classify(options)
         return about_system._replace(status=_STATUS[verdict] if options.exit_code else 0)
     if options.method is not None:
         raise ValueError(
@@ -167,7 +167,7 @@ def _check(options: argparse.Namespace) -> Answer:
     )
     _require_figures({"--plot": options.plot, "--plot-force": options.plot_force})
     _draw_record(record, options.plot_force)
-    result = _judged(question)
+    result = _verdict(question)
     known = STATUS_CODES[result.linear.status] if question.modes is None else None  # a hint is about all modes
     warn_of_hertz("--frequency", options.frequency, rod, [question.load], question.tolerance, known)
     if options.plot is not None:
@@ -182,7 +182,7 @@ def _check(options: argparse.Namespace) -> Answer:
         said.lines.append(("written", ", ".join(written)))
         said.numbers["written"] = written
     status = _STATUS[result.status] if options.exit_code else 0
-    return answer(options, lambda: said.report(question.shown), said.record, status)
+    return output(options, lambda: said.report(question.shown), said.record, status)
 
 
 class _Said(NamedTuple):
@@ -210,27 +210,27 @@ _NOT_SEARCHED = "not searched, because this takes hundreds of verdicts; add --ma
 class _Question(NamedTuple):
     rod: fr.Rod
     force: fr.ForceRecord | None
-    is_whole: bool  # whether the record says all about the load
+    record_alone: bool  # whether the record says all about the load
     load: Load
     modes: list[int] | None
     tolerance: float
-    rubbing: tuple[float, float] | None
+    mu_and_kick: tuple[float, float] | None
     shown: dict[str, Unit]
     margins: bool | None
 
 
-def _judged(asked: _Question) -> RodStability | fr.FrictionalRodStability:
+def _verdict(asked: _Question) -> RodStability | fr.FrictionalRodStability:
     """Return the verdict on a rod, with friction where that was asked for."""
-    if asked.rubbing is not None:
-        mu, speed = asked.rubbing
+    if asked.mu_and_kick is not None:
+        mu, speed = asked.mu_and_kick
         with Waiting("deciding stability"):
             return asked.rod.stability(
                 asked.load, modes=asked.modes, growth_tolerance=asked.tolerance, friction=mu, kick=speed
             )
     # A record as it is, so that its noise counts; its fit where options say more about the load.
-    judged = asked.force if asked.force is not None and asked.is_whole else asked.load
+    force = asked.force if asked.force is not None and asked.record_alone else asked.load
     with Waiting("deciding stability", "verdicts") as progress:
-        return asked.rod.stability(judged, modes=asked.modes, growth_tolerance=asked.tolerance, progress=progress)
+        return asked.rod.stability(force, modes=asked.modes, growth_tolerance=asked.tolerance, progress=progress)
 
 
 def _margins(asked: _Question, result: RodStability | fr.FrictionalRodStability) -> dict[Quantity, Margin] | None:
@@ -246,17 +246,17 @@ def _margins(asked: _Question, result: RodStability | fr.FrictionalRodStability)
 
 def _sine_beside(asked: _Question) -> tuple[list[tuple[str, str]], dict[str, Any]]:
     """Return what a measured force adds: its fit, and the verdict on a sine of the same amplitude."""
-    if asked.force is None or asked.rubbing is not None:
+    if asked.force is None or asked.mu_and_kick is not None:
         return [], {}
     with Waiting("comparing with a sine"):
         sine = _sine(asked)
-    left_out = "" if asked.is_whole else "; the error leaves out its noise, because options change the load"
+    left_out = "" if asked.record_alone else "; the error leaves out its noise, because options change the load"
     lines = [
         ("sine", f"of the same mean, amplitude and frequency: {sine.status}{_growing(sine)}"),
         ("record", f"{repr(asked.force)[1:-1]}{left_out}"),
     ]
     numbers = {
-        "force_record": asked.force.as_dict() | {"noise_in_error": asked.is_whole},
+        "force_record": asked.force.as_dict() | {"noise_in_error": asked.record_alone},
         "sine_of_the_same_amplitude": {"status": sine.status, "growth_rate_per_s": sine.growth_rate},
     }
     return lines, numbers

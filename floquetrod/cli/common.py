@@ -39,7 +39,7 @@ ROD_OPTIONS = ("rod", "length", "bore", "inclination", "damping_rate")
 """Options of `add_rod` that describe the rod."""
 
 
-def add_rod(command: argparse.ArgumentParser, subject: Any = None, *, judged: bool = True) -> None:
+def add_rod(command: argparse.ArgumentParser, subject: Any = None, *, classified: bool = True) -> None:
     """Add the options that describe a rod and, where it is to be classified, which growth matters.
 
     ``subject`` is the group of options one of which is required, where --rod is one of several.
@@ -62,7 +62,7 @@ def add_rod(command: argparse.ArgumentParser, subject: Any = None, *, judged: bo
     command.add_argument(
         "--damping-rate", metavar="RATE", help="decay rate of free motion in 1/s (replaces that of the rod)"
     )
-    if judged:
+    if classified:
         command.add_argument(
             "--growth-tolerance",
             metavar="RATE",

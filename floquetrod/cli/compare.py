@@ -6,8 +6,8 @@ import argparse
 
 import floquetrod as fr
 from floquetrod.cli.common import describe_command
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import real_number
-from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.waiting import Waiting
 
 _HELP = """\
@@ -28,9 +28,9 @@ def add(compare: argparse.ArgumentParser) -> None:
     compare.add_argument("--waveform", choices=("sine", "square"), default="sine", help="shape of the coefficient")
 
 
-def _compare(options: argparse.Namespace) -> Answer:
+def _compare(options: argparse.Namespace) -> Output:
     kind = fr.Meissner if options.waveform == "square" else fr.Mathieu
     equation = kind(options.alpha, options.beta, options.damping)
     with Waiting("asking every method"):
         comparison = fr.compare(equation)
-    return answer(options, comparison.report, comparison.as_dict)
+    return output(options, comparison.report, comparison.as_dict)

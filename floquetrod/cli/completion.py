@@ -36,12 +36,12 @@ _floquetrod_rods() {
 """What --rod takes: nitinol, TOML files, and folders in which they may be."""
 
 
-def add_completion(parser: argparse.ArgumentParser, whole: Callable[[], argparse.ArgumentParser]) -> None:
-    """Add the option that prints the script for a shell; ``whole`` returns the parser with all options of commands."""
+def add_completion(parser: argparse.ArgumentParser, every_command: Callable[[], argparse.ArgumentParser]) -> None:
+    """Add the option that prints the script for a shell; ``every_command`` returns that with all of them."""
     parser.add_argument(
         "--print-completion",
         action=_Print,
-        whole=whole,
+        every_command=every_command,
         choices=SHELLS,
         help="print a script that lets the shell complete commands, options and files; needs floquetrod[completion]",
     )
@@ -50,9 +50,9 @@ def add_completion(parser: argparse.ArgumentParser, whole: Callable[[], argparse
 class _Print(argparse.Action):
     """Print the script for a shell and exit."""
 
-    def __init__(self, *, whole: Callable[[], argparse.ArgumentParser], **rest: Any) -> None:
+    def __init__(self, *, every_command: Callable[[], argparse.ArgumentParser], **rest: Any) -> None:
         super().__init__(**rest)
-        self.whole = whole
+        self.every_command = every_command
 
     def __call__(self, parser: argparse.ArgumentParser, _: Any, shell: Any, __: Any = None) -> None:
         try:
@@ -61,7 +61,7 @@ class _Print(argparse.Action):
             raise ValueError(
                 f"--print-completion {shell} needs shtab: install it with pip install 'floquetrod[completion]'"
             ) from None
-        parser = self.whole()
+        parser = self.every_command()
         for action in _actions(parser):
             if action.dest == "rod":
                 action.complete = _RODS  # type: ignore[attr-defined]

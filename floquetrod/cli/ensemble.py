@@ -18,8 +18,8 @@ from typing import Any
 import floquetrod as fr
 from floquetrod._util.tables import require_file
 from floquetrod.cli.common import describe_command, warnings_at_once
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.parser import ratio, whole_number
-from floquetrod.cli.report import Answer, answer
 from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.ensembles.overview import Overview, Row
 
@@ -83,7 +83,7 @@ def add(command: argparse.ArgumentParser) -> None:
     )
 
 
-def _ensemble(options: argparse.Namespace) -> Answer:
+def _ensemble(options: argparse.Namespace) -> Output:
     if not 0.0 < options.confidence < 1.0:
         raise ValueError(f"--confidence must lie between 0 and 1, got {options.confidence:g}")
     part, store = _part(options), options.store
@@ -98,7 +98,7 @@ def _ensemble(options: argparse.Namespace) -> Answer:
         except (ImportError, RuntimeError) as error:
             raise ValueError(str(error)) from None
         except KeyboardInterrupt:  # before the first run, or while results were read
-            return Answer(f"INTERRUPTED before a run was done\n{_onwards(options)}", 130)
+            return Output(f"INTERRUPTED before a run was done\n{_onwards(options)}", 130)
     summary = Overview.of(found, options.confidence)
     complete = summary.pending == 0 or progress.is_complete or not stopped
     record = {
@@ -119,7 +119,7 @@ def _ensemble(options: argparse.Namespace) -> Answer:
         "seconds": time.monotonic() - started,
     }
     said = "\n".join(_report(summary, record, study, options))
-    return answer(options, lambda: said, lambda: record, 0 if complete else 130)
+    return output(options, lambda: said, lambda: record, 0 if complete else 130)
 
 
 def _part(options: argparse.Namespace) -> tuple[int, int] | None:

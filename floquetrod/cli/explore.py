@@ -24,7 +24,7 @@ from floquetrod.cli.loads import (
     read_record,
     warn_of_hertz,
 )
-from floquetrod.cli.report import Answer, answer
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.waiting import say
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
@@ -58,7 +58,7 @@ _LAST_PORT = 65_535
 def add(explore: argparse.ArgumentParser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(explore, _HELP, _explore)
-    add_rod(explore, judged=False)
+    add_rod(explore, classified=False)
     add_units(explore)
     for name in KINDS:
         explore.add_argument(f"--{name}", help=f"{name} to begin with; give all three or none, or --force")
@@ -69,7 +69,7 @@ def add(explore: argparse.ArgumentParser) -> None:
     explore.add_argument("--open", action="store_true", help="open the page in the browser (needs --web)")
 
 
-def _explore(options: argparse.Namespace) -> Answer:
+def _explore(options: argparse.Namespace) -> Output:
     _require_web(options)
     rod = read_rod(options)
     load, is_given = _given_load(options, rod)
@@ -106,7 +106,7 @@ def _explore(options: argparse.Namespace) -> Answer:
     }
     where = f"written: {options.out}\n" if options.out is not None else ""
     said = f"{where}{describe_load(load, shown, rod)}\n{rod.stability(load)}\n{explorer.command}"
-    return answer(options, lambda: said, lambda: record)
+    return output(options, lambda: said, lambda: record)
 
 
 def _given_load(options: argparse.Namespace, rod: fr.Rod) -> tuple[Load, bool]:

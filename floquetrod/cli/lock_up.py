@@ -7,7 +7,7 @@ import argparse
 import floquetrod as fr
 from floquetrod import units
 from floquetrod.cli.common import add_coefficient, add_rod, describe_command, read_rod
-from floquetrod.cli.report import Answer, answer
+from floquetrod.cli.output import Output, output
 
 _HELP = """\
 Say how far a string of this section, of any length, can be pushed down the channel before it locks up.
@@ -24,20 +24,20 @@ end moves the lower one.  With --push also how long a string that force can push
 def add(command: argparse.ArgumentParser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _lock_up)
-    add_rod(command, judged=False)
+    add_rod(command, classified=False)
     add_coefficient(command, "required")
     command.add_argument("--far-force", metavar="FORCE", help="mean force at the lower end (default: 0)")
     command.add_argument("--push", metavar="FORCE", help="force at the upper end, such as 20kN")
 
 
-def _lock_up(options: argparse.Namespace) -> Answer:
+def _lock_up(options: argparse.Namespace) -> Output:
     if options.friction is None:
         raise ValueError("--friction is required: without friction nothing locks up; add it, such as --friction 0.3")
     rod = read_rod(options)
     far = _force(options.far_force or "0", "--far-force", rod)
     push = None if options.push is None else _force(options.push, "--push", rod)
     found = rod.lock_up(options.friction, far)
-    return answer(options, lambda: found.report(push), lambda: found.as_dict(push))
+    return output(options, lambda: found.report(push), lambda: found.as_dict(push))
 
 
 def _force(text: str, name: str, rod: fr.Rod) -> float:

@@ -25,7 +25,7 @@ from floquetrod.cli.loads import (
     require_quantities,
     warn_of_hertz,
 )
-from floquetrod.cli.report import Answer, answer
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.waiting import Waiting
 from floquetrod.rod.model.constants import HAIRLINE_GROWTH
 
@@ -61,7 +61,7 @@ def add(ranges: argparse.ArgumentParser) -> None:
     add_load(ranges, ranges=True)
 
 
-def _ranges(options: argparse.Namespace) -> Answer:
+def _ranges(options: argparse.Namespace) -> Output:
     require_quantities(options)
     rod = read_rod(options)
     tolerance = read_tolerance(options)
@@ -86,4 +86,4 @@ def _ranges(options: argparse.Namespace) -> Answer:
         found = searches[varied[0]](**fixed, bounds=bounds, growth_tolerance=tolerance, like=like, progress=progress)
     with Waiting("finding the fastest growth and the damping required", "unstable parts") as progress:
         found.find_unstable(progress)
-    return answer(options, lambda: found.report(*shown[varied[0]]), found.as_dict)
+    return output(options, lambda: found.report(*shown[varied[0]]), found.as_dict)

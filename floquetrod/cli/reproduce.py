@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from floquetrod.cli.common import describe_command
-from floquetrod.cli.report import Answer, answer
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.waiting import say
 
 _HELP = """\
@@ -36,7 +36,7 @@ def add(reproduce: argparse.ArgumentParser) -> None:
     )
 
 
-def _reproduce(options: argparse.Namespace) -> Answer:
+def _reproduce(options: argparse.Namespace) -> Output:
     from floquetrod.studies.report import verdict
     from floquetrod.studies.reproduction import FULL, QUICK, reproduce
 
@@ -48,7 +48,7 @@ def _reproduce(options: argparse.Namespace) -> Answer:
     written = [str(path) for path in result.written]
     record = {"written": written, "claims": {claim.id: verdict(claim) for claim in result.claims}}
     lines = [f"{claim.id:<7} {verdict(claim):<8} {claim.computed}" for claim in result.claims]
-    return answer(options, lambda: "\n".join([*lines, "", f"written: {', '.join(written)}"]), lambda: record, status)
+    return output(options, lambda: "\n".join([*lines, "", f"written: {', '.join(written)}"]), lambda: record, status)
 
 
 def _progress() -> Any:

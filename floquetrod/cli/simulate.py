@@ -32,8 +32,8 @@ from floquetrod.cli.loads import (
     warn_of_hertz,
 )
 from floquetrod.cli.messages import option
+from floquetrod.cli.output import Output, names, output
 from floquetrod.cli.parser import whole_number
-from floquetrod.cli.report import Answer, answer, names
 from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.rod.loads.load import Load
 from floquetrod.simulation.starts import read_perturbation
@@ -77,7 +77,7 @@ _LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a 
 def add(command: argparse.ArgumentParser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _simulate)
-    add_rod(command, judged=False)
+    add_rod(command, classified=False)
     add_units(command)
     add_load(command)
     add_kind(command)
@@ -123,7 +123,7 @@ def add(command: argparse.ArgumentParser) -> None:
     )
 
 
-def _simulate(options: argparse.Namespace) -> Answer:
+def _simulate(options: argparse.Namespace) -> Output:
     require_quantities(options)
     rod = read_rod(options)
     force = read_record(options, rod)
@@ -152,8 +152,8 @@ def _simulate(options: argparse.Namespace) -> Answer:
         with warnings_at_once(), Waiting("simulating", "steps") as progress:
             run = problem.run(_Forewarning(progress), options.checkpoint)
     except fr.SimulationDiverged as error:
-        kept, missed = _write_all(error.simulation, [path for path in options.out if path.suffix == ".npz"])
-        where = f", in {kept[0]}" if kept else ""
+        saved, missed = _write_all(error.simulation, [path for path in options.out if path.suffix == ".npz"])
+        where = f", in {saved[0]}" if saved else ""
         raise ValueError("; ".join([f"{error}{where}", *missed])) from None
     written, missed = _write_all(run, options.out)
     with Waiting("comparing with theory"):
@@ -163,7 +163,7 @@ def _simulate(options: argparse.Namespace) -> Answer:
         "not_written": missed,
         "checkpoint": None if options.checkpoint is None else str(options.checkpoint),
     }
-    return answer(
+    return output(
         options,
         lambda: found.report(names(shown)).with_lines(_left(run, written, missed, options)),
         lambda: found.as_dict() | files,

@@ -30,7 +30,7 @@ from floquetrod.cli.loads import (
     require_quantities,
     warn_of_hertz,
 )
-from floquetrod.cli.report import Answer, answer
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.waiting import Waiting
 from floquetrod.rod.loads.load import KINDS, Quantity
 
@@ -92,7 +92,7 @@ def add(chart: argparse.ArgumentParser) -> None:
     )
 
 
-def _map(options: argparse.Namespace) -> Answer:
+def _map(options: argparse.Namespace) -> Output:
     from floquetrod.plotting import charts
 
     require_quantities(options)
@@ -105,7 +105,7 @@ def _map(options: argparse.Namespace) -> Answer:
     columns, rows = _points(options.points)
     like = read_kind(options, read_record(options, rod))
     values = read_values(options, rod, like)
-    tolerance, rubbing = read_tolerance(options), read_friction(options)
+    tolerance, mu_and_kick = read_tolerance(options), read_friction(options)
     shown = read_units(options, rod)
     varied = [name for name, ends in values.items() if len(ends) == 2]
     if len(varied) != 2:
@@ -129,8 +129,8 @@ def _map(options: argparse.Namespace) -> Answer:
             growth=options.growth,
             growth_tolerance=tolerance,
             criterion=criterion,
-            friction=None if rubbing is None else rubbing[0],
-            kick=None if rubbing is None else rubbing[1],
+            friction=None if mu_and_kick is None else mu_and_kick[0],
+            kick=None if mu_and_kick is None else mu_and_kick[1],
             like=like if like.departures else None,
             progress=progress,
         )
@@ -139,7 +139,7 @@ def _map(options: argparse.Namespace) -> Answer:
     if bands:
         with Waiting("finding bands", "steps along boundaries") as progress:
             chart.find_bands(progress=progress)
-    drawn = chart.in_units(**{name: shown[name].name for name in ("kick", *KINDS)[rubbing is None :]})
+    drawn = chart.in_units(**{name: shown[name].name for name in ("kick", *KINDS)[mu_and_kick is None :]})
     for path in paths:
         with Waiting(f"writing {path}"):
             if path.suffix == ".npz":
@@ -162,7 +162,7 @@ def _map(options: argparse.Namespace) -> Answer:
         "tongues_left_out": chart.bands.hairlines if bands else None,
     }
     lines = [drawn.caption, *([drawn.bands.caption] if bands else []), f"written: {', '.join(written)}"]
-    return answer(options, lambda: "\n".join(lines), lambda: record)
+    return output(options, lambda: "\n".join(lines), lambda: record)
 
 
 def _points(text: str) -> tuple[int, int]:

@@ -9,7 +9,7 @@ from typing import cast
 
 import floquetrod as fr
 from floquetrod._util.tables import require_file
-from floquetrod.cli.report import Answer, answer
+from floquetrod.cli.output import Output, output
 from floquetrod.cli.waiting import Waiting
 from floquetrod.equations.system_files import read_system
 from floquetrod.floquet.verdict import Status
@@ -24,21 +24,21 @@ def require_alone(options: argparse.Namespace, given: Sequence[str]) -> None:
         )
 
 
-def judge(options: argparse.Namespace) -> tuple[Answer, Status]:
+def classify(options: argparse.Namespace) -> tuple[Output, Status]:
     """Return what to print about the system of ``options.system``, and the verdict."""
     system = _read(options)
     with Waiting("deciding stability, and what damping it takes"):
         result = fr.stability(system, method=options.method or "auto")
-        said = answer(options, lambda: result.report(damping=True), lambda: result.as_dict(damping=True))
+        said = output(options, lambda: result.report(damping=True), lambda: result.as_dict(damping=True))
     return said, result.status
 
 
-def prove(options: argparse.Namespace) -> tuple[Answer, Status]:
+def prove(options: argparse.Namespace) -> tuple[Output, Status]:
     """Return what to print about the proof of the system of ``options.system``, and what was proved."""
     system = _read(options)
     with Waiting("proving"):
         proof = cast(fr.Proof, fr.certify(system))  # no box
-    return answer(options, proof.report, proof.as_dict), proof.status
+    return output(options, proof.report, proof.as_dict), proof.status
 
 
 def _read(options: argparse.Namespace) -> fr.HillSystem | fr.PeriodicSystem:

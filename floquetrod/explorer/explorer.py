@@ -10,7 +10,7 @@ from floquetrod._util import validate
 from floquetrod.explorer.background import Background, Parts, Stale
 from floquetrod.explorer.commands import command
 from floquetrod.explorer.limits import Scale, step
-from floquetrod.explorer.shown import Shown
+from floquetrod.explorer.view import View
 from floquetrod.explorer.words import margin_words
 from floquetrod.plotting.explorer import Window
 from floquetrod.rod.answers.margins import Margin
@@ -66,7 +66,7 @@ class Explorer:
         scale.require(self.load)
         self._options = options
         limits = _rounded(scale.limits(self.load), self._units)
-        self._shown = Shown(rod, self.load, limits)
+        self._view = View(rod, self.load, limits)
         self._background = Background()
         self._margins: dict[str, Margin] = {}
         steps = {name: step(*(unit.of(end) for end in limits[name])) for name, unit in self._units.items()}
@@ -75,7 +75,7 @@ class Explorer:
             limits,
             self._units,
             steps,
-            self._shown.panels,
+            self._view.panels,
             rod.length,
             first["load"],
             self._moved,
@@ -107,10 +107,10 @@ class Explorer:
 
     def _at_once(self) -> Parts:
         numbers = {name: getattr(self.load, name) for name in self._units}
-        return self._shown.at_once(self.load) | {"load": numbers, "command": self.command}
+        return self._view.at_once(self.load) | {"load": numbers, "command": self.command}
 
     def _in_time(self, stale: Stale) -> Iterator[Parts]:
-        return self._shown.in_time(self.load, stale)
+        return self._view.in_time(self.load, stale)
 
     def _moved(self, name: str, value: float) -> Parts:
         """Return what is shown at once when a quantity, in SI units, has been moved, and start on the rest."""

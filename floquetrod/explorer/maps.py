@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.explorer.background import Parts, Stale
-from floquetrod.explorer.judging import in_portions, judged
+from floquetrod.explorer.portions import in_portions, statuses_and_rates
 from floquetrod.plane import Bands, Chart, Progress
 from floquetrod.plotting.explorer_panels import UNKNOWN, MapView
 from floquetrod.rod.answers.verdict import RodStability
@@ -135,7 +135,7 @@ class GrowingMap:
         def found(places: NDArray[np.int64]) -> None:
             column, row = places.T
             loads = Loads((len(places),), mean[row], np.full(len(places), load.amplitude), frequency[column])
-            self._cells[row, column] = judged(self.model, loads)[0]
+            self._cells[row, column] = statuses_and_rates(self.model, loads)[0]
 
         for side in sides:
             # Neighbours in frequency together: they share the number of modes.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod.explorer.background import Parts, Stale
-from floquetrod.explorer.judging import in_portions, judged
+from floquetrod.explorer.portions import in_portions, statuses_and_rates
 from floquetrod.plotting.explorer_panels import LineView, ModesView, RatesView, ShapeView, straightened
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads
@@ -116,7 +116,7 @@ class LineAndShape:
         yield {"line": LineView(every, self._growth.copy())}
 
         def found(chosen: NDArray[np.int64]) -> None:
-            self._growth[chosen] = judged(self.model, Loads.along(load, "frequency", every[chosen]))[1]
+            self._growth[chosen] = statuses_and_rates(self.model, Loads.along(load, "frequency", every[chosen]))[1]
             self._tried[chosen] = True
 
         for number in numbers:

@@ -135,7 +135,7 @@ def known_bounds(
     limit = over_friction(limit, gamma)
     for part in parts(np.flatnonzero(grows & (gamma > 0.0) & ((alpha != 0.0) | (beta != 0.0))), alpha, beta, damping):
         equations = prepare(alpha[part], beta[part], damping[part], rate[part], workers)
-        search = _Search(equations, limit[part], max_steps, workers)
+        search = _KickSearch(equations, limit[part], max_steps, workers)
         floor[part] = gamma[part] * search.floor
         smallest = search.smallest(samples)
         unknown = np.isinf(smallest) & np.isinf(limit[part])
@@ -143,7 +143,7 @@ def known_bounds(
     return CriticalKickBounds(floor, found)
 
 
-class _Search:
+class _KickSearch:
     """The search for the smallest kick that escapes, for many equations at once; gamma = 1.
 
     Attributes

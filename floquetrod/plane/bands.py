@@ -160,7 +160,7 @@ class Bands(NoTruthValue, ByContent):
             names = ["" if name is None else name for name in (band.mode, band.partner, band.tongue)]
             for x, y in zip(band.x.tolist(), band.y.tolist(), strict=True):
                 table.writerow([number, *names, band.largest_growth, x, y])
-        with files.whole_file(path) as file:
+        with files.atomic_file(path) as file:
             file.write(text.getvalue().encode())
         return path
 

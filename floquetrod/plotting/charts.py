@@ -11,7 +11,7 @@ import numpy as np
 
 from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.files import whole_file
+from floquetrod._util.files import atomic_file
 from floquetrod.plotting import palette
 
 _BELOW = 36.0  # points from the axes to the legend below: ticks, their labels and that of the axis
@@ -182,7 +182,7 @@ def save_figure(drawn: Any, path: str | Path) -> Path:
 
     path = validate.path("path", path)
     figure = getattr(drawn, "figure", drawn)
-    with whole_file(path) as file:
+    with atomic_file(path) as file:
         figure.savefig(file, dpi=150, format=path.suffix[1:] or "png")
     pyplot.close(figure)
     return path

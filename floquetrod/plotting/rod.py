@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._util.files import whole_file
+from floquetrod._util.files import atomic_file
 from floquetrod.plotting import palette
 from floquetrod.plotting.charts import explain, new_axes, typeset
 
@@ -165,7 +165,7 @@ def save_animation(animation: Any, path: Path, progress: Callable[[int, int], No
         drawn = Path(folder) / f"drawn{path.suffix}"
         writer = "pillow" if path.suffix == ".gif" else "ffmpeg"
         animation.save(drawn, writer=writer, dpi=100, progress_callback=progress)
-        with whole_file(path) as file, drawn.open("rb") as source:
+        with atomic_file(path) as file, drawn.open("rb") as source:
             shutil.copyfileobj(source, file)
     pyplot.close(animation._fig)
     return path

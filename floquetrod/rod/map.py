@@ -81,10 +81,10 @@ def stability_map(
         validate.instance("criterion", criterion, FiniteTimeCriterion)
     if like is not None:
         like = require_load("like", like)
-    rubbing = friction_and_kick(friction, kick)
+    mu_and_kick = friction_and_kick(friction, kick)
     workers = validate.workers(workers)
     validate.progress(progress)
-    if rubbing is not None and growth:
+    if mu_and_kick is not None and growth:
         raise validate.wrong_value("growth", "is that of the rod without friction; leave out either growth or friction")
     given: dict[Quantity, Any] = {"mean": mean, "amplitude": amplitude, "frequency": frequency}
     largest = max(limits.largest for limits in LIMITS.values())  # the number of points, too, is among the values
@@ -106,10 +106,10 @@ def stability_map(
     warn_unless_uniform(rod, kind(like).with_numbers(most["mean"], most["amplitude"], most["frequency"]))
     model = rod.modes_under(like)
     if validate.flag("certified", certified):
-        _require_provable(model, tolerance, criterion=criterion, friction=rubbing)
+        _require_provable(model, tolerance, criterion=criterion, friction=mu_and_kick)
     if fixed[0] == "frequency":
         require_off_resonance(model.like, rod.wave_speed, rod.length, value)
-    friction, kick = rubbing or (None, None)
+    friction, kick = mu_and_kick or (None, None)
     plane = LoadPlane(rod, across, up, fixed[0], value, tolerance, criterion, friction, kick, like, workers)
     found = charted(plane, x, y, growth=growth, progress=progress)
     if not certified:

@@ -23,7 +23,7 @@ from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.modes.mode_model import ModeModel
 
 
-class Searched(NamedTuple):
+class RangeQuestion(NamedTuple):
     """What was searched, and the model of the modes that was asked."""
 
     model: ModeModel
@@ -52,7 +52,7 @@ class StabilityIntervals(Reported, NoTruthValue):
         Resonance tongues within the stability intervals in which a mode grows, but nowhere faster than the tolerance.
     resolution : float
         Unstable parts up to this width may have been missed, in ``unit``: 0 where the search is complete.
-    searched : Searched
+    searched : RangeQuestion
         From which `unstable` is computed.
     not_computed : tuple of AxialGap
         Frequencies, each with its low and high end and its ``resonance``, that are neither stable nor unstable here:
@@ -72,7 +72,7 @@ class StabilityIntervals(Reported, NoTruthValue):
     modes: int
     hairlines: int
     resolution: float
-    searched: Searched = field(repr=False, compare=False)
+    searched: RangeQuestion = field(repr=False, compare=False)
     not_computed: tuple[AxialGap, ...] = ()
 
     def __iter__(self) -> Iterator[StabilityInterval]:
@@ -261,7 +261,7 @@ def stable_values(
         found.modes,
         found.hairlines,
         found.resolution,
-        Searched(model, search),
+        RangeQuestion(model, search),
         found.not_computed,
     )
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _L = TypeVar("_L", bound=Load)
 
-Named: TypeAlias = Callable[[str], str]
+ArgumentName: TypeAlias = Callable[[str], str]
 """How messages call an argument: as in a file, or ``--axial-damping`` in a terminal."""
 
 RECORD_OPTIONS = ("time_column", "force_column", "time_unit", "force_unit")
@@ -31,7 +31,7 @@ LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "force", *RECORD_OPTIONS)
 _LARGEST = 1e12  # of an axial damping in 1/s: a typing error lies beyond
 
 
-def read_record(given: Mapping[str, Any], named: Named = str) -> ForceRecord | None:
+def read_record(given: Mapping[str, Any], named: ArgumentName = str) -> ForceRecord | None:
     """Return the measured force in the file ``force``, None without any.
 
     Raises ValueError where it cannot be read, and for what says how to read it without a file.
@@ -69,7 +69,7 @@ _OF_COLUMNS = {"time": "time_column", "force": "force_column", "time_unit": "tim
 """Names of the arguments of `floquetrod.ForceRecord.from_csv`."""
 
 
-def read_kind(given: Mapping[str, Any], record: ForceRecord | None, named: Named = str) -> Load:
+def read_kind(given: Mapping[str, Any], record: ForceRecord | None, named: ArgumentName = str) -> Load:
     """Return a load of the kind that is described, its numbers those of the record."""
     damping, wave = given["axial_damping"], given["wave"]
     if damping is not None and wave is None:
@@ -100,7 +100,7 @@ def _fraction(text: str, name: str) -> float | None:
         ) from None
 
 
-def read_load(given: Mapping[str, Any], rod: Rod, like: _L, named: Named = str) -> _L:
+def read_load(given: Mapping[str, Any], rod: Rod, like: _L, named: ArgumentName = str) -> _L:
     """Return a load of the kind of ``like``, which gives the numbers left out."""
     found = {name: getattr(like, name) for name in KINDS}
     for name in KINDS:
@@ -109,7 +109,7 @@ def read_load(given: Mapping[str, Any], rod: Rod, like: _L, named: Named = str) 
     return like.with_numbers(**found)
 
 
-def read_quantity(value: Any, name: Quantity, rod: Rod, named: Named = str, quoted: str | None = None) -> float:
+def read_quantity(value: Any, name: Quantity, rod: Rod, named: ArgumentName = str, quoted: str | None = None) -> float:
     """Return a quantity of the load in SI units; messages quote ``quoted`` in place of the value."""
     least, largest = LIMITS[name][:2]
     force = rod.critical_force

@@ -286,11 +286,11 @@ def sobol_indices(
         func={name: array.reshape(*array.shape[:-2], 1, points) for name, array in values.items()}, n=points
     )
     spread = stats.sobol_indices(func=values, n=each)
-    reach = float(stats.t.ppf(0.5 + 0.5 * confidence, _REPLICATES - 1)) / _REPLICATES**0.5
+    quantile = float(stats.t.ppf(0.5 + 0.5 * confidence, _REPLICATES - 1)) / _REPLICATES**0.5
 
     def with_interval(value: float, replicates: Floats) -> tuple[float, tuple[float, float]]:
         """Return an index and its confidence interval."""
-        error = reach * float(replicates.std(ddof=1))
+        error = quantile * float(replicates.std(ddof=1))
         return value, (value - error, value + error)
 
     found = {}

@@ -22,7 +22,7 @@ _MARGIN = 4  # frames at both ends to which an interpolated recurrence does not 
 _MOST_PAIRS = 6  # fitted (a choice)
 _LEAST_ROWS = 6  # frames for each pair (a choice)
 _LEAST_SHARE = 0.01  # of the motion that a pair must make up: the cube of a growing mode grows three times as fast
-_WHOLE = 1e-6  # of a frame, up to which a lag counts as whole frames
+_ROUNDING = 1e-6  # of a frame, up to which a lag counts as whole frames
 _SEEN = 0.01  # of the largest amplitude, above which a mode's growth is looked at (a choice)
 _TINY = 1e-300  # keeps 0 / 0 out
 _MOST_NODES = 64  # whose motion is followed where modes are coupled (a choice)
@@ -119,8 +119,8 @@ def growth_of_motion(
         )
     fastest = max(fit.rate for fit in fits.values())
     errors = model_errors(rod, load, mode, wavenumber, segment, indentation, fastest)
-    whole = [fit._replace(model_error=errors.up_to(float(sizes[:count].max()))) for count, fit in fits.items()]
-    return min(whole, key=lambda fit: fit.error)
+    with_errors = [fit._replace(model_error=errors.up_to(float(sizes[:count].max()))) for count, fit in fits.items()]
+    return min(with_errors, key=lambda fit: fit.error)
 
 
 def fit_growth(time: Floats, amplitudes: Floats, period: float, damping_rate: float) -> GrowthFit:
@@ -155,7 +155,7 @@ class _Pair(NamedTuple):
 
 def _fastest_pair(motion: Floats, period: float, pairs: int) -> _Pair | None:
     """Return the fastest of so many pairs in motion (frames, amplitudes) of a period in frames; None for too few."""
-    lag = max(1, math.floor((len(motion) - 1) / period / (2 * pairs + 1) + _WHOLE))
+    lag = max(1, math.floor((len(motion) - 1) / period / (2 * pairs + 1) + _ROUNDING))
     powers = _powers(motion, lag * period, pairs)
     frames = len(powers)
     if frames < _LEAST_ROWS * pairs:
@@ -194,12 +194,12 @@ def _powers(motion: Floats, lag: float, pairs: int) -> Floats:
     """Return Y^k B, k = 0 to ``pairs``, at the frames it reaches, (frames, amplitudes, powers); the lag in frames."""
     from scipy.interpolate import make_interp_spline
 
-    reach, last = pairs * lag, len(motion) - 1
-    whole = abs(lag - round(lag)) < _WHOLE
+    lags, last = pairs * lag, len(motion) - 1
+    is_integer = abs(lag - round(lag)) < _ROUNDING
     # The ends of an interpolating spline are its worst part.
-    margin = 0 if whole else _MARGIN
-    places = np.arange(math.ceil(reach - _WHOLE) + margin, math.floor(last - reach + _WHOLE) - margin + 1)
-    if whole or not places.size:
+    margin = 0 if is_integer else _MARGIN
+    places = np.arange(math.ceil(lags - _ROUNDING) + margin, math.floor(last - lags + _ROUNDING) - margin + 1)
+    if is_integer or not places.size:
         shifted = [motion[places + k * round(lag)] for k in range(-pairs, pairs + 1)]
     else:
         curve = make_interp_spline(np.arange(last + 1), motion, k=7)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
-from floquetrod._util.files import whole_file
+from floquetrod._util.files import atomic_file
 from floquetrod._util.version import __version__
 from floquetrod.floquet.references import STUDY_DOI as DOI
 from floquetrod.floquet.references import STUDY_TITLE as SOURCE
@@ -34,7 +34,7 @@ def write_report(folder: Path, claims: Sequence[Claim], pictures: dict[str, Path
     """
     texts = markdown(claims, pictures), as_json(claims), page(claims, pictures)
     for name, text in zip(FILES, texts, strict=True):
-        with whole_file(folder / name) as file:
+        with atomic_file(folder / name) as file:
             file.write(text.encode())
     return [folder / name for name in FILES]
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from floquetrod._util.files import whole_file, writable
+from floquetrod._util.files import atomic_file, writable
 from floquetrod.studies import figures, friction_figures, simulation_claims, simulation_figures
 from floquetrod.studies.claims import Claim, frictionless_claims
 from floquetrod.studies.friction_claims import friction_claims
@@ -143,6 +143,6 @@ def _simulated(study: Callable[[], simulation_claims.Study]) -> list[tuple[str, 
 
 
 def _save(figure: Any, path: Path) -> Path:
-    with whole_file(path) as file:
+    with atomic_file(path) as file:
         figure.savefig(file, dpi=_DPI, format="png")
     return path

@@ -15,10 +15,10 @@ QUANTITIES: dict[Quantity, tuple[str, str]] = {
 }
 """Name and unit of what may vary."""
 
-Named: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"]
+WhatGrows: TypeAlias = tuple[int, int] | Resonance | Literal["unnamed"]
 """What grows: (mode, tongue), a resonance of coupled modes, or "unnamed" where that could not be told."""
 
-Cause: TypeAlias = Named | Literal["axial resonance"] | None
+Cause: TypeAlias = WhatGrows | Literal["axial resonance"] | None
 """What closes a stability interval: (mode, tongue), a resonance of coupled modes, or None at an end of the search.
 
 "axial resonance" where nothing was computed beyond it, see `StabilityIntervals.not_computed`.
@@ -64,7 +64,7 @@ class UnstableBand(NamedTuple):
     high: float
     worst_growth: float
     at: float
-    cause: Named
+    cause: WhatGrows
     required_damping: float
 
 

@@ -83,7 +83,7 @@ class _Proving:
     progress: Progress | None
     searches: bool = True
     boxes: int = 0
-    quiet: float = 0.0
+    proved_stable: float = 0.0
     growing: float = 0.0
     unfinished: bool = False
     too_narrow: bool = False
@@ -95,7 +95,7 @@ class _Proving:
         """Count the modes that all of the box needs."""
         ends = self.box.kernel_box()
         self.modes, self.left_out = modes_of_box(ends, self.tolerance, NEGLIGIBLE_GROWTH, MOST_MODES)
-        self.tail_is_quiet = self.left_out <= self.tolerance
+        self.tail_is_stable = self.left_out <= self.tolerance
 
     def proof(self) -> RegionProof:
         """Work until the box is decided, or the work allowed is done."""
@@ -121,7 +121,7 @@ class _Proving:
                 found = self._subdivided(part, self.max_boxes - self.boxes)
             self.unfinished = self.unfinished or not _is_decided(found)
             self.too_narrow = self.too_narrow or found.too_narrow
-            self.quiet += share * found.quiet
+            self.proved_stable += share * found.quiet
             self.growing += share * found.growing
         self.unfinished = self.unfinished or bool(waiting)
         if self.searches and self.unfinished and not self._is_mixed():
@@ -213,10 +213,10 @@ class _Proving:
         if len(self.examples) == 2:
             status = "mixed"
         elif not self.unfinished and self.growing == 0.0:
-            status = "stable" if self.tail_is_quiet else "undecided"
-        elif not self.unfinished and self.quiet == 0.0:
+            status = "stable" if self.tail_is_stable else "undecided"
+        elif not self.unfinished and self.proved_stable == 0.0:
             status = "unstable"
-        shares = Shares(min(1.0, self.quiet) if self.tail_is_quiet else 0.0, min(1.0, self.growing))
+        shares = Shares(min(1.0, self.proved_stable) if self.tail_is_stable else 0.0, min(1.0, self.growing))
         if status in ("stable", "unstable"):
             shares = Shares(float(status == "stable"), float(status == "unstable"))
         return RegionProof(
@@ -263,7 +263,7 @@ class _Proving:
                 "1e-6 1/s is tenfold growth in a month"
             )
         known = f"{100.0 * shares.stable:.3g} % of it proved stable, {100.0 * shares.unstable:.3g} % unstable"
-        if not self.tail_is_quiet:
+        if not self.tail_is_stable:
             return f"modes after {self.modes} are not proved to grow as slowly; {known}"
         why = "parts too narrow to be halved are open" if self.too_narrow else f"stopped after {self.boxes} parts"
         return f"{why}; {known}"

@@ -29,7 +29,7 @@ _NAMES: dict[Quantity, tuple[str, str, str]] = {
 }
 """Name of each quantity, and its name and unit among keys."""
 
-_REACH: dict[Quantity, str] = {
+_SEARCHED_TO: dict[Quantity, str] = {
     "mean": "within 8 Fcr either way",
     "amplitude": "from zero to 2 Fcr above",
     "frequency": "from a ninth to nine times this frequency",
@@ -100,7 +100,7 @@ def _both(value: float, shown: Unit, rod: RodData) -> str:
 
 if TYPE_CHECKING:
 
-    class _Verdict(Protocol):
+    class _RodVerdict(Protocol):
         """What is used here of a `floquetrod.rod.answers.verdict.RodStability`."""
 
         @property
@@ -135,10 +135,10 @@ if TYPE_CHECKING:
         def time_to_grow(self, factor: float = 10.0) -> float: ...
 
 else:
-    _Verdict = object
+    _RodVerdict = object
 
 
-class ReportedVerdict(Reported, _Verdict):
+class ReportedVerdict(Reported, _RodVerdict):
     """A verdict on a rod that says itself.
 
     Its `Evidence` has the words, the table and the numbers that differ with the kind of modes.
@@ -258,6 +258,6 @@ def _unchanged(margin: Margin, name: Quantity, unit: Unit) -> str:
     if not any(margin.searched):
         return "not searched: so many modes take minutes; in Python, verdict.margin goes on, with progress"
     if not margin.resolution:
-        return f"no change {_REACH[name]}"
+        return f"no change {_SEARCHED_TO[name]}"
     below, above = (unit.show(value, 4) for value in margin.searched)
     return f"no change from {below} lower to {above} higher"

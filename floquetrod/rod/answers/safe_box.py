@@ -154,7 +154,9 @@ def largest_safe_box(
     proof = prove(box, tolerance)
     if not proof.stable:
         raise validate.wrong_value("around", f"must be a load that is proved stable, got {load}: {proof!r}")
-    search = _Search(box, tolerance, accuracy, {name: _reach(rod, judge(tolerance), name) for name in chosen}, progress)
+    search = _BoxSearch(
+        box, tolerance, accuracy, {name: _safe_alone(rod, judge(tolerance), name) for name in chosen}, progress
+    )
     found = search.widest()
     ranges = tuple(
         SafeRange(name, found.loads[name].low, getattr(load, name), found.loads[name].high, LIMITS[name].unit)
@@ -171,7 +173,7 @@ def _chosen(vary: Iterable[Quantity]) -> tuple[Quantity, ...]:
     return tuple(name for name in QUANTITIES if name in given)
 
 
-def _reach(rod: RodData, verdict: RodStability, name: Quantity) -> Interval:
+def _safe_alone(rod: RodData, verdict: RodStability, name: Quantity) -> Interval:
     """Return how far one quantity may go alone on this rod: what is safe with others varying, too, lies within."""
     value = getattr(verdict.load, name)
     if name == "frequency":
@@ -185,13 +187,13 @@ def _reach(rod: RodData, verdict: RodStability, name: Quantity) -> Interval:
 
 
 @dataclass(frozen=True)
-class _Search:
+class _BoxSearch:
     """The search for the box: proofs of windows, wider and wider."""
 
     point: RodBox
     tolerance: float
     accuracy: float
-    reach: Mapping[Quantity, Interval]
+    alone: Mapping[Quantity, Interval]
     progress: Progress | None
 
     @cached_property
@@ -206,20 +208,20 @@ class _Search:
 
     def widest(self) -> RodBox:
         """Return the box found."""
-        scale = {name: self._scale(name) for name in self.reach}
+        scale = {name: self._scale(name) for name in self.alone}
 
         def window(size: float) -> RodBox:
             box = self.point
             for name, unit in scale.items():
-                middle, ends = self.point.loads[name].low, self.reach[name]
+                middle, ends = self.point.loads[name].low, self.alone[name]
                 box = _with(box, name, max(ends.low, middle - size * unit), min(ends.high, middle + size * unit))
             return box
 
-        rooms = [(ends.high - self.point.loads[name].low) / scale[name] for name, ends in self.reach.items()]
-        rooms += [(self.point.loads[name].low - ends.low) / scale[name] for name, ends in self.reach.items()]
+        rooms = [(ends.high - self.point.loads[name].low) / scale[name] for name, ends in self.alone.items()]
+        rooms += [(self.point.loads[name].low - ends.low) / scale[name] for name, ends in self.alone.items()]
         size = self._farthest(lambda t: window(t), 0.0, min(filter(None, rooms), default=0.0))
         box = window(size)
-        faces = [(name, side) for name in self.reach for side in (-1, 1)]
+        faces = [(name, side) for name in self.alone for side in (-1, 1)]
         for turn in range(_ROUNDS):
             moved = False
             for i, (name, side) in enumerate(faces):
@@ -235,7 +237,7 @@ class _Search:
 
     def _pushed(self, box: RodBox, name: Quantity, side: int) -> RodBox:
         """Return the box with one face moved outwards as far as it is proved."""
-        ends, limit = box.loads[name], self.reach[name]
+        ends, limit = box.loads[name], self.alone[name]
 
         def moved(t: float) -> RodBox:
             if side < 0:

@@ -20,7 +20,7 @@ from floquetrod._util.content import ByContent
 from floquetrod.rod.loads.load import LIMITS, AxialLoad, LoadSource, load_number
 from floquetrod.rod.loads.record_file import column_argument, delimiter_argument, read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
-from floquetrod.rod.loads.record_period import Found, find, power_spectrum
+from floquetrod.rod.loads.record_period import PeriodicFit, find, power_spectrum
 
 _LATEST = 1e12  # s
 _FEWEST = 12  # samples
@@ -351,7 +351,7 @@ def _column(name: str, values: Any, least: float, largest: float) -> NDArray[np.
     return result
 
 
-def _in_units(samples: Samples, found: Found) -> dict[str, Any]:
+def _in_units(samples: Samples, found: PeriodicFit) -> dict[str, Any]:
     """Return what was found in s and N, phases from time 0."""
     best, every = found.fit, found.every
     frequency = best.omega / samples.half
@@ -375,7 +375,7 @@ def _in_units(samples: Samples, found: Found) -> dict[str, Any]:
     }
 
 
-def _note(samples: Samples, found: Found, missing: int, most: int | None) -> str:
+def _note(samples: Samples, found: PeriodicFit, missing: int, most: int | None) -> str:
     """Return what a reader of the fit should know."""
     parts = []
     if missing:

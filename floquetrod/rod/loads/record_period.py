@@ -33,7 +33,7 @@ _MOST_CELLS = 1 << 21  # of the grid of a spectrum, which takes half a second (a
 _PADDING = 4  # frequencies of a spectrum per reciprocal of the duration
 
 
-class Found(NamedTuple):
+class PeriodicFit(NamedTuple):
     """What a record was found to be.
 
     Attributes
@@ -54,7 +54,7 @@ class Found(NamedTuple):
     factors: Floats
 
 
-def find(samples: Samples, guess: float | None, most: int | None) -> Found:
+def find(samples: Samples, guess: float | None, most: int | None) -> PeriodicFit:
     """Return the fit of a mean, a trend and harmonics.
 
     Parameters
@@ -238,7 +238,7 @@ def _score(samples: Samples, found: Fit, penalty: float) -> float:
 # --- which harmonics there are ---
 
 
-def _kept(samples: Samples, best: Fit, tried: float, most: int) -> Found:
+def _kept(samples: Samples, best: Fit, tried: float, most: int) -> PeriodicFit:
     """Return the fit of the harmonics above the noise, with a trend where there is one."""
     left = _left(samples, best)
     every = best.with_noise(coloured(samples, best, left))
@@ -257,7 +257,7 @@ def _kept(samples: Samples, best: Fit, tried: float, most: int) -> Found:
         further = np.arange(most + 1, int(samples.highest * math.pi / found.omega) + 1)
         power = left.at(further * (found.omega / math.pi))
         beyond = further[power > found.variance * math.log(max(1, further.size) / FALSE_HARMONIC)].tolist()
-    return Found(found.with_noise(factors), every, tuple(beyond), factors)
+    return PeriodicFit(found.with_noise(factors), every, tuple(beyond), factors)
 
 
 # --- spectra ---

@@ -23,7 +23,7 @@ from floquetrod.equations import HillSystem
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import AxialLoad, Load, Loads
-from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.model.beam import Basis, basis
 from floquetrod.rod.model.constants import HAIRLINE_GROWTH, ModeConstants, mode_constants
@@ -117,7 +117,7 @@ def up_to_resonance(rod: RodData, like: Load, piece: tuple[float, float]) -> tup
 
 
 @dataclass(frozen=True, eq=False)
-class CoupledModes(ModeSystems):
+class CoupledModes(CoupledEquations):
     """The modes of a rod under one kind of load, ``count`` of them, as systems of equations in seconds.
 
     Attributes

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 _AT_ONCE = 1 << 22  # numbers in the matrices of systems that are held at once (a choice: 32 megabytes)
 
 
-class ModeSystems(ABC):
+class CoupledEquations(ABC):
     """The equations q'' + 2 c q' + K(t) q = 0 of so many modes under any load of a kind, as systems in seconds.
 
     Attributes

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity
-from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.systems.arrays import verdicts
 
 Floats = NDArray[np.float64]
@@ -56,7 +56,7 @@ class UnstablePart:
 
 def unstable_parts(
     varied: Quantity,
-    modes: ModeSystems,
+    modes: CoupledEquations,
     load: Load,
     bounds: tuple[float, float],
     tolerance: float,
@@ -101,7 +101,7 @@ class Change(NamedTuple):
 
 def first_change(
     varied: Quantity,
-    modes: ModeSystems,
+    modes: CoupledEquations,
     load: Load,
     piece: tuple[float, float],
     tolerance: float,
@@ -148,7 +148,7 @@ class _Search(NamedTuple):
     """What is asked along one quantity of a load: where coupled modes grow faster than a tolerance."""
 
     varied: Quantity
-    modes: ModeSystems
+    modes: CoupledEquations
     load: Load
     tolerance: float
 
@@ -403,7 +403,7 @@ def _with_extrema(
     return places, found
 
 
-def _cause(varied: Quantity, modes: ModeSystems, load: Load, at: float) -> Resonance | Literal["unnamed"]:
+def _cause(varied: Quantity, modes: CoupledEquations, load: Load, at: float) -> Resonance | Literal["unnamed"]:
     """Return the fastest resonance at a place, "unnamed" where there is no name for it."""
     named = modes.resonances(load.varied(varied, at))
     return named[0] if named else "unnamed"

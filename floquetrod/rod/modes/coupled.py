@@ -18,7 +18,7 @@ from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import Load, Loads, Progress, shifted
 from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, CoupledModes, modes_needed
-from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.model.constants import HAIRLINE_GROWTH
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
 from floquetrod.rod.modes.mode_model import Answers, Floats, Ints, ModeModel, Statuses
@@ -45,7 +45,7 @@ class CoupledModel(ModeModel):
         """Return how many modes to take, and the growth in 1/s that all others are expected not to exceed."""
         return self.count_for(Loads.single(load), growth_tolerance), max(growth_tolerance, HAIRLINE_GROWTH)
 
-    def in_modes(self, count: int) -> ModeSystems:
+    def in_modes(self, count: int) -> CoupledEquations:
         """Return the first modes as systems of equations under any load of the kind."""
         return CoupledModes.of(self.rod, self.like, count)
 
@@ -101,7 +101,7 @@ class CoupledModel(ModeModel):
         quick: bool = False,
         progress: Progress | None = None,
     ) -> ManyVerdicts:
-        """Return statuses and growth rates in 1/s as `ModeSystems.answers` does; -1 and NaN at axial resonances."""
+        """Return statuses and growth rates in 1/s as `CoupledEquations.answers`; -1 and NaN at axial resonances."""
         status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
         done = 0
         for chosen, modes, part in self._groups(loads, growth_tolerance):
@@ -110,7 +110,9 @@ class CoupledModel(ModeModel):
             done += part.size
         return ManyVerdicts(status, growth)
 
-    def _groups(self, loads: Loads, growth_tolerance: float) -> Iterator[tuple[NDArray[np.intp], ModeSystems, Loads]]:
+    def _groups(
+        self, loads: Loads, growth_tolerance: float
+    ) -> Iterator[tuple[NDArray[np.intp], CoupledEquations, Loads]]:
         """Yield loads of neighbouring frequencies, by their indices, with their modes."""
         order = np.argsort(loads.frequency, kind="stable")
         edges = np.searchsorted(loads.frequency[order], np.unique(loads.frequency))
@@ -121,7 +123,7 @@ class CoupledModel(ModeModel):
 
     def _with_modes(
         self, every: Loads, growth_tolerance: float, chosen: NDArray[np.intp]
-    ) -> Iterator[tuple[NDArray[np.intp], ModeSystems, Loads]]:
+    ) -> Iterator[tuple[NDArray[np.intp], CoupledEquations, Loads]]:
         """Yield loads, in the order of their frequencies, with their modes; without those at axial resonances.
 
         A single load, of the shape (), is refused there.

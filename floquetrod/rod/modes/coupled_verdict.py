@@ -19,12 +19,11 @@ from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.result import Resonance, SystemStability
 from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
-from floquetrod.rod.answers.evidence import Evidence, Shape
 from floquetrod.rod.answers.margins import Edge
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.verdict import Evidence, RodStability, Shape
 from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity
 from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, largest_uniform, require_few, up_to_resonance
-from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.mode_equations.sampled import first_change
 from floquetrod.rod.model.assumptions import assumptions
@@ -48,7 +47,7 @@ class ModesTogether(Evidence):
     ----------
     model : ModeModel
         What the modes are under this load.
-    coupled : ModeSystems
+    coupled : CoupledEquations
         The coordinates in which the motion is written.
     system : HillSystem
         The equations of motion, in seconds.
@@ -63,7 +62,7 @@ class ModesTogether(Evidence):
     kind: ClassVar[str] = "coupled modes"
 
     model: ModeModel = field(compare=False)
-    coupled: ModeSystems = field(compare=False)
+    coupled: CoupledEquations = field(compare=False)
     system: HillSystem = field(compare=False)
     whole: SystemStability = field(compare=False)
     convergence: tuple[tuple[int, float], ...]
@@ -223,7 +222,7 @@ class ModesTogether(Evidence):
             )
         )
 
-    def _modes_for(self, varied: Quantity, piece: tuple[float, float], tolerance: float) -> ModeSystems:
+    def _modes_for(self, varied: Quantity, piece: tuple[float, float], tolerance: float) -> CoupledEquations:
         """Return as many modes as all loads of a piece need, and not fewer than here, or as many as were asked for."""
         if len(self.convergence) == 1:
             return self.coupled
@@ -277,12 +276,12 @@ def classify_coupled(
 
 def _trials(
     model: ModeModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
-) -> list[_Trial]:
+) -> list[_Truncation]:
     """Return the trials made, the fewest modes first."""
-    found: list[_Trial] = []
+    found: list[_Truncation] = []
 
     def add(modes: int, place: int, known: int) -> None:
-        found.insert(place, _Trial.of(model, load, modes))
+        found.insert(place, _Truncation.of(model, load, modes))
         if progress is not None:
             progress(len(found), max(known, len(found)))
 
@@ -318,13 +317,13 @@ def _share(model: ModeModel, count: int) -> int:
     return 6 if count <= _LONG else 10
 
 
-def _may_be_concluded(trial: _Trial, fewer: _Trial, tolerance: float) -> bool:
+def _may_be_concluded(trial: _Truncation, fewer: _Truncation, tolerance: float) -> bool:
     """Return whether more modes may decide what these leave open: not where rounding hides the multipliers."""
     status, error, _ = trial.concluded(fewer, tolerance)
     return status == "undecided" and error < math.inf
 
 
-def _more_needed(model: ModeModel, load: Load, trial: _Trial, growth_tolerance: float) -> int:
+def _more_needed(model: ModeModel, load: Load, trial: _Truncation, growth_tolerance: float) -> int:
     """Return how many modes to take where those left out may grow faster than what was found, else 0.
 
     So many more that both trials tell how the growth depends on their number.
@@ -349,17 +348,17 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
     return model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
 
 
-class _Trial(NamedTuple):
+class _Truncation(NamedTuple):
     """The verdict with one number of modes, and between what the rate of the fastest solution lies, in 1/s."""
 
-    modes: ModeSystems
+    modes: CoupledEquations
     system: HillSystem
     whole: SystemStability
     least: float
     most: float
 
     @classmethod
-    def of(cls, model: ModeModel, load: Load, count: int) -> _Trial:
+    def of(cls, model: ModeModel, load: Load, count: int) -> _Truncation:
         """Return the verdict with ``count`` modes."""
         modes = model.in_modes(count)
         system = modes.system(Loads.single(load))
@@ -383,11 +382,11 @@ class _Trial(NamedTuple):
         """Whether rounding leaves room for a verdict that more modes could change."""
         return self.whole.status != "undecided"
 
-    def _factor(self, fewer: _Trial) -> float:
+    def _factor(self, fewer: _Truncation) -> float:
         """Return the error for the modes left out over the change from fewer modes."""
         return _LEFT_OUT_BY_MORE if 9 * fewer.modes.count <= 7 * self.modes.count else _LEFT_OUT
 
-    def concluded(self, fewer: _Trial | None, tolerance: float) -> tuple[Status, float, str]:
+    def concluded(self, fewer: _Truncation | None, tolerance: float) -> tuple[Status, float, str]:
         """Return verdict, error of the growth rate in 1/s and note, given another trial with fewer modes."""
         change = 0.0 if fewer is None else self._factor(fewer) * abs(self.rate - fewer.rate)
         error = max(self.most - self.rate, self.rate - self.least) + change

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityInterval, UnstableBand
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
-    from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+    from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 _PIECES: dict[Quantity, int] = {"mean": 32, "amplitude": 8}  # that the first edge is searched in, one by one (a choice)
 
@@ -78,7 +78,7 @@ class IndependentModel(ModeModel):
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them."""
         return self.constants.modes_needed(load, growth_tolerance)
 
-    def in_modes(self, count: int) -> ModeSystems:
+    def in_modes(self, count: int) -> CoupledEquations:
         """Return the first modes as systems of equations, one by one."""
         from floquetrod.rod.mode_equations.coupled_matrices import CoupledModes
 
@@ -165,9 +165,9 @@ class IndependentModel(ModeModel):
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
     ) -> tuple[UnstableBand, ...]:
         """Return what grows in each band, sampled in every tongue of it."""
-        from floquetrod.rod.modes.unstable_bands import SearchedTongues
+        from floquetrod.rod.modes.unstable_bands import BandSearch
 
-        return SearchedTongues(self.rod, search, modes).unstable_bands(bands)
+        return BandSearch(self.rod, search, modes).unstable_bands(bands)
 
     def bands(self, across: Quantity, up: Quantity, fixed: float, growth_tolerance: float) -> BandFinder:
         """Return what finds the unstable bands of a map between exact curves."""

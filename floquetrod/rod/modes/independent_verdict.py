@@ -16,9 +16,8 @@ from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.references import united
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.floquet.verdict import Cost, Stability, Status, tolerated
-from floquetrod.rod.answers.evidence import Evidence
 from floquetrod.rod.answers.margins import Edge
-from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.answers.verdict import Evidence, RodStability
 from floquetrod.rod.loads.load import Load, Progress, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import gaps, unstable_loads

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
-    from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+    from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
 Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -103,7 +103,7 @@ class ModeModel(ABC):
         """Return how many modes decide a verdict, and a bound or estimate in 1/s of the growth of all others."""
 
     @abstractmethod
-    def in_modes(self, count: int) -> ModeSystems:
+    def in_modes(self, count: int) -> CoupledEquations:
         """Return the first modes as systems of equations under any load of the kind."""
 
     @abstractmethod
@@ -114,7 +114,7 @@ class ModeModel(ABC):
         """Return those of some modes whose growth can be told from their own motion, whatever the others do."""
         return tuple(modes) if self.in_modes(1).are_apart else ()
 
-    def showing(self, load: Load, mode: int | None, rate: float) -> ModeSystems:
+    def showing(self, load: Load, mode: int | None, rate: float) -> CoupledEquations:
         """Return the modes up to one with an equation of its own, else as many as may grow at a rate in 1/s."""
         if mode is not None and self.told_apart([mode]):
             return self.in_modes(mode)

@@ -15,7 +15,7 @@ from floquetrod.floquet.status import UndecidedWarning
 from floquetrod.rod.answers.intervals import QUANTITIES, BucklingWarning, FoundIntervals, Search, StabilityInterval
 from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, added_mean, axial_response, between, gaps, joined
 from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity, shifted
-from floquetrod.rod.mode_equations.coupled_systems import ModeSystems
+from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.sampled import SAMPLES, UnstablePart, first_change, unstable_parts
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -37,7 +37,7 @@ def sampled_first_unstable(model: ModeModel, search: Search, progress: Progress 
     return math.inf if change is None else change
 
 
-def _say_why_at_zero(model: ModeModel, varied: Quantity, modes: ModeSystems, load: Load, status: int) -> None:
+def _say_why_at_zero(model: ModeModel, varied: Quantity, modes: CoupledEquations, load: Load, status: int) -> None:
     """Warn where the weight along the rod buckles it before the quantity grows from zero, or where that is not known.
 
     BucklingWarning, UndecidedWarning.
@@ -68,7 +68,7 @@ def _say_why_at_zero(model: ModeModel, varied: Quantity, modes: ModeSystems, loa
     )
 
 
-def _modes(model: ModeModel, search: Search) -> ModeSystems:
+def _modes(model: ModeModel, search: Search) -> CoupledEquations:
     """Return as many modes as all loads within bounds need."""
     loads = Loads.along(search.load, search.varied, np.linspace(*search.bounds, 33))
     return model.in_modes(model.count_for(loads, search.growth_tolerance))
@@ -103,7 +103,7 @@ def sampled_ranges(model: ModeModel, search: Search, progress: Progress | None) 
 
 def _pieces_of_waves(
     model: ModeModel, search: Search
-) -> tuple[list[tuple[tuple[float, float], ModeSystems]], list[AxialGap]]:
+) -> tuple[list[tuple[tuple[float, float], CoupledEquations]], list[AxialGap]]:
     """Return pieces of neighbouring frequencies with as many modes as each needs, and what axial resonances leave out.
 
     AxialResonanceError where they leave nothing.
@@ -111,7 +111,7 @@ def _pieces_of_waves(
     rod, largest, bounds = model.rod, search.load, search.bounds
     skipped = gaps(largest, rod.wave_speed, rod.length, bounds)
     left_out = skipped.copy()
-    pieces: list[tuple[tuple[float, float], ModeSystems]] = []
+    pieces: list[tuple[tuple[float, float], CoupledEquations]] = []
 
     def add(piece: tuple[float, float], halvings: int) -> None:
         try:

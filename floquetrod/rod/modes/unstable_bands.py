@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod.mathieu.tongues import damping_to_stabilise
-from floquetrod.rod.answers.intervals import Named, Search, UnstableBand
+from floquetrod.rod.answers.intervals import Search, UnstableBand, WhatGrows
 from floquetrod.rod.loads.load import Loads, Progress
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.mode_equations.tongues import tongues_within
@@ -31,7 +31,7 @@ _STEPS, _FEWER_STEPS = 6, 3  # of a refinement: to 4^-6 of the distance of sampl
 
 
 @dataclass(frozen=True)
-class SearchedTongues:
+class BandSearch:
     """The tongues of independent modes along one quantity of a load.
 
     Attributes
@@ -60,7 +60,7 @@ class SearchedTongues:
         for k, ends in enumerate(bands):
             inside = np.flatnonzero(band == k)
             rate, at = 0.0, 0.5 * sum(ends)  # where a band is too narrow for doubles in between
-            cause: Named = "unnamed"
+            cause: WhatGrows = "unnamed"
             if inside.size:
                 worst = int(inside[found.value[inside].argmax()])
                 rate, at = float(found.value[worst]), float(found.at[worst])
@@ -122,7 +122,7 @@ def sampled_bands(
         load = like.varied(varied, at)
         count = model.count_for(Loads.single(load), tolerance)
         worst = model.verdict(load, range(1, count + 1), tolerance)
-        cause: Named = worst.resonances[0] if worst.resonances else "unnamed"
+        cause: WhatGrows = worst.resonances[0] if worst.resonances else "unnamed"
         rows.append(UnstableBand(*ends, rate, at, cause, worst.damping_to_stabilise))
         if progress is not None:
             progress(len(rows), len(bands))

@@ -27,7 +27,7 @@ class Source(Protocol):
         """Yield what else there is to find."""
 
 
-class Shown:
+class View:
     """The verdict, a map and two panels on the modes; the model of the modes decides which.
 
     Parameters

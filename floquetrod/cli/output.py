@@ -12,23 +12,23 @@ from floquetrod._util.version import __version__
 from floquetrod.units import Unit
 
 
-class Answer(NamedTuple):
+class Output(NamedTuple):
     """What a command prints, and its exit status."""
 
     text: str
     status: int = 0
 
 
-def answer(
+def output(
     options: argparse.Namespace,
     report: Callable[[], Report | str],
     record: Callable[[], dict[str, Any]],
     status: int = 0,
-) -> Answer:
+) -> Output:
     """Return the report, or the record with the version where JSON was asked for; the other is not made."""
     if options.json:
-        return Answer(json.dumps({**record(), "version": __version__}, indent=2, allow_nan=False), status)
-    return Answer(str(report()), status)
+        return Output(json.dumps({**record(), "version": __version__}, indent=2, allow_nan=False), status)
+    return Output(str(report()), status)
 
 
 def names(shown: Mapping[str, Unit]) -> dict[str, str]:

@@ -15,14 +15,14 @@ from floquetrod.rod.modes.mode_model import ModeModel
 _AT_ONCE = 0.15  # seconds after which what was found is shown (a choice)
 
 
-def judged(model: ModeModel, loads: Loads) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
+def statuses_and_rates(model: ModeModel, loads: Loads) -> tuple[NDArray[np.int8], NDArray[np.float64]]:
     """Return statuses and growth rates in 1/s; -1 and NaN of loads that cannot be judged."""
     try:
         found = model.answers(loads)
     except ValueError:  # a resonance of axial waves, or too many modes
         if loads.size == 1:
             return np.array([-1], dtype=np.int8), np.array([np.nan])
-        each = [judged(model, loads.part(slice(i, i + 1))) for i in range(loads.size)]
+        each = [statuses_and_rates(model, loads.part(slice(i, i + 1))) for i in range(loads.size)]
         statuses, rates = zip(*each, strict=True)
         return np.concatenate(statuses), np.concatenate(rates)
     return found.status, found.growth
