@@ -29,7 +29,7 @@ from floquetrod._util import validate
 
 Result = TypeVar("Result")
 
-_LARGEST = 1 << 33  # bytes of a file, and of its arrays: what a person may still want to load (a choice)
+_LARGEST = 1 << 33  # bytes of a file, and of its arrays: what a person may still want to load
 _PART = re.compile(r"\.floquetrod-[0-9a-f]{16}\.part")
 _SEAL = b"sha256:"
 _SEALED = len(_SEAL) + 2 * hashlib.sha256().digest_size

@@ -102,7 +102,7 @@ _OF_A_ROD = (
 )
 """Options that say nothing about a system."""
 
-_LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not fill the memory (a choice)
+_LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not fill the memory
 
 
 def add(check: argparse.ArgumentParser) -> None:

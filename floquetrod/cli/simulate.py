@@ -68,7 +68,7 @@ Half as many segments take a quarter of the time.  The default is enough for gro
 as many give a hundredth.
 """
 
-_FRAMES = 400  # at least: a picture every 5 ms of two seconds (a choice)
+_FRAMES = 400  # at least: a picture every 5 ms of two seconds
 _FRAMES_A_PERIOD = 10  # of the forcing, without friction: two more than the fit of a growth rate asks for
 _MOST_FRAMES = 100_000  # unless --frames names more (a choice)
 _LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a choice)

@@ -59,7 +59,7 @@ Ends that are not hinged, weight along an inclined rod and axial waves (--wave) 
 millisecond or more: begin with few points.
 """
 
-_MOST_POINTS = 25_000_000  # half a gigabyte with growth rates (a choice)
+_MOST_POINTS = 25_000_000  # half a gigabyte with growth rates
 
 
 def add(chart: argparse.ArgumentParser) -> None:

@@ -10,7 +10,7 @@ from contextlib import suppress
 from typing import Self
 
 FIRST = 0.5
-"""Seconds until something is shown, so that it is within the first second of a command (a choice)."""
+"""Seconds until something is shown, so that it is within the first second of a command."""
 
 EVERY = 0.25
 """Seconds between changes of what is shown (a choice)."""

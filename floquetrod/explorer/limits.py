@@ -13,7 +13,7 @@ from floquetrod.rod.loads.load import AxialLoad, Load
 from floquetrod.rod.rod import Rod
 from floquetrod.units import Unit
 
-_STRONGEST = 50.0  # times the force of `Scale` (a choice): beyond, a map takes too long for interactive use
+_STRONGEST = 50.0  # times the force of `Scale`: beyond, a map takes too long for interactive use
 _SLOWEST = 1000.0  # times slower than the frequency of `Scale`, and faster (a choice)
 _STEPS = 1000  # of a slider at least, each a round number
 

@@ -21,7 +21,7 @@ from floquetrod.rod.rod import Rod
 _ACCURACY = 1.0 / 1000.0  # of bands: a third of a pixel
 _POINTS = 240, 180  # columns and rows of the chart at most
 _WORK = 1_500_000  # points times modes of a chart at once: some 30 milliseconds
-_BANDED = 600  # modes up to which bands are searched: seconds (a choice)
+_BANDED = 600  # modes up to which bands are searched: seconds
 
 _MAP = 32, 24  # columns and rows of the map that grows, in the end
 _COARSENINGS = (8, 4, 2, 1)  # cells side by side that are one at first

@@ -18,7 +18,7 @@ from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.modes.mode_model import ModeModel
 
 _CHART = 300, 240  # columns and rows of the chart of modes: pixels
-_SHOWN = 0.01  # growth in 1/s that no mode beyond those shown exceeds (a choice)
+_SHOWN = 0.01  # growth in 1/s that no mode beyond those shown exceeds: tenfold in four minutes
 _FEWEST, _MOST = 6, 400  # modes shown
 _FARTHEST = 1e4  # natural frequency over that of the load up to which the chart goes
 

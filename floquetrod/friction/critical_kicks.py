@@ -25,8 +25,8 @@ from floquetrod.friction.proved_kicks import proved
 _LARGEST = 1e12  # kick over the floor: up to here kicks are tried where none is proved to escape
 _MOST_SAMPLES = 10_000  # kicks tried on the way up (a choice)
 _CLOSE = 1e-9  # relative accuracy of an edge
-_STEEPEST = 0.1  # largest step on the way up, logarithmic (a choice)
-_BLOCK = 4  # kicks tried at once on the way up (a choice: with more, more are wasted)
+_STEEPEST = 0.1  # largest step on the way up, logarithmic: a tenth of the kick
+_BLOCK = 4  # kicks tried at once on the way up: with more, more are wasted
 _CLOSER = ((8, 1e-3, 0.0),) * 6 + ((8, 1e-4, 15.0),) * 4 + ((3, 1e-8, 0.0),) * 8
 """Rounds of refinement (heuristic, measured): how many intervals of an equation are halved at most, how narrow they
 may be, relative to the kick, and how long one of their ends must live."""

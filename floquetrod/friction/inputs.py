@@ -19,12 +19,12 @@ from floquetrod.friction.kernels.records import COEFFICIENTS, FINDINGS, ORBIT, P
 from floquetrod.friction.propagators import Propagators, Records, cell_counts, propagators
 
 MAX_STEPS = 500_000
-"""Cells an orbit may take, 32 or more to a period: a few thousandths of a second (a choice)."""
+"""Cells an orbit may take, 32 or more to a period: a few thousandths of a second."""
 
 SHORT = 4000
 """Cells of one orbit that are interpreted, in up to a second: cheaper than numba is to load (measured)."""
 
-_AT_ONCE = 100_000  # cells held at once (a choice: some 70 MB)
+_AT_ONCE = 100_000  # cells held at once: some 70 MB
 _SAMPLES = 8  # orbits of slow outward motion (heuristic)
 
 

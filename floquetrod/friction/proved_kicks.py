@@ -17,7 +17,7 @@ from floquetrod.friction.propagators import Floats, Records
 
 _HALVINGS = 45  # of a cell in search of the time of a stop, to far less than `_ROUNDED`
 _STEEP = 1e12  # a slope beyond which the kick that stops is at its limit, to rounding
-_LONGEST_PUSH = 8.0 * math.pi  # how long first stops are followed (a choice: a shorter time gives a lower bound)
+_LONGEST_PUSH = 8.0 * math.pi  # how long first stops are followed: a shorter time gives a lower bound
 _ROUNDED = 1e-12  # relative: a proved kick is lowered by it, far more than its error of rounding (measured)
 
 

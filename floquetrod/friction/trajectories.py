@@ -16,7 +16,7 @@ from floquetrod.friction.inputs import SHORT, prepare_one
 from floquetrod.friction.kernels import orbit as kernels
 from floquetrod.friction.kernels.records import ORBIT, SAMPLE, workspace
 
-_MOST = 5_000_000  # rows of a record (a choice: 160 MB, a second or two)
+_MOST = 5_000_000  # rows of a record: 160 MB, a second or two
 _HARD = 1e100  # kick over friction at which friction is lost in rounding: the motion recorded is that without friction
 
 

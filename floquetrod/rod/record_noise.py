@@ -16,7 +16,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 NOISE_DRAWS = 20
 """Forces drawn (a choice)."""
 
-_ERRORS = 2.0  # standard errors by which they depart from the fit, and which enter the error of growth (a choice)
+_ERRORS = 2.0  # standard errors by which they depart from the fit, and which enter the error of growth: 95 %
 
 
 def with_noise(

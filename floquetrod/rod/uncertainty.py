@@ -20,10 +20,10 @@ from floquetrod.rod.rod import Rod
 
 Floats = NDArray[np.float64]
 
-_MOST_SAMPLES = 10**8  # a minute or two (a choice)
-_REPLICATES = 16  # independent sets of points whose spread gives the errors of Sobol indices (a choice)
+_MOST_SAMPLES = 10**8  # a minute or two
+_REPLICATES = 16  # independent sets of points whose spread gives the errors of Sobol indices, themselves to a fifth
 _LEAST_POINTS, _MOST_POINTS = 1 << 8, 1 << 20  # of a Sobol index (choices: too few for anything, and held at once)
-_LEAST_EVENTS = 16  # unstable points, and stable ones, expected in each replicate (a choice: none has none)
+_LEAST_EVENTS = 16  # unstable points, and stable ones, expected in each replicate: none has none
 _HALF_CELL = 2.0**-31  # half the spacing of SciPy's Sobol points: moved by it they lie within (0, 1)
 
 

@@ -35,7 +35,7 @@ from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS, Perturbat
 from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
 
 _SEGMENTS_IN_HALF_WAVE = 10  # by default, with which bending is 2e-4 too soft (a choice)
-_SEGMENTS_OF_FASTEST = 8  # in half a wave of what grows fastest, where that is shorter: 6e-4 too soft (a choice)
+_SEGMENTS_OF_FASTEST = 8  # in half a wave of what grows fastest, where that is shorter: 6e-4 too soft
 _LEAST_HALF_WAVES = 5.0  # that are resolved so in a short rod, where the ends matter more (a choice)
 _OFF_THE_WALL = 0.01  # of the clearance, a hundred times the depth at rest (a choice)
 _MOSTLY_ON = 0.5  # of the frames in which a rod may be off the wall for its mode to be named (a choice)

@@ -18,7 +18,7 @@ from floquetrod.simulation.start import SEGMENTS_TO_SEE
 BUCKLED_ANGLE = math.radians(5.0)
 """Angle beyond which a rod counts as buckled, that of the paper (section 4.3 of DOI 10.1115/1.4031710)."""
 
-_CLEARLY_BUCKLED = math.radians(45.0)  # at which a run may stop early (a choice: from 19 degrees one fell back)
+_CLEARLY_BUCKLED = math.radians(45.0)  # at which a run may stop early: from 19 degrees one fell back
 _AT_REST = 1e-5  # rad: a node that turns by no more in a period of the force has come to rest (a choice)
 
 ENDINGS = ("duration", "buckled", "at rest", "interrupted")

@@ -15,9 +15,9 @@ from floquetrod.units import with_unit
 
 LEAST_SEGMENTS = 6  # segments in half a wave, with which its bending stiffness is 5 % low (a choice)
 SEGMENTS_TO_SEE = 2  # in half a wave, for a mode to be told from others by its nodes (a choice)
-MOST_SEGMENTS = 100_000  # of a rod: 40 MB of state, and steps of which a second of motion takes ever more (a choice)
+MOST_SEGMENTS = 100_000  # of a rod: 40 MB of state, and steps of which a second of motion takes ever more
 _HIGHEST = MOST_SEGMENTS // LEAST_SEGMENTS  # mode that any simulated rod can carry
-_FASTEST = 1e5  # m/s: no solid carries sound faster (a choice)
+_FASTEST = 1e5  # m/s: no solid carries sound faster
 
 
 @dataclass(frozen=True)

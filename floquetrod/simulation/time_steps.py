@@ -9,9 +9,9 @@ from floquetrod._util.arguments import wrong_value
 from floquetrod.simulation.mesh import DiscreteRod
 
 SAFETY = 0.9  # of the largest time step of the linearised rod (heuristic: large motion never came near the rest)
-_MOST_WORK = 1e14  # steps times segments, of which a core does some 1e8 in a second: two weeks (a choice)
+_MOST_WORK = 1e14  # steps times segments, of which a core does some 1e8 in a second: two weeks
 _MOST_MEMORY = 1 << 32  # bytes of all frames (a choice)
-_SMALLEST_PART = 1e-9  # of the critical step: a smaller one adds nothing but rounding (a choice)
+_SMALLEST_PART = 1e-9  # of the critical step: a smaller one adds nothing but rounding
 
 STEP_LIMITS = ("stretch", "bend", "contact", "choice")
 """What limits a time step: three motions of the rod, or the caller's choice of a smaller one."""

@@ -29,9 +29,9 @@ from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.data import RodData
 
 _BOXES = 200  # parts of a box looked at before it counts as not safe, in a search of many (a choice)
-_ROUNDS = 8  # times that every side is moved, at most (a choice: two or three are usual)
+_ROUNDS = 8  # times that every side is moved, at most: two or three are usual
 _GRID = 5  # loads a quantity that are judged before a proof is tried (a choice)
-_CORNERS = 16  # corners of the tolerances of a rod whose rods are judged likewise (a choice)
+_CORNERS = 16  # corners of the tolerances of a rod whose rods are judged likewise: all those of four parameters
 _HALVINGS = 40  # of a window before it counts as a point (a choice)
 
 

@@ -26,7 +26,7 @@ from floquetrod.rod.mode_equations.modal_systems import GrowingModes, ModalSyste
 from floquetrod.rod.model.data import RodData
 from floquetrod.units import Unit
 
-_AT_ONCE = 4096  # loads whose modes are held at once (a choice: some megabytes)
+_AT_ONCE = 4096  # loads whose modes are held at once: some megabytes
 
 
 class CriticalKick(NamedTuple):

@@ -13,7 +13,7 @@ from floquetrod._util.arrays import shaped
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parts import friction_coefficient
 
-_LARGEST = 1e6  # kick in m/s (a choice: beyond any)
+_LARGEST = 1e6  # kick in m/s: beyond any
 
 
 @dataclass(frozen=True, repr=False)

@@ -21,8 +21,8 @@ Next to a resonance that factor is one over the distance from it, in radians of 
 damping of half a percent of the critical one, which this load lacks: it limits the factor there to about 100.
 """
 
-_MOST_RESONANCES = 1000  # between bounds of a search (a choice): it could not resolve more
-_ROOM = 1e-6  # beside what is refused, far above rounding (a choice)
+_MOST_RESONANCES = 1000  # between bounds of a search: it could not resolve more
+_ROOM = 1e-6  # beside what is refused, far above rounding
 _SAMPLES = 129  # of half a wave, and again between neighbours of the largest (a choice)
 _LEAST_DECAY = 1e-5  # of a wave along the rod: with less, the force at resonance is infinite for all that matters
 _FINE = 32  # samples of the shortest wave and period, where several harmonics meet (half a percent)

@@ -85,8 +85,8 @@ def load_bounds(quantity: Quantity, bounds: Any) -> tuple[float, float]:
     return validate.interval("bounds", bounds, lambda name, value: load_number(quantity, value, name))
 
 
-_REPORTS = 50  # of progress over an array of loads (a choice)
-_LEAST_REPORTED = 1024  # loads between two of them, some milliseconds of work (a choice)
+_REPORTS = 50  # of progress over an array of loads: one every two percent
+_LEAST_REPORTED = 1024  # loads between two of them, some milliseconds of work
 
 
 class Loads(NamedTuple):

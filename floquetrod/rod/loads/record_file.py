@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from floquetrod import units
 from floquetrod._util import validate
 
-_LARGEST = 1 << 29  # bytes of a file that are read, ten million samples or so (a choice)
+_LARGEST = 1 << 29  # bytes of a file that are read, ten million samples or so
 _DEFAULTS = {"time": ("time", "t"), "force": ("force", "f")}
 _MISSING = ("", "nan", "na", "n/a")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)

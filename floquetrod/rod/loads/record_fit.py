@@ -17,7 +17,7 @@ Complexes = NDArray[np.complex128]
 _BLOCK = 4096  # samples whose basis functions fit into a cache
 _SOME = 1 << 16  # samples of a long record that tell where its fit is (a choice)
 _LONG = 4 * _SOME  # samples from which a record is long (a choice)
-_EVEN = 1e-3  # of an interval that evenly spaced times may be off: no spectrum shows it (a choice)
+_EVEN = 1e-3  # of an interval that evenly spaced times may be off: no spectrum shows it
 _STEPS = 40  # of Newton at most; four are usual
 _ROUNDING = 4.0 * np.finfo(float).eps  # of a frequency, relative to it
 

@@ -29,7 +29,7 @@ _GUESS = 0.1  # how far off a given frequency may be, relative to it (a choice)
 _GUESS_HARMONICS = 5  # whose power tells where the frequency is (a choice)
 _COARSE = 0.05  # error of a frequency that is refined later, relative to its standard error (a choice)
 _KNOWN = 0.1  # radians at the ends of a record that the frequency leaves open in its highest harmonic (a choice)
-_MOST_CELLS = 1 << 21  # of the grid of a spectrum, which takes half a second (a choice)
+_MOST_CELLS = 1 << 21  # of the grid of a spectrum, which takes half a second
 _PADDING = 4  # frequencies of a spectrum per reciprocal of the duration
 
 

@@ -31,7 +31,7 @@ from floquetrod.rod.model.data import RodData
 
 Floats = NDArray[np.float64]
 
-MOST_COUPLED = 2000  # modes of a system: half a minute each verdict (a choice)
+MOST_COUPLED = 2000  # modes of a system: half a minute each verdict
 LEAST_COUPLED = 10  # modes at least, beside one and a half times the critical mode (a choice)
 
 

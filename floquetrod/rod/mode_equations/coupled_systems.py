@@ -17,7 +17,7 @@ from floquetrod.rod.loads.load import Load, Loads, Progress, shifted
 
 Floats = NDArray[np.float64]
 
-_AT_ONCE = 1 << 22  # numbers in the matrices of systems that are held at once (a choice: 32 megabytes)
+_AT_ONCE = 1 << 22  # numbers in the matrices of systems that are held at once: 32 megabytes
 
 
 class CoupledEquations(ABC):

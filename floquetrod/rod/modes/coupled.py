@@ -32,7 +32,7 @@ _GROUPS = 16  # of loads by frequency, each with its own number of modes (a choi
 class CoupledModel(ModeModel):
     """Modes that move together; a model with other equations overrides `in_modes` and `count_for`."""
 
-    loads_at_once: ClassVar[int | None] = 2000  # some seconds (a choice)
+    loads_at_once: ClassVar[int | None] = 2000  # some seconds
 
     # --- equations ---
 

@@ -33,7 +33,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4.3 where it falls as n^-2 (an estimate)
 _LEFT_OUT_BY_MORE = 3.0  # the same from 7/9 and less: 1.5 where it falls as n^-2
-_LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter (a choice)
+_LONG = 200  # modes from which a verdict takes seconds, so that no more are taken than matter
 _ENLARGEMENTS = 3  # times that more modes are taken while two numbers of them disagree (a choice)
 _SHAPE_POINTS, _SHAPE_INSTANTS = 12, 48  # for each mode, and in a period
 _LISTED = 10  # resonances in a report, the fastest

@@ -47,7 +47,7 @@ class IndependentModel(ModeModel):
 
     prompt: ClassVar[bool] = True
     counted: ClassVar[str] = "modes"
-    samples_at_once: ClassVar[int] = 1 << 17  # (a choice: some 10 MB)
+    samples_at_once: ClassVar[int] = 1 << 17  # some 10 MB
     damping_of: ClassVar[str] = "every sampled load of the band"
     damping_found: ClassVar[str] = "sampled over the band; null where no damping suffices"
 

@@ -21,7 +21,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 
 _GROUPS = 16  # of neighbouring frequencies of a wave, each with its own number of modes (a choice)
 _LEAST_SAMPLES = 9  # of each (a choice)
-_HALVINGS = 4  # of one that needs too many modes (a choice)
+_HALVINGS = 4  # of one that needs too many modes: what is left of it, a sixteenth, is not computed
 
 
 def sampled_first_unstable(model: ModeModel, search: Search, progress: Progress | None = None) -> float:

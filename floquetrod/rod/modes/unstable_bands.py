@@ -26,7 +26,7 @@ Values: TypeAlias = Callable[[Floats, Ints], Floats]
 
 _SAMPLES = 17  # loads at which growth and damping are evaluated in each tongue of a band (a choice)
 _OF_OTHERS = 3  # at which the damping is, in each band, that modes which do not grow there require (a choice)
-_CLOSER = 9  # places in each step of a refinement: the interval then shrinks to a quarter (a choice)
+_CLOSER = 9  # places in each step of a refinement: the interval then shrinks to a quarter
 _STEPS, _FEWER_STEPS = 6, 3  # of a refinement: to 4^-6 of the distance of samples, or to 4^-3
 
 
