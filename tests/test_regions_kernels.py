@@ -13,6 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 import floquetrod as fr
+from conftest import JIT
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.kernels import mathieu
 from floquetrod.floquet.kernels.mathieu import undamped_growth
@@ -23,6 +24,7 @@ from floquetrod.floquet.proof.kernels.regions_modes import GROWS, QUIET, UNKNOWN
 from floquetrod.rod.model.constants import mode_constants
 
 pytestmark = pytest.mark.kernels
+in_python_anyway = pytest.mark.skipif(not JIT, reason="calls kernels as the Python they are with the compiler, too")
 
 Floats = NDArray[np.float64]
 
@@ -260,11 +262,13 @@ def wrong_beside_boundaries() -> tuple[int, int]:
     return wrong, judged
 
 
+@in_python_anyway
 def test_beside_a_boundary_nothing_is_misjudged() -> None:
     wrong, _ = wrong_beside_boundaries()
     assert wrong == 0
 
 
+@in_python_anyway
 def test_broken_rounding_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the outward step the doubles beside boundaries are judged, and some of them wrongly."""
     monkeypatch.setattr(intervals, "ULP", 0.0)
@@ -274,6 +278,7 @@ def test_broken_rounding_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     assert wrong > 20
 
 
+@in_python_anyway
 def test_rounding_of_the_excess_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
     """The excess alone, at doubles beside boundaries of period pi: its sign is right only with rounding outwards."""
 
