@@ -20,6 +20,9 @@ KERNEL_TESTS := -m kernels
 # Four times the examples and more, of every test that draws some.
 DEEP := FLOQUETROD_TEST_DEPTH=deep
 
+# Workers and child processes load what was compiled to bytecode once, whatever the shell says.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DELETE_ON_ERROR:
 .PHONY: demo test lint slow bite fuzz coverage bench agreement docs look dist compatibility clean
 
