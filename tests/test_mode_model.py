@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 import floquetrod as fr
 from floquetrod.explorer import maps, modes
-from floquetrod.explorer.view import Shown
+from floquetrod.explorer.view import View
 from floquetrod.plotting.explorer_panels import UNKNOWN
 from floquetrod.rod.loads.load import AnyLoad, Load, Loads, kind
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
@@ -216,7 +216,7 @@ def test_the_explorer_shows_what_the_model_tells(prompt: bool, monkeypatch: pyte
     monkeypatch.setattr(maps, "_MAP", (24, 24))
     monkeypatch.setattr(modes, "_LINE", (3, 5))
     found = ROD.stability(LOAD)
-    shown = Shown(ROD, LOAD, {"mean": (0.0, 1.0), "amplitude": (0.0, 1.0), "frequency": (0.5 * SLOW, 2.0 * FAST)})
+    shown = View(ROD, LOAD, {"mean": (0.0, 1.0), "amplitude": (0.0, 1.0), "frequency": (0.5 * SLOW, 2.0 * FAST)})
     assert shown.panels == ("line", "shape")
     parts = shown.at_once(LOAD)
     assert parts["verdict"].startswith(f"unstable: growth at {found.growth_rate:.3g}" if prompt else "being judged")
