@@ -154,7 +154,7 @@ def largest_safe_box(
     proof = prove(box, tolerance)
     if not proof.stable:
         raise validate.wrong_value("around", f"must be a load that is proved stable, got {load}: {proof!r}")
-    search = _BoxSearch(
+    search = _SafeBoxSearch(
         box, tolerance, accuracy, {name: _safe_alone(rod, judge(tolerance), name) for name in chosen}, progress
     )
     found = search.widest()
@@ -187,7 +187,7 @@ def _safe_alone(rod: RodData, verdict: RodStability, name: Quantity) -> Interval
 
 
 @dataclass(frozen=True)
-class _BoxSearch:
+class _SafeBoxSearch:
     """The search for the box: proofs of windows, wider and wider."""
 
     point: RodBox

@@ -276,12 +276,12 @@ def classify_coupled(
 
 def _trials(
     model: ModeModel, load: Load, count: int | None, growth_tolerance: float, progress: Progress | None
-) -> list[_Truncation]:
+) -> list[_WithModes]:
     """Return the trials made, the fewest modes first."""
-    found: list[_Truncation] = []
+    found: list[_WithModes] = []
 
     def add(modes: int, place: int, known: int) -> None:
-        found.insert(place, _Truncation.of(model, load, modes))
+        found.insert(place, _WithModes.of(model, load, modes))
         if progress is not None:
             progress(len(found), max(known, len(found)))
 
@@ -317,13 +317,13 @@ def _share(model: ModeModel, count: int) -> int:
     return 6 if count <= _LONG else 10
 
 
-def _may_be_concluded(trial: _Truncation, fewer: _Truncation, tolerance: float) -> bool:
+def _may_be_concluded(trial: _WithModes, fewer: _WithModes, tolerance: float) -> bool:
     """Return whether more modes may decide what these leave open: not where rounding hides the multipliers."""
     status, error, _ = trial.concluded(fewer, tolerance)
     return status == "undecided" and error < math.inf
 
 
-def _more_needed(model: ModeModel, load: Load, trial: _Truncation, growth_tolerance: float) -> int:
+def _more_needed(model: ModeModel, load: Load, trial: _WithModes, growth_tolerance: float) -> int:
     """Return how many modes to take where those left out may grow faster than what was found, else 0.
 
     So many more that both trials tell how the growth depends on their number.
@@ -348,7 +348,7 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
     return model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
 
 
-class _Truncation(NamedTuple):
+class _WithModes(NamedTuple):
     """The verdict with one number of modes, and between what the rate of the fastest solution lies, in 1/s."""
 
     modes: CoupledEquations
@@ -358,7 +358,7 @@ class _Truncation(NamedTuple):
     most: float
 
     @classmethod
-    def of(cls, model: ModeModel, load: Load, count: int) -> _Truncation:
+    def of(cls, model: ModeModel, load: Load, count: int) -> _WithModes:
         """Return the verdict with ``count`` modes."""
         modes = model.in_modes(count)
         system = modes.system(Loads.single(load))
@@ -382,11 +382,11 @@ class _Truncation(NamedTuple):
         """Whether rounding leaves room for a verdict that more modes could change."""
         return self.whole.status != "undecided"
 
-    def _factor(self, fewer: _Truncation) -> float:
+    def _factor(self, fewer: _WithModes) -> float:
         """Return the error for the modes left out over the change from fewer modes."""
         return _LEFT_OUT_BY_MORE if 9 * fewer.modes.count <= 7 * self.modes.count else _LEFT_OUT
 
-    def concluded(self, fewer: _Truncation | None, tolerance: float) -> tuple[Status, float, str]:
+    def concluded(self, fewer: _WithModes | None, tolerance: float) -> tuple[Status, float, str]:
         """Return verdict, error of the growth rate in 1/s and note, given another trial with fewer modes."""
         change = 0.0 if fewer is None else self._factor(fewer) * abs(self.rate - fewer.rate)
         error = max(self.most - self.rate, self.rate - self.least) + change
