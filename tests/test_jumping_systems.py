@@ -27,7 +27,7 @@ from floquetrod.equations.base import Alternating
 from floquetrod.equations.batches import pick
 from floquetrod.equations.pieces import exact_period, in_time
 from floquetrod.equations.system_files import read_system
-from floquetrod.floquet import system_methods
+from floquetrod.floquet import registry, system_methods
 from floquetrod.systems import arrays
 
 STIFF = [[1.5, 0.5], [0.5, 4.5]]
@@ -569,6 +569,4 @@ def test_stated_errors_cover_the_truth_of_random_pieces(rng: np.random.Generator
 
 
 def _has_half(system: Any) -> bool:
-    from floquetrod.floquet.dispatch import SYSTEMS
-
-    return SYSTEMS.methods["half_period"](system)
+    return "half_period" in {method.name for method in registry.applicable(system)}
