@@ -7,6 +7,7 @@ those of Mathieu's equation in `region_equation`, in doubles.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -16,6 +17,7 @@ from floquetrod.equations.base import require
 from floquetrod.equations.matrices import require_one
 from floquetrod.floquet.problems import Problem
 from floquetrod.floquet.proof.digits import FIRST
+from floquetrod.floquet.proof.family import certify_family
 from floquetrod.floquet.proof.problem import (
     LISTS,
     MOST_DIGITS,
@@ -28,7 +30,7 @@ from floquetrod.floquet.proof.problem import (
 )
 from floquetrod.floquet.proof.region import RegionProof, side_ends
 from floquetrod.floquet.proof.region_equation import certify_box
-from floquetrod.floquet.proof.result import MAX_BOXES, Proof
+from floquetrod.floquet.proof.result import MAX_BOXES, SECONDS, Proof
 from floquetrod.floquet.proof.scalar import certify_scalar
 from floquetrod.floquet.proof.systems import certify_system
 
@@ -36,35 +38,38 @@ _ACCEPTED = "an Equation such as Mathieu, Meissner or Hill, a HillSystem or a Pe
 
 
 def certify(
-    equation: Problem | type[Equation],
+    equation: Problem | Callable[..., Any],
     *,
     max_digits: int = 200,
     growth_tolerance: float = 0.0,
     max_boxes: int = MAX_BOXES,
+    seconds: float = SECONDS,
     **parameters: Any,
 ) -> Proof | RegionProof:
     """Prove an equation or a system stable or unstable, in interval arithmetic of as many digits as it takes.
 
-    Or every equation of Mathieu's with parameters in a box, in doubles, the box halved where needed.
+    Or every equation of a family with parameters in a box, the box halved where needed.
 
     Parameters
     ----------
     equation : Equation, HillSystem or PeriodicSystem, or a class of equations
         A value, `Mathieu`, `Meissner`, `Hill` or an equation of your own, whose parameters are taken as the exact
-        binary numbers they are; so is the period, unless ``period_over_pi`` states it exactly.  Or one of the three
-        classes, with its parameters following.  Of a `PeriodicSystem`, the verdict holds for all coefficients within
-        its ``coefficient_error``.
+        binary numbers they are; so is the period, unless ``period_over_pi`` states it exactly.  Of a system, the
+        verdict holds for all coefficients within its ``coefficient_error``.  Or one of the three classes, with its
+        parameters following.  Or a family, any callable that makes an equation or a system of its arguments: its
+        coefficients must be affine in each of them.
     max_digits : int
         Decimal digits at which to stop trying, 5 to 10,000.
     growth_tolerance : float
         Growth per unit tau that counts as none; other than 0 for the class `Mathieu` only.
-    max_boxes : int
-        Of a box: parts of it to look at before it is given up.
+    max_boxes, seconds : int, float
+        Of a box: parts of it to look at, and seconds, before it is given up.
     **parameters
         Of the class, by name: numbers that are taken exactly, int, float, Fraction, Decimal or text such as "1/3" or
         "-0.1".  The period of a `Hill` is the double nearest to 2 pi where it is left out.  Of `Mathieu` each may be
         (low, high), all values between which are meant; and in place of alpha and beta, a and q of
-        y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with ``damping`` k, per unit z.
+        y'' + 2 k y' + (a - 2 q cos 2 z) y = 0, with ``damping`` k, per unit z.  Of a family its arguments, at least one
+        of them (low, high), two floats, and at most six.
 
     Returns
     -------
@@ -88,6 +93,7 @@ def certify(
 
     To a double -0.25 - 1e-30 is -0.25, which lies within the tongue; the number itself does not:
 
+    >>> from fractions import Fraction
     >>> certify(Mathieu, alpha="1e-30", beta=Fraction(-1, 4) - Fraction(1, 10**30)).status
     'stable'
 
@@ -97,6 +103,13 @@ def certify(
     'stable'
     >>> certify(Mathieu, a=(1.9, 2.1), q=("0.8", "1.0")).statement
     'for every alpha 0.4 to 0.5, beta -0.525 to -0.475, damping 0 no solution grows'
+
+    Every system of a family:
+
+    >>> def coupled(stiffness, forcing):
+    ...     return HillSystem([[1.0, 0.0], [0.0, stiffness]], [[[0.1, forcing], [forcing, 0.16]]])
+    >>> certify(coupled, stiffness=(4.2, 4.4), forcing=(0.1, 0.2)).statement
+    'for every stiffness 4.2 to 4.4, forcing 0.1 to 0.2 no solution grows'
 
     Two equal oscillators, which no search for separate multipliers can decide:
 
@@ -124,6 +137,9 @@ def certify(
         return certify_box(parameters, growth_tolerance, max_boxes, prove)
     if is_readable(equation) and not boxed:
         return certify_scalar(exact_problem(equation, parameters), max_digits)
+    if callable(equation) and parameters:
+        seconds = validate.positive("seconds", seconds)
+        return certify_family(equation, parameters, max_boxes, seconds, lambda problem: _of_value(problem, max_digits))
     raise validate.wrong_type("equation", f"must be {_ACCEPTED}, got {validate.short(equation)}")
 
 

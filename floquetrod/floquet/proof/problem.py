@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from decimal import Decimal
 from fractions import Fraction
 from itertools import zip_longest
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeGuard
 
 from floquetrod._util import validate
 from floquetrod.equations import Equation, Hill, HillSystem, Mathieu, Meissner
@@ -89,7 +89,7 @@ def exact_problem(kind: type[Equation], parameters: Parameters) -> ExactProblem:
     return _read(kind, parameters)
 
 
-def is_readable(value: Any) -> bool:
+def is_readable(value: Any) -> TypeGuard[type[Equation]]:
     """Return whether this is a class of equations whose parameters may be given exactly."""
     return isinstance(value, type) and any(issubclass(value, kind) for kind in _READERS)
 

@@ -58,8 +58,8 @@ class RegionProof(Reported, NoTruthValue):
 
     Attributes
     ----------
-    subject : Rod or type
-        The rod, which gives what does not vary; of an equation its class.
+    subject : Rod or callable
+        The rod, which gives what does not vary; of equations their class, or what makes one of parameters.
     status : {"stable", "unstable", "mixed", "undecided"}
         "stable": at every point nothing grows faster than ``growth_tolerance``; "unstable": at every point something
         does; "mixed": each holds somewhere, see ``examples``; "undecided": the work allowed was not enough.
@@ -71,7 +71,7 @@ class RegionProof(Reported, NoTruthValue):
     growth_tolerance : float
         Growth in ``growth_unit`` that counts as none.
     growth_unit : str
-        "1/s", of an equation "per tau".
+        "1/s", of an equation "per tau", of a family "per unit of time".
     modes : int
         Modes examined, 1 to this; 1 for an equation.
     left_out_bound : float
@@ -107,7 +107,8 @@ class RegionProof(Reported, NoTruthValue):
     @property
     def references(self) -> tuple[str, ...]:
         """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
-        return references(("equation", "certify"), *(() if isinstance(self.subject, type) else (("rod", "model"),)))
+        kind = "equation" if self._is_of_rods or isinstance(self.subject, type) else "system"
+        return references((kind, "certify"), *((("rod", "model"),) if self._is_of_rods else ()))
 
     @property
     def stable(self) -> bool | None:
@@ -149,7 +150,7 @@ class RegionProof(Reported, NoTruthValue):
 
     @property
     def _is_of_rods(self) -> bool:
-        return not isinstance(self.subject, type)
+        return self.growth_unit == "1/s"
 
     def _shown(self, names: Mapping[str, str]) -> dict[str, known.Unit]:
         """Return the unit to show each side in."""
@@ -180,7 +181,7 @@ class RegionProof(Reported, NoTruthValue):
 
     def as_dict(self) -> dict[str, Any]:
         """Return the proof for JSON, in SI units; None for a bound that is infinite."""
-        per = "per_s" if self.growth_unit == "1/s" else "per_tau"
+        per = {"1/s": "per_s", "per tau": "per_tau"}.get(self.growth_unit, "per_unit_time")
         return {
             "status": self.status,
             "box": [side._asdict() for side in self.box],

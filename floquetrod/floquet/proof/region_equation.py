@@ -64,8 +64,8 @@ def certify_box(
         left_out_bound=0.0,
         boxes=found.boxes,
         shares=shares,
-        statement=_statement(status, named, tolerance),
-        note=_note(status, shares, found.boxes),
+        statement=statement_on(status, named, tolerance),
+        note=note_on(status, shares, found.boxes),
         assumptions=("doubles are added, multiplied and divided as IEEE 754 says, rounded to nearest",),
     )
 
@@ -111,7 +111,7 @@ def _example(
     return Proof(equation, proof.status, proof.interval, proof.digits, statement, proof.enclosures, exact=exact)
 
 
-def _statement(status: RegionStatus, box: tuple[Side, ...], tolerance: float) -> str:
+def statement_on(status: RegionStatus, box: tuple[Side, ...], tolerance: float) -> str:
     """Return what was proved, in a sentence."""
     sides = ", ".join(map(str, box))
     where = f"for every {sides}"
@@ -124,7 +124,7 @@ def _statement(status: RegionStatus, box: tuple[Side, ...], tolerance: float) ->
     }[status]
 
 
-def _note(status: RegionStatus, shares: Shares, boxes: int) -> str:
+def note_on(status: RegionStatus, shares: Shares, boxes: int) -> str:
     """Return why nothing was decided."""
     if status != "undecided":
         return ""

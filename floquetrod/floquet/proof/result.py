@@ -15,6 +15,10 @@ MAX_BOXES = 100_000
 """Default number of parts of a box that are examined before a proof is given up: a second or a few (a choice)."""
 
 
+SECONDS = 30.0
+"""Default time after which a box of a family's parameters is given up (a choice)."""
+
+
 class Enclosure(NamedTuple):
     """A quantity that decided, with two numbers of mpmath it lies between."""
 

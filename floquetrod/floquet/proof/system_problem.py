@@ -83,6 +83,10 @@ class SecondOrder:
         """Whether with every multiplier mu there is 1 / conj(mu)."""
         return self.is_reversible or (self.is_hamiltonian and not self.damping.any())
 
+    def oscillators(self, arithmetic: Arithmetic, period: Fraction, *, freed: bool) -> Oscillators:
+        """Return the system in balls; ``freed`` of uniform damping."""
+        return oscillators(arithmetic, self, period, freed=freed)
+
 
 @dataclass(frozen=True)
 class FirstOrder:
@@ -100,6 +104,10 @@ class FirstOrder:
     def is_constant(self) -> bool:
         """Whether nothing depends on time."""
         return len(self.pieces) == 1 and self.pieces[0].is_constant
+
+    def flow(self, arithmetic: Arithmetic, period: Fraction) -> Flow:
+        """Return the system in balls."""
+        return flow(arithmetic, self, period)
 
 
 def system_problem(system: HillSystem | PeriodicSystem) -> SecondOrder | FirstOrder:
@@ -186,7 +194,7 @@ def oscillators(arithmetic: Arithmetic, system: SecondOrder, period: Fraction, *
     damping = system.uniform_damping
     unit = np.eye(system.order)
     plain = np.array_equal(system.mass, unit)
-    transform = None if plain else arithmetic.exact(_congruence(system.mass))
+    transform = None if plain else arithmetic.exact(congruence(system.mass))
 
     def scaled(matrix: Matrix, power: int) -> Matrix:
         if transform is not None:
@@ -227,7 +235,7 @@ def stretches(arithmetic: Arithmetic, pieces: tuple[TimedPiece, ...], period: Fr
     return found
 
 
-def _congruence(mass: Array) -> Array:
+def congruence(mass: Array) -> Array:
     """Return X with X M X^T close to the unit matrix."""
     try:
         return np.linalg.inv(np.linalg.cholesky(mass))
@@ -257,7 +265,7 @@ def flow_of_oscillators(arithmetic: Arithmetic, system: Oscillators) -> Flow:
     errors[n:, :n] = up(
         system.error / (1.0 - system.defect)
     )  # row sums of the inverse of I + E are at most 1 / (1 - d)
-    return _balanced([piece.each(whole, other) for piece in system.pieces], errors)
+    return balanced([piece.each(whole, other) for piece in system.pieces], errors)
 
 
 def _inverse_mass(arithmetic: Arithmetic, system: Oscillators) -> Matrix:
@@ -284,10 +292,10 @@ def flow(arithmetic: Arithmetic, system: FirstOrder, period: Fraction) -> Flow:
         return matrix * factor
 
     pieces = [piece.each(scaled, scaled) for piece in stretches(arithmetic, system.pieces, period)]
-    return _balanced(pieces, np.full(pieces[0].mean.shape, up(system.error * float(period)) if system.error else 0.0))
+    return balanced(pieces, np.full(pieces[0].mean.shape, up(system.error * float(period)) if system.error else 0.0))
 
 
-def _balanced(pieces: list[Stretch], errors: Array) -> Flow:
+def balanced(pieces: list[Stretch], errors: Array) -> Flow:
     """Scale the unknowns by powers of two so that rows and columns have alike sums; ``errors`` are those of entries."""
     from scipy.linalg import matrix_balance
 

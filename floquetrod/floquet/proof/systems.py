@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,12 +30,12 @@ from floquetrod.floquet.proof.system_problem import (
     Arithmetic,
     FirstOrder,
     SecondOrder,
-    flow,
     flow_of_oscillators,
-    oscillators,
     system_problem,
 )
 from floquetrod.floquet.verdict import Status
+
+Array = Any
 
 _MOST_DIGITS_OF_INEXACT = 30  # more do not help where the coefficients are known to about 15
 
@@ -68,11 +68,49 @@ def certify_system(system: HillSystem | PeriodicSystem, max_digits: int) -> Proo
     return settled(attempt, max_digits, undecided)
 
 
+def status_of_all(problem: SecondOrder | FirstOrder, multipliers: Array) -> Status | None:
+    """Return what doubles prove of a problem that stands for many systems; None where they do not.
+
+    Counts bear more variation of the coefficients than discs and come first; about ``multipliers`` they are taken.
+    """
+    arithmetic = Doubles()
+    with np.errstate(all="ignore"):
+        for attempt in (_by_counts_between, _attempt_by_discs):
+            try:
+                finding = attempt(arithmetic, problem, multipliers)
+            except (Unresolved, TooMuchWork, np.linalg.LinAlgError):
+                continue
+            if finding is not None:
+                return finding.status
+    return None
+
+
+def _by_counts_between(
+    arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, multipliers: Array
+) -> _Finding | None:
+    """Conclude from counts at angles between multipliers; None where nothing follows, or there is nothing to count."""
+    if isinstance(problem, FirstOrder) or not (problem.is_hamiltonian and problem.is_series):
+        return None
+    freed = problem.oscillators(arithmetic, _unit_of_time(problem), freed=True)
+    counts = count(arithmetic, freed, angles_between(multipliers))
+    return _by_count(counts, problem.order, damped=bool(problem.damping.any()))
+
+
+def _attempt_by_discs(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, _: Array) -> _Finding:
+    """Conclude from discs that contain the multipliers."""
+    unit = _unit_of_time(problem)
+    if isinstance(problem, FirstOrder):
+        found = problem.flow(arithmetic, unit)
+    else:
+        found = flow_of_oscillators(arithmetic, problem.oscillators(arithmetic, unit, freed=False))
+    return _by_discs(enclose_eigenvalues(arithmetic, monodromy(arithmetic, found)), paired=problem.is_paired)
+
+
 def _attempt(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder) -> _Finding:
     """Prove a verdict with the digits of an arithmetic; raises `Unresolved` if they are too few."""
     unit = _unit_of_time(problem)
     if isinstance(problem, FirstOrder):
-        matrix = monodromy(arithmetic, flow(arithmetic, problem, unit))
+        matrix = monodromy(arithmetic, problem.flow(arithmetic, unit))
         finding = _by_discs(enclose_eigenvalues(arithmetic, matrix), paired=problem.is_paired)
     else:
         finding = _of_second_order(arithmetic, problem, unit)
@@ -84,7 +122,7 @@ def _attempt(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder) -> _Find
 
 def _of_second_order(arithmetic: Arithmetic, problem: SecondOrder, unit: Fraction) -> _Finding:
     """Prove a verdict by discs, or else by counting."""
-    moving, multipliers = oscillators(arithmetic, problem, unit, freed=False), None
+    moving, multipliers = problem.oscillators(arithmetic, unit, freed=False), None
     try:
         matrix = monodromy(arithmetic, flow_of_oscillators(arithmetic, moving))
         discs = enclose_eigenvalues(arithmetic, matrix)
@@ -97,7 +135,7 @@ def _of_second_order(arithmetic: Arithmetic, problem: SecondOrder, unit: Fractio
     if multipliers is None:
         multipliers = np.exp(2j * np.pi * np.arange(0.0, 0.51, 0.5 / (2 * problem.order)))
     damped = bool(problem.damping.any())
-    freed = oscillators(arithmetic, problem, unit, freed=True) if damped else moving
+    freed = problem.oscillators(arithmetic, unit, freed=True) if damped else moving
     finding = _by_count(count(arithmetic, freed, angles_between(multipliers)), problem.order, damped=damped)
     if finding is None:
         raise reason

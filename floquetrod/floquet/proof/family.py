@@ -1,0 +1,200 @@
+"""Boxes of the parameters of a family of equations or systems, proved stable or unstable.
+
+The coefficients are affine in each parameter, so that over a box they lie between their values at its corners.  Every
+system within these bounds is proved at once, in balls; a box that cannot be decided is halved across the side along
+which its coefficients vary most.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import time
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.equations.base import require
+from floquetrod.equations.matrices import require_one
+from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.problems import Problem
+from floquetrod.floquet.proof.box_problem import Bounds, NotAffine, bounds_of, problem_of_bounds, require_affine
+from floquetrod.floquet.proof.region import RegionProof, RegionStatus, Shares, Side, side_ends
+from floquetrod.floquet.proof.region_equation import note_on, statement_on
+from floquetrod.floquet.proof.result import Proof
+from floquetrod.floquet.proof.systems import status_of_all
+from floquetrod.floquet.status import Status
+
+_MOST_SIDES = 6  # 64 corners (a choice)
+_CHECKED = 5  # points within the box at which the coefficients are checked (a choice)
+_NARROWEST = 1e-12  # of a side, relative: below it halving shows rounding (a choice)
+
+Point = dict[str, Any]
+Box = dict[str, tuple[float, float]]
+
+_ASSUMED = (
+    "the coefficients are affine in each parameter over the box, which was checked at some points, and the family "
+    "computes them to within eight units of rounding",
+    "doubles are added, multiplied and divided as IEEE 754 says, rounded to nearest",
+)
+
+
+class _Family(NamedTuple):
+    """What makes an equation of parameters: those of the box vary, the others are given."""
+
+    make: Callable[..., Any]
+    given: Mapping[str, Any]
+
+    def at(self, point: Mapping[str, float]) -> Problem:
+        """Return the equation of a point of the box."""
+        found: Problem = self.make(**self.given, **point)
+        if isinstance(found, HillSystem | PeriodicSystem):
+            require_one(found, "equation")
+        else:
+            require(found, hint="a HillSystem or a PeriodicSystem from its family")
+        return found
+
+    def system(self, point: Mapping[str, float]) -> HillSystem | PeriodicSystem:
+        """Return the same as a system."""
+        found = self.at(point)
+        return found.as_system() if isinstance(found, Equation) else found
+
+    def bounds(self, box: Box) -> Bounds:
+        """Return what the coefficients lie between over a box."""
+        return bounds_of([self.system(point) for point in corners(box)])
+
+
+def corners(box: Box) -> Iterator[dict[str, float]]:
+    """Return the corners of a box, each once."""
+    for ends in itertools.product(*(dict.fromkeys(side) for side in box.values())):
+        yield dict(zip(box, ends, strict=True))
+
+
+def certify_family(
+    family: Callable[..., Any],
+    parameters: Mapping[str, Any],
+    max_boxes: int,
+    seconds: float,
+    prove: Callable[[Problem], Proof],
+) -> RegionProof | Proof:
+    """Return what is proved of all equations of a family whose parameters lie in a box; of one where none is a range.
+
+    ``prove`` proves one equation.
+    """
+    box: Box = {}
+    for name, value in parameters.items():
+        if isinstance(value, tuple) and len(value) == 2:
+            box[name] = side_ends(name, value, validate.finite)
+    if len(box) > _MOST_SIDES:
+        raise ValueError(f"{', '.join(box)} must be at most {_MOST_SIDES} ranges, got {len(box)}")
+    made = _Family(family, {name: value for name, value in parameters.items() if name not in box})
+    if not box:
+        return prove(made.at({}))
+    _require_affine(made, box)
+    return _Search(made, box, prove).result(max_boxes, time.monotonic() + seconds)
+
+
+def _require_affine(family: _Family, box: Box) -> None:
+    """Raise ValueError where the coefficients are seen not to be affine in each parameter."""
+    systems = {tuple(point.values()): family.system(point) for point in corners(box)}
+    rng = np.random.default_rng(1)
+    for share in [np.full(len(box), 0.5), *rng.uniform(0.0, 1.0, (_CHECKED - 1, len(box)))]:
+        point = {n: low + s * (high - low) for s, (n, (low, high)) in zip(share.tolist(), box.items(), strict=True)}
+        weights = {key: _weight(key, point, box) for key in systems}
+        try:
+            require_affine(family.system(point), [(weights[key], system) for key, system in systems.items()])
+        except NotAffine as reason:
+            where = ", ".join(f"{name} = {value:.6g}" for name, value in point.items())
+            raise ValueError(
+                f"equation must be a family whose coefficients are affine in each parameter over the box, got {reason} "
+                f"at {where}; take parameters in which they are, such as the square of a frequency"
+            ) from None
+
+
+def _weight(corner: tuple[float, ...], point: Mapping[str, float], box: Box) -> float:
+    """Return the weight of a corner in what is affine in each parameter."""
+    weight = 1.0
+    for end, (name, (low, high)) in zip(corner, box.items(), strict=True):
+        share = (point[name] - low) / (high - low) if high > low else 0.0
+        weight *= share if end == high and high > low else 1.0 - share
+    return weight
+
+
+class _Search:
+    """The subdivision of a box."""
+
+    def __init__(self, family: _Family, box: Box, prove: Callable[[Problem], Proof]) -> None:
+        """Take the family, the box, and what proves one equation."""
+        self.family, self.box, self.prove = family, box, prove
+        self.number = itertools.count()
+        self.open: list[tuple[float, int, Box]] = [(-1.0, next(self.number), box)]
+        self.share = {"stable": 0.0, "unstable": 0.0}
+        self.proved: set[Status] = set()
+        self.example: dict[str, Proof] = {}
+        self.examined, self.too_narrow = 0, False
+
+    def result(self, max_boxes: int, deadline: float) -> RegionProof:
+        """Halve the box until it is decided, or the work allowed is done."""
+        while self.open and self.examined < max_boxes and time.monotonic() < deadline and len(self.example) < 2:
+            self._examine()
+        status: RegionStatus = "undecided"
+        if len(self.example) == 2:
+            status = "mixed"
+        elif not self.open and not self.too_narrow and len(self.proved) == 1:
+            (status,) = self.proved
+        shares = Shares(self.share["stable"], self.share["unstable"])
+        if status in ("stable", "unstable"):
+            shares = Shares(float(status == "stable"), float(status == "unstable"))
+        sides = tuple(Side(name, *ends, "") for name, ends in self.box.items())
+        return RegionProof(
+            subject=self.family.make,
+            status=status,
+            box=sides,
+            examples=() if status in ("stable", "unstable") else tuple(self.example.values()),
+            growth_tolerance=0.0,
+            growth_unit="per unit of time",
+            modes=1,
+            left_out_bound=0.0,
+            boxes=self.examined,
+            shares=shares,
+            statement=statement_on(status, sides, 0.0),
+            note=note_on(status, shares, self.examined),
+            assumptions=_ASSUMED,
+        )
+
+    def _examine(self) -> None:
+        """Prove the largest part that is open, or halve it."""
+        negative, _, part = heapq.heappop(self.open)
+        self.examined += 1
+        middle = {name: 0.5 * (low + high) for name, (low, high) in part.items()}
+        multipliers = np.array(stability(self.family.system(middle)).multipliers)
+        status = status_of_all(problem_of_bounds(self.family.bounds(part)), multipliers)
+        if status is not None:
+            self.share[status] -= negative
+            self.proved.add(status)
+            if status not in self.example:
+                proof = self.prove(self.family.at(middle))
+                if proof.status == status:
+                    self.example[status] = proof
+            return
+        name = self._widest(part)
+        if name is None:
+            self.too_narrow = True
+            return
+        (low, high), cut = part[name], middle[name]
+        for ends in ((low, cut), (cut, high)):
+            heapq.heappush(self.open, (0.5 * negative, next(self.number), part | {name: ends}))
+
+    def _widest(self, part: Box) -> str | None:
+        """Return the side along which the coefficients vary most, None where all are too narrow to be halved."""
+        wide = [
+            name
+            for name, (low, high) in part.items()
+            if high - low > _NARROWEST * max(abs(self.box[name][0]), abs(self.box[name][1]), abs(high))
+        ]
+        middle = {name: (0.5 * (low + high),) * 2 for name, (low, high) in part.items()}
+        change = {name: self.family.bounds(middle | {name: part[name]}).spread for name in wide}
+        return max(wide, key=lambda name: change[name], default=None) if any(change.values()) else None

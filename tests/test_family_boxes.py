@@ -1,0 +1,175 @@
+"""Boxes of the parameters of families of equations and systems: what is proved holds at every point that is tried."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from conftest import depth
+from floquetrod.floquet.proof.balls import Doubles
+from floquetrod.floquet.proof.box_problem import bounds_of, problem_of_bounds
+from floquetrod.floquet.proof.family import corners
+from floquetrod.floquet.proof.system_flow import monodromy
+from floquetrod.floquet.proof.system_problem import FirstOrder, flow_of_oscillators
+from test_new_equation import Trapezoid
+
+
+def coupled(stiffness: float, forcing: float, damping: float = 0.0, period: float = 5.0) -> fr.HillSystem:
+    """Return two coupled Mathieu equations."""
+    return fr.HillSystem(
+        [[1.0, 0.0], [0.0, stiffness]],
+        [[[0.1, forcing], [forcing, 0.16]]],
+        damping=2.0 * damping * np.eye(2),
+        period=period,
+    )
+
+
+def with_mass(added: float, twist: float) -> fr.HillSystem:
+    """Return a gyroscopic system whose mass varies."""
+    return fr.HillSystem(
+        [[2.0, 0.1], [0.1, 5.0]],
+        [[[0.1, 0.05], [0.05, 0.2]]],
+        mass=[[1.0 + added, 0.1], [0.1, 1.5]],
+        gyroscopic=[[0.0, twist], [-twist, 0.0]],
+        period=2.0,
+    )
+
+
+def follower(load: float) -> fr.HillSystem:
+    """Return a reversible system."""
+    return fr.HillSystem([[2.0, load], [0.0, 5.0]], [[[0.1, 0.2], [0.0, 0.1]]], period=2.3)
+
+
+def first_order(decay: float, forcing: float) -> fr.PeriodicSystem:
+    """Return a damped equation in first order."""
+    return fr.PeriodicSystem([[0.0, 1.0], [-1.3, -decay]], [[[0.0, 0.0], [forcing, 0.0]]])
+
+
+def steps(high: float, damping: float) -> fr.HillSystem:
+    """Return two coupled Meissner equations."""
+    return fr.HillSystem.from_pieces(
+        [(1.0, [[high, 0.1], [0.1, 4.0]]), (0.5, [[0.5, 0.0], [0.0, 3.0]])], damping=[[damping, 0.0], [0.0, 0.1]]
+    )
+
+
+BOXES: list[tuple[Callable[..., Any], dict[str, tuple[float, float]], str]] = [
+    (coupled, {"stiffness": (4.2, 4.4), "forcing": (0.1, 0.2)}, "stable"),
+    (coupled, {"stiffness": (4.2, 4.4), "forcing": (0.1, 0.2), "damping": (0.0, 0.05)}, "stable"),
+    (coupled, {"stiffness": (4.2, 4.4), "forcing": (-0.05, 0.05), "period": (4.98, 5.02)}, "stable"),
+    (coupled, {"stiffness": (-0.2, -0.1), "forcing": (0.0, 0.05)}, "unstable"),
+    (with_mass, {"added": (0.0, 0.05), "twist": (0.1, 0.12)}, "stable"),
+    (follower, {"load": (0.1, 0.12)}, "stable"),
+    (first_order, {"decay": (0.1, 0.12), "forcing": (0.05, 0.1)}, "stable"),
+    (first_order, {"decay": (-0.3, -0.29), "forcing": (0.0, 0.005)}, "unstable"),
+    (steps, {"high": (1.9, 2.0), "damping": (0.1, 0.15)}, "stable"),
+    (fr.Meissner, {"alpha": (0.4, 0.45), "beta": (-0.26, -0.24)}, "unstable"),
+    (Trapezoid, {"alpha": (0.4, 0.404), "beta": (-0.7, -0.698), "damping": (0.04, 0.041)}, "stable"),
+    (lambda k: fr.Hill(-k, cosines=(0.1,), sines=(0.1, 0.2)), {"k": (0.5, 0.52)}, "stable"),
+    (lambda k: fr.HillSystem([[1.0, 0.0], [0.0, k]]), {"k": (0.5, 2.0)}, "stable"),
+]
+
+
+def drawn(box: dict[str, tuple[float, float]], rng: np.random.Generator, count: int) -> list[dict[str, float]]:
+    """Return points of a box, corners and the middle among them."""
+    shares = np.vstack([rng.uniform(0.0, 1.0, (count, len(box))), np.full((1, len(box)), 0.5)])
+    shares[: count // 2] = np.round(shares[: count // 2])
+    return [
+        {name: low + s * (high - low) for s, (name, (low, high)) in zip(share, box.items(), strict=True)}
+        for share in shares.tolist()
+    ]
+
+
+@pytest.mark.parametrize(("family", "box", "status"), BOXES)
+def test_what_is_proved_of_a_box_holds_at_its_points(
+    family: Callable[..., Any], box: dict[str, tuple[float, float]], status: str, rng: np.random.Generator
+) -> None:
+    proof = fr.certify(family, **box)
+    assert isinstance(proof, fr.RegionProof)
+    assert proof.status == status, proof
+    assert proof.statement.startswith("for every ")
+    assert [(side.name, side.low, side.high) for side in proof.box] == [(name, *ends) for name, ends in box.items()]
+    for point in drawn(box, rng, depth(20, 4)):
+        assert fr.stability(family(**point)).status == status
+    assert "affine" in proof.assumptions[0]
+    assert proof.references[0].startswith("The floquetrod developers")
+    assert proof.as_dict()["growth_tolerance_per_unit_time"] == 0.0
+    assert status.upper() in str(proof.report())
+
+
+@pytest.mark.parametrize(("family", "box", "status"), BOXES[:9])
+def test_the_balls_hold_every_system_of_the_box(
+    family: Callable[..., Any], box: dict[str, tuple[float, float]], status: str, rng: np.random.Generator
+) -> None:
+    """The map over a period of each point lies within that of the box."""
+    narrow = {name: (low, low + 0.02 * (high - low)) for name, (low, high) in box.items()}
+    problem = problem_of_bounds(bounds_of([family(**point) for point in corners(narrow)]))
+    arithmetic, unit = Doubles(), Fraction(problem.period)
+    if isinstance(problem, FirstOrder):
+        every = monodromy(arithmetic, problem.flow(arithmetic, unit))
+    else:
+        every = monodromy(
+            arithmetic, flow_of_oscillators(arithmetic, problem.oscillators(arithmetic, unit, freed=False))
+        )
+    trace, reach = float(np.trace(every.mid)), float(np.trace(every.rad))
+    for point in drawn(narrow, rng, depth(20, 6)):
+        matrix, error = fr.stability(family(**point)).monodromy
+        assert abs(np.trace(matrix) - trace) <= reach + len(matrix) * error
+    assert reach < 1.0
+
+
+def test_boundaries_within_a_box_are_told_by_an_example_on_either_side() -> None:
+    proof = fr.certify(lambda k: fr.HillSystem([[1.0, 0.0], [0.0, k]], [0.05 * np.eye(2)], period=2.0), k=(-0.5, 2.0))
+    assert isinstance(proof, fr.RegionProof)
+    assert proof.status == "mixed"
+    assert {example.status for example in proof.examples} == {"stable", "unstable"}
+    for example in proof.examples:
+        assert fr.certify(example.equation).status == example.status
+
+
+def test_a_box_that_takes_too_long_is_undecided_and_says_how_far_it_came() -> None:
+    for work in ({"max_boxes": 3}, {"seconds": 1e-6}):
+        proof = fr.certify(coupled, stiffness=(3.9, 4.4), forcing=(0.1, 0.5), **work)
+        assert isinstance(proof, fr.RegionProof)
+        assert proof.status == "undecided"
+        assert "% of it proved stable" in proof.note
+        assert proof.boxes <= 3
+
+
+def test_without_ranges_one_equation_of_the_family_is_proved() -> None:
+    proof = fr.certify(coupled, stiffness=4.3, forcing=0.1)
+    assert isinstance(proof, fr.Proof)
+    assert proof.equation == coupled(4.3, 0.1)
+    assert proof.status == "stable"
+
+
+@pytest.mark.parametrize(
+    ("family", "error", "match"),
+    [
+        (
+            lambda w: fr.HillSystem([[w * w]], [[[0.1]]]),
+            ValueError,
+            "affine in each parameter over the box, got a mean",
+        ),
+        (lambda w: fr.HillSystem(np.eye(1 + (w > 1.2))), ValueError, "got systems of different kinds or orders"),
+        (lambda w: fr.HillSystem.from_pieces([(w, [[1.0]]), (1.0, [[2.0]])]), ValueError, "durations of pieces"),
+        (lambda w: w, TypeError, "equation must be an Equation"),
+        (lambda w: fr.HillSystem(np.ones((3, 1, 1))), ValueError, "must be a single system"),
+    ],
+)
+def test_families_that_cannot_be_proved_are_refused(family: Any, error: type[Exception], match: str) -> None:
+    with pytest.raises(error, match=match):
+        fr.certify(family, w=(1.0, 1.5))
+
+
+def test_ranges_are_checked() -> None:
+    with pytest.raises(ValueError, match="stiffness must not decrease"):
+        fr.certify(coupled, stiffness=(2.0, 1.0), forcing=0.1)
+    with pytest.raises(ValueError, match="seconds must be"):
+        fr.certify(coupled, stiffness=(1.0, 2.0), forcing=0.1, seconds=0.0)
+    with pytest.raises(ValueError, match="at most 6 ranges, got 7"):
+        fr.certify(lambda **k: coupled(2.0, 0.1), **{f"p{i}": (0.0, 1.0) for i in range(7)})
