@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod import units as known
 from floquetrod._util import validate
@@ -16,7 +17,7 @@ from floquetrod._util.compilation import compiled_for, runner
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.report import Report, Reported, number
 from floquetrod.floquet.proof.kernels import regions as kernels
-from floquetrod.floquet.proof.kernels.regions_boxes import DAMPING, tail_modes
+from floquetrod.floquet.proof.kernels.regions_boxes import tail_modes
 from floquetrod.floquet.references import references
 
 _MOST_AT_ONCE = 100_000  # parts that wait in one search: tens of megabytes (a choice)
@@ -216,6 +217,31 @@ def side_ends(name: str, value: Any, element: Callable[[str, Any], Any]) -> tupl
     return low, high
 
 
+Ends: TypeAlias = tuple[float, float]
+
+
+class ModeBox(NamedTuple):
+    """Low and high ends of all numbers in q'' + 2 c q' + (c1 m^4 - c2 m^2 F(t) + Omega^2) q = 0, in SI units.
+
+    In the order of the rows that kernels take, `floquetrod.floquet.proof.kernels.regions_boxes`.
+
+    Attributes
+    ----------
+    mean, amplitude, frequency : (float, float)
+        Of the load: N, N, rad/s.
+    bending, per_newton, pendulum_squared, damping_rate : (float, float)
+        c1, c2, Omega^2 and c.
+    """
+
+    mean: Ends
+    amplitude: Ends
+    frequency: Ends
+    bending: Ends
+    per_newton: Ends
+    pendulum_squared: Ends
+    damping_rate: Ends
+
+
 class Found(NamedTuple):
     """What a subdivision of one box of loads and of the numbers of the modes came to.
 
@@ -227,7 +253,7 @@ class Found(NamedTuple):
         Whether nothing is open.
     too_narrow : bool
         Whether parts are open that cannot be halved any more.
-    quiet_box, growing_box : ndarray (7, 2) or None
+    quiet_box, growing_box : ModeBox or None
         A part proved quiet, and one proved growing.
     growing_mode : int
         The mode that grows in it; 0 without.
@@ -239,14 +265,14 @@ class Found(NamedTuple):
     growing: float
     finished: bool
     too_narrow: bool
-    quiet_box: Any
-    growing_box: Any
+    quiet_box: ModeBox | None
+    growing_box: ModeBox | None
     growing_mode: int
     boxes: int
 
 
 def subdivide(
-    box: Sequence[float],
+    box: ModeBox,
     last: int,
     tolerance: float,
     max_boxes: int,
@@ -256,8 +282,7 @@ def subdivide(
 
     Parameters
     ----------
-    box : sequence of float
-        Ends of F, dF, omega, c1, c2, Omega^2 and lambda, see `floquetrod.floquet.proof.kernels.regions`.
+    box : ModeBox
     last : int
     tolerance : float
         Growth in 1/s that counts as none.
@@ -266,7 +291,7 @@ def subdivide(
     progress : callable, optional
         Called with the number of parts examined, now and then.
     """
-    search = kernels.box_search(as_box(box), last, min(max_boxes, _MOST_AT_ONCE))
+    search = kernels.box_search(np.array(box), last, min(max_boxes, _MOST_AT_ONCE))
     counts = search.counts
     # The box as a whole is judged by interpreted kernels, while there are few: most need no more, and no numba.
     first: Any = runner(kernels.certify_box, last * _rows(box), interpret_up_to=1, patience=_PATIENCE)
@@ -278,7 +303,7 @@ def subdivide(
             goes_on = run(*search, tolerance, tolerance, min(_STEPS, max_boxes - int(counts[kernels.DONE])))
             if progress is not None:
                 progress(int(counts[kernels.DONE]))
-    quiet, growing = (None if np.isnan(part).any() else part for part in search.examples)
+    quiet, growing = (_box(part) for part in search.examples)
     return Found(
         float(search.shares[0]),
         float(search.shares[1]),
@@ -291,26 +316,25 @@ def subdivide(
     )
 
 
-def modes_of_box(box: Sequence[float], tolerance: float, negligible: float, most: int) -> tuple[int, float]:
+def modes_of_box(box: ModeBox, tolerance: float, negligible: float, most: int) -> tuple[int, float]:
     """Return how many modes to look at over a box, at most ``most``, and a bound in 1/s on the growth of all others.
 
     The bound is at most the tolerance, or ``negligible`` where tolerance and damping together are less.
     """
-    smallest = 0.0 if tolerance + box[2 * DAMPING] >= negligible else negligible
+    smallest = 0.0 if tolerance + box.damping_rate[0] >= negligible else negligible
     run: Any = runner(tail_modes, _rows(box), interpret_up_to=1, patience=_PATIENCE)
     with np.errstate(all="ignore"):
-        last, bound = run(as_box(box), tolerance, smallest, most)
+        last, bound = run(np.array(box), tolerance, smallest, most)
     return int(last), float(bound)
 
 
-def _rows(box: Sequence[float]) -> int:
+def _rows(box: ModeBox) -> int:
     """Return about how many rows of its Hill matrix the mode has that the largest force pushes hardest."""
-    (_, mean), (_, amplitude), (slow, _), (bending, _), (_, push), (_, swing), _ = as_box(box).tolist()
-    force = (max(mean, 0.0) + amplitude) * push
-    fastest = math.sqrt(max(force * force / max(bending, 1e-300), abs(swing))) if force else math.sqrt(abs(swing))
-    return 2 + int(min(2.0 * fastest / slow, 1e6))
+    force, swing = (max(box.mean[1], 0.0) + box.amplitude[1]) * box.per_newton[1], abs(box.pendulum_squared[1])
+    fastest = math.sqrt(max(force * force / max(box.bending[0], 1e-300), swing) if force else swing)
+    return 2 + int(min(2.0 * fastest / box.frequency[0], 1e6))
 
 
-def as_box(box: Sequence[float]) -> Any:
-    """Return the array that kernels take a box as."""
-    return np.array(box, dtype=np.float64).reshape(7, 2)
+def _box(part: NDArray[np.float64]) -> ModeBox | None:
+    """Return a box from the rows of the kernels, None for one of NaN."""
+    return None if np.isnan(part).any() else ModeBox(*((low, high) for low, high in part.tolist()))

@@ -10,7 +10,7 @@ from floquetrod._util import validate
 from floquetrod._util.interval import Interval
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.proof.problem import Parameters, exact_number
-from floquetrod.floquet.proof.region import RegionProof, RegionStatus, Shares, Side, side_ends, subdivide
+from floquetrod.floquet.proof.region import ModeBox, RegionProof, RegionStatus, Shares, Side, side_ends, subdivide
 from floquetrod.floquet.proof.result import Proof
 
 _NAMES = ("alpha", "beta", "damping")
@@ -36,7 +36,7 @@ def certify_box(
     # A mode of a rod with c1 = Omega^2 = 0, c2 = 1 and omega = 1; the sign of alpha only shifts time.
     unit, none = Interval.of(1.0), Interval.of(0.0)
     numbers = (beta, abs(alpha), unit, none, unit, none, damping)
-    box = [end for side in numbers for end in (side.low, side.high)]
+    box = ModeBox(*((side.low, side.high) for side in numbers))
     found = subdivide(box, 1, tolerance, max_boxes)
     status: RegionStatus = "undecided"
     examples: tuple[Proof, ...] = ()
@@ -89,10 +89,10 @@ def _sides(parameters: dict[str, Any]) -> ExactSides:
 
 
 def _example(
-    sides: ExactSides, status: str, part: Any, tolerance: float, prove: Callable[[Parameters], Proof]
+    sides: ExactSides, status: str, part: ModeBox, tolerance: float, prove: Callable[[Parameters], Proof]
 ) -> Proof | None:
     """Return the proof of one point, in the middle of a part; None where it does not have this status."""
-    (beta, alpha, damping) = (Fraction(0.5 * (part[row, 0] + part[row, 1])) for row in (0, 1, 6))
+    beta, alpha, damping = (Fraction(0.5 * sum(ends)) for ends in (part.mean, part.amplitude, part.damping_rate))
     if -alpha >= sides.alpha[0] and not alpha <= sides.alpha[1]:
         alpha = -alpha
     point = [min(max(x, low), high) for x, (low, high) in zip((alpha, beta, damping), sides, strict=True)]

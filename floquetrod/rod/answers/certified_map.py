@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from floquetrod._util.compilation import over_chunks
 from floquetrod.floquet.proof.kernels import regions as kernels
-from floquetrod.floquet.proof.region import as_box
 from floquetrod.plane import Axis
 from floquetrod.plane.chart import CELLS
 from floquetrod.rod.answers.rod_box import RodBox
@@ -44,8 +43,7 @@ def certified_cells(
     (across, x), (up, y) = axes.items()
     edges = {across: x.cell_edges, up: y.cell_edges}
     shape = y.values.size, x.values.size
-    numbers = RodBox.of(rod, like, 0.0, 0.0, 1.0, None).kernel_box()
-    constants = np.ascontiguousarray(as_box(numbers)[3:])
+    constants = np.array(RodBox.of(rod, like, 0.0, 0.0, 1.0, None).mode_box()[3:])
     cells = np.full(shape, CELLS["undecided"], dtype=np.int8)
     size = _FIRST
     left = np.stack(

@@ -15,6 +15,7 @@ from floquetrod import mathieu
 from floquetrod._util import validate
 from floquetrod.floquet.proof.region import (
     Found,
+    ModeBox,
     RegionProof,
     RegionStatus,
     Shares,
@@ -89,11 +90,11 @@ class _Proving:
     too_narrow: bool = False
     tried: int = 0
     examples: dict[str, RodExample] = field(default_factory=dict)
-    candidates: dict[str, tuple[RodBox, Any]] = field(default_factory=dict)
+    candidates: dict[str, tuple[RodBox, ModeBox]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Count the modes that all of the box needs."""
-        ends = self.box.kernel_box()
+        ends = self.box.mode_box()
         self.modes, self.left_out = modes_of_box(ends, self.tolerance, NEGLIGIBLE_GROWTH, MOST_MODES)
         self.tail_is_stable = self.left_out <= self.tolerance
 
@@ -136,7 +137,7 @@ class _Proving:
                 self.progress(min(self.boxes + done, self.max_boxes), self.max_boxes)
 
         allowed = max(1, min(most, self.max_boxes - self.boxes))
-        found = subdivide(part.kernel_box(), self.modes, self.tolerance, allowed, report)
+        found = subdivide(part.mode_box(), self.modes, self.tolerance, allowed, report)
         self.boxes += found.boxes
         for status, example in (("stable", found.quiet_box), ("unstable", found.growing_box)):
             if example is not None:
@@ -152,7 +153,7 @@ class _Proving:
         if self.searches and self.tried < _CANDIDATES and self.examples.keys() | self.candidates.keys() >= _BOTH:
             self.tried += 1
             for status, (part, example) in list(self.candidates.items()):
-                load = part.like.with_numbers(*(0.5 * (low + high) for low, high in example[:3].tolist()))
+                load = part.like.with_numbers(*(0.5 * (low + high) for low, high in example[:3]))
                 if status not in self.examples:
                     any(self._keep(load, rod, status) for rod in part.corner_rods())
             self.candidates.clear()
@@ -168,7 +169,7 @@ class _Proving:
 
     def _point(self, load: Load, rod: RodData) -> RodExample | None:
         """Return what is proved of one load on one rod, None where nothing is."""
-        box = self.box.point(load, rod).kernel_box()
+        box = self.box.point(load, rod).mode_box()
         modes, bound = modes_of_box(box, self.tolerance, NEGLIGIBLE_GROWTH, MOST_MODES)
         found = subdivide(box, modes, self.tolerance, 1)
         self.boxes += found.boxes

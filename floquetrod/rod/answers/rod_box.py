@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.interval import PI, Interval
-from floquetrod.floquet.proof.region import Side, side_ends
+from floquetrod.floquet.proof.region import ModeBox, Side, side_ends
 from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Load, Quantity, load_number
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.model.constants import ModeConstants
@@ -112,10 +112,9 @@ class RodBox:
         numbers = {name: Interval.of(value) for name, value in self.rod.parameters.items()} | dict(self.parameters)
         return ModeConstants.of(numbers, pi=PI, sin=_sine)
 
-    def kernel_box(self) -> list[float]:
-        """Return the ends of F, dF, omega, c1, c2, Omega^2 and lambda, low before high, as the kernels take them."""
-        intervals = [*(self.loads[name] for name in QUANTITIES), *self.constants()]
-        return [end for interval in intervals for end in _ends(interval)]
+    def mode_box(self) -> ModeBox:
+        """Return the ends of all numbers in the equations of the modes."""
+        return ModeBox(*(_ends(each) for each in (*(self.loads[name] for name in QUANTITIES), *self.constants())))
 
     def halves(self) -> tuple[RodBox, RodBox]:
         """Return both halves of the rods, of the parameter that widens what the modes depend on most."""
