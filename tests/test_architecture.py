@@ -221,3 +221,13 @@ def test_a_verdict_on_one_system_needs_no_compiler(damping: str) -> None:
     system = f"fr.HillSystem([[1, 0], [0, 4]], cosines=[[[0.1, 0.2], [0.2, 0.16]]], damping={damping})"
     loaded = loaded_after(f"import floquetrod as fr; s = {system}; fr.stability(s); fr.systems.is_stable(s)")
     assert "numba" not in loaded
+
+
+def test_methods_of_a_rod_only_call_what_computes() -> None:
+    """A method is its docstring and three statements at most beside imports, none of which repeats or catches."""
+    (rod,) = (node for node in parse("rod.rod").body if isinstance(node, ast.ClassDef))
+    for method in (node for node in rod.body if isinstance(node, ast.FunctionDef)):
+        statements = [node for node in method.body if not isinstance(node, ast.Expr | ast.ImportFrom)]
+        assert len(statements) <= 3, method.name
+        works = (ast.For, ast.While, ast.Try, ast.comprehension)
+        assert not [node for node in ast.walk(method) if isinstance(node, works)], method.name
