@@ -182,3 +182,17 @@ def test_bands_of_coupled_modes() -> None:
         assert held.stability(worst, growth_tolerance=0.01).status == "stable"
         assert CLAMPED.replace(damping_rate=0.99 * band.required_damping).stability(worst).growth_rate > 0.01
     assert "damping rate above which that load is stable" in found.table("rad/s", 1.0)
+
+
+def test_the_required_damping_is_refined_to_the_worst_load() -> None:
+    # Two samples next to the worst load tie, and three refinements left 5e-7 of the damping out.
+    rod = fr.Rod(182.645e9, 3499.19, 0.552784e-3, 1.20374, 0.944477e-3, damping_rate=0.80377)
+    found = rod.stable_frequencies(1.82801, 0.130656, (184.801, 369.603), growth_tolerance=1.58257)
+    band = found.unstable[0]
+    system = rod.modal_systems(1.82801, 0.130656, np.linspace(band.low, band.high, 20_001))
+    worst = 0.0
+    for mode in range(1, 12):
+        alpha, beta = system.coefficients(mode)
+        frequency = system.loads.frequency
+        worst = max(worst, float((damping_to_stabilise(alpha, beta) * frequency).max()))
+    assert worst * (1.0 - 1e-12) <= band.required_damping == pytest.approx(worst, rel=1e-6)

@@ -57,7 +57,8 @@ class UnstableBand(NamedTuple):
         What grows there: (mode, tongue), where modes are coupled a resonance.
     required_damping : float
         The rod's total damping rate in 1/s above which every rate stabilises all of the band, infinite where
-        none does.  Where modes are coupled, that of the load ``at`` which growth is worst.
+        none does: the largest of samples, refined about it.  Where modes are coupled, that of the load ``at`` which
+        growth is worst.
     """
 
     low: float

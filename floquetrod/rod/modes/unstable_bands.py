@@ -85,7 +85,7 @@ class BandSearch:
         order = np.lexsort((found.value, band))
         best = order[np.append(np.diff(band[order]) > 0, True)]  # the last one of each band is its largest
         closer = _peaks(
-            lambda x, i: self._damping(mode[best[i]], x), found.low[best], found.high[best], _CLOSER, _FEWER_STEPS
+            lambda x, i: self._damping(mode[best[i]], x), found.low[best], found.high[best], _CLOSER, _STEPS
         )
         return np.asarray(np.maximum(found.value[best], closer.value))
 
