@@ -318,7 +318,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
 
     @property
     def is_even(self) -> bool:
-        """Whether half a period is enough: the stiffness is even about an instant, and there is neither C nor G."""
+        """Whether half a period is enough, as where the stiffness is even about an instant, without C and G."""
         return self.even_form is not None or self.even_start is not None
 
     def as_periodic_system(self) -> PeriodicSystem:

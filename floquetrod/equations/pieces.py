@@ -139,8 +139,10 @@ class PieceArrays(NamedTuple):
 
     Attributes
     ----------
-    mean, slope : ndarray (b, P, N, N)
+    mean : ndarray (b, P, N, N)
         Real.
+    slope : ndarray (b, P, N, N) or None
+        Real; None where there is none.
     harmonics : ndarray (b, P, H, N, N)
         Complex.
     length : ndarray (b, P)
@@ -150,7 +152,7 @@ class PieceArrays(NamedTuple):
     """
 
     mean: NDArray[np.float64]
-    slope: NDArray[np.float64]
+    slope: NDArray[np.float64] | None
     harmonics: NDArray[np.complex128]
     length: NDArray[np.float64]
     period: NDArray[np.float64]
@@ -158,20 +160,20 @@ class PieceArrays(NamedTuple):
     @property
     def sizes(self) -> NDArray[np.float64]:
         """Bounds (b, P, N, N) of the magnitudes of A's entries."""
-        sloped = np.abs(self.slope) * self.length[..., None, None]
-        return np.asarray(np.abs(self.mean) + sloped + np.abs(self.harmonics).sum(axis=2))
+        found = np.abs(self.mean) + np.abs(self.harmonics).sum(axis=2)
+        return np.asarray(found if self.slope is None else found + np.abs(self.slope) * self.length[..., None, None])
 
     def some(self, part: slice) -> PieceArrays:
         """Return those of some systems."""
         mean, slope, harmonics, length, period = self
-        return PieceArrays(mean[part], slope[part], harmonics[part], length[part], period[part])
+        slope = None if slope is None else slope[part]
+        return PieceArrays(mean[part], slope, harmonics[part], length[part], period[part])
 
     def scaled(self, scaling: NDArray[np.float64]) -> PieceArrays:
         """Return the same for x / scaling, scaling (b, N)."""
         ratio = scaling[:, None, None, :] / scaling[:, None, :, None]
-        return self._replace(
-            mean=self.mean * ratio, slope=self.slope * ratio, harmonics=self.harmonics * ratio[:, :, None]
-        )
+        slope = None if self.slope is None else self.slope * ratio
+        return PieceArrays(self.mean * ratio, slope, self.harmonics * ratio[:, :, None], self.length, self.period)
 
 
 def read(pieces: Any) -> Pieces:
@@ -279,11 +281,13 @@ def arrays_of(pieces: tuple[TimedPiece, ...], period: Fraction) -> PieceArrays:
         harmonics[0, j, : len(turns)] = piece.harmonics * np.exp(2j * math.pi * np.array(turns))[:, None, None]
     mean = np.array([[piece.beginning for piece in pieces]])
     length = np.array([[float(piece.length) for piece in pieces]])
-    return PieceArrays(mean, slope, harmonics, length, np.array([float(period)]))
+    return PieceArrays(mean, slope if slope.any() else None, harmonics, length, np.array([float(period)]))
 
 
 def from_instant(system: Any, start: Fraction, length: Fraction) -> tuple[PieceArrays, float]:
     """Return what of one first-order system lies between two instants, and the error of its entries."""
+    if not system.pieces and not start and length == system.period:
+        return of_batch(system), system.coefficient_error
     found = between(in_time(system), start, length)
     rounding = max(
         (_EPS * float(p.size.max()) for p in found if p.slope is not None and p.begin != p.origin), default=0.0
@@ -293,11 +297,13 @@ def from_instant(system: Any, start: Fraction, length: Fraction) -> tuple[PieceA
 
 def of_batch(system: Any) -> PieceArrays:
     """Return the pieces of one system or of a batch, flat in the order of C."""
-    if not system.shape:
+    if system.pieces and not system.shape:
         return arrays_of(in_time(system), exact_period(system))
     size, order = math.prod(system.shape), system.order
 
     def flat(array: Any, *tail: int) -> NDArray[Any]:
+        if not system.shape:  # what numpy's function does, at a tenth of the time
+            return np.asarray(array)[None]
         return np.broadcast_to(array, (*system.shape, *tail)).reshape(size, *tail)
 
     period = flat(system.period)
@@ -305,7 +311,7 @@ def of_batch(system: Any) -> PieceArrays:
         mean = flat(getattr(system, system.MEAN), order, order)[:, None]
         waves = system.harmonics.shape[-3]
         harmonics = flat(system.harmonics, waves, order, order)[:, None]
-        return PieceArrays(mean, np.zeros_like(mean), harmonics, period[:, None], period)
+        return PieceArrays(mean, None, harmonics, period[:, None], period)
     waves = max(max(len(value.cosines), len(value.sines)) for _, value in system.pieces)
     shape = (size, len(system.pieces))
     mean, slope = np.zeros((2, *shape, order, order))
@@ -320,7 +326,7 @@ def of_batch(system: Any) -> PieceArrays:
         turned = np.exp(2j * math.pi * (begin / period)[:, None] * np.arange(1, count + 1))
         harmonics[:, j, :count] = flat(series, count, order, order) * turned[..., None, None]
         begin = begin + length[:, j]
-    return PieceArrays(mean, slope, harmonics, length, period)
+    return PieceArrays(mean, slope if slope.any() else None, harmonics, length, period)
 
 
 def fourier(system: Any, count: int) -> NDArray[np.complex128]:

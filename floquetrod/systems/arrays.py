@@ -237,7 +237,7 @@ class _FirstOrderBatch(_Batch):
         uncertainty = np.where(long, np.inf, self.uncertainty)
         pieces = pieces._replace(
             mean=_without(long, pieces.mean),
-            slope=_without(long, pieces.slope),
+            slope=None if pieces.slope is None else _without(long, pieces.slope),
             harmonics=_without(long, pieces.harmonics),
         )
         return whole.period_maps(pieces, uncertainty, _ACCURACY, paired=self.paired)

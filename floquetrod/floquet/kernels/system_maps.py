@@ -101,9 +101,11 @@ def segment_maps(
     harmonics = np.array(harmonics, dtype=complex)
     period = np.array(period, dtype=float, order="C")
     batch, n = mean.shape[:2]
-    slope = np.zeros((batch, 0, n, n)) if slope is None else np.array(slope, dtype=float, order="C")[:, None]
-    length = period.copy() if length is None else np.array(length, dtype=float, order="C")
-    lost = ~usable(mean, harmonics, period) | ~usable(mean, slope, length)
+    lost = ~usable(mean, harmonics, period)
+    slope = np.empty((batch, 0, n, n)) if slope is None else np.array(slope, dtype=float, order="C")[:, None]
+    length = period if length is None else np.array(length, dtype=float, order="C")
+    if length is not period:
+        lost |= ~usable(mean, slope, length)
     if lost.any():
         mean[lost], harmonics[lost], slope[lost], period[lost], length[lost] = 0.0, 0.0, 0.0, 1.0, 1.0
     size = n * n

@@ -80,17 +80,17 @@ def period_maps(
 
 def balanced_maps(pieces: PieceArrays, rtol: float, segments: int = 1, workers: int | None = 1) -> SegmentMaps:
     """Return the maps over all pieces, each in so many equal segments, of x / scaling: rows and columns balanced."""
-    outer = np.ones((len(pieces.mean), pieces.mean.shape[-1]))
     if pieces.mean.shape[1] > 1:
-        outer = np.exp2(np.round(np.log2(_balance(pieces.sizes.max(axis=1), _MANY_ROUNDS)))).astype(float)
-    maps, errors, inner = _maps(pieces.scaled(outer), rtol, segments, workers)
-    return SegmentMaps(maps * inner[:, None, None, :] / inner[:, None, :, None], errors, outer * inner)
+        scaling = np.exp2(np.round(np.log2(_balance(pieces.sizes.max(axis=1), _MANY_ROUNDS)))).astype(float)
+        return _maps(pieces.scaled(scaling), rtol, segments, workers)._replace(scaling=scaling)
+    maps, errors, scaling = _maps(pieces, rtol, segments, workers)
+    return SegmentMaps(maps * scaling[:, None, None, :] / scaling[:, None, :, None], errors, scaling)
 
 
 def _maps(pieces: PieceArrays, rtol: float, segments: int, workers: int | None) -> SegmentMaps:
     """Return the maps over all pieces, each in so many equal segments; those of several without scaling."""
     batch, count, n = pieces.mean.shape[:3]
-    slope = pieces.slope if pieces.slope.any() else None
+    slope = pieces.slope
     if count == 1 and slope is None and np.array_equal(pieces.length[:, 0], pieces.period):
         return segment_maps(pieces.mean[:, 0], pieces.harmonics[:, 0], pieces.period, rtol, segments, workers)
 
