@@ -21,7 +21,7 @@ from typing import Any
 
 import floquetrod as fr
 from benchmarks.measure import Row
-from floquetrod.floquet.registry import applicable, of_kind
+from floquetrod.floquet.registry import applicable, names_of
 from floquetrod.floquet.systems.result import SystemStability
 
 Result = fr.Stability | SystemStability
@@ -133,7 +133,7 @@ def _examples(strategy: Any, number: int, seed: int) -> Iterator[Any]:
 
 def matrix(equations: Sequence[Any]) -> Matrix:
     """Judge every equation by every method that applies and compare the results pair by pair."""
-    names = dict.fromkeys(method.name for equation in equations for method in of_kind(equation))
+    names = dict.fromkeys(name for equation in equations for name in names_of(equation)[1:])
     applying = [{method.name for method in applicable(equation)} for equation in equations]
     pairs = {(one, other): Pair() for one, other in combinations(names, 2) if any({one, other} <= a for a in applying)}
     seconds: dict[str, list[float]] = {name: [] for name in names}

@@ -426,7 +426,7 @@ def test_exact_ends_are_enclosed() -> None:
 @pytest.mark.parametrize(
     ("call", "error", "words"),
     [
-        (lambda: fr.certify(fr.Meissner, alpha=(0.4, 0.5), beta=-0.3), TypeError, "class Mathieu only"),
+        (lambda: fr.certify(fr.Meissner, alpha=(0.5, 0.4), beta=-0.3), ValueError, "must not decrease"),
         (lambda: fr.certify(fr.Mathieu, alpha=(0.5, 0.4), beta=-0.3), ValueError, "must not decrease"),
         (lambda: fr.certify(fr.Mathieu, alpha=(0.4, 0.5)), TypeError, "beta must be given"),
         (lambda: fr.certify(fr.Mathieu, alpha=(0.4, 0.5), beta=0, gamma=1), TypeError, "gamma is not a parameter"),

@@ -273,7 +273,7 @@ def test_undamped_coefficients_that_are_not_exact_prove_no_stability() -> None:
 def test_what_is_refused() -> None:
     with pytest.raises(ValueError, match="batch"):
         fr.certify(HillSystem(np.ones((3, 1, 1))))
-    with pytest.raises(TypeError, match="beta must be of the system"):
+    with pytest.raises(TypeError, match="beta must follow a class or another callable"):
         fr.certify(coupled_mathieu(1.0), beta=1.0)
 
 

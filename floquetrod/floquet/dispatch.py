@@ -9,7 +9,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.problems import Problem, require_problem
-from floquetrod.floquet.registry import in_turn, of_kind
+from floquetrod.floquet.registry import in_turn, names_of
 from floquetrod.floquet.verdict import Stability, Verdict
 
 if TYPE_CHECKING:
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
         limit: float | None
         digits: int | None
         most_digits: int | None
+
+
+_OPTIONS = ("terms", "rtol", "step", "periods", "limit", "digits", "most_digits")
 
 
 @overload
@@ -75,11 +78,11 @@ def stability(
     >>> stability(HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]])).strongly_stable
     True
     """
-    require_problem(equation)
-    validate.choice("method", method, ("auto", *(each.name for each in of_kind(equation))))
-    every = {"terms": terms, "rtol": rtol, "step": step, "periods": periods, "limit": limit}
-    every |= {"digits": digits, "most_digits": most_digits}
-    options = {name: value for name, value in every.items() if value is not None}
+    if not isinstance(equation, Equation):  # whose pieces every method checks
+        require_problem(equation)
+    validate.choice("method", method, names_of(equation))
+    given = terms, rtol, step, periods, limit, digits, most_digits
+    options = {name: value for name, value in zip(_OPTIONS, given, strict=True) if value is not None}
     if method != "auto":
         found: Stability | SystemStability = run(method, equation, **options)
         return found

@@ -88,23 +88,29 @@ METHODS = (
 )
 """Every method there is."""
 
-_NAMED = {method.name: method for method in METHODS}
+_BY_NAME = {method.name: method for method in METHODS}
 
 
-def of_kind(problem: Problem) -> tuple[Method, ...]:
-    """Return the methods for a scalar equation, or those for a system."""
-    return tuple(method for method in METHODS if method.serves(problem) is not None)
+_NAMES = tuple(
+    ("auto", *(method.name for method in METHODS if getattr(method, kind) is not None))
+    for kind in ("equations", "systems")
+)
+
+
+def names_of(problem: Problem) -> tuple[str, ...]:
+    """Return "auto" and the names of the methods for a scalar equation, or of those for a system."""
+    return _NAMES[not isinstance(problem, Equation)]
 
 
 def applicable(problem: Problem) -> tuple[Method, ...]:
     """Return the methods that serve a problem."""
-    return tuple(method for method in of_kind(problem) if method.refusal(problem) is None)
+    return tuple(method for method in METHODS if method.refusal(problem) is None)
 
 
 def require(equation: Any, method: str) -> None:
     """Raise TypeError unless the method of this name serves a scalar equation."""
     require_equation(equation)
-    if refusal := _NAMED[method].refusal(equation):
+    if refusal := _BY_NAME[method].refusal(equation):
         raise TypeError(f"{refusal}, got {validate.short(equation)}")
 
 

@@ -63,6 +63,7 @@ LEFT_OUT = {
     "CheckpointWarning": "a warning",
     "SimulationDiverged": "an exception",
     "SquareWave": "another name of Meissner",
+    "FloquetMode": "constructed by floquet_solutions",
     "Solution": "constructed by solve",
     "Stability": "constructed by every method",
     "mathieu.FloquetSolution": "constructed by characteristic_function and floquet_solutions",
@@ -414,6 +415,7 @@ def _of_mathieu() -> dict[str, Call]:
         "mathieu.exponents": Call(
             fr.mathieu.exponents, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "per": "tau", "workers": 1}
         ),
+        "floquet_solutions": Call(fr.floquet_solutions, {"equation": fr.Meissner(0.5, -0.3)}),
         "solve": Call(fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),
         "Mathieu.from_aq": Call(fr.Mathieu.from_aq, {"a": 1.0, "q": 1.0, "damping": 0.1}),
         "mathieu.tongue_widths": Call(fr.mathieu.tongue_widths, {"order": 2, "q": 0.5, "workers": 1}),

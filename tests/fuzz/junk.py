@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 import floquetrod as fr
-from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.verdict import FloquetVerdict
 from fuzz.calls import CLAMPED, LOAD, ROD, Call, folder, table
 from fuzz.core import Found, TookTooLong, limit, own_warnings, told
 
@@ -264,7 +264,7 @@ def _is_infinite(value: Any) -> bool:
 def _has_nan(value: Any, depth: int = 0) -> bool:
     """Return whether a NaN hides anywhere in a value.
 
-    The second curve of order 0 is none, and of a system about which nothing could be computed the growth is NaN.
+    The second curve of order 0 is none, and of an equation about which nothing could be computed the growth is NaN.
     """
     if isinstance(value, float | complex | np.floating):
         return bool(np.isnan(value))
@@ -276,7 +276,7 @@ def _has_nan(value: Any, depth: int = 0) -> bool:
         return bool(np.isnan(np.ma.getdata(value)).any())
     if depth > 4 or isinstance(value, str | bytes):
         return False
-    if isinstance(value, SystemStability | fr.RodStability) and value.status == "undecided" and not value.exponents:
+    if isinstance(value, FloquetVerdict | fr.RodStability) and value.status == "undecided" and not value.exponents:
         return False
     if isinstance(value, fr.mathieu.TransitionCurves):
         return _has_nan(value.even) or _has_nan(value.width)

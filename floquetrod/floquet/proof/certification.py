@@ -119,6 +119,7 @@ def certify(
     max_digits = validate.integer("max_digits", max_digits, 5, MOST_DIGITS)
     growth_tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     max_boxes = validate.integer("max_boxes", max_boxes, 1)
+    seconds = validate.positive("seconds", seconds)
     if growth_tolerance and equation is not Mathieu:
         raise TypeError("growth_tolerance is for the class Mathieu and its parameters only; leave it out")
     if isinstance(equation, Equation | HillSystem | PeriodicSystem):
@@ -138,7 +139,6 @@ def certify(
     if is_readable(equation) and not boxed:
         return certify_scalar(exact_problem(equation, parameters), max_digits)
     if callable(equation) and parameters:
-        seconds = validate.positive("seconds", seconds)
         return certify_family(equation, parameters, max_boxes, seconds, lambda problem: _of_value(problem, max_digits))
     raise validate.wrong_type("equation", f"must be {_ACCEPTED}, got {validate.short(equation)}")
 
