@@ -164,6 +164,19 @@ def test_a_tongue_beside_the_edge_of_the_plane_is_followed_along_it() -> None:
     agree(bands, status)
 
 
+def test_thin_tongues_that_cross_are_one_band() -> None:
+    """Where they cross, cells of the grid have two unstable corners of four, and what joins them is in their middle."""
+
+    def status(a: Floats, b: Floats) -> Any:
+        rising = np.abs(b - 0.3 - 0.5 * a) < 0.05 * np.maximum(a - 0.2, 0.0) ** 2
+        return ~(rising | (np.abs(b - 0.8 + 0.6 * a) < 0.03 * a**2))
+
+    bands = traced(status, (0.0, 1.0, 33), (0.0, 1.0, 42))
+    assert len(bands) == 1
+    assert bands.accuracy == ACCURACY
+    agree(bands, status)
+
+
 def test_holes_islands_and_gaps() -> None:
     def ring(a: Floats, b: Floats) -> Any:
         r = np.hypot(a, b)

@@ -47,7 +47,7 @@ def traced(
     u, v = _grid(x, y)
     outline = Outline()
     try:
-        outline = outlined(plane, crossings(u, v, unstable))
+        outline = outlined(plane, crossings(u, v, unstable, lambda places: plane.unstable(places)[0]))
         whole = refined(plane, outline, accuracy, progress or (lambda *_: None))
     except OutOfBudget:
         whole = False
