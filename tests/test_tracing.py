@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy import ndimage
 
 import floquetrod as fr
 from floquetrod.mathieu.charts import MathieuPlane
 from floquetrod.plane import Axis, Band, Bands, charted
+from floquetrod.plane.contours import crossings
 from floquetrod.plane.family import Judged
 from floquetrod.plane.polygons import area, contains
 
@@ -162,6 +164,21 @@ def test_a_tongue_beside_the_edge_of_the_plane_is_followed_along_it() -> None:
     bands = traced(status, (0.0, 1.0, 20), (0.0, 1.0, 20))
     assert [band.x.max() for band in bands] == [1.0]
     agree(bands, status)
+
+
+@pytest.mark.parametrize("joined", [True, False])
+@pytest.mark.parametrize("seed", range(5))
+def test_outlines_of_a_grid_are_those_of_its_parts(joined: bool, seed: int) -> None:
+    """What only a diagonal connects is one part where the middles of cells are unstable, else two; holes contrarily."""
+    unstable = np.random.default_rng(seed).random((30, 40)) < 0.5
+    u, v = np.linspace(0.0, 1.0, 40), np.linspace(0.0, 1.0, 30)
+    found = crossings(u, v, unstable, lambda places: np.full(len(places), joined))
+    around, across = ndimage.generate_binary_structure(2, 2), ndimage.generate_binary_structure(2, 1)
+    parts = ndimage.label(unstable, around if joined else across)[1]
+    holes = ndimage.label(~np.pad(unstable, 1), across if joined else around)[1] - 1
+    assert len(found.rings) == parts + holes
+    row, column = (np.searchsorted(line, found.inside[:, k]) for line, k in ((v, 1), (u, 0)))
+    assert unstable[row, column].all()
 
 
 def test_thin_tongues_that_cross_are_one_band() -> None:

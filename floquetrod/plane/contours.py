@@ -42,49 +42,34 @@ def crossings(u: Floats, v: Floats, unstable: Bools, middle: Callable[[Floats], 
     middle : callable ((n, 2)) -> (n,)
         Says whether places are unstable; asked about the middles of cells whose corners differ crosswise.
     """
-    fine = _refined(unstable)
-    rows, columns = np.nonzero(_crosswise(unstable))
-    joined = middle(np.column_stack([0.5 * (u[columns] + u[columns + 1]), 0.5 * (v[rows] + v[rows + 1])]))
-    for up, right in ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1)):
-        fine[2 * rows[joined] + 3 + up, 2 * columns[joined] + 3 + right] = 1.0
-    rings = _rings(fine)
+    from contourpy import contour_generator
+
+    heights = np.pad(_heights(u, v, unstable, middle), 1)  # with stable points all around every outline is closed
+    generator: Any = contour_generator(z=heights, name="serial", line_type="Separate")
+    rings = [line[:-1] for line in generator.lines(0.5)]
     at, ends = np.concatenate([np.empty((0, 2)), *rings]), np.cumsum([0] + [len(ring) for ring in rings])
     u, v = (np.concatenate([line[:1], line, line[-1:]]) for line in (u, v))
     before, after = np.floor(at).astype(np.int64), np.ceil(at).astype(np.int64)
     first, other = (np.column_stack([u[i], v[j]]) for i, j in (before.T, after.T))
-    within = np.pad(unstable, 1)[before[:, 1], before[:, 0]][:, None]
+    within = heights[before[:, 1], before[:, 0]][:, None] > 0.5
     inside, outside = np.where(within, first, other), np.where(within, other, first)
     return Crossings(inside, outside, [np.arange(*part) for part in pairwise(ends)])
 
 
-def _rings(fine: Floats) -> list[Floats]:
-    """Return closed rings about what is 1 on a grid twice as fine, as columns and rows of the grid itself.
+def _heights(u: Floats, v: Floats, unstable: Bools, middle: Callable[[Floats], Bools]) -> Floats:
+    """Return heights above 0.5 where a point is unstable, whose mean over a crosswise cell tells what is joined there.
 
-    Only what lies between two points of that is kept, not what lies within its cells.
+    Contours of the mean height join what is higher.  Next to each other cells may ask for the contrary; a cell all of
+    whose corners do so keeps its unstable corners apart.
     """
-    from contourpy import contour_generator
-
-    generator: Any = contour_generator(z=fine, name="serial", line_type="Separate")
-    rings = [0.5 * line[:-1] for line in generator.lines(0.5)]
-    return [ring[(ring % 1.0 == 0.0).any(axis=1)] for ring in rings]
-
-
-def _refined(unstable: Bools) -> Floats:
-    """Return a grid twice as fine with stable points all around, 1 where all of the grid's points next to one are.
-
-    Its cells, unlike those of the grid, do not differ crosswise, so that there is no choice of what is joined.
-    """
-    inner = np.pad(unstable, 1)
-    fine = np.zeros([2 * size - 1 for size in inner.shape])
-    fine[::2, ::2] = inner
-    fine[1::2, ::2] = upright = inner[1:] & inner[:-1]
-    fine[::2, 1::2] = inner[:, 1:] & inner[:, :-1]
-    fine[1::2, 1::2] = upright[:, 1:] & upright[:, :-1]
-    return fine
-
-
-def _crosswise(unstable: Bools) -> Bools:
-    """Return the cells of which two opposite corners are unstable and the others not."""
+    heights = unstable.astype(np.float64)
     low, high = unstable[:-1], unstable[1:]
-    result: Bools = (low[:, 1:] != low[:, :-1]) & (low[:, 1:] == high[:, :-1]) & (low[:, :-1] == high[:, 1:])
-    return result
+    crosswise = (low[:, 1:] != low[:, :-1]) & (low[:, 1:] == high[:, :-1]) & (low[:, :-1] == high[:, 1:])
+    rows, columns = np.nonzero(crosswise)
+    joined = middle(np.column_stack([0.5 * (u[columns] + u[columns + 1]), 0.5 * (v[rows] + v[rows + 1])]))
+    for corner in ((0, 0), (0, 1), (1, 0), (1, 1)):
+        place = rows + corner[0], columns + corner[1]
+        raised, lowered = unstable[place] & joined, ~unstable[place] & ~joined
+        heights[place[0][raised], place[1][raised]] = 2.0
+        heights[place[0][lowered], place[1][lowered]] = -1.0
+    return heights
