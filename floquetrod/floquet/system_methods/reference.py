@@ -26,7 +26,6 @@ from floquetrod.floquet.systems.classification import (
     ManyDigits,
     classify_multipliers,
     classify_pairs,
-    declined,
     undamped_pairs,
 )
 from floquetrod.floquet.systems.precise_maps import PeriodMap, Plan, Series
@@ -98,7 +97,9 @@ def reference(
         terms += used
         if found is None:
             note = f"{digits} digits are more work than is worth waiting for"
-            return declined(system, "reference", Cost(terms, "terms"), note) if result is None else result
+            return (
+                SystemStability.declined(system, "reference", Cost(terms, "terms"), note) if result is None else result
+            )
         if found.status == "undecided":
             found = replace(found, note=f"{found.note}, computed to {digits} digits")
         result = found if result is None or found.exponents or not result.exponents else result

@@ -12,7 +12,7 @@ from floquetrod._util.arrays import norms
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.systems import ladders, spectra
-from floquetrod.floquet.systems.classification import classify_multipliers, declined, undamped_pairs
+from floquetrod.floquet.systems.classification import classify_multipliers, undamped_pairs
 from floquetrod.floquet.systems.ladders import Solutions
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.whole import balanced_maps, error_stretch
@@ -55,7 +55,9 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
     if first.order * _FEWEST > _MOST_ROWS:
         return _too_large(system, _FEWEST)
     if _phase(first) > _LARGEST_PHASE:
-        return declined(system, "segmented", Cost(0, "segments"), "the period holds more waves than can be followed")
+        return SystemStability.declined(
+            system, "segmented", Cost(0, "segments"), "the period holds more waves than can be followed"
+        )
     parts = len(first.pieces) or 1
     count, solutions = parts * math.ceil(_FEWEST / parts), None
     while first.order * count <= _MOST_ROWS:
@@ -73,7 +75,9 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         return _too_large(system, count)
     cost = Cost(count, "segments")
     if solutions is None:
-        return declined(system, "segmented", cost, "the eigenvectors cannot be computed accurately enough")
+        return SystemStability.declined(
+            system, "segmented", cost, "the eigenvectors cannot be computed accurately enough"
+        )
     logs = ladders.log_discs(solutions, damping * float(system.period))
 
     def krein(cluster: NDArray[np.intp]) -> int:
@@ -85,7 +89,7 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
 
 def _too_large(system: HillSystem | PeriodicSystem, count: int) -> SystemStability:
     note = f"needs cyclic matrices of more than {_MOST_ROWS} rows"
-    return declined(system, "segmented", Cost(count, "segments"), note)
+    return SystemStability.declined(system, "segmented", Cost(count, "segments"), note)
 
 
 def _phase(system: PeriodicSystem) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.floquet.systems import counts, ladders, spectra
-from floquetrod.floquet.systems.classification import classify_multipliers, declined, undamped_pairs
+from floquetrod.floquet.systems.classification import classify_multipliers, undamped_pairs
 from floquetrod.floquet.systems.ladders import Solutions
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
@@ -65,7 +65,7 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
     cost = Cost(rows, "rows")
     if solutions is None:
         note = f"needs Hill matrices of more than {_MOST_ROWS} rows, or its solutions cannot be distinguished"
-        return declined(system, "spectral", cost, note)
+        return SystemStability.declined(system, "spectral", cost, note)
     logs = ladders.log_discs(solutions, damping * balanced.period)
     hamiltonian = freed is not None and first.structure == "hamiltonian"
     counted = None

@@ -91,7 +91,7 @@ def classify_pairs(
     if freed is None:
         raise ValueError("system has no pairs of multipliers")
     if discs is None:
-        return declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
+        return SystemStability.declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
     limit = freed[1] * float(system.period)
     if digits is None:
         net = np.abs(pairs.logarithms(discs.values).real) - limit
@@ -203,7 +203,7 @@ def classify_multipliers(
     the Krein sign of a cluster on the circle, 0 where mixed.
     """
     if logs is None:
-        return declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
+        return SystemStability.declined(system, method, cost, "the eigenvectors cannot be computed accurately enough")
     freed = undamped_pairs(system)
     damping = freed[1] if freed else 0.0
     shift = damping * float(system.period)
@@ -292,8 +292,6 @@ def _verdict(
     )
 
 
-declined = SystemStability.declined
-
 MOST_SECONDS = 60.0
 """Longest estimated time of a map (a choice)."""
 
@@ -303,7 +301,7 @@ def too_long(system: System, method: str, seconds: float) -> SystemStability | N
     if seconds <= MOST_SECONDS:
         return None
     note = f"would take about {seconds:.2g} s; take a shorter period, or fewer or softer equations"
-    return declined(system, method, Cost(0, "periods"), note)
+    return SystemStability.declined(system, method, Cost(0, "periods"), note)
 
 
 def _without_variation(system: System) -> Status | None:
