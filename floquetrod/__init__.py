@@ -31,6 +31,8 @@ if TYPE_CHECKING:
     from floquetrod.floquet.comparison import Comparison as Comparison
     from floquetrod.floquet.comparison import compare as compare
     from floquetrod.floquet.dispatch import stability as stability
+    from floquetrod.floquet.margins import Margin as Margin
+    from floquetrod.floquet.margins import margin as margin
     from floquetrod.floquet.proof import Proof as Proof
     from floquetrod.floquet.proof import certify as certify
     from floquetrod.floquet.proof.region import RegionProof as RegionProof
@@ -82,6 +84,8 @@ _WHERE = {
     "Hill": "equations",
     "HillSystem": "equations",
     "InstabilityProbability": "rod.uncertainty",
+    "Margin": "floquet.margins",
+    "margin": "floquet.margins",
     "Mathieu": "equations",
     "FiniteTimeCriterion": "mathieu.criterion",
     "PeriodicSystem": "equations",

@@ -175,3 +175,32 @@ def test_equal_oscillators_have_as_many_solutions_as_one_each() -> None:
     assert len(same) == 4
     states = np.array([[*mode(0.0), *mode(0.0, 1)] for mode in same])
     assert np.linalg.cond(states) < 1e3
+
+
+def test_margins_are_those_of_the_system_and_of_the_curves() -> None:
+    """The tongues at alpha = 0.1 begin and end at characteristic values."""
+
+    def system(beta: float) -> fr.HillSystem:
+        return fr.Mathieu(0.1, beta).as_system()
+
+    ours = fr.margin(fr.Mathieu, "beta", (-0.9, 0.0), samples=10, alpha=0.1, beta=-0.5)
+    theirs = fr.margin(system, "beta", (-0.9, 0.0), samples=10, beta=-0.5)
+    edge = -0.25 * fr.mathieu.characteristic_values(1, 0.2, "a")
+    assert ours.above == pytest.approx(abs(edge + 0.5), abs=1e-9)
+    assert ours == pytest.approx(theirs, abs=1e-8)
+    assert ours.below == math.inf
+    assert ours.searched == pytest.approx((0.4, ours.above))
+    assert ours.resolution == pytest.approx(0.5 / 9.0)
+    grown = fr.margin(fr.Mathieu, "beta", (-0.5, 0.0), alpha=0.1, beta=-0.25)
+    assert fr.stability(fr.Mathieu(0.1, -0.25 - grown.below * 1.0001)).status == "stable"
+    assert fr.stability(fr.Mathieu(0.1, -0.25 - grown.below * 0.9999)).status == "unstable"
+    assert grown.nearest == min(grown)
+
+
+def test_what_has_no_margin_is_refused() -> None:
+    with pytest.raises(ValueError, match="along must be one of 'alpha', 'beta'"):
+        fr.margin(fr.Mathieu, "gamma", (0.0, 1.0), alpha=0.1, beta=-0.5)
+    with pytest.raises(ValueError, match=r"within must hold beta = -0\.5"):
+        fr.margin(fr.Mathieu, "beta", (0.0, 1.0), alpha=0.1, beta=-0.5)
+    with pytest.raises(TypeError, match="equation must be an Equation"):
+        fr.margin(dict, "beta", (-1.0, 1.0), beta=-0.5)

@@ -64,6 +64,7 @@ LEFT_OUT = {
     "SimulationDiverged": "an exception",
     "SquareWave": "another name of Meissner",
     "FloquetMode": "constructed by floquet_solutions",
+    "Margin": "constructed by margin and RodStability.margin",
     "Solution": "constructed by solve",
     "Stability": "constructed by every method",
     "mathieu.FloquetSolution": "constructed by characteristic_function and floquet_solutions",
@@ -414,6 +415,10 @@ def _of_mathieu() -> dict[str, Call]:
         ),
         "mathieu.exponents": Call(
             fr.mathieu.exponents, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "per": "tau", "workers": 1}
+        ),
+        "margin": Call(
+            lambda **given: fr.margin(fr.Mathieu, alpha=0.1, beta=-0.5, **given),
+            {"along": "beta", "within": (-1.0, 0.0), "samples": 5},
         ),
         "floquet_solutions": Call(fr.floquet_solutions, {"equation": fr.Meissner(0.5, -0.3)}),
         "solve": Call(fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),

@@ -1,10 +1,11 @@
-"""How far a load is from a change of the verdict: what a margin is, and on which ways it is searched."""
+"""How far a load is from a change of the verdict: on which ways it is searched."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import NamedTuple
 
+from floquetrod.floquet.margins import Margin as Margin
 from floquetrod.rod.loads.load import Progress, Quantity
 
 _SPANS = (1 / 32, 1 / 8, 0.5, 2.0, 8.0)
@@ -26,43 +27,6 @@ MARGIN_SECONDS = 10.0
 
 FEW_MODES = 50
 """Coupled modes up to which all margins together take some seconds."""
-
-
-class _Distances(NamedTuple):
-    below: float
-    above: float
-
-
-class Margin(_Distances):
-    """How far one quantity of the load may fall or rise until the verdict changes; infinite when out of reach.
-
-    Attributes
-    ----------
-    below, above : float
-        The distances; ``below, above = margin``.
-    resolution : float
-        Changes closer together than this may have been passed over, in the unit of the distances; 0 where none can be.
-    searched : (float, float)
-        Up to which distances below and above was searched: where there is a change, it is that.
-
-    Comparing compares the distances.
-    """
-
-    resolution: float
-    searched: tuple[float, float]
-
-    def __new__(
-        cls, below: float, above: float, resolution: float = 0.0, searched: tuple[float, float] | None = None
-    ) -> Margin:
-        """Return a pair of distances with what is known of the search."""
-        margin = super().__new__(cls, below, above)
-        margin.resolution, margin.searched = resolution, (below, above) if searched is None else searched
-        return margin
-
-    @property
-    def nearest(self) -> float:
-        """The smaller of both."""
-        return min(self)
 
 
 class Edge(NamedTuple):

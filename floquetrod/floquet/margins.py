@@ -1,0 +1,134 @@
+"""How far an equation or a system is from a change of its verdict, along a parameter."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.problems import require_problem
+
+_ACCURACY = 1e-10  # of a boundary, relative to what was searched (a choice)
+
+
+class _Distances(NamedTuple):
+    below: float
+    above: float
+
+
+class Margin(_Distances):
+    """How far one quantity may fall or rise until the verdict changes; infinite when out of reach.
+
+    Attributes
+    ----------
+    below, above : float
+        The distances; ``below, above = margin``.
+    resolution : float
+        Changes closer together than this may have been passed over, in the unit of the distances; 0 where none can be.
+    searched : (float, float)
+        Up to which distances below and above was searched: where there is a change, it is that.
+
+    Comparing compares the distances.
+    """
+
+    resolution: float
+    searched: tuple[float, float]
+
+    def __new__(
+        cls, below: float, above: float, resolution: float = 0.0, searched: tuple[float, float] | None = None
+    ) -> Margin:
+        """Return a pair of distances with what is known of the search."""
+        margin = super().__new__(cls, below, above)
+        margin.resolution, margin.searched = resolution, (below, above) if searched is None else searched
+        return margin
+
+    @property
+    def nearest(self) -> float:
+        """The smaller of both."""
+        return min(self)
+
+
+def margin(
+    family: Callable[..., Any], along: str, within: tuple[float, float], *, samples: int = 65, **at: Any
+) -> Margin:
+    """Return how far one parameter of a family may fall or rise until the verdict on its equation changes.
+
+    Parameters
+    ----------
+    family : callable
+        Makes an equation or a system of its arguments: a class such as `Mathieu`, or a function.
+    along : str
+        The parameter that varies, one of ``at``.
+    within : (float, float)
+        Values between which the change is looked for; that of ``at`` lies between them.
+    samples : int
+        Verdicts asked for on either side, 2 or more: a change and its reverse between two of them are passed over.
+    **at
+        Arguments of the family at which the verdict is, all of them.
+
+    Returns
+    -------
+    Margin
+        The nearest change on either side to 1e-10 of what is searched; its ``resolution`` is the distance of samples.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For a family that makes something else, a parameter that is not among ``at``, and where the verdict at ``at`` is
+        undecided.
+
+    Examples
+    --------
+    >>> from floquetrod.equations import Mathieu
+    >>> found = margin(Mathieu, "beta", (-1.0, 0.0), alpha=0.1, beta=-0.5)
+    >>> f"{found.below:.6f} {found.above:.6f}"  # to the tongues at -1 and -1/4
+    '0.499167 0.201281'
+    """
+    along = validate.choice("along", along, at)
+    here = validate.finite(along, at[along])
+    given = validate.sequence("within", within)
+    if len(given) != 2:
+        raise ValueError(f"within must be two values, (low, high), got {validate.short(within)}")
+    low, high = (validate.finite(f"within[{i}]", end) for i, end in enumerate(given))
+    samples = validate.integer("samples", samples, 2)
+    if not low <= here <= high:
+        raise ValueError(f"within must hold {along} = {here:g}, got ({low:g}, {high:g})")
+
+    def status(value: float) -> str:
+        problem = family(**{**at, along: value})
+        require_problem(problem)
+        return stability(problem).status
+
+    own = status(here)
+    if own == "undecided":
+        raise ValueError(f"{along} must be where the verdict is known, got {here:g}, which is on a boundary")
+    ends = [_first_change(status, own, here, end, samples) for end in (low, high)]
+    below, above = (math.inf if end is None else abs(end - here) for end in ends)
+    searched = tuple(min(reach, abs(end - here)) for reach, end in zip((below, above), (low, high), strict=True))
+    return Margin(below, above, max(here - low, high - here) / (samples - 1), (searched[0], searched[1]))
+
+
+def _first_change(status: Callable[[float], str], own: str, here: float, end: float, samples: int) -> float | None:
+    """Return where the status first is another on the way to an end, None where it is not."""
+    if here == end:
+        return None
+    before = here
+    for value in np.linspace(here, end, samples)[1:].tolist():
+        if status(value) != own:
+            return _boundary(status, own, before, value, _ACCURACY * abs(end - here))
+        before = value
+    return None
+
+
+def _boundary(status: Callable[[float], str], own: str, inside: float, outside: float, accuracy: float) -> float:
+    """Return the boundary between a value of this status and one of another, by bisection."""
+    while abs(outside - inside) > accuracy:
+        middle = 0.5 * (inside + outside)
+        if middle in (inside, outside):
+            break
+        inside, outside = (middle, outside) if status(middle) == own else (inside, middle)
+    return 0.5 * (inside + outside)
