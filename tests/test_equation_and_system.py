@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -128,6 +129,8 @@ def test_a_method_that_gives_up_says_so_alike() -> None:
         assert (verdict.status, verdict.exponents, verdict.exponent_errors) == ("undecided", (), ())
         assert math.isnan(verdict.growth_rate)
         assert verdict.error == math.inf
+        assert pickle.loads(pickle.dumps(verdict)) == verdict
+        assert hash(pickle.loads(pickle.dumps(verdict))) == hash(verdict)
         assert verdict.note
 
 

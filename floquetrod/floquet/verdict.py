@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, NamedTuple, Self
 import numpy as np
 
 from floquetrod._util.caching import cached_property
-from floquetrod._util.content import NoTruthValue
+from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, number
 from floquetrod.equations import Equation, PeriodicSystem
 from floquetrod.floquet import pairs
@@ -121,8 +121,8 @@ class Verdict(Answer):
         return tuple(_multiplier(exponent, self.period) for exponent in self.exponents)
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
-class FloquetVerdict(Reported, Verdict):
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
+class FloquetVerdict(ByContent, Reported, Verdict):
     """Verdict on a scalar equation or a system of equations, in the unit of its time.
 
     Attributes
@@ -247,7 +247,7 @@ class FloquetVerdict(Reported, Verdict):
         return f"<{text}; {self.note}>" if self.note else f"<{text}>"
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class Stability(FloquetVerdict):
     """Verdict on one scalar equation, per unit tau.
 

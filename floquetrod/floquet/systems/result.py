@@ -55,7 +55,7 @@ class Resonance(NamedTuple):
         return f"{self.kind} resonance of {modes}, order {self.order}" if self.order else f"flutter of {modes}"
 
 
-@dataclass(frozen=True, kw_only=True, repr=False)
+@dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class SystemStability(FloquetVerdict):
     """Verdict on a system of equations, per unit of its time.
 
