@@ -380,7 +380,8 @@ def advance(rod: Any, steps: int, p: Physics) -> None:
 def physics(mesh: DiscreteRod, load: fr.AxialLoad, step: float, friction: float) -> Physics:
     """Return what the kernels compute with, for the rod, the contact and the number of segments of ``mesh``."""
     rod, mass, length = mesh.rod, mesh.segment_mass, mesh.segment_length
-    if rod.departures:
+    plain = {"gravity": rod.gravity, "damping_rate": rod.damping_rate}
+    if rod != fr.Rod(rod.youngs_modulus, rod.density, rod.radius, rod.length, rod.channel_radius, **plain):
         raise ValueError(f"the former simulator takes solid, horizontal, hinged rods without fluids, got {rod}")
     return Physics(
         segments=mesh.segments,

@@ -295,7 +295,7 @@ def test_a_margin_is_searched_with_the_modes_of_each_piece() -> None:
     few = PLAIN.replace(inclination=1.0).stability(load(), range(1, 9))
     assert isinstance(few, fr.RodStability)
     piece = (FREQUENCY, 9.0 * FREQUENCY)
-    needed = modes_needed(found.rod, load(), fr.rod.load.Loads.single(load(frequency=piece[1])), 1e-6)
+    needed = modes_needed(found.rod, load(), Loads.single(load(frequency=piece[1])), 1e-6)
     chosen, asked = (
         cast(ModesTogether, verdict.evidence)._modes_for("frequency", piece, verdict.margin_tolerance)
         for verdict in (found, few)

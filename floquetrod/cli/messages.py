@@ -9,6 +9,7 @@ from floquetrod._util.arguments import Mention, argument_of, written
 
 _OPTIONS = {
     "criterion": "--paper-criterion",
+    "load": "--mean",
     "channel_diameter": "--bore, the channel diameter,",
     "channel_radius": "--bore, the channel radius,",
     "name": "--rod",

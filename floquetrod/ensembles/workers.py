@@ -140,7 +140,7 @@ class OwnProcesses(TaskRunner):
 
     @property
     def room(self) -> int:
-        """Return how many tasks to hand over: one for every process, so that its death is that of one task."""
+        """Return how many tasks to hand over, one for every process, so that its death is that of one task."""
         return self._workers
 
     def submit(self, job: Job, batch: Batch) -> Future[list[Outcome]]:

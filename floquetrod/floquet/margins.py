@@ -101,7 +101,8 @@ def margin(
     def status(value: float) -> str:
         problem = family(**{**at, along: value})
         require_problem(problem)
-        return stability(problem).status
+        found: str = stability(problem).status
+        return found
 
     own = status(here)
     if own == "undecided":

@@ -138,7 +138,7 @@ def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
     >>> import floquetrod as fr
     >>> growing, decaying = floquet_solutions(fr.Meissner(alpha=0.5, beta=-0.25))
     >>> f"{growing.exponent:.9f}", growing.error < 1e-12
-    ('0.285714286+0.500000000j', True)
+    ('0.270847649+0.500000000j', True)
     """
     require_problem(equation)
     found = [_mode(equation, mu, vector, backward=backward) for mu, vector, backward in _eigenpairs(equation)]

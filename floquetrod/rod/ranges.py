@@ -245,7 +245,9 @@ def stable_values(
     progress: Progress | None,
 ) -> StabilityIntervals:
     """Return the stability intervals of one quantity; see `floquetrod.Rod.stable_mean_forces`."""
-    low, high = (0.0, _largest(model, varied)) if bounds is None else load_bounds(varied, bounds)
+    if bounds is None and varied != "frequency":
+        bounds = 0.0, _largest(model, varied)
+    low, high = load_bounds(varied, bounds)
     largest = _load(model, {**others, varied: high})
     if varied == "frequency":
         mode_constants(model.rod).require_in_reach(Loads.single(largest.varied(varied, low)))

@@ -50,16 +50,22 @@ def simulate(
         The largest step to take, in s; by default the critical one with a margin.
     frames : int
         Frames kept, the start and the end among them.
-    poisson_ratio, indentation, contact_damping : float
-        Of the material and of its contact with the wall, without unit.
+    poisson_ratio : float
+        In (-1, 0.5]; with Young's modulus it gives the shear modulus.
+    indentation : float
+        Depth to which the weight of the rod at rest indents the floor, as a part of the radial clearance.
+    contact_damping : float
+        Damping of small motion against the wall about rest, as a part of the critical damping.
     feed_speed : float, optional
         Speed in m/s at which the upper end is moved down the channel, in place of the force there.
     far_force : float, optional
         Mean effective compression at the lower end in N, where that end is pushed; by default the mean of the load.
     stop_early : bool
         Whether the run ends once the rod has buckled, or friction holds it at rest.
-    progress, checkpoint : optional
-        See `SimulationProblem.run`.
+    progress : callable, optional
+        Called with the numbers of steps done and to do.
+    checkpoint : path, optional
+        A file that is kept up to date, from which the run continues; see `SimulationProblem.run`.
 
     Returns
     -------

@@ -480,6 +480,9 @@ def _of_systems() -> dict[str, Call]:
         "HillSystem.from_function": Call(
             fr.HillSystem.from_function, others | {"function": swing, "period": 2.0, "jumps": [0.0, 1.0]}
         ),
+        "Hill.from_function": Call(
+            fr.Hill.from_function, {"function": math.cos, "period": 2.0 * math.pi, "damping": 0.1}
+        ),
         "PeriodicSystem": Call(fr.PeriodicSystem, first),
         "PeriodicSystem.from_pieces": Call(
             fr.PeriodicSystem.from_pieces, {"pieces": pieces, "coefficient_error": 1e-12}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import warnings
 from typing import Any
 
 import numpy as np
@@ -56,7 +57,8 @@ def disagreements(rng: np.random.Generator) -> list[str]:
     for method in ("auto", *(method.name for method in applicable(system))):
         with limit(60.0):
             lines += [f"{method}: {line}" for line in against(fr.stability(system, method), exact)]
-    with limit(60.0):
+    with limit(60.0), warnings.catch_warnings():
+        warnings.simplefilter("ignore", fr.UndecidedWarning)
         stable, rate = fr.systems.is_stable(system), fr.systems.growth_rate(system)
     largest = max(e.real for e in exact)
     if (stable and largest > _ROUNDING) or rate * system.period > max(largest, 0.0) + 1e-4:

@@ -74,7 +74,7 @@ class Bounds(NamedTuple):
 
     @property
     def spread(self) -> float:
-        """How much the coefficients vary: the largest row sum of radii relative to that of middles, added up."""
+        """How much the coefficients vary, the largest row sum of radii relative to that of middles, added up."""
         total = 0.0
         for name, radius in self.radius.items():
             size = float(np.abs(self.middle[name]).sum(axis=-1).max(initial=0.0))

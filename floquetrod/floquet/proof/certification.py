@@ -62,8 +62,10 @@ def certify(
         Decimal digits at which to stop trying, 5 to 10,000.
     growth_tolerance : float
         Growth per unit tau that counts as none; other than 0 for the class `Mathieu` only.
-    max_boxes, seconds : int, float
-        Of a box: parts of it to look at, and seconds, before it is given up.
+    max_boxes : int
+        Parts of a box to look at before it is given up.
+    seconds : float
+        To spend on a box of a family before it is given up.
     **parameters
         Of the class, by name: numbers that are taken exactly, int, float, Fraction, Decimal or text such as "1/3" or
         "-0.1".  The period of a `Hill` is the double nearest to 2 pi where it is left out.  Of `Mathieu` each may be

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arguments import Mention, Message
 from floquetrod.rod.kernels import modes as kernels
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.model import formulas
@@ -113,8 +114,14 @@ class ModeConstants(NamedTuple):
             critical = 2.0 * math.sqrt(self.bending * self.pendulum_squared) / self.per_newton
             raise validate.wrong_value(
                 "load",
-                f"needs more than {MOST_MODES} modes: mean and amplitude come to {push:g} N, far above the "
-                f"critical force {critical:g} N of this rod; check units and length",
+                Message(
+                    f"needs more than {MOST_MODES} modes: ",
+                    Mention("mean"),
+                    " and ",
+                    Mention("amplitude"),
+                    f" come to {push:g} N, far above the critical force {critical:g} N of this rod; check units and "
+                    "length",
+                ),
             )
         least = fastest / _MOST_PER_CYCLE
         if slowest < least:
