@@ -126,9 +126,19 @@ def test_boundaries_within_a_box_are_told_by_an_example_on_either_side() -> None
     proof = fr.certify(lambda k: fr.HillSystem([[1.0, 0.0], [0.0, k]], [0.05 * np.eye(2)], period=2.0), k=(-0.5, 2.0))
     assert isinstance(proof, fr.RegionProof)
     assert proof.status == "mixed"
+    assert proof.boxes < 20
     assert {example.status for example in proof.examples} == {"stable", "unstable"}
     for example in proof.examples:
         assert fr.certify(example.equation).status == example.status
+
+
+def test_a_thin_tongue_within_a_box_is_told() -> None:
+    """The sum resonance of two oscillators, narrower than any part that intervals prove unstable soon."""
+    box = {"stiffness": (3.9, 4.4), "forcing": (0.1, 0.5)}
+    proof = fr.certify(lambda stiffness, forcing: coupled(stiffness, forcing, period=2.0 * np.pi / 3.0), **box)
+    assert isinstance(proof, fr.RegionProof)
+    assert proof.status == "mixed"
+    assert {fr.stability(example.equation).status for example in proof.examples} == {"stable", "unstable"}
 
 
 def test_a_box_that_takes_too_long_is_undecided_and_says_how_far_it_came() -> None:

@@ -166,19 +166,21 @@ class _Search:
         )
 
     def _examine(self) -> None:
-        """Prove the largest part that is open, or halve it."""
+        """Prove the largest part that is open, or halve it; its middle may be an example."""
         negative, _, part = heapq.heappop(self.open)
         self.examined += 1
         middle = {name: 0.5 * (low + high) for name, (low, high) in part.items()}
-        multipliers = np.array(stability(self.family.system(middle)).multipliers)
-        status = status_of_all(problem_of_bounds(self.family.bounds(part)), multipliers)
+        verdict = stability(self.family.system(middle))
+        if verdict.status != "undecided" and verdict.status not in self.example:
+            proof = self.prove(self.family.at(middle))
+            if proof.status == verdict.status:
+                self.example[proof.status] = proof
+                if len(self.example) == 2:
+                    return
+        status = status_of_all(problem_of_bounds(self.family.bounds(part)), np.array(verdict.multipliers))
         if status is not None:
             self.share[status] -= negative
             self.proved.add(status)
-            if status not in self.example:
-                proof = self.prove(self.family.at(middle))
-                if proof.status == status:
-                    self.example[status] = proof
             return
         name = self._widest(part)
         if name is None:
