@@ -74,13 +74,20 @@ class Bounds(NamedTuple):
 
     @property
     def spread(self) -> float:
-        """How much the coefficients vary, the largest row sum of radii relative to that of middles, added up."""
-        total = 0.0
+        """How much the coefficients vary, as row sums of radii added up, with the period as the unit of time."""
+        time = float(self.middle["period"][0])
+        order = 2 if issubclass(self.kind, HillSystem) else 1
+        powers = {"mean": order, "cosines": order, "sines": order, "slope": order + 1, "damping": 1, "gyroscopic": 1}
+        total = size = 0.0
         for name, radius in self.radius.items():
-            size = float(np.abs(self.middle[name]).sum(axis=-1).max(initial=0.0))
-            reach = float(radius.sum(axis=-1).max(initial=0.0))
-            total += reach / (size or 1.0)
-        return total
+            power = powers.get(name.split()[0])
+            if power is not None:
+                total += float(radius.sum(axis=-1).max(initial=0.0)) * time**power
+                size += float(np.abs(self.middle[name]).sum(axis=-1).max(initial=0.0)) * time**power
+        relative = order * float(self.radius["period"][0]) / time
+        if "mass" in self.radius:
+            relative += float(self.radius["mass"].sum(axis=-1).max()) / float(np.abs(self.middle["mass"]).max())
+        return total + size * relative
 
 
 def coefficients(system: HillSystem | PeriodicSystem, harmonics: int) -> Coefficients:
