@@ -73,7 +73,7 @@ def stability(
 
     Examples
     --------
-    >>> from floquetrod import HillSystem, Mathieu
+    >>> from floquetrod.equations import HillSystem, Mathieu
     >>> stability(Mathieu(alpha=0.5, beta=-0.2)).status
     'unstable'
     >>> stability(HillSystem([[1.0, 0.0], [0.0, 4.0]], cosines=[[[0.1, 0.2], [0.2, 0.16]]])).strongly_stable

@@ -109,7 +109,7 @@ def certify(
     Every system of a family:
 
     >>> def coupled(stiffness, forcing):
-    ...     return HillSystem([[1.0, 0.0], [0.0, stiffness]], [[[0.1, forcing], [forcing, 0.16]]])
+    ...     return HillSystem([[1.0, 0.0], [0.0, stiffness]], [[[0.1, forcing], [forcing, 0.16]]], period=5.0)
     >>> certify(coupled, stiffness=(4.2, 4.4), forcing=(0.1, 0.2)).statement
     'for every stiffness 4.2 to 4.4, forcing 0.1 to 0.2 no solution grows'
 
