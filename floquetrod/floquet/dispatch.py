@@ -61,10 +61,21 @@ def stability(
         "auto", or the name of one: of equations "spectral", "determinant", "monodromy", "square_wave", "leapfrog",
         "reference"; of systems "spectral", "half_period", "monodromy", "segmented", "reference".  "auto" takes the
         fastest trustworthy one and continues with slower, more accurate ones while the verdict is undecided.
-    terms, rtol, step, periods, limit, digits, most_digits : optional
-        For the method named, whose page says what they are: ``terms`` (determinant), ``rtol`` (monodromy, half_period,
-        segmented, spectral of systems), ``step``, ``periods``, ``limit`` (leapfrog), ``digits`` (reference),
-        ``most_digits`` (reference, of systems).  TypeError where the method does not take them.
+    terms : int, optional
+        Of the determinant.  This and the options below are for a method that is named, whose page says what they are;
+        TypeError where it does not take them.
+    rtol : float, optional
+        Of monodromy, half_period, segmented, and of spectral for systems.
+    step : float, optional
+        Of leapfrog.
+    periods : int, optional
+        Of leapfrog.
+    limit : float, optional
+        Of leapfrog.
+    digits : int, optional
+        Of reference.
+    most_digits : int, optional
+        Of reference, for systems.
 
     Returns
     -------

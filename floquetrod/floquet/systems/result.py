@@ -83,7 +83,7 @@ class SystemStability(FloquetVerdict):
 
     @property
     def structure(self) -> Structure:
-        """What is exactly so of the system's matrices: "hamiltonian", "reversible", "damped" or "general"."""
+        """What is exactly so of the system's matrices, "hamiltonian", "reversible", "damped" or "general"."""
         found: Structure = self.system.structure
         return found
 

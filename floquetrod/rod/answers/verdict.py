@@ -211,7 +211,7 @@ class RodStability(Verdict, ReportedVerdict):
 
     @property
     def linear(self) -> RodStability:
-        """The verdict without friction, as a `FrictionalRodStability` has it: this one."""
+        """The verdict without friction, as a `FrictionalRodStability` has it, which is this one."""
         return self
 
     @property
