@@ -295,6 +295,38 @@ def test_solve_follows_from_jump_to_jump(name: str) -> None:
     assert all(np.abs(solution.time - instant).min() < 1e-14 for instant in breaks)
 
 
+@pytest.mark.parametrize("name", MADE)
+def test_floquet_solutions_gain_their_multiplier_in_a_period(name: str) -> None:
+    system = MADE[name]
+    found = fr.floquet_solutions(system)
+    assert len(found) == len(true_map(system))
+    for mode in found:
+        before, after = (np.asarray(mode(t)) for t in (0.3, 0.3 + float(system.period)))
+        assert np.allclose(after, np.exp(mode.exponent * mode.period) * before, rtol=0.0, atol=1e-11)
+    assert farthest([np.exp(mode.exponent * mode.period) for mode in found], true_multipliers(system)) < 1e-11
+
+
+def test_the_damping_that_stabilises() -> None:
+    rate = fr.stability(SQUARE).damping_to_stabilise
+    for factor, status in ((0.999, "unstable"), (1.001, "stable")):
+        damped = dataclasses.replace(SQUARE, damping=2.0 * factor * rate * np.eye(2))
+        assert fr.stability(damped).status == status
+
+
+def test_errors_of_coefficients_decide_nothing() -> None:
+    """A verdict holds for all coefficients within their error, whatever finds it."""
+    for system in (SQUARE, MADE["damped"], fr.HillSystem(STIFF, cosines=[SOFT], period=2.9)):
+        rough = dataclasses.replace(system, coefficient_error=0.3)
+        assert {result.status for result in fr.compare(rough).results} == {"undecided"}
+        assert fr.certify(rough).status == "undecided"
+        slightly = dataclasses.replace(system, coefficient_error=1e-8)
+        exact = fr.stability(system)
+        for result in fr.compare(slightly).results:
+            assert result.status == exact.status
+            assert 1e-9 < result.error < 1e-4
+        assert fr.certify(slightly).status == exact.status
+
+
 # --- values -----------------------------------------------------------------------------------------------------------
 
 
@@ -394,6 +426,13 @@ def test_charts_with_bands() -> None:
     stable = np.array([[bool(fr.stability(family(w, e)).stable) for w in chart.x.values] for e in chart.y.values])
     assert (chart.stable == stable).all()
     assert 5 < stable.sum() < 58
+    bands = list(chart.bands)
+    assert bands
+    for band in bands:
+        assert abs(fr.stability(family(*band.place)).growth_rate - band.largest_growth) < 1e-6
+        inner = (band.x > 2.5) & (band.x < 3.5) & (band.y > 0.05) & (band.y < 0.5)
+        for w, e in list(zip(band.x[inner], band.y[inner], strict=True))[::5]:
+            assert fr.stability(family(w, e)).growth_rate < 0.02 * band.largest_growth
 
 
 # --- functions --------------------------------------------------------------------------------------------------------

@@ -271,6 +271,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         if self.pieces:
             lowered = [(d, value.mapped(lambda m: m - shift, np.asarray)) for d, value in self.pieces]
             freed = HillSystem.from_pieces(lowered, mass=self.mass, coefficient_error=self.coefficient_error)
+            vars(freed)["even_start"] = self._even_instant  # of the numbers given, not of rounded ones
             largest = np.maximum.reduce([norms(value.mean) for _, value in lowered])
         else:
             stiffness = self.stiffness - shift
@@ -282,8 +283,8 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         return freed, c
 
     @property
-    def _error(self) -> Any:
-        """Bound of the error of K in the 2-norm."""
+    def error_norm(self) -> Any:
+        """Bound of the error of K(t) in the 2-norm, its rounding included."""
         return self._rounding + self.order * self.coefficient_error
 
     @cached_property
@@ -296,7 +297,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             return None
         amplitudes, phase, uncertainty = turned
         stiffness = np.broadcast_to(self.stiffness, (*self.shape, self.order, self.order))
-        error, rounding = uncertainty, np.asarray(self._error)
+        error, rounding = uncertainty, np.asarray(self.error_norm)
         if self.mass is not None:
             inverse = np.linalg.inv(np.linalg.cholesky(self.mass))
             stiffness = _congruence(inverse, stiffness)
@@ -312,9 +313,12 @@ class HillSystem(matrices.PeriodicMatrixSystem):
     @cached_property
     def even_start(self) -> Fraction | None:
         """Instant about which a stiffness in pieces is exactly even; None where there is none, and with C or G."""
-        if self.damping is not None or self.gyroscopic is not None or not self.pieces or self.shape:
-            return None
-        return by_pieces.even_start(by_pieces.in_time(self))
+        return None if self.damping is not None or self.gyroscopic is not None else self._even_instant
+
+    @property
+    def _even_instant(self) -> Fraction | None:
+        """Instant about which a stiffness in pieces is exactly even, whatever the other matrices."""
+        return by_pieces.even_start(by_pieces.in_time(self)) if self.pieces and not self.shape else None
 
     @property
     def is_even(self) -> bool:
@@ -346,7 +350,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
         turned = [(duration, value.mapped(whole, other)) for duration, value in self.pieces]
         mean = whole(self.stiffness)
         cosines, sines = ([other(m) for m in part] for part in (self.cosines, self.sines))
-        error = float(np.max(self._error if inverse is None else self._error * norms(inverse) ** 2))
+        error = float(np.max(self.error_norm if inverse is None else self.error_norm * norms(inverse) ** 2))
         if inverse is not None or (canonical and self.gyroscopic is not None):
             parts = [value.matrices for _, value in turned] or [(mean, *cosines, *sines)]
             size = max(sum(float(np.abs(matrix).max()) for matrix in part) for part in parts)

@@ -107,7 +107,7 @@ def _certain_count(system: HillSystem, theta: float, cut: int) -> int | None:
     """
     matrix = _matrix(system, theta, cut)
     rows = len(matrix)
-    slack = 8.0 * _EPS * math.sqrt(rows) * float(np.abs(matrix).sum(axis=0).max())
+    slack = 8.0 * _EPS * math.sqrt(rows) * float(np.abs(matrix).sum(axis=0).max()) + float(system.error_norm)
     upper = np.linalg.eigvalsh(matrix)
     lowered = matrix.copy()
     reach = system.order * len(system.harmonics)

@@ -85,7 +85,8 @@ def damping_to_stabilise(system: HillSystem, growth: float) -> float:
     mass = np.eye(n) if system.mass is None else system.mass
     stiffness = np.linalg.solve(mass, system.stiffness)
     sizes = [float(np.linalg.norm(np.linalg.solve(mass, m), 2)) for m in (*system.cosines, *system.sines)]
-    sizes += [float(np.linalg.norm(np.linalg.solve(mass, part.size), 2)) for part in by_pieces.in_time(system)][1:]
+    parts = by_pieces.in_time(system) if system.pieces else ()
+    sizes += [float(np.linalg.norm(np.linalg.solve(mass, part.size), 2)) for part in parts]
     size = float(np.linalg.norm(stiffness, 2))
     if float(np.linalg.eigvals(stiffness).real.min()) < -8.0 * n * _EPS * size * float(np.linalg.cond(mass)):
         return math.inf
