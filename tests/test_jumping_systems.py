@@ -603,3 +603,63 @@ def test_stated_errors_cover_the_truth_of_random_pieces(rng: np.random.Generator
                 assert size <= 1.0 + 1e-12, (name, system)
             if result.status == "unstable":
                 assert size > 1.0, (name, system)
+
+
+def cut(rng: np.random.Generator, period: float, count: int) -> list[float]:
+    """Return durations, short binary numbers, that add up to a period."""
+    edges = np.sort(rng.choice(np.arange(1, 64), count - 1, replace=False)) * (period / 64.0)
+    return np.diff([0.0, *edges, period]).tolist()
+
+
+def test_a_series_cut_into_pieces_is_the_same_system(rng: np.random.Generator) -> None:
+    """One path has the period as its piece, the other breaks anywhere: maps, many digits, proofs and solutions."""
+    for _ in range(depth(60, 5)):
+        n, period = int(rng.integers(1, 4)), float(rng.choice([1.5, 3.0, 6.0]))
+        first = rng.random() < 0.4
+        matrices = 0.5 * rng.normal(size=(5, n, n))
+        if not first:
+            matrices = matrices + matrices.swapaxes(1, 2) + np.eye(n) * np.array([1.5, 0, 0, 0, 0])[:, None, None]
+        mean, series = matrices[0], (list(matrices[1:3]), list(matrices[3:]))
+        pieces = [(d, Varying(mean, None, *series)) for d in cut(rng, period, int(rng.integers(2, 5)))]
+        kind = fr.PeriodicSystem if first else fr.HillSystem
+        whole, parts = kind(mean, *series, period=period), kind.from_pieces(pieces)
+        assert np.allclose(parts.coefficient([0.1, 1.3]), whole.coefficient([0.1, 1.3]), rtol=0.0, atol=1e-14)
+        for name in ("monodromy", "segmented", "reference"):
+            one, other = fr.stability(whole, name), fr.stability(parts, name)
+            size = abs(one.multipliers[0])
+            assert farthest(one.multipliers, other.multipliers) <= size * (one.error + other.error)
+            assert farthest(one.multipliers, other.multipliers) <= 1e-12 * size
+        if "undecided" not in (one.status, (proof := fr.certify(parts)).status):
+            assert proof.status == one.status
+        state = np.ones(n) if first else np.ones((2, n))
+        ends = [fr.solve(system, state, 2.5 * period).states[-1] for system in (whole, parts)]
+        assert np.allclose(*ends, rtol=1e-12, atol=1e-12 * np.abs(ends[0]).max())
+
+
+def test_the_same_ramps_written_otherwise(rng: np.random.Generator) -> None:
+    """Cut further, begun later in the period, and in another unit of time."""
+    for _ in range(depth(60, 5)):
+        n = int(rng.integers(1, 4))
+        whole = []
+        for _ in range(int(rng.integers(1, 4))):
+            mean, slope = np.round(rng.normal(size=(2, n, n)) * 16.0) / 16.0
+            mean, slope = mean + mean.T + 2.0 * np.eye(n), slope + slope.T
+            whole.append((float(rng.integers(1, 9)) / 4.0, mean, slope))
+
+        def made(pieces: list[Any]) -> fr.HillSystem:
+            return fr.HillSystem.from_pieces([(d, Varying(mean, slope)) for d, mean, slope in pieces])
+
+        halves = [part for d, m, s in whole for part in ((d / 2.0, m, s), (d / 2.0, m + d / 2.0 * s, s))]
+        one = fr.stability(made(whole), "reference")
+        for other, scale in (
+            (made(halves), 1.0),
+            (made([*halves[1:], halves[0]]), 1.0),
+            (made([(d / 4.0, 16.0 * m, 64.0 * s) for d, m, s in whole]), 4.0),
+        ):
+            for name in ("monodromy", "segmented", "reference"):
+                found = fr.stability(other, name)
+                size = abs(one.multipliers[0])
+                assert farthest(one.multipliers, found.multipliers) <= size * (found.error + 1e-15)
+                if "undecided" not in (one.status, found.status):
+                    assert found.status == one.status
+                    assert abs(found.growth_rate / scale - one.growth_rate) <= found.error + 1e-14
