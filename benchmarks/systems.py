@@ -69,6 +69,9 @@ def pairs() -> list[Row]:
     alone = best_loaded(lambda: fr.systems.multipliers(single))
     batch = fr.HillSystem(np.diag([1.0, 4.0]), [strength[..., None, None] * COUPLING], period=2.0 * math.pi / frequency)
     public, threads = (best_of(lambda w=w: fr.systems.is_stable(batch, workers=w)) for w in (1, 2))
+    half, force = math.pi / frequency, strength[..., None, None] * COUPLING
+    square = fr.HillSystem.from_pieces([(half, np.diag([1.0, 4.0]) + force), (half, np.diag([1.0, 4.0]) - force)])
+    jumping = best_of(lambda: fr.systems.is_stable(square, workers=1))
     matrices = as_first_order(*(array[0] for array in systems))
     peer = best_of(lambda: dop853_multipliers(*matrices, 1e-10), repeats=3)
     return [
@@ -77,6 +80,7 @@ def pairs() -> list[Row]:
         ),
         Row("2 equations, one call: multipliers", 1e6 * alone, "us", "DOP853", 1e6 * peer, at_most=25.0),
         Row("2 equations, a chart: is_stable", 1e6 * public / side**2, "us", "DOP853", 1e6 * peer),
+        Row("the same, a square wave", 1e6 * jumping / side**2, "us", "a cosine", 1e6 * public / side**2),
         Row("the same, two threads", 1e6 * threads / side**2, "us", "one thread", 1e6 * public / side**2),
         Row("2 equations, a chart, two threads", 1e6 * two / side**2, "us", "one thread", 1e6 * one / side**2),
     ]
