@@ -428,6 +428,7 @@ JUNK: list[Any] = [
 
 def named(call: Callable[..., Any]) -> str:
     """Return a name for the report."""
+    call = getattr(call, "func", call)  # of a partial, what it calls
     return getattr(call, "__qualname__", repr(call))
 
 
