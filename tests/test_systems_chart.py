@@ -270,3 +270,16 @@ def test_the_cause_of_a_failure_is_kept() -> None:
     with pytest.raises(ValueError, match=re.escape("family(omega=3, epsilon=0.1)")) as caught:
         fr.chart(failing, over=OVER)
     assert isinstance(caught.value.__cause__, ZeroDivisionError)
+
+
+@pytest.mark.slow
+def test_a_side_that_has_closed_is_not_followed() -> None:
+    # About omega = 1 two outlines meet while a blunt side waits to be followed: it had no direction any more.
+    def two_meissner(omega: float, epsilon: float) -> fr.HillSystem:
+        forcing, half = epsilon * np.array([[0.5, 1.0], [1.0, 0.8]]), math.pi / omega
+        mean = np.diag([1.0, 4.0])
+        return fr.HillSystem.from_pieces([(half, mean + forcing), (half, mean - forcing)])
+
+    values = {"omega": np.linspace(0.8, 5.0, 80), "epsilon": np.linspace(0.0, 0.8, 60)}
+    found = fr.chart(two_meissner, over=values).find_bands()
+    assert len(found) >= 8

@@ -91,6 +91,8 @@ def refined(plane: Plane, outline: Outline, accuracy: float, report: Report) -> 
         report(outline.size - some.size, outline.size)
         if not some.size:
             sides = np.array([side for side in blunt if outline.done[side]], dtype=np.int64)
+            start, end = outline.sides(sides)
+            sides = sides[np.hypot(*(end - start).T) >= THINNEST * plane.vertex]  # others have met since
             if not sides.size:
                 return True
             colour = np.array([blunt[side] for side in sides.tolist()])
