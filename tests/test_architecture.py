@@ -104,6 +104,24 @@ def test_every_room_is_drawn_once_and_exists() -> None:
     assert sorted(drawn) == sorted({room_of(module) for module in FILES})
 
 
+def missing(text: str) -> list[str]:
+    """Return the files that the rows of a table name and nobody finds; a bare name may be beside the one before it."""
+    lost = []
+    for row in (line for line in text.splitlines() if line.startswith("| ")):
+        beside = ROOT / PACKAGE
+        for name in re.findall(r"`([\w/]+\.py)`", row):
+            found = [path for folder in (ROOT / PACKAGE, ROOT, beside) if (path := folder / name).is_file()]
+            lost += [] if found else [name]
+            beside = found[0].parent if found else beside
+    return lost
+
+
+def test_every_file_on_the_map_of_the_code_exists() -> None:
+    text = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    assert missing(text) == []
+    assert missing("| a | `rod/rod.py`, `map.py`, `no.py`; `floquet/rod.py` |") == ["no.py", "floquet/rod.py"]
+
+
 @functools.cache
 def targets(module: str) -> set[str]:
     """Return the modules of this package that a module imports."""
