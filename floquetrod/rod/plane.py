@@ -77,7 +77,7 @@ class LoadPlane(Family):
 
     @property
     def most_judged(self) -> int:
-        """Fewer than usual, since a criterion, and more so coupled modes or friction, take a minute or so (a choice)."""
+        """Fewer than usual, since a criterion, and more so coupled modes or friction, take a minute or so."""
         return 100_000 if self._is_fast else 4000
 
     @property
