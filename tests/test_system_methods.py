@@ -310,6 +310,21 @@ def test_reference_decides_beside_every_kind_of_boundary() -> None:
             low, high = (low, middle) if inside.status == "unstable" else (middle, high)
 
 
+def test_errors_of_exponents_hold_their_rounding_to_doubles() -> None:
+    # A square wave of two equations, whose map is a product of two exponentials, and a constant one, which is one.
+    stiff, soft = [[3.25, 0.125], [0.125, 1.5]], [[2.0, -0.5], [-0.5, 0.75]]
+    with mpmath.workdps(40):
+        for levels in ((stiff, soft), (stiff, stiff)):
+            flows = [
+                mpmath.expm(mpmath.matrix(np.block([[np.zeros((2, 2)), np.eye(2)], [-np.array(k), np.zeros((2, 2))]])))
+                for k in levels
+            ]
+            logs = [mpmath.log(mu) for mu in mpmath.eig(flows[1] * flows[0], left=False, right=False)]
+            found = reference(fr.HillSystem.from_pieces([(1.0, level) for level in levels]))
+            for exponent, error in zip(found.exponents, found.exponent_errors, strict=True):
+                assert min(abs(log / 2 - exponent) for log in logs) <= error <= 1e-14
+
+
 def test_reference_compares_growth_with_uniform_damping() -> None:
     c = reference(coupled(3.0)).growth_rate
     for _ in range(8):  # to the damping that growth balances

@@ -281,7 +281,7 @@ def _verdict(
         status=status,
         growth_rate=0.0 if status == "stable" else fastest,
         exponents=result_exponents,
-        exponent_errors=tuple(float(errors[i]) / period for i in order),
+        exponent_errors=tuple(float(errors[i]) / period + 4.0 * _EPS * abs(complex(exponents[i])) for i in order),
         krein_signs=tuple(int(signs[i]) for i in order),
         resonances=resonances.name(system, result_exponents) if status == "unstable" else (),
         strongly_stable=strongly,

@@ -72,8 +72,9 @@ class SystemStability(FloquetVerdict):
     equation, system, method, exponent_errors
         As in every `FloquetVerdict`.
     status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
-        As in every `Verdict`; as many exponents as equations of first order, and ``error`` is the largest of
-        ``exponent_errors``, times the period: the relative error of the multipliers.
+        As in every `Verdict`; as many exponents as equations of first order, and ``error`` is the relative error of the
+        multipliers as they were computed, the largest of ``exponent_errors`` times the period but for the rounding of
+        the exponents to doubles.
     """
 
     exponent_errors: tuple[float, ...] = ()
