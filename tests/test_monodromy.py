@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+import mpmath
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -194,3 +195,16 @@ def test_maps_scaled_at_different_steps_still_compare() -> None:
     assert result.status == "unstable"
     assert result.growth_rate == pytest.approx(math.sqrt(1e7), rel=1e-9)
     assert result.cost.amount <= 3 * (math.pi * (math.sqrt(1e7 + 1.0) + 1.0) / 1.9 + 2.0)
+
+
+def test_error_of_the_matrix_holds_the_rounding_of_the_times_of_jumps() -> None:
+    # A stiff piece after a long soft one: 1000.1 + 0.7 rounded moves its end by more than the steps round.
+    pieces = [(1000.1, 1e-6), (0.7, 1e4), (0.3, 4e4)]
+    matrix, error = fr.stability(fr.HillSystem.from_pieces([(t, [[k]]) for t, k in pieces])).monodromy
+    with mpmath.workdps(40):
+        true = mpmath.eye(2)
+        for t, k in pieces:
+            true = mpmath.expm(mpmath.matrix([[0, 1], [-k, 0]]) * mpmath.mpf(t)) * true
+        assert (
+            max(abs(matrix[i, j] - true[i, j]) for i in range(2) for j in range(2)) <= error < 1e-6 * abs(matrix).max()
+        )

@@ -12,6 +12,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Equation, HillSystem
+from floquetrod.equations.pieces import in_time
 from floquetrod.floquet.problems import Problem, require_problem
 from floquetrod.floquet.solve import Solution, solve
 from floquetrod.floquet.systems import spectra
@@ -41,8 +42,21 @@ def monodromy_over_period(problem: Problem, *, backward: bool = False) -> Monodr
     order = _states(problem)
     columns = [_marched(problem, unit, span) for unit in np.eye(order)]
     matrix = np.stack([column.states[-1] for column in columns], axis=1)
-    errors = ((column.error + len(column.time) * _EPS) * float(np.abs(column.states).max()) for column in columns)
+    late = _late(problem)
+    errors = (
+        (column.error + len(column.time) * _EPS + late) * float(np.abs(column.states).max()) for column in columns
+    )
     return MonodromyMatrix(matrix, max(errors))
+
+
+def _late(problem: Problem) -> float:
+    """Return what it matters, relatively, that pieces begin and end at times that are rounded to doubles."""
+    system = problem.as_system() if isinstance(problem, Equation) else problem
+    first = system.as_periodic_system() if isinstance(system, HillSystem) else system
+    parts = in_time(first)
+    rates = [float(part.size.sum(axis=1).max()) for part in parts]
+    ends = [float(part.begin + part.length) for part in parts] if len(parts) > 1 else []
+    return sum(_EPS * end * max(rates[i], rates[(i + 1) % len(rates)]) for i, end in enumerate(ends))
 
 
 def _states(problem: Problem) -> int:
