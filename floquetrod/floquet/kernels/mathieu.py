@@ -129,7 +129,7 @@ def is_stable(alpha: float, beta: float, c: float, tolerance: float = 0.0) -> bo
 def damped_stable_fill(alpha: Any, beta: Any, damping: Any, out: Any) -> None:
     """Fill ``out`` with the verdicts on equations with damping, or without."""
     for i in range(len(alpha)):
-        out[i] = is_stable(alpha[i], beta[i], damping[i])
+        out[i] = is_stable(alpha[i], beta[i], damping[i], 0.0)
 
 
 @kernel
