@@ -250,6 +250,7 @@ def test_ranges_go_round_a_resonance(few: list[np.ndarray]) -> None:
     assert len({total for _, total in reports}) == 1
 
 
+@pytest.mark.slow
 def test_pieces_of_a_search_join(few: list[np.ndarray], monkeypatch: pytest.MonkeyPatch) -> None:
     # Without resonance within: the same intervals, in one piece and in four.
     like = fr.AxialWave(0.0, 0.0, 1.0)

@@ -172,6 +172,7 @@ def test_no_bands_are_no_colours() -> None:
         pyplot.close(ax.figure)
 
 
+@pytest.mark.slow
 def test_files_of_many_bands_stay_small() -> None:
     rng = np.random.default_rng(1)
     corners = rng.random((30_000, 2))  # of four each: a file in which every one is a shape takes 6 MB, or 1
@@ -301,8 +302,14 @@ def test_a_label_fits_into_its_polygon(seed: int, corners: int) -> None:
         assert inside[bottom : bottom + 4, left : left + 7].all()
 
 
-@pytest.mark.parametrize("growth", [True, False])
-@pytest.mark.parametrize("bands", [True, False])
+@pytest.mark.parametrize(
+    ("bands", "growth"),
+    [
+        pytest.param(True, True, marks=pytest.mark.slow),
+        pytest.param(False, True, marks=pytest.mark.slow),
+        (True, False),
+    ],
+)
 def test_titles_fit_in_a_line_and_notes_in_the_picture(growth: bool, bands: bool) -> None:
     """What was asked is the title; provenance, names and colours are told below the axes."""
     tubing = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=30.0)

@@ -103,6 +103,7 @@ def longest_helix(run: fr.Simulation, force: float) -> slice:
     return slice(nodes[0], nodes[0] + last + 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("force", [4.0, 6.0])
 def test_pitch_and_contact_force_of_the_helix(force: float) -> None:
     load = fr.AxialLoad(force * FORCE, 0.0, 1.0)

@@ -25,6 +25,7 @@ from floquetrod.plotting import charts
 LOAD = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]
 
 
+@pytest.mark.slow
 def test_answers_beside_pictures_and_along_other_quantities(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     def said(*arguments: str) -> str:
         assert cli.main(list(arguments)) == 0
@@ -100,7 +101,7 @@ def test_a_map_is_drawn_as_bands_or_as_pixels(
         assert message in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", ["map", "reproduce"])
+@pytest.mark.parametrize("command", ["map", pytest.param("reproduce", marks=pytest.mark.slow)])
 def test_ctrl_c_ends_a_long_command_and_leaves_no_half_file(command: str, tmp_path: Path) -> None:
     big = ["--mean", "0:1.1Fcr", "--amplitude", "0.2Fcr", "--frequency", "20:200", "--points", "4900x4900"]
     arguments = {

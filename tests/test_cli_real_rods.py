@@ -188,6 +188,7 @@ def test_margins_are_left_out_where_they_take_long(capsys: pytest.CaptureFixture
     assert said(capsys, *plain, "--margins") == said(capsys, *plain)
 
 
+@pytest.mark.slow
 def test_a_measured_force(record: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pyplot.close("all")  # of other tests
     fit = tmp_path / "fit.svg"
@@ -222,6 +223,7 @@ def test_a_measured_force(record: str, tmp_path: Path, capsys: pytest.CaptureFix
 # --- ranges and maps -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("asked_once")
 def test_ranges_name_resonances_and_their_resolution(record: str, capsys: pytest.CaptureFixture[str]) -> None:
     question = ["ranges", "--rod", WIRE, "--amplitude", "0.2Fcr", "--frequency", "20Hz", "--mean", "0:0.6Fcr"]
@@ -244,6 +246,7 @@ def test_ranges_name_resonances_and_their_resolution(record: str, capsys: pytest
     assert [part["low_N"] for part in sampled["stable"]] == [part.low for part in wanted]
 
 
+@pytest.mark.slow
 def test_ranges_say_where_a_resonance_has_no_name(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -254,6 +257,7 @@ def test_ranges_say_where_a_resonance_has_no_name(
     assert "'unnamed'" in found["ends_are"]
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("asked_once")
 def test_ranges_take_waves(capsys: pytest.CaptureFixture[str]) -> None:
     question = ["ranges", "--rod", WELL, "--mean", "0.5Fcr", "--frequency", "4Hz", "--amplitude", "0:0.1Fcr"]
@@ -265,6 +269,7 @@ def test_ranges_take_waves(capsys: pytest.CaptureFixture[str]) -> None:
     assert [part["high_N"] for part in found["stable"]] == [part.high for part in expected]
 
 
+@pytest.mark.slow
 def test_maps_say_what_kind_of_load_they_are_of(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "map.npz"
     load = ["--mean", "0:1Fcr", "--amplitude", "0:0.5Fcr", "--frequency", "4Hz", "--points", "5x4"]

@@ -377,6 +377,7 @@ class FullDisk:
         monkeypatch.setattr(Path, "replace", refuse)
 
 
+@pytest.mark.slow
 def test_a_full_disk_at_the_end_loses_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -104,6 +104,7 @@ def test_a_reader_of_errors_who_has_gone_costs_no_answer() -> None:
     assert (done.returncode, done.stdout[:1]) == (0, "{")
 
 
+@pytest.mark.slow
 def test_a_file_does_not_take_the_place_of_a_closed_stream(tmp_path_factory: pytest.TempPathFactory) -> None:
     folder = tmp_path_factory.mktemp("closed")
     line = "ensemble study.toml --store runs.npz >/dev/null 2>&- <&-"

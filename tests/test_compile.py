@@ -86,6 +86,7 @@ def test_a_second_process_compiles_nothing_and_a_damaged_file_is_replaced(tmp_pa
     assert again.stdout == f"{ANSWER}\n" + 4 * f"{compiling}{ANSWER}\n" + compiling
 
 
+@pytest.mark.slow
 @needs_jit
 def test_without_any_folder_it_runs_uncached_and_says_so_once(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "floquetrod", tmp_path / "floquetrod", ignore=shutil.ignore_patterns("__pycache__"))
@@ -152,6 +153,7 @@ def test_a_file_is_whole_or_not_there(tmp_path: Path) -> None:
     assert kept(tmp_path) == [file]
 
 
+@pytest.mark.slow
 @needs_jit
 def test_a_kernel_is_compiled_again_when_what_it_calls_or_reads_changes_in_another_file(tmp_path: Path) -> None:
     sources = {
@@ -379,6 +381,7 @@ def test_many_threads_that_ask_first_get_one_compilation(tmp_path: Path) -> None
     assert python(program, tmp_path).stdout == f"compiling displacement_fill\n{{{ANSWER!r}}}\n"
 
 
+@pytest.mark.slow
 @needs_jit
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="there are no forks here")
 def test_a_child_forked_while_a_thread_compiles_is_not_stuck(tmp_path: Path) -> None:
@@ -541,6 +544,7 @@ def test_the_terminal_says_once_that_it_compiles(capsys: pytest.CaptureFixture[s
     assert (log.level, log.handlers) == (level, handlers)
 
 
+@pytest.mark.slow
 @needs_jit
 def test_compiling_that_takes_long_is_told_once_in_a_process(tmp_path: Path) -> None:
     program = SMALL + (

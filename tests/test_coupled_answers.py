@@ -58,7 +58,9 @@ def scan(varied: str, values: np.ndarray, kind: str = "sine", rod: fr.Rod = ROD,
 # --- one load and many ---
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind == "harmonics")) for kind in KINDS]
+)
 def test_arrays_say_what_single_verdicts_do(kind: str, rng: np.random.Generator) -> None:
     size = 6
     numbers = (
@@ -138,9 +140,9 @@ def test_a_tolerance_divides_loads_by_their_growth(kind: str) -> None:
 @pytest.mark.parametrize(
     ("kind", "quantity"),
     [
-        ("sine", "mean"),
         ("wave", "amplitude"),
-        ("sine", "frequency"),
+        pytest.param("sine", "mean", marks=pytest.mark.slow),
+        pytest.param("sine", "frequency", marks=pytest.mark.slow),
         pytest.param("wave", "mean", marks=pytest.mark.slow),
         pytest.param("sine", "amplitude", marks=pytest.mark.slow),
         pytest.param("wave", "frequency", marks=pytest.mark.slow),
@@ -166,8 +168,8 @@ BOUNDS = {"mean": (0.0, 1.2 * UNIT), "amplitude": (0.0, 0.8 * UNIT), "frequency"
     ("kind", "quantity"),
     [
         ("driven", "mean"),
-        ("sine", "amplitude"),
-        ("sine", "frequency"),
+        pytest.param("sine", "amplitude", marks=pytest.mark.slow),
+        pytest.param("sine", "frequency", marks=pytest.mark.slow),
         pytest.param("sine", "mean", marks=pytest.mark.slow),
         pytest.param("driven", "amplitude", marks=pytest.mark.slow),
         pytest.param("driven", "frequency", marks=pytest.mark.slow),
@@ -211,6 +213,7 @@ def test_ranges_are_those_of_a_scan(kind: str, quantity: str) -> None:
     assert "resonance" in text or "buckling" in text
 
 
+@pytest.mark.slow
 def test_ends_whose_cause_cannot_be_named_are_ends_of_unstable_parts(monkeypatch: pytest.MonkeyPatch) -> None:
     bounds = (0.0, 0.6 * UNIT)
     named = ROD.stable_amplitudes(MEAN, FREQUENCY, bounds, like=KINDS["sine"], growth_tolerance=0.01)
@@ -233,7 +236,8 @@ CASES = {
 }
 
 
-@pytest.mark.parametrize("case", ["clamped", pytest.param("inclined", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("case", ["clamped", "inclined"])
 def test_a_margin_ends_where_the_stable_range_does(case: str) -> None:
     rod, (mean, amplitude, frequency), end = CASES[case]
     numbers = mean * WIRE.critical_force, amplitude * WIRE.critical_force
@@ -246,9 +250,8 @@ def test_a_margin_ends_where_the_stable_range_does(case: str) -> None:
     assert 0.0 < margin.searched[0] < frequency
 
 
-@pytest.mark.parametrize(
-    "quantity", ["mean", *(pytest.param(other, marks=pytest.mark.slow) for other in ("amplitude", "frequency"))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("quantity", ["mean", "amplitude", "frequency"])
 def test_margins_stay_within_ranges(quantity: Any) -> None:
     # The stable range about a load ends where its margin does, within what both say they may miss.
     rod, at = ROD.replace(damping_rate=0.1), {"mean": MEAN, "amplitude": 0.02 * UNIT, "frequency": 1.4 * SWING}
@@ -344,6 +347,7 @@ def test_a_margin_reports_within_each_piece_of_its_search() -> None:
     assert told[-1] == (1000, 1000)
 
 
+@pytest.mark.slow
 def test_a_change_is_located_in_few_verdicts(monkeypatch: pytest.MonkeyPatch) -> None:
     whole = CoupledModes.answers
     asked: list[int] = []
@@ -420,6 +424,7 @@ def test_a_margin_keeps_what_is_known_of_its_search() -> None:
     assert margin.nearest == 1.0
 
 
+@pytest.mark.slow
 def test_critical_loads_are_where_growth_begins() -> None:
     for kind in ("sine", "wave"):
         like = KINDS[kind]
@@ -479,7 +484,7 @@ def test_a_buckling_load_is_undecided_without_vibration() -> None:
 # --- damping ---
 
 
-@pytest.mark.parametrize("kind", ["sine", "harmonics", "wave"])
+@pytest.mark.parametrize("kind", ["sine", pytest.param("harmonics", marks=pytest.mark.slow), "wave"])
 def test_damping_stabilises_from_where_it_is_said_to(kind: str) -> None:
     needed = verdict(kind).damping_to_stabilise
     assert 0.02 < needed < math.inf

@@ -105,6 +105,7 @@ def test_charts_and_maps_take_the_criterion() -> None:
     assert np.array_equal(chart.stable, expected)
 
 
+@pytest.mark.slow
 def test_a_function_of_equations_is_tested_by_the_equations_it_returns() -> None:
     criterion = fr.FiniteTimeCriterion()
     plane = (0.0, 1.5, 12), (-2.0, 0.5, 10)

@@ -100,8 +100,18 @@ LONG = {
     "theory/thin_tongues.md",
     "theory/regions.md",
     "how_to/ensembles.md",
+    "how_to/system_forms.md",
+    "how_to/conventions.md",
+    "how_to/well.md",
+    "how_to/uncertainty.md",
+    "how_to/explorer.md",
+    "theory/rod.md",
+    "theory/systems.md",
+    "theory/hill.md",
+    "theory/maps.md",
+    "theory/leapfrog.md",
 }
-"""Pages that take three seconds and more; `make slow` and `make docs` execute them."""
+"""Pages that take a second and more; `make slow` and `make docs` execute them."""
 
 
 def quick(pages: list[str]) -> list[Any]:
@@ -295,6 +305,7 @@ def docstrings() -> Iterator[tuple[str, bool, str]]:
                 yield f"{path.name}, {node.name}", not decorators.isdisjoint({"property", "cached_property"}), text
 
 
+@pytest.mark.slow
 def test_docstrings_are_shown_as_they_are_written() -> None:
     for place, is_property, text in docstrings():
         assert not (is_property and ":" in text.splitlines()[0]), f"{place}: what precedes a colon would be its type"

@@ -109,6 +109,7 @@ def test_workers_that_are_killed_while_they_start_are_replaced(which: int, monke
     assert len(pools) == 3
 
 
+@pytest.mark.slow
 def test_workers_that_never_start_end_the_ensemble(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     started, pools = workers._Pool.started, []
 

@@ -130,6 +130,7 @@ def test_units_that_are_none(units: dict[str, str], message: str) -> None:
         fr.Explorer(ROD, None, units)
 
 
+@pytest.mark.slow
 def test_units_are_any_mapping() -> None:
     shown = fr.Explorer(ROD, None, MappingProxyType({"frequency": "Hz"}))
     assert "Hz" in shown.window.sliders["frequency"].label.get_text()
@@ -148,7 +149,7 @@ def test_a_canvas_that_keeps_no_copies_will_do(explorer: fr.Explorer) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:omega L")
-@pytest.mark.parametrize("rod", [TUBE, STEEL, SHORT])
+@pytest.mark.parametrize("rod", [TUBE, *(pytest.param(rod, marks=pytest.mark.slow) for rod in (STEEL, SHORT))])
 def test_axes_follow_the_rod(rod: fr.Rod) -> None:
     shown = fr.Explorer(rod)
     sliders = shown.window.sliders
@@ -179,6 +180,7 @@ def test_axes_grow_in_steps(value: float, top: float) -> None:
     assert value == 0.0 or panels.fitting(value, 30.0 * top) == pytest.approx(top)
 
 
+@pytest.mark.slow
 def test_the_default_load_is_in_the_middle_of_things() -> None:
     shown = fr.Explorer(ROD)
     assert math.isclose(shown.load.frequency, 3.0 * ROD.pendulum_frequency, rel_tol=5e-3)
@@ -202,6 +204,7 @@ def test_sliders_reach_the_load_given_and_stand_at_round_numbers() -> None:
     assert shown.command.endswith("--frequency 100rad/s")
 
 
+@pytest.mark.slow
 def test_coupled_modes_show_growth_over_frequency_and_the_shape(coarse: None) -> None:
     load = fr.AxialLoad(0.9 * UNIT, 0.5 * UNIT, 125.0)
     shown = fr.Explorer(CLAMPED, load, {"frequency": "Hz"})
@@ -240,7 +243,7 @@ def test_loads_that_cannot_be_judged_are_shown_so() -> None:
     "load",
     [
         fr.AxialLoad(0.3, 0.1, 100.0, waveform=(-1j, 0.0, -0.3j)),
-        fr.AxialWave(0.3, 0.1, 100.0, far_end="free", axial_damping=2.0),
+        pytest.param(fr.AxialWave(0.3, 0.1, 100.0, far_end="free", axial_damping=2.0), marks=pytest.mark.slow),
     ],
 )
 def test_loads_of_every_kind(load: fr.AxialLoad | fr.AxialWave) -> None:
@@ -372,7 +375,7 @@ OTHER_SIZES = (3.9, 10.14), (7.9, 10.14), (8.0, 5.6)
 
 
 @pytest.mark.parametrize(
-    "size", [(11.0, 7.0), (3.2, 10.14), *(pytest.param(size, marks=pytest.mark.slow) for size in OTHER_SIZES)]
+    "size", [(3.2, 10.14), *(pytest.param(size, marks=pytest.mark.slow) for size in ((11.0, 7.0), *OTHER_SIZES))]
 )
 def test_nothing_is_cut_off_or_overlaps_on_a_screen_or_a_phone(size: tuple[float, float]) -> None:
     explorer = fr.Explorer(ROD)

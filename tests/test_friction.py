@@ -299,6 +299,7 @@ def test_creeping_outwards_however_slowly_is_not_being_trapped(above: float) -> 
     assert found.status in (("undecided",) if above < 5e-8 else ("escapes",))
 
 
+@pytest.mark.slow
 def test_a_motion_ends_before_it_outgrows_a_double() -> None:
     for equation, kick in ((fr.FrictionalMathieu(0.0, 1e4, 1.0), 1.0), (fr.FrictionalMathieu(1.0, 0.3, 0.0), 1e308)):
         motion = fr.friction.trajectory(equation, kick)

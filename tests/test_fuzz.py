@@ -50,7 +50,11 @@ TRUST = (ROOT / "docs" / "theory" / "trust.md").read_text(encoding="utf-8")
 ROD = fr.Rod.nitinol()
 
 
-@pytest.mark.parametrize("attack", core.ATTACKS)
+LONG = ("disks", "real_rods", "concurrency", "margins", "kills", "kicks")
+"""Attacks that take a second and more."""
+
+
+@pytest.mark.parametrize("attack", [pytest.param(a, marks=[pytest.mark.slow] * (a in LONG)) for a in core.ATTACKS])
 def test_short_attack(attack: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ranges, "POINTS", 1000)  # of a scan: a quarter of what the tool looks at
     seed = int(os.environ[SEED]) % 2**31
@@ -65,6 +69,7 @@ def test_every_public_callable_is_attacked() -> None:
     assert not set(calls.table()) & set(calls.LEFT_OUT)
 
 
+@pytest.mark.slow
 def test_the_calls_that_junk_starts_from_are_answered() -> None:
     for name, call in calls.table().items():
         if name not in concurrency.QUIET:
@@ -102,6 +107,7 @@ def stated(low: float, high: float, *parts: tuple[float, float]) -> fr.Stability
     return dataclasses.replace(found, bounds=(low, high), intervals=intervals)
 
 
+@pytest.mark.slow
 def test_ranges_can_fail(rng: np.random.Generator) -> None:
     # The first is what a search over a clipped surplus of growth answered: mode 7 grows from 97.65 to 107.85 rad/s.
     rod = ROD.replace(damping_rate=12.0)
@@ -176,6 +182,7 @@ def test_damages_damage(rng: np.random.Generator) -> None:
     assert sum(data != good for data in bad) > 40
 
 
+@pytest.mark.slow
 def test_kills_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator) -> None:
     run = runs.reference()
 
@@ -196,6 +203,7 @@ def test_kills_of_stores_can_fail() -> None:
     assert wrong[1] == "of 60 40 are left"
 
 
+@pytest.mark.slow
 def test_disks_under_ensembles_can_fail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     warned = stores_disk._warn
 
@@ -261,6 +269,7 @@ def test_systems_can_fail() -> None:
     assert systems.sound(dataclasses.replace(right, status="undecided", note="")) == ["undecided without a reason"]
 
 
+@pytest.mark.slow
 def test_margins_can_fail() -> None:
     wire = ROD.replace(damping_rate=0.5, ends="clamped")
     load = fr.AxialLoad(0.1 * ROD.critical_force, 0.1 * ROD.critical_force, 20.0)
@@ -279,6 +288,7 @@ def test_margins_can_fail() -> None:
     assert margins.at_its_end(question, verdict, "frequency", 20.0, end * (1.0 - 1e-3))
 
 
+@pytest.mark.slow
 def test_real_rods_can_fail() -> None:
     rod = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, inclination=math.radians(60.0))  # of few modes
     load = fr.AxialLoad(0.2 * rod.critical_force, 0.5 * rod.critical_force, 2.2 * rod.pendulum_frequency)
@@ -323,6 +333,7 @@ def test_integration_tells_fates_apart() -> None:
     assert [kicks.integrate(0.0, 0.25, 0.0, kick, 2.0) for kick in (1.9, 2.1)] == [0, 1]
 
 
+@pytest.mark.slow
 def test_concurrency_can_fail(monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator) -> None:
     monkeypatch.setattr(concurrency.pickle, "loads", lambda data: 5)
     assert any("another" in line for line in concurrency.handled(fr.Mathieu(0.5, -0.25)))
@@ -405,6 +416,7 @@ def test_an_attack_that_cannot_begin_is_a_failure(
     assert line in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_ctrl_c_prints_what_was_found_so_far() -> None:
     process = tool("--only", "verdicts", "--seed", "3", "--seeds", "1000", "--cases", "1")
     assert process.stdout is not None

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from conftest import depth
 from fuzz import core, margins, real_rods
 
 _MOST_PHASE = 120.0  # of the fastest motion over a period, for ranges that take a second
@@ -23,13 +22,11 @@ def drawn(rng: np.random.Generator) -> tuple[real_rods.Question, Any]:
             return question, verdict
 
 
-# The other two are compared in test_coupled_answers.py, on rods that are given.
-@pytest.mark.parametrize(
-    "quantity", ["amplitude", *(pytest.param(other, marks=pytest.mark.slow) for other in ("mean", "frequency"))]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("quantity", ["mean", "amplitude", "frequency"])
 def test_a_margin_ends_with_the_range_that_holds_the_load(quantity: Any, rng: np.random.Generator) -> None:
     with core.own_warnings_only():
-        compare(quantity, rng, depth(20, 1))
+        compare(quantity, rng, 20)
 
 
 def compare(quantity: Any, rng: np.random.Generator, count: int) -> None:

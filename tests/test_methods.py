@@ -324,6 +324,7 @@ def test_every_verdict_has_the_core() -> None:
     assert [bool(verdict.assumptions) for verdict in verdicts] == [False, True, True]
 
 
+@pytest.mark.slow
 def test_the_slowest_decay() -> None:
     rod = fr.Rod.nitinol()
     load = fr.AxialLoad(0.1 * rod.critical_force, 0.05 * rod.critical_force, 20.0)

@@ -30,7 +30,11 @@ CLAIMS = {
 DISAGREE = {"F3-a", "F3-map", "F6-b"}
 
 
-@pytest.mark.parametrize("name", CLAIMS)
+LONG = {"F8-a", "F3-c", "F3-map"}
+"""Claims that take a second and more; `floquetrod reproduce` computes all."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name in LONG)) for name in CLAIMS])
 def test_every_claim_comes_out_as_documented(name: str) -> None:
     claim = CLAIMS[name]()
     assert claim.id == name
@@ -159,10 +163,10 @@ def test_intervals_and_tongues_are_the_exact_verdict(rng: np.random.Generator) -
     [
         lambda: figures.figure_2(12),
         lambda: figures.figure_3((8, 6)),
-        lambda: figures.figure_8(8, 12),
+        pytest.param(lambda: figures.figure_8(8, 12), marks=pytest.mark.slow),
         lambda: friction_figures.figure_5(12),
-        lambda: friction_figures.figure_6(8),
-        lambda: friction_figures.figure_kick(8),
+        pytest.param(lambda: friction_figures.figure_6(8), marks=pytest.mark.slow),
+        pytest.param(lambda: friction_figures.figure_kick(8), marks=pytest.mark.slow),
     ],
 )
 def test_figures_are_labelled(draw: object) -> None:

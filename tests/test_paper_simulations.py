@@ -122,6 +122,7 @@ def test_claims_notice_a_change(made: tuple[Study, list[str]]) -> None:
         assert "mode 6, the paper: stays" in claim.computed
 
 
+@pytest.mark.slow
 def test_figures(made: tuple[Study, list[str]], tmp_path: Path) -> None:
     drawings = reproduction._simulated(lambda: made[0])
     assert [name for _, name, _ in drawings] == ["figure_4.png", "figure_7.png"]

@@ -242,6 +242,7 @@ def test_progress_is_told_by_modes() -> None:
     assert told[-1][0] == told[-1][1] > 10
 
 
+@pytest.mark.slow
 def test_every_end_judged_by_the_reference() -> None:
     # 1e-9 relative inside is stable, outside unstable, in the mode named; tongues wide enough to have an outside.
     for ranges, fixed in searches(ROD, 0.34 * FCR, 0.2 * FCR, 150.0, 0.0):

@@ -40,6 +40,7 @@ def recorded(load: fr.AxialLoad, rng: np.random.Generator) -> fr.ForceRecord:
     return fr.ForceRecord(t, clean + noise)
 
 
+@pytest.mark.slow
 def test_verdicts_are_those_of_the_clean_force() -> None:
     rng = np.random.default_rng(14)
     count = depth(100, 20)
@@ -74,7 +75,7 @@ def test_near_a_boundary_the_noise_leaves_the_verdict_open() -> None:
     load = fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5))
     edge = ROD.critical_amplitude(load.mean, load.frequency, like=load)
     found = {}
-    near, far = depth(30, 6), depth(6, 1)
+    near, far = depth(30, 3), depth(6, 1)
     for share, count in ((0.8, far), (1.0, near), (1.2, far)):
         verdicts = [ROD.stability(recorded(replace(load, amplitude=share * edge), rng)) for _ in range(count)]
         found[share] = [verdict.status for verdict in verdicts]
@@ -95,6 +96,7 @@ def test_a_verdict_tells_of_the_forces_within_the_noise() -> None:
     assert calls == [(done, trials + 20) for done in range(1, trials + 21)]
 
 
+@pytest.mark.slow
 def test_a_record_stands_for_its_load() -> None:
     record = recorded(fr.AxialLoad(0.3 * FCR, 0.1 * FCR, 150.0, waveform=(-1j, 0.5)), np.random.default_rng(3))
     load, numbers = record.load, (record.mean, record.amplitude, record.frequency)

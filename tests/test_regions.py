@@ -325,6 +325,7 @@ def test_rods_with_coupled_modes_are_refused() -> None:
 # --- the largest safe box ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerances", [{}, {"length": (3.098, 3.102)}])
 def test_the_largest_safe_box_is_safe_and_cannot_be_widened(tolerances: dict[str, Any]) -> None:
     load = fr.AxialLoad(0.34 * FORCE, 0.2 * FORCE, 150.0)
@@ -518,6 +519,7 @@ def test_kind_of_load_is_checked_before_numbers() -> None:
     assert str(box.sides[3]) == "length 3 to 3.1 m"
 
 
+@pytest.mark.slow
 @given(
     st.fractions(-5, 20, max_denominator=1000),
     st.fractions(-5, 5, max_denominator=1000),

@@ -106,6 +106,7 @@ def random_equation(rng: np.random.Generator) -> tuple[float, float]:
     return float(rng.uniform(-20.0, 400.0)), float(10.0 ** rng.uniform(-6.0, math.log10(200.0)))
 
 
+@pytest.mark.slow
 def test_excess_encloses_and_both_add_up_to_minus_one() -> None:
     rng = np.random.default_rng(5)
     excess = compiled(regions_excess.excess)
@@ -262,12 +263,14 @@ def wrong_beside_boundaries() -> tuple[int, int]:
     return wrong, judged
 
 
+@pytest.mark.slow
 @in_python_anyway
 def test_beside_a_boundary_nothing_is_misjudged() -> None:
     wrong, _ = wrong_beside_boundaries()
     assert wrong == 0
 
 
+@pytest.mark.slow
 @in_python_anyway
 def test_broken_rounding_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the outward step the doubles beside boundaries are judged, and some of them wrongly."""

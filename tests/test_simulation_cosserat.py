@@ -30,6 +30,7 @@ def test_growth() -> None:
     assert problem.run().growth_rate(7).rate == pytest.approx((4.0 * fine - coarse) / 3.0, rel=5e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mean", "amplitude", "mode", "part", "escapes", "within"),
     [(0.825, 0.7, 9, 0.8, False, 0.01), (0.825, 0.7, 9, 1.3, True, 0.05), (0.2, 0.2, 7, 1.0, False, 0.005)],

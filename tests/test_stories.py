@@ -59,7 +59,7 @@ def test_the_main_path_has_fewer_than_ten_lines_of_code(story: str) -> None:
     assert max(len(lines) for _, lines in found) < 10
 
 
-@pytest.mark.parametrize("story", ["my_rod", "recorded_force", "two_equations"])
+@pytest.mark.parametrize("story", ["my_rod", pytest.param("recorded_force", marks=pytest.mark.slow), "two_equations"])
 def test_what_the_terminal_shows(story: str, ran: Ran) -> None:
     _, folder = ran(story)
     text = (HOW_TO / f"{story}.md").read_text(encoding="utf-8")
@@ -147,6 +147,7 @@ def characteristic(kind: str, q: float) -> Any:
     return min(mpmath.eigsy(matrix, eigvals_only=True))
 
 
+@pytest.mark.slow
 def test_tip_and_area_of_the_ion_trap(ran: Ran) -> None:
     names, _ = ran("ion_trap")
     with mpmath.workdps(30):
@@ -161,6 +162,7 @@ def test_tip_and_area_of_the_ion_trap(ran: Ran) -> None:
     assert abs(2.0 * (left + right) - names["area"]) < 1e-10
 
 
+@pytest.mark.slow
 def test_the_edge_of_the_damped_ion_trap(ran: Ran) -> None:
     names, _ = ran("ion_trap")
     for axis in (1, -1):
@@ -286,6 +288,7 @@ def test_the_value_of_order_50_and_that_of_scipy() -> None:
     assert abs(special.mathieu_a(50, 2000.0) - even[25]) > 100.0
 
 
+@pytest.mark.slow
 def test_my_equation_solved_in_z(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (page,) = HOW_TO.parent.rglob("my_equation.md")

@@ -203,6 +203,7 @@ def test_signs_found_all_at_once_are_those_found_one_by_one() -> None:
         assert sign(cluster) == spectra.definiteness(discs, cluster, times, 1.0, 1e-14)
 
 
+@pytest.mark.slow
 def test_what_would_take_minutes_is_declined_at_once() -> None:
     n = 1200
     matrix = np.diag(np.full(n - 1, 0.1), 1)

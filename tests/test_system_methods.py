@@ -296,6 +296,7 @@ def test_reference_decides_where_doubles_cannot() -> None:
     assert fr.stability(coupled(3.0, strength=1e-12), method="monodromy").status == "undecided"
 
 
+@pytest.mark.slow
 def test_reference_decides_beside_every_kind_of_boundary() -> None:
     # The least beta of a double at which the equation is on one side, and its neighbour on the other; mu is -1 or +1.
     for curve in (-0.25, -1.0):
@@ -434,6 +435,7 @@ def test_options_are_checked(method: Any, options: dict[str, Any], name: str) ->
         method(coupled(3.0), **options)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_too_much_work_is_declined(method: str) -> None:
     system = fr.HillSystem(np.diag([1e12, 2e12]), [np.full((2, 2), -1e12)], period=1.0)

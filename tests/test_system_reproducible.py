@@ -64,7 +64,7 @@ def asked(question: Callable[[], list[bytes]], rng: np.random.Generator, calls: 
     return found
 
 
-@pytest.mark.parametrize("n", [1, 2, 3, 8])
+@pytest.mark.parametrize("n", [1, 2, *(pytest.param(n, marks=pytest.mark.slow) for n in (3, 8))])
 @pytest.mark.parametrize("kind", SYSTEMS)
 def test_the_same_input_has_the_same_bits(
     kind: str, n: int, monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator

@@ -147,6 +147,7 @@ def test_the_harmonics_are_the_coefficient(rng: np.random.Generator) -> None:
     assert fr.HillSystem(K).coefficient(1.0).tolist() == K
 
 
+@pytest.mark.slow
 def test_a_thousand_equations() -> None:
     system = fr.HillSystem(np.eye(1000) + 1.0, [np.ones((1000, 1000))], damping=0.5 * np.eye(1000))
     assert system.structure == "damped"

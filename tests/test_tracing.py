@@ -65,7 +65,9 @@ def agree(bands: Bands, judge: Callable[[Floats, Floats], Any], seed: int = 0, n
         assert distances(np.column_stack([x, y])[wrong], bands, size).max() < near
 
 
-@pytest.mark.parametrize("points", [(60, 50), (25, 20), (80, 40), (200, 200)])
+@pytest.mark.parametrize(
+    "points", [(25, 20), *(pytest.param(points, marks=pytest.mark.slow) for points in ((60, 50), (80, 40), (200, 200)))]
+)
 @pytest.mark.parametrize("growth", [True, False])
 def test_mathieu_traced_agrees_with_transition_curves(points: tuple[int, int], growth: bool) -> None:
     def judge(alpha: Floats, beta: Floats) -> tuple[NDArray[np.int8], Any]:
@@ -246,6 +248,7 @@ def pair(omega: float, epsilon: float) -> fr.HillSystem:
     return fr.HillSystem(np.diag([1.0, 4.0]), [forcing], period=2.0 * math.pi / omega)
 
 
+@pytest.mark.slow
 def test_two_oscillators() -> None:
     chart = fr.chart(pair, over={"omega": (1.7, 4.4, 40), "epsilon": (0.0, 0.5, 20)})
     bands = chart.bands
@@ -275,6 +278,7 @@ def test_errors_of_the_family_are_named() -> None:
         _ = chart.bands
 
 
+@pytest.mark.slow
 def test_meissner_and_the_finite_time_criterion() -> None:
     chart = fr.mathieu.chart((0.0, 3.0, 40), (-3.0, 1.0, 40), equation=fr.Meissner)
     bands = chart.bands

@@ -77,6 +77,7 @@ def test_one_uncertain_load_is_the_share_of_its_unstable_forces() -> None:
     assert found.importance == {"mean": SobolIndex(1.0, 1.0, (1.0, 1.0), (1.0, 1.0))}
 
 
+@pytest.mark.slow
 def test_intervals_cover_the_probability_as_often_as_they_say() -> None:
     """Without vibration the rod buckles beyond a known force."""
     critical = buckling_force(ROD.youngs_modulus)

@@ -108,6 +108,7 @@ def test_more_damping_than_required_stabilises_the_band(
         assert growth(less, varied, load, dense).max() > 0.0
 
 
+@pytest.mark.slow
 def test_the_required_damping_is_the_largest_of_single_loads() -> None:
     load = fr.AxialLoad(0.2 * FCR, 0.2 * FCR, 150.0)
     for varied, bounds in (("mean", (0.0, 0.9 * FCR)), ("frequency", (100.0, 200.0))):
@@ -166,6 +167,7 @@ def test_nothing_unstable_and_nothing_stable() -> None:
     assert [(b[:2], b.cause[1], b.required_damping) for b in buckled] == [((50.0, 150.0), 0, math.inf)]
 
 
+@pytest.mark.slow
 def test_bands_of_coupled_modes() -> None:
     unit, swing = CLAMPED.critical_force, CLAMPED.pendulum_frequency
     load = fr.AxialLoad(0.3 * unit, 0.4 * unit, 2.0 * swing)
