@@ -33,7 +33,7 @@ force = rod.critical_force * (
 record = fr.ForceRecord(t, force)
 print(record)
 print(f"frequency {record.frequency:.3f} +- {record.frequency_error:.3f} rad/s")
-for k in record.kept:
+for k in record.harmonic_numbers:
     print(f"harmonic {k}: {abs(record.harmonics[k - 1]):.4f} +- {record.harmonic_errors[k - 1]:.4f} N")
 
 # %%

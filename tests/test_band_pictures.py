@@ -32,7 +32,13 @@ X, Y = (Axis(name, "", "", np.array([0.0, 1.0])) for name in ("across", "up"))
 
 def bands_of(*bands: Band, **changes: Any) -> Bands:
     """Return bands over the unit square."""
-    whole = {"growth_unit": "1/s", "growth_tolerance": 0.0, "hairlines": 0, "accuracy": 1e-3, "resolution": (0.0, 0.0)}
+    whole = {
+        "growth_unit": "1/s",
+        "growth_tolerance": 0.0,
+        "tongues_left_out": 0,
+        "accuracy": 1e-3,
+        "resolution": (0.0, 0.0),
+    }
     return Bands(X, Y, bands, **whole | changes)
 
 
@@ -212,8 +218,8 @@ def test_captions_say_what_is_left_out() -> None:
         return note(ax)
 
     assert title() == "1 unstable band"
-    assert title(hairlines=1200) == "1 unstable band; 1,200 negligible tongues left out"
-    tolerant = title(hairlines=1, growth_tolerance=0.1)
+    assert title(tongues_left_out=1200) == "1 unstable band; 1,200 negligible tongues left out"
+    tolerant = title(tongues_left_out=1, growth_tolerance=0.1)
     assert tolerant == "1 unstable band of growth above 0.1 1/s; 1 slower tongue left out"
     assert "bands, and gaps in them, narrower than 0.01 by 0.02 may have been missed" in title(resolution=(0.01, 0.02))
 

@@ -207,7 +207,7 @@ def test_a_measured_force(record: str, tmp_path: Path, capsys: pytest.CaptureFix
     load = fr.AxialLoad(mean, measured.amplitude, measured.frequency, waveform=measured.waveform)
     assert found["growth_rate_per_s"] == rod.stability(load).growth_rate
     assert (found["mean_N"], found["amplitude_N"]) == (mean, measured.amplitude)
-    assert found["force_record"]["harmonics_kept"] == [1, 2]
+    assert found["force_record"]["harmonic_numbers"] == [1, 2]
     assert found["load"]["waveform"] == [[h.real, h.imag] for h in measured.waveform]
     # Without --mean that of the record; as a wave, too.
     whole = answer(capsys, "check", "--rod", "nitinol", "--force", record, "--wave", "driven", "--no-margins")

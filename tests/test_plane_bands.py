@@ -16,7 +16,7 @@ from floquetrod._util import compilation
 from floquetrod.mathieu import chart
 from floquetrod.plane import Band, Bands, Chart
 from floquetrod.rod.kernels import modes as rod_modes
-from floquetrod.rod.model.constants import HAIRLINE_GROWTH, mode_constants
+from floquetrod.rod.model.constants import SLOW_GROWTH, mode_constants
 
 Floats = NDArray[np.float64]
 
@@ -51,7 +51,7 @@ def distance(bands: Bands, x: float, y: float) -> float:
 def disagreements(bands: Bands, x: Floats, y: Floats, rate: Floats, tolerance: float) -> list[tuple[float, float]]:
     """Return points that grow outside all bands, or do not inside one, farther from every edge than the accuracy."""
     inside = covered(bands, x, y)
-    grows = rate > (tolerance or HAIRLINE_GROWTH) * (1.0 + 1e-6)
+    grows = rate > (tolerance or SLOW_GROWTH) * (1.0 + 1e-6)
     wrong = (grows & ~inside) | (inside & (rate <= tolerance))
     points = zip(x[wrong].tolist(), y[wrong].tolist(), strict=True)
     return [point for point in points if distance(bands, *point) > bands.accuracy]
@@ -90,7 +90,7 @@ def test_what_grows_lies_in_a_band_and_nothing_else_does(plane: tuple[str, str],
     assert bands.accuracy == ACCURACY
     assert bands.resolution == (0.0, 0.0)
     assert disagreements(bands, x, y, rate, found.growth_tolerance) == []
-    fastest = max((band.largest_growth for band in bands), default=found.growth_tolerance or HAIRLINE_GROWTH)
+    fastest = max((band.largest_growth for band in bands), default=found.growth_tolerance or SLOW_GROWTH)
     assert fastest >= rate.max() * (1.0 - 1e-7)
 
 
@@ -207,14 +207,14 @@ def test_tongues_are_mirrored_where_the_amplitude_changes_sign() -> None:
 def test_without_vibration_only_buckling_is_left() -> None:
     found = fr.stability_map(ROD, mean=(0.0, 1.1 * UNIT, 2), amplitude=0.0, frequency=(20.0, 200.0, 2))
     assert [band.name for band in found.bands] == [f"mode {mode}, tongue 0" for mode in (5, 6, 7)]
-    assert found.bands.hairlines == 0
+    assert found.bands.tongues_left_out == 0
     for band in found.bands:
         assert band.x.size == 4
         family = rod_modes.mode_family(*mode_constants(ROD)[:3], band.y.min(), 0.0, 1.0)
         assert rod_modes.mode_coefficients(*family, band.mode)[1] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_hairlines_are_counted() -> None:
+def test_tongues_are_counted() -> None:
     fine = fr.stability_map(ROD, mean=(0.0, UNIT, 2), amplitude=0.2 * UNIT, frequency=(80.0, 150.0, 2))
     coarse = fr.stability_map(
         ROD, mean=(0.0, UNIT, 2), amplitude=0.2 * UNIT, frequency=(80.0, 150.0, 2), growth_tolerance=0.5
@@ -222,8 +222,8 @@ def test_hairlines_are_counted() -> None:
     names = {band.name for band in fine.bands}
     assert {band.name for band in coarse.bands} < names
     assert all(band.largest_growth > 0.5 for band in coarse.bands)
-    assert all(band.largest_growth > HAIRLINE_GROWTH for band in fine.bands)
-    assert fine.bands.hairlines > 0 < coarse.bands.hairlines
+    assert all(band.largest_growth > SLOW_GROWTH for band in fine.bands)
+    assert fine.bands.tongues_left_out > 0 < coarse.bands.tongues_left_out
 
 
 def test_a_coarser_accuracy_needs_fewer_vertices() -> None:

@@ -15,7 +15,7 @@ from conftest import depth
 from floquetrod.floquet.methods.reference import reference
 from floquetrod.mathieu import tongues
 from floquetrod.mathieu.tongues import along_amplitude
-from floquetrod.rod.model.constants import HAIRLINE_GROWTH
+from floquetrod.rod.model.constants import SLOW_GROWTH
 from fuzz import ranges as ranges_attack
 from fuzz import rods
 
@@ -113,7 +113,7 @@ DAMPED = given(
     st.floats(0.01, 1.0),
     st.floats(-1.0, 2.0),
     st.one_of(st.just(0.0), st.floats(-3.0, 4.0).map(math.exp)),
-    st.one_of(st.just(HAIRLINE_GROWTH), st.floats(-7.0, 3.0).map(math.exp)),
+    st.one_of(st.just(SLOW_GROWTH), st.floats(-7.0, 3.0).map(math.exp)),
 )
 
 
@@ -205,14 +205,14 @@ def test_a_dip_of_growth_along_the_amplitude() -> None:
         assert fr.mathieu.growth_rate(end, -2.3156) == pytest.approx(0.01, rel=1e-8)
 
 
-def test_hairlines_are_left_out_and_counted() -> None:
+def test_tongues_are_left_out_and_counted() -> None:
     default, strict = (
         ROD.stable_frequencies(0.3, 0.3, (60.0, 200.0), **option) for option in ({}, {"growth_tolerance": 0})
     )
-    assert default.growth_tolerance == HAIRLINE_GROWTH
+    assert default.growth_tolerance == SLOW_GROWTH
     # What the default leaves out are tongues, each of which parts a stable interval.
-    assert 0 < len(strict) - len(default) <= default.hairlines
-    assert f"{default.hairlines} tongues left out" in repr(default)
+    assert 0 < len(strict) - len(default) <= default.tongues_left_out
+    assert f"{default.tongues_left_out} tongues left out" in repr(default)
 
 
 def test_without_vibration_only_buckling_is_left_along_the_frequency() -> None:
@@ -231,8 +231,8 @@ def test_the_cost_follows_the_question(monkeypatch: pytest.MonkeyPatch) -> None:
     real = tongues._growth
     monkeypatch.setattr(tongues, "_growth", lambda *inputs: asked.append(inputs[0].size) or real(*inputs))
     ranges = ROD.stable_frequencies(0.3, 0.3, (2.0, 60.0))
-    assert ranges.hairlines > 1000
-    assert sum(asked) < 10 * ranges.hairlines
+    assert ranges.tongues_left_out > 1000
+    assert sum(asked) < 10 * ranges.tongues_left_out
 
 
 def test_progress_is_told_by_modes() -> None:

@@ -188,7 +188,7 @@ def test_the_record_is_what_was_recorded(ran: Ran) -> None:
     names, _ = ran("recorded_force")
     record = names["record"]
     assert abs(record.frequency - names["w"]) < 4.0 * record.frequency_error < 0.01
-    assert record.kept == (1, 2, 3)
+    assert record.harmonic_numbers == (1, 2, 3)
     for found, error, true in zip(record.harmonics, record.harmonic_errors, (85.0, 58.0, 22.0), strict=False):
         assert abs(abs(found) - true) < 4.0 * error < 1.0
 

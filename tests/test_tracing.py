@@ -123,7 +123,7 @@ def test_exact_and_traced_bands_of_one_family_agree(damping: float, tolerance: f
         assert one.largest_growth == pytest.approx(other.largest_growth, rel=1e-3)
         assert distances(corners(other), charts[0].bands, (2.0, 2.0)).max() < 2.0 * ACCURACY
     stated = [
-        (chart.bands.growth_unit, chart.bands.growth_tolerance, chart.bands.accuracy, chart.bands.hairlines)
+        (chart.bands.growth_unit, chart.bands.growth_tolerance, chart.bands.accuracy, chart.bands.tongues_left_out)
         for chart in charts
     ]
     assert stated[0] == stated[1]

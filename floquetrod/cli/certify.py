@@ -38,7 +38,7 @@ from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.answers.rod_box import DIAMETERS
 from floquetrod.rod.answers.safe_box import SafeBox
 from floquetrod.rod.loads.load import KINDS
-from floquetrod.rod.model.constants import HAIRLINE_GROWTH
+from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.reading import LOAD_OPTIONS
 from floquetrod.units import Unit
 
@@ -77,7 +77,7 @@ def add(certify: argparse.ArgumentParser) -> None:
     add_rod(certify, subject)
     add_units(certify)
     add_kind(certify)
-    certify.set_defaults(growth_tolerance=f"{HAIRLINE_GROWTH:g}")
+    certify.set_defaults(growth_tolerance=f"{SLOW_GROWTH:g}")
     add_load(certify, ranges=True)
     certify.add_argument(
         "--vary",
@@ -111,7 +111,7 @@ _OF_A_ROD = (
 
 def _certify(options: argparse.Namespace) -> Output:
     if options.system is not None:
-        usual = {"growth_tolerance": f"{HAIRLINE_GROWTH:g}", "max_boxes": MAX_BOXES}
+        usual = {"growth_tolerance": f"{SLOW_GROWTH:g}", "max_boxes": MAX_BOXES}
         given = [name for name in _OF_A_ROD if getattr(options, name) not in (None, [], False, usual.get(name))]
         system.require_alone(options, given)
         answer, status = system.prove(options)
@@ -141,7 +141,7 @@ def _certify(options: argparse.Namespace) -> Output:
             **box,
             growth_tolerance=tolerance,
             rod=tolerances,
-            like=like if like.departures else None,
+            like=like if like.features else None,
             max_boxes=options.max_boxes,
             progress=progress,
         )

@@ -27,7 +27,7 @@ from floquetrod.cli.loads import (
 )
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.waiting import Waiting
-from floquetrod.rod.model.constants import HAIRLINE_GROWTH
+from floquetrod.rod.model.constants import SLOW_GROWTH
 
 _HELP = """\
 List the stable and unstable intervals of one quantity of the load: give a range for it, and values for the others.
@@ -57,7 +57,7 @@ def add(ranges: argparse.ArgumentParser) -> None:
     add_rod(ranges)
     add_units(ranges)
     add_kind(ranges)
-    ranges.set_defaults(growth_tolerance=f"{HAIRLINE_GROWTH:g}")
+    ranges.set_defaults(growth_tolerance=f"{SLOW_GROWTH:g}")
     add_load(ranges, ranges=True)
 
 

@@ -131,7 +131,7 @@ def _map(options: argparse.Namespace) -> Output:
             criterion=criterion,
             friction=None if mu_and_kick is None else mu_and_kick[0],
             kick=None if mu_and_kick is None else mu_and_kick[1],
-            like=like if like.departures else None,
+            like=like if like.features else None,
             progress=progress,
         )
     prompt = chart.source is not None and chart.source.prompt
@@ -159,7 +159,7 @@ def _map(options: argparse.Namespace) -> Output:
         "points": int(chart.stable.size),
         "stable_share": share,
         "bands": len(chart.bands) if bands else None,
-        "tongues_left_out": chart.bands.hairlines if bands else None,
+        "tongues_left_out": chart.bands.tongues_left_out if bands else None,
     }
     lines = [drawn.caption, *([drawn.bands.caption] if bands else []), f"written: {', '.join(written)}"]
     return output(options, lambda: "\n".join(lines), lambda: record)

@@ -45,4 +45,4 @@ def tongue_bands(
                 peak if lines_across else peak[::-1],
             )
         )
-    return Found(tuple(bands), regions.hairlines, accuracy, (0.0, 0.0))
+    return Found(tuple(bands), regions.tongues_left_out, accuracy, (0.0, 0.0))

@@ -47,7 +47,7 @@ class Regions(NamedTuple):
     which: Ints
     order: Ints
     outlines: Outlines
-    hairlines: int
+    tongues_left_out: int
 
 
 def unstable_regions(

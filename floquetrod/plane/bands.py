@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from floquetrod import units
 from floquetrod._util import extras, files, validate
 from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod._util.deprecation import Renamed
 from floquetrod.plane.axes import Axis
 
 Floats = NDArray[np.float64]
@@ -78,7 +79,7 @@ class Bands(NoTruthValue, ByContent):
         As in `Chart`.
     growth_tolerance : float
         Growth up to which motion counts as stable; a band's boundary is where growth equals it.
-    hairlines : int
+    tongues_left_out : int
         Resonance tongues left out, in which nothing grows faster than the tolerance, or, where that is 0, than
         1e-6 1/s, for equations 1e-9 per tau.
     accuracy : float
@@ -99,9 +100,11 @@ class Bands(NoTruthValue, ByContent):
     bands: tuple[Band, ...]
     growth_unit: str
     growth_tolerance: float
-    hairlines: int
+    tongues_left_out: int
     accuracy: float
     resolution: tuple[float, float]
+
+    hairlines = Renamed("tongues_left_out", until="0.2")
 
     def __iter__(self) -> Iterator[Band]:
         """Iterate over the bands."""
@@ -127,9 +130,9 @@ class Bands(NoTruthValue, ByContent):
     def note(self) -> str:
         """What has been left out, "" where nothing."""
         parts = []
-        if self.hairlines:
+        if self.tongues_left_out:
             kind = "slower" if self.growth_tolerance else "negligible"
-            parts.append(f"{self.hairlines:,} {kind} tongue{'s' * (self.hairlines > 1)} left out")
+            parts.append(f"{self.tongues_left_out:,} {kind} tongue{'s' * (self.tongues_left_out > 1)} left out")
         if any(self.resolution):
             x, y = (
                 units.with_unit(size, axis.unit, 2)
@@ -182,7 +185,7 @@ class Bands(NoTruthValue, ByContent):
             x: ("vertex", arrays["x"], {"units": self.x.unit}),
             y: ("vertex", arrays["y"], {"units": self.y.unit}),
         }
-        names = ("growth_tolerance", "hairlines", "accuracy", "resolution")
+        names = ("growth_tolerance", "tongues_left_out", "accuracy", "resolution")
         return xarray.Dataset(data, attrs={name: getattr(self, name) for name in names})
 
     def plot(self, ax: Any = None) -> Any:

@@ -246,7 +246,7 @@ class Chart(NoTruthValue, ByContent):
         }
         if "bands" in self.__dict__:
             arrays |= {f"{_BANDS}{name}": values for name, values in self.bands.as_arrays().items()}
-            meta["bands"] = {name: getattr(self.bands, name) for name in ("hairlines", "accuracy", "resolution")}
+            meta["bands"] = {name: getattr(self.bands, name) for name in ("tongues_left_out", "accuracy", "resolution")}
         return files.write_npz(path, meta, arrays, compress=True)
 
     @classmethod
@@ -319,7 +319,7 @@ def _bands(chart: Chart, meta: dict[str, Any], arrays: dict[str, NDArray[Any]]) 
         Bands.bands_of(own),
         chart.growth_unit,
         chart.growth_tolerance,
-        files.entry(meta, "hairlines", int),
+        files.entry(meta, "tongues_left_out" if "tongues_left_out" in meta else "hairlines", int),  # its earlier name
         files.entry(meta, "accuracy", float),
         (resolution[0], resolution[1]),
     )

@@ -43,7 +43,7 @@ class Found(NamedTuple):
     """Bands and what is left out of them, as in `floquetrod.plane.Bands`."""
 
     bands: tuple[Band, ...]
-    hairlines: int
+    tongues_left_out: int
     accuracy: float
     resolution: tuple[float, float]
 

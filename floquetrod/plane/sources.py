@@ -47,7 +47,7 @@ class FamilyBands(ByContent):
             found.bands,
             self.family.growth_unit,
             self.family.growth_tolerance,
-            found.hairlines,
+            found.tongues_left_out,
             found.accuracy,
             found.resolution,
         )

@@ -42,7 +42,7 @@ def _draw_spectrum(record: Any, ax: Any) -> None:
     noise = 2.0 * record.noise / np.sqrt(record.time.size)  # root mean square of what it adds to an amplitude
     ax.plot(frequency, whole, color="0.75", linewidth=0.8, label="record less mean and trend")
     ax.plot(frequency, left, color="0.4", linewidth=0.8, label="what the fit leaves")
-    places = np.array(record.kept) - 1
+    places = np.array(record.harmonic_numbers) - 1
     sizes, errors = np.abs(record.harmonics[places]), 2.0 * record.harmonic_errors[places]
     ax.errorbar(
         (places + 1) / record.period, sizes, errors, fmt="o", color="black", markersize=4, label="harmonics kept"

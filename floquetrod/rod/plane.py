@@ -98,7 +98,7 @@ class LoadPlane(Family):
         subject: dict[str, Any] = {"kind": "rod", "fixed": fixed, "rod": self.rod.as_dict()}
         if self.like is not None:
             subject["load"] = self.like.kind_as_dict()
-            subject["kind"] = ", ".join(filter(None, ["rod", self.like.departures]))
+            subject["kind"] = ", ".join(filter(None, ["rod", self.like.features]))
         return subject
 
     def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:

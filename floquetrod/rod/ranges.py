@@ -12,6 +12,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
+from floquetrod._util.deprecation import Renamed
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod._util.report import number as finite
 from floquetrod.floquet.systems.result import Resonance
@@ -48,7 +49,7 @@ class StabilityIntervals(Reported, NoTruthValue):
         Growth in 1/s up to which a mode counts as stable; resonance tongues that never exceed it are left out.
     modes : int
         Modes looked at, 1 to this; every higher mode grows at less than 1e-12 per second or the tolerance.
-    hairlines : int
+    tongues_left_out : int
         Resonance tongues within the stability intervals in which a mode grows, but nowhere faster than the tolerance.
     resolution : float
         Unstable parts up to this width may have been missed, in ``unit``: 0 where the search is complete.
@@ -70,10 +71,12 @@ class StabilityIntervals(Reported, NoTruthValue):
     intervals: tuple[StabilityInterval, ...]
     growth_tolerance: float
     modes: int
-    hairlines: int
+    tongues_left_out: int
     resolution: float
     searched: RangeQuestion = field(repr=False, compare=False)
     not_computed: tuple[AxialGap, ...] = ()
+
+    hairlines = Renamed("tongues_left_out", until="0.2")
 
     def __iter__(self) -> Iterator[StabilityInterval]:
         """Iterate over the intervals."""
@@ -133,8 +136,8 @@ class StabilityIntervals(Reported, NoTruthValue):
         """What has been left out."""
         slow = max(self.growth_tolerance, 1e-12)
         text = f"modes 1 to {self.modes}; growth at or below {slow:g} 1/s does not count"
-        if self.hairlines:
-            text += f": {self.hairlines} tongue{'s' * (self.hairlines > 1)} left out"
+        if self.tongues_left_out:
+            text += f": {self.tongues_left_out} tongue{'s' * (self.tongues_left_out > 1)} left out"
         return text
 
     def __repr__(self) -> str:
@@ -195,7 +198,7 @@ class StabilityIntervals(Reported, NoTruthValue):
             f"searched_{unit}": list(self.bounds),
             "growth_tolerance_per_s": self.growth_tolerance,
             "modes_checked": self.modes,
-            "tongues_left_out": self.hairlines,
+            "tongues_left_out": self.tongues_left_out,
             f"parts_missed_up_to_{unit}": self.resolution,
             "stable": [
                 {
@@ -261,7 +264,7 @@ def stable_values(
         found.intervals,
         search.growth_tolerance,
         found.modes,
-        found.hairlines,
+        found.tongues_left_out,
         found.resolution,
         RangeQuestion(model, search),
         found.not_computed,

@@ -74,7 +74,7 @@ def classify_record(
 
 def _drawn(record: ForceRecord) -> Iterator[AxialLoad]:
     """Yield loads whose numbers are drawn about those of the fit, with twice their standard errors."""
-    random, fit, kept = np.random.default_rng(0), record.load, np.array(record.kept) - 1
+    random, fit, kept = np.random.default_rng(0), record.load, np.array(record.harmonic_numbers) - 1
     slowest = LIMITS["frequency"].least
     for _ in range(NOISE_DRAWS):
         shift = random.standard_normal((kept.size, 2)) @ np.array([1.0, 1j])

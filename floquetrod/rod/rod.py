@@ -23,7 +23,7 @@ from floquetrod.rod.loads.load import (
 )
 from floquetrod.rod.mode_equations.coupling import coupling
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
-from floquetrod.rod.model.constants import HAIRLINE_GROWTH
+from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.independent import IndependentModel
 from floquetrod.rod.modes.mode_model import ModeModel
@@ -305,7 +305,7 @@ class Rod(RodData):
         frequency: float,
         bounds: tuple[float, float] | None = None,
         *,
-        growth_tolerance: float = HAIRLINE_GROWTH,
+        growth_tolerance: float = SLOW_GROWTH,
         like: AnyLoad | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
@@ -350,7 +350,7 @@ class Rod(RodData):
         frequency: float,
         bounds: tuple[float, float] | None = None,
         *,
-        growth_tolerance: float = HAIRLINE_GROWTH,
+        growth_tolerance: float = SLOW_GROWTH,
         like: AnyLoad | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
@@ -371,7 +371,7 @@ class Rod(RodData):
         amplitude: float,
         bounds: tuple[float, float],
         *,
-        growth_tolerance: float = HAIRLINE_GROWTH,
+        growth_tolerance: float = SLOW_GROWTH,
         like: AnyLoad | None = None,
         progress: Progress | None = None,
     ) -> StabilityIntervals:
@@ -391,7 +391,7 @@ class Rod(RodData):
         amplitude: float,
         frequency: float,
         *,
-        growth_tolerance: float = HAIRLINE_GROWTH,
+        growth_tolerance: float = SLOW_GROWTH,
         like: AnyLoad | None = None,
         progress: Progress | None = None,
     ) -> float:
@@ -414,7 +414,7 @@ class Rod(RodData):
         mean: float,
         frequency: float,
         *,
-        growth_tolerance: float = HAIRLINE_GROWTH,
+        growth_tolerance: float = SLOW_GROWTH,
         like: AnyLoad | None = None,
         progress: Progress | None = None,
     ) -> float:
@@ -537,7 +537,7 @@ class Rod(RodData):
         amplitude: Any,
         frequency: Any,
         *,
-        growth_tolerance: float = HAIRLINE_GROWTH,
+        growth_tolerance: float = SLOW_GROWTH,
         rod: Mapping[str, Any] | None = None,
         like: AnyLoad | None = None,
         max_boxes: int = MAX_BOXES,
@@ -599,7 +599,7 @@ class Rod(RodData):
         around: AnyLoad,
         *,
         vary: Iterable[Quantity] = QUANTITIES,
-        growth_tolerance: float = HAIRLINE_GROWTH,
+        growth_tolerance: float = SLOW_GROWTH,
         rod: Mapping[str, Any] | None = None,
         accuracy: float = 0.01,
         progress: Progress | None = None,

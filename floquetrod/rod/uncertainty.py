@@ -15,7 +15,7 @@ from floquetrod._util.content import NoTruthValue
 from floquetrod.rod.distributions import Sampling, distributions
 from floquetrod.rod.loads.load import AnyLoad, Progress, require_load
 from floquetrod.rod.model.assumptions import assumptions
-from floquetrod.rod.model.constants import HAIRLINE_GROWTH
+from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.rod import Rod
 
 Floats = NDArray[np.float64]
@@ -154,7 +154,7 @@ def probability_of_instability(
     parameters: Mapping[str, Any],
     *,
     samples: int = 1_000_000,
-    growth_tolerance: float = HAIRLINE_GROWTH,
+    growth_tolerance: float = SLOW_GROWTH,
     seed: int | None = None,
     confidence: float = 0.95,
     workers: int | None = None,

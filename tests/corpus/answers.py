@@ -239,7 +239,7 @@ def ranges(v: Any) -> Any:
     stable = [[i.low, i.high, *map(_cause, (i.low_end, i.high_end))] for i in v.intervals]
     unstable = [[u.low, u.high, u.worst_growth, u.required_damping, _cause(u.cause)] for u in v.unstable]
     found = {"stable": stable, "unstable": unstable, "required_damping": v.required_damping}
-    return found | {"complete": v.resolution == 0.0, "hairlines": v.hairlines}
+    return found | {"complete": v.resolution == 0.0, "hairlines": v.tongues_left_out}
 
 
 def _cause(cause: Any) -> str | None:
@@ -271,7 +271,7 @@ def bands(v: Any) -> Any:
         area = 0.5 * abs(float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1))))
         around = float(np.hypot(x - np.roll(x, -1), y - np.roll(y, -1)).sum())
         found.append([band.name, number(area, v.accuracy * around), band.largest_growth])
-    return {"bands": sorted(found, key=lambda band: (band[0], band[1]["value"])), "hairlines": v.hairlines}
+    return {"bands": sorted(found, key=lambda band: (band[0], band[1]["value"])), "hairlines": v.tongues_left_out}
 
 
 def solution(v: Any) -> Any:

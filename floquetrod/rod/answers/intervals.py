@@ -96,7 +96,7 @@ class FoundIntervals(NamedTuple):
     intervals : tuple of StabilityInterval
     modes : int
         Modes looked at, 1 to this.
-    hairlines : int
+    tongues_left_out : int
         Resonance tongues left out.
     resolution : float
         Unstable parts up to this width may have been missed.
@@ -105,6 +105,6 @@ class FoundIntervals(NamedTuple):
 
     intervals: tuple[StabilityInterval, ...]
     modes: int
-    hairlines: int = 0
+    tongues_left_out: int = 0
     resolution: float = 0.0
     not_computed: tuple[AxialGap, ...] = ()

@@ -65,7 +65,7 @@ def describe_load(load: Load, shown: Mapping[str, Unit], rod: RodData) -> str:
 
 def describe_kind(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[str]:
     """Return lines about what varies along the rod, and about the waveform."""
-    lines = [load.departures] if load.departures else []
+    lines = [load.features] if load.features else []
     if rod.weight_along > 0.0 and load.mean_at is not None:
         upper, lower = (
             shown["mean"].show(load.mean + added_mean(load, rod.weight_along, rod.length, x)) for x in (0.0, 1.0)
@@ -180,7 +180,7 @@ class ReportedVerdict(Reported, _RodVerdict):
             bend = f"E I {rod.flexural_rigidity:.4g} N m^2, half wave {rod.critical_half_wave:.4g} m"
             lines += [("", f"{special}; SI units"), ("", f"{size}, {bend}")]
         lines += load_lines(load, shown, rod)
-        if special or load.departures:
+        if special or load.features:
             lines.append(("assumed", "; ".join(self.assumptions)))
         return lines
 

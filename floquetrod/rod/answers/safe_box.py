@@ -180,7 +180,7 @@ def _safe_alone(rod: RodData, verdict: RodStability, name: Quantity) -> Interval
         low, high = 0.5 * value, 2.0 * value
     else:
         low, high = value - rod.critical_force, value + rod.critical_force
-    if verdict.stable:  # else the load lies in a hairline that only the proof resolves
+    if verdict.stable:  # else the load lies in a tongue so thin that only the proof resolves it
         below, above = verdict.margin(name).searched
         low, high = max(low, value - below), min(high, value + above)
     return Interval(max(low, 0.0) if name == "amplitude" else low, high)

@@ -23,7 +23,7 @@ from floquetrod.rod.answers.reports import ReportedVerdict
 from floquetrod.rod.loads.axial import AxialResponse
 from floquetrod.rod.loads.load import Load, Progress, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
-from floquetrod.rod.model.constants import HAIRLINE_GROWTH
+from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import RodData
 
 if TYPE_CHECKING:
@@ -447,7 +447,7 @@ class RodStability(Verdict, ReportedVerdict):
         The growth tolerance, and at least 1e-6: a margin to a tongue in which nothing grows within a month would tell
         nothing.  Where the load itself lies in such a tongue the margins are those of the tongue.
         """
-        least = max(self.growth_tolerance, HAIRLINE_GROWTH)
+        least = max(self.growth_tolerance, SLOW_GROWTH)
         return least if self.stable or self.growth_rate > least else self.growth_tolerance
 
     def _end(self, varied: Quantity, way: list[float], seconds: float, told: list[Progress | None]) -> Edge:

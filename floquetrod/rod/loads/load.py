@@ -16,6 +16,7 @@ from floquetrod._util import validate
 from floquetrod._util.arguments import Mention
 from floquetrod._util.arrays import broadcast
 from floquetrod._util.calling import TellsAttributes, constructor_hints
+from floquetrod._util.deprecation import Renamed
 
 Quantity: TypeAlias = Literal["mean", "amplitude", "frequency"]
 """A quantity of `AxialLoad`."""
@@ -213,8 +214,10 @@ class Load(TellsAttributes, ABC):
         every = ((f, getattr(self, f.name)) for f in fields(self))
         return {f.name: value for f, value in every if f.default is MISSING or value != f.default}
 
+    departures = Renamed("features", until="0.2")
+
     @property
-    def departures(self) -> str:
+    def features(self) -> str:
         """In words what this load has that a sine, uniform but for the weight along the rod, has not; "" if nothing."""
         found = []
         if self.waveform != "sine":
@@ -412,11 +415,11 @@ class AxialWave(Load):
         return False
 
     @property
-    def departures(self) -> str:
+    def features(self) -> str:
         """In words what this load has that a sine, uniform but for the weight along the rod, has not."""
         ends = "both ends driven" if self.far_end == "driven" else f"lower end {self.far_end}"
         rate = f", axial damping {self.axial_damping:g} 1/s" if self.axial_damping else ""
-        return ", ".join(filter(None, [f"axial waves, {ends}{rate}", super().departures]))
+        return ", ".join(filter(None, [f"axial waves, {ends}{rate}", super().features]))
 
 
 def with_waves(load: Load, axial_damping: float = 0.0) -> AxialWave:

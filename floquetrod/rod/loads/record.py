@@ -17,6 +17,7 @@ from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
+from floquetrod._util.deprecation import Renamed
 from floquetrod.rod.loads.load import LIMITS, AxialLoad, LoadSource, load_number
 from floquetrod.rod.loads.record_file import column_argument, delimiter_argument, read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
@@ -94,7 +95,7 @@ class ForceRecord(LoadSource, ByContent):
     >>> t = np.arange(730) / 1600.0
     >>> push = 3.0 + 2.0 * np.sin(100.0 * t) + 0.5 * np.cos(200.0 * t)
     >>> record = ForceRecord(t, push + 0.1 * np.random.default_rng(1).standard_normal(t.size))
-    >>> record.kept, round(record.mean, 1), round(float(abs(record.harmonics[0])), 1)
+    >>> record.harmonic_numbers, round(record.mean, 1), round(float(abs(record.harmonics[0])), 1)
     ((1, 2), 3.0, 2.0)
     >>> abs(record.frequency - 100.0) < 4.0 * record.frequency_error < 0.1
     True
@@ -221,8 +222,10 @@ class ForceRecord(LoadSource, ByContent):
         """The fitted force as a load, the same all along a rod; its harmonics are the waveform."""
         return AxialLoad(self.mean, self.amplitude, self.frequency, waveform=self.waveform)
 
+    kept = Renamed("harmonic_numbers", until="0.2")
+
     @cached_property
-    def kept(self) -> tuple[int, ...]:
+    def harmonic_numbers(self) -> tuple[int, ...]:
         """Numbers of the harmonics above the noise."""
         return tuple((np.flatnonzero(self.harmonics) + 1).tolist())
 
@@ -233,8 +236,8 @@ class ForceRecord(LoadSource, ByContent):
 
     @cached_property
     def waveform(self) -> tuple[complex, ...]:
-        """The harmonics up to the last one kept, over the amplitude."""
-        return tuple((self.harmonics[: self.kept[-1]] / self.amplitude).tolist())
+        """The harmonics up to the last one above the noise, over the amplitude."""
+        return tuple((self.harmonics[: self.harmonic_numbers[-1]] / self.amplitude).tolist())
 
     def force(self, t: Any) -> Any:
         """Return the fitted force, mean and harmonics, in N at times in s, in their shape."""
@@ -269,7 +272,7 @@ class ForceRecord(LoadSource, ByContent):
             "amplitude_N": self.amplitude,
             "frequency_rad_per_s": self.frequency,
             "frequency_error_rad_per_s": self.frequency_error,
-            "harmonics_kept": list(self.kept),
+            "harmonic_numbers": list(self.harmonic_numbers),
             "noise_N": self.noise,
             "periods": self.periods,
             "note": self.note,
@@ -277,20 +280,20 @@ class ForceRecord(LoadSource, ByContent):
 
     def __repr__(self) -> str:
         """Return the fit as a sentence."""
-        kept = ", ".join(map(str, self.kept))
+        numbers = ", ".join(map(str, self.harmonic_numbers))
         text = (
             f"force of mean {self.mean:.6g} N and amplitude {self.amplitude:.6g} N, period {self.period:.8g} s +- "
-            f"{self.period * self.frequency_error / self.frequency:.1g} s, harmonic{'s' * (len(self.kept) > 1)} {kept} "
+            f"{self.period * self.frequency_error / self.frequency:.1g} s, harmonic{'s' * (',' in numbers)} {numbers} "
             f"above a noise of {self.noise:.3g} N; {self.periods:.4g} periods, {self.time.size} samples"
         )
         return f"<{text}; {self.note}>" if self.note else f"<{text}>"
 
     def _vibration(self, angle: NDArray[np.float64]) -> NDArray[np.float64]:
-        return series(angle, self.kept, self.harmonics[np.array(self.kept) - 1])
+        return series(angle, self.harmonic_numbers, self.harmonics[np.array(self.harmonic_numbers) - 1])
 
     def _extreme(self, sign: float) -> float:
         """Return the largest value of the vibration, or of its negative: on a grid, then by Newton's method."""
-        angles = np.linspace(0.0, 2.0 * math.pi, 64 * self.kept[-1], endpoint=False)
+        angles = np.linspace(0.0, 2.0 * math.pi, 64 * self.harmonic_numbers[-1], endpoint=False)
         values = sign * self._vibration(angles)
         angle, numbers = float(angles[values.argmax()]), np.arange(1, self.harmonics.size + 1)
         for _ in range(5):

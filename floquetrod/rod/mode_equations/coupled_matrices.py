@@ -26,7 +26,7 @@ from floquetrod.rod.loads.load import AxialLoad, Load, Loads
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.model.beam import Basis, basis
-from floquetrod.rod.model.constants import HAIRLINE_GROWTH, ModeConstants, mode_constants
+from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants, mode_constants
 from floquetrod.rod.model.data import RodData
 
 Floats = NDArray[np.float64]
@@ -43,7 +43,7 @@ def modes_needed(rod: RodData, like: Load, loads: Loads, growth_tolerance: float
     """
     require_few(rod, like, loads, growth_tolerance)
     uniform = largest_uniform(rod, like, loads)
-    needed, _ = mode_constants(rod).modes_needed(uniform, max(growth_tolerance, HAIRLINE_GROWTH))
+    needed, _ = mode_constants(rod).modes_needed(uniform, max(growth_tolerance, SLOW_GROWTH))
     if needed > MOST_COUPLED:
         raise _too_many(needed, rod, uniform, loads, like, growth_tolerance)
     return max(math.ceil(1.5 * rod.critical_mode) + LEAST_COUPLED, needed + 2)
@@ -55,7 +55,7 @@ def _too_many(
     """Return the error that says why so many modes are needed, and the remedies that are left."""
     given = float(loads.amplitude.max())
     without_waves, _ = mode_constants(rod).modes_needed(
-        uniform.varied("amplitude", given), max(growth_tolerance, HAIRLINE_GROWTH)
+        uniform.varied("amplitude", given), max(growth_tolerance, SLOW_GROWTH)
     )
     if without_waves <= MOST_COUPLED:
         frequency = max(np.unique(loads.frequency).tolist(), key=lambda at: _largest_along(rod, like, at))
@@ -69,7 +69,7 @@ def _too_many(
             ", another frequency, a shorter length, or choose the number of modes",
             kind=AxialResonanceError,
         )
-    is_free, is_strict = rod.damping_rate == 0.0, growth_tolerance <= HAIRLINE_GROWTH
+    is_free, is_strict = rod.damping_rate == 0.0, growth_tolerance <= SLOW_GROWTH
     return wrong_value(
         "load",
         f"needs {needed} coupled modes, more than {MOST_COUPLED}: so long a rod has that many resonances below the "

@@ -31,14 +31,14 @@ class UnstableLoads(NamedTuple):
     ----------
     intervals : list of UnstableInterval
         Where modes grow.
-    hairlines : int
+    tongues_left_out : int
         Resonance tongues that nowhere exceed the tolerance.
     resolution : float
         Width, in N or rad/s, up to which an interval may have been missed; 0 where none can be.
     """
 
     intervals: list[UnstableInterval]
-    hairlines: int
+    tongues_left_out: int
     resolution: float
 
 
@@ -63,7 +63,7 @@ def unstable_loads(
         return tongues_within(varied, system, tolerance, [bounds])
     chosen = _likely_first(varied, system, bounds)
     found: list[UnstableInterval] = []
-    hairlines, resolution, done, size = 0, 0.0, 0, 1
+    tongues_left_out, resolution, done, size = 0, 0.0, 0, 1
     while done < len(chosen):
         left = gaps(found, bounds)
         if nearest is not None:
@@ -72,11 +72,11 @@ def unstable_loads(
             break
         part = tongues_within(varied, replace(system, modes=chosen[done : done + size]), tolerance, left)
         found += part.intervals
-        hairlines, resolution = hairlines + part.hairlines, max(resolution, part.resolution)
+        tongues_left_out, resolution = tongues_left_out + part.tongues_left_out, max(resolution, part.resolution)
         done, size = done + size, 2 * size
         if progress is not None:
             progress(min(done, len(chosen)), len(chosen))
-    return UnstableLoads(found, hairlines, resolution)
+    return UnstableLoads(found, tongues_left_out, resolution)
 
 
 def gaps(intervals: Sequence[UnstableInterval], bounds: tuple[float, float]) -> list[tuple[float, float]]:

@@ -19,8 +19,8 @@ from floquetrod.rod.model.data import MOST_MODES as MOST_MODES
 from floquetrod.rod.model.data import RodData
 
 NEGLIGIBLE_GROWTH = 1e-12  # growth in 1/s that modes left out may have: a doubling in 20,000 years
-HAIRLINE_GROWTH = 1e-6
-"""Growth in 1/s, tenfold in a month, up to which a tongue is a hairline: searches leave it out, and count it."""
+SLOW_GROWTH = 1e-6
+"""Growth in 1/s, tenfold in a month, up to which a tongue is negligible: searches leave it out, and count it."""
 
 _MOST_PER_CYCLE = math.sqrt(validate.LARGEST)  # rates in frequencies of the load: their squares are coefficients
 

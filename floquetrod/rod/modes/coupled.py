@@ -19,7 +19,7 @@ from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import Load, Loads, Progress, shifted
 from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, CoupledModes, modes_needed
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
-from floquetrod.rod.model.constants import HAIRLINE_GROWTH
+from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
 from floquetrod.rod.modes.mode_model import Answers, Floats, Ints, ModeModel, Statuses
 from floquetrod.rod.modes.sampled_ranges import sampled_first_unstable, sampled_ranges
@@ -43,7 +43,7 @@ class CoupledModel(ModeModel):
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes to take, and the growth in 1/s that all others are expected not to exceed."""
-        return self.count_for(Loads.single(load), growth_tolerance), max(growth_tolerance, HAIRLINE_GROWTH)
+        return self.count_for(Loads.single(load), growth_tolerance), max(growth_tolerance, SLOW_GROWTH)
 
     def in_modes(self, count: int) -> CoupledEquations:
         """Return the first modes as systems of equations under any load of the kind."""

@@ -145,7 +145,7 @@ class IndependentModel(ModeModel):
         system = self._equations(load, tolerance)
         found = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
         stable = tuple(_between(found.intervals, bounds))
-        return FoundIntervals(stable, system.modes[-1], found.hairlines, found.resolution)
+        return FoundIntervals(stable, system.modes[-1], found.tongues_left_out, found.resolution)
 
     def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
         """Return where a quantity that grows from zero first meets growth; infinite without any."""

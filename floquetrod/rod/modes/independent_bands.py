@@ -13,7 +13,7 @@ from floquetrod.mathieu.tongue_regions import Oscillators
 from floquetrod.plane import Axis, Found, Progress
 from floquetrod.rod.kernels.modes import mode_coefficients, mode_family
 from floquetrod.rod.loads.load import LIMITS, AxialLoad, Quantity
-from floquetrod.rod.model.constants import HAIRLINE_GROWTH, ModeConstants
+from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class ExactBands:
         modes = np.arange(1.0, last + 1.0)
         gain, stiffness = mode_coefficients(*mode_family(*self.constants[:3], 0.0, 1.0, 1.0), modes)
         damping = self.constants.damping_rate
-        oscillators = Oscillators(-stiffness - damping**2, gain, damping, self.growth_tolerance, HAIRLINE_GROWTH)
+        oscillators = Oscillators(-stiffness - damping**2, gain, damping, self.growth_tolerance, SLOW_GROWTH)
         # Parts of tongues are single intervals on lines along the mean, and on those along the frequency.
         along: Literal["mean", "frequency"] = "mean" if "mean" in ranges else "frequency"
         over: Literal["frequency", "amplitude"] = "amplitude" if "amplitude" in ranges else "frequency"

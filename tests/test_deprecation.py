@@ -1,0 +1,29 @@
+"""Earlier names of what is public: they work, and say what replaces them and until when."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+
+ROD, LOAD = fr.Rod.nitinol(), fr.AxialWave(0.34, 0.34, 150.0)
+TIME = np.linspace(0.0, 2.0, 801)
+RENAMED: list[tuple[Any, str, str]] = [
+    (fr.chart(fr.Mathieu, {"alpha": (0.0, 1.0, 2), "beta": (-1.0, 0.0, 2)}).bands, "hairlines", "tongues_left_out"),
+    (ROD.stable_mean_forces(0.34, 150.0, (0.0, 0.5)), "hairlines", "tongues_left_out"),
+    (fr.ForceRecord(TIME, 1.0 + 0.5 * np.sin(20.0 * TIME)), "kept", "harmonic_numbers"),
+    (LOAD, "departures", "features"),
+]
+
+
+@pytest.mark.parametrize(("value", "earlier", "now"), RENAMED, ids=lambda x: x if isinstance(x, str) else "")
+def test_an_earlier_name_works_and_warns(value: Any, earlier: str, now: str) -> None:
+    with pytest.warns(
+        DeprecationWarning, match=rf"{type(value).__name__}\.{earlier} is removed in version .*use {now}"
+    ):
+        found = getattr(value, earlier)
+    assert found == getattr(value, now)
+    assert now in getattr(type(value), earlier).__doc__
