@@ -10,7 +10,6 @@ import sphinx
 from pygments.formatters import HtmlFormatter
 from pygments.lexers.special import TextLexer
 from pygments.token import Name, Punctuation
-from sphinx.domains.python import PyObject
 from sphinx.highlighting import PygmentsBridge
 
 import floquetrod
@@ -114,6 +113,5 @@ PygmentsBridge.html_formatter = LightFormatter
 
 
 def setup(app: sphinx.application.Sphinx) -> None:
-    """Let the drawing of the layers be shown as it is, and names of fields be no links: several classes have a note."""
+    """Let the drawing of the layers be shown as it is."""
     app.add_lexer("layers", TextLexer)
-    next(kind for kind in PyObject.doc_field_types if kind.name == "variable").rolename = ""

@@ -25,8 +25,10 @@ class Margin(_Distances):
 
     Attributes
     ----------
-    below, above : float
-        The distances; ``below, above = margin``.
+    below : float
+        How far it may fall; ``below, above = margin``.
+    above : float
+        How far it may rise.
     resolution : float
         Changes closer together than this may have been passed over, in the unit of the distances; 0 where none can be.
     searched : (float, float)

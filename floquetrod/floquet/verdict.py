@@ -125,6 +125,8 @@ class Verdict(Answer):
 class FloquetVerdict(ByContent, Reported, Verdict):
     """Verdict on a scalar equation or a system of equations, in the unit of its time.
 
+    It has all that every `Verdict` has.  A method that gave up has no exponents, and NaN for the growth rate.
+
     Attributes
     ----------
     equation : Equation, HillSystem or PeriodicSystem
@@ -133,8 +135,6 @@ class FloquetVerdict(ByContent, Reported, Verdict):
         Name of the method.
     exponent_errors : tuple of float
         Error of each exponent: a bound or an estimate, the method says which.
-    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
-        As in every `Verdict`.  A method that gave up has no exponents, and NaN for the growth rate.
     """
 
     unit: ClassVar[str] = "time"
@@ -251,6 +251,9 @@ class FloquetVerdict(ByContent, Reported, Verdict):
 class Stability(FloquetVerdict):
     """Verdict on one scalar equation, per unit tau.
 
+    It has all that every `FloquetVerdict` has.  There are two exponents, and ``error`` is a bound or estimate (the
+    method says which) on the discriminant's error relative to max(1, abs(discriminant)).
+
     Attributes
     ----------
     discriminant : float
@@ -260,11 +263,6 @@ class Stability(FloquetVerdict):
     interval : Interval or None
         The stability interval or resonance tongue, of the equation freed of its damping; None where the method cannot
         tell.
-    equation, system, method, exponent_errors
-        As in every `FloquetVerdict`.
-    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
-        As in every `Verdict`; there are two exponents, and ``error`` is a bound or estimate (the method says which) on
-        the discriminant's error relative to max(1, abs(discriminant)).
     """
 
     unit: ClassVar[str] = "tau"

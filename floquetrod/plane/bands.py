@@ -27,12 +27,15 @@ class Band(ByContent):
 
     Attributes
     ----------
-    x, y : ndarray (n,)
-        Vertices of the polygon about it, in order, the first not repeated, in the units of the axes.  Each lies on a
+    x : ndarray (n,)
+        Vertices of the polygon about it, in order, the first not repeated, in the unit of the axis.  Each lies on a
         boundary or on the edge of the plane.  A stable hole is joined to the outside by a seam, passed both ways.
-    mode, tongue : int or None
-        Mode that grows, and its resonance tongue, which is the order of a resonance; None where there is none, or where
-        it is not known.
+    y : ndarray (n,)
+        The vertices along the other axis.
+    mode : int or None
+        Mode that grows; None where there is none, or where it is not known.
+    tongue : int or None
+        Its resonance tongue, which is the order of a resonance; None likewise.
     largest_growth : float
         Largest growth rate within it, in the growth unit of the `Bands`; NaN where it is not known.
     place : tuple of float

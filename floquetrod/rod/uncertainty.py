@@ -36,8 +36,10 @@ class SobolIndex(NamedTuple):
         First-order index: the share that would go if this quantity were known.
     total : float
         Total index: the share that would stay if everything else were known.
-    first_interval, total_interval : tuple of float
-        Confidence intervals of both.
+    first_interval : tuple of float
+        Confidence interval of ``first``.
+    total_interval : tuple of float
+        Confidence interval of ``total``.
     """
 
     first: float

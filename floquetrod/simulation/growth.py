@@ -37,8 +37,10 @@ class GrowthFit(NamedTuple):
     ----------
     rate : float
         In 1/s, zero where nothing grows.
-    start, end : float
-        Times in s between which it was fitted.
+    start : float
+        Time in s from which on it was fitted.
+    end : float
+        Time in s up to which.
     fit_error : float
         Estimate in 1/s of the fit's part of the error, from its residual and the disagreement of its halves.
     model_error : float

@@ -59,6 +59,10 @@ class Resonance(NamedTuple):
 class SystemStability(FloquetVerdict):
     """Verdict on a system of equations, per unit of its time.
 
+    It has all that every `FloquetVerdict` has: as many exponents as equations of first order, and as ``error`` the
+    relative error of the multipliers as they were computed, the largest of ``exponent_errors`` times the period but
+    for the rounding of the exponents to doubles.
+
     Attributes
     ----------
     krein_signs : tuple of int
@@ -69,12 +73,6 @@ class SystemStability(FloquetVerdict):
     strongly_stable : bool or None
         Whether all small changes of the coefficients that keep the structure leave the system stable; with damping:
         whether every solution decays.  None when undecided.
-    equation, system, method, exponent_errors
-        As in every `FloquetVerdict`.
-    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
-        As in every `Verdict`; as many exponents as equations of first order, and ``error`` is the relative error of the
-        multipliers as they were computed, the largest of ``exponent_errors`` times the period but for the rounding of
-        the exponents to doubles.
     """
 
     exponent_errors: tuple[float, ...] = ()

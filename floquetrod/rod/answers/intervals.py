@@ -47,8 +47,10 @@ class UnstableBand(NamedTuple):
 
     Attributes
     ----------
-    low, high : float
-        Its ends: those of stability intervals, or of the search.
+    low : float
+        Where it begins: where a stability interval ends, or the search begins.
+    high : float
+        Where it ends likewise.
     worst_growth : float
         Largest growth rate in it, in 1/s; zero where none is seen to grow.
     at : float

@@ -183,6 +183,11 @@ class Evidence(ABC):
 class RodStability(Verdict, ReportedVerdict):
     """Verdict on a rod under a load, in 1/s and s.
 
+    It has all that every `Verdict` has.  Stable when nothing grows faster than the tolerance; the growth rate is that
+    of the fastest solution, within the tolerance or not; the exponents are those of all modes.  Where modes are
+    independent ``error`` is the largest of a mode's discriminant; where they are coupled that of the growth rate in
+    1/s, of the multipliers and, estimated, of the modes left out.
+
     Attributes
     ----------
     rod : Rod
@@ -190,11 +195,6 @@ class RodStability(Verdict, ReportedVerdict):
         Growth in 1/s up to which a mode counts as stable.
     evidence : Evidence
         What the verdict rests on.
-    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
-        As in every `Verdict`.  Stable when nothing grows faster than the tolerance; the growth rate is that of the
-        fastest solution, within the tolerance or not; the exponents are those of all modes.  Where modes are
-        independent ``error`` is the largest of a mode's discriminant; where they are coupled that of the growth rate in
-        1/s, of the multipliers and, estimated, of the modes left out.
 
     Modes are numbered as those of the rod without axial force, which have the same ends.  What is told of one kind of
     modes alone, such as `mode_verdicts` or `shape`, raises an AttributeError that says so for the other.

@@ -68,6 +68,9 @@ class CriticalKick(NamedTuple):
 class FrictionalRodStability(Reported, Verdict):
     """Verdict on a rod with friction, every mode of which is kicked alike, in 1/s and s.
 
+    It has all that every `Verdict` has.  Stable when no mode escapes; the growth rate is that at which the fastest mode
+    that escapes grows in the end; exponents, error and cost are those of ``linear``.
+
     Attributes
     ----------
     friction : float
@@ -80,9 +83,6 @@ class FrictionalRodStability(Reported, Verdict):
         Verdict without friction; rod, load and modes are there.
     fates : tuple of Fate
         Of the modes in ``modes``.
-    status, growth_rate, exponents, multipliers, period, error, cost, note, assumptions
-        As in every `Verdict`.  Stable when no mode escapes; the growth rate is that at which the fastest mode that
-        escapes grows in the end; exponents, error and cost are those of ``linear``.
     """
 
     friction: float

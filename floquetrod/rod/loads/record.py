@@ -55,14 +55,20 @@ class ForceRecord(LoadSource, ByContent):
 
     Attributes
     ----------
-    time, samples : ndarray
-        The samples fitted, in s and N.
-    mean, mean_error : float
-        Mean force in N, at the middle of the record, and its standard error.
+    time : ndarray
+        Times of the samples fitted, in s.
+    samples : ndarray
+        The samples, in N.
+    mean : float
+        Mean force in N, at the middle of the record.
+    mean_error : float
+        Its standard error.
     trend : float
         Drift of the mean in N/s, 0 unless noise alone would cause one as large in less than one record of 100.
-    frequency, frequency_error : float
-        Of the fundamental in rad/s, and its standard error.
+    frequency : float
+        Of the fundamental in rad/s.
+    frequency_error : float
+        Its standard error.
     harmonics : ndarray of complex
         Amplitudes c_h in N of the harmonics 1, 2, ... looked for, 0 for those in the noise.
     harmonic_errors : ndarray

@@ -59,7 +59,9 @@ class Pipe(NamedTuple):
         Outer diameter and wall thickness in inches, such as "2.00x0.156".
     product : str
         "coiled tubing" or "drill pipe".
-    diameter, wall_thickness : float
+    diameter : float
+        Outer diameter in m.
+    wall_thickness : float
         In m.
     source : str
         The standard that lists it.

@@ -35,8 +35,10 @@ class LockUp(Reported):
         F_0, effective compression at the far end in N; negative for a pull.
     critical_force : float
         F_p in N.
-    weight_across, weight_along : float
-        Weight in fluid across and along the channel in N/m, w_e sin(inclination) and w_e cos(inclination).
+    weight_across : float
+        Weight in fluid across the channel in N/m, w_e sin(inclination).
+    weight_along : float
+        Weight in fluid along it in N/m, w_e cos(inclination).
 
     Examples
     --------

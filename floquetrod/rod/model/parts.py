@@ -182,8 +182,10 @@ class Fluids:
 
     Parameters
     ----------
-    inside, outside : float
-        Densities rho_i and rho_o in kg/m^3, 0 for none; the arguments ``fluid_inside`` and ``fluid_outside`` of a rod.
+    inside : float
+        Density rho_i in kg/m^3, 0 for none; the argument ``fluid_inside`` of a rod.
+    outside : float
+        Density rho_o likewise; ``fluid_outside`` of a rod.
     added_mass_coefficient : float
         C_a, the mass of outer fluid that moves with the rod over the mass that the rod displaces; by default that of a
         cylinder touching a plane floor, pi^2/3 - 1 = 2.29.
@@ -265,9 +267,11 @@ class Ends:
 
     Parameters
     ----------
-    upper, lower : {"hinged", "clamped", "guided", "free"}
-        At s = 0, the upper end of an inclined rod, and at s = L.  Hinged: no displacement, no moment.  Clamped: no
-        displacement, no rotation.  Guided: no rotation, no force across.  Free: no moment, no force across.
+    upper : {"hinged", "clamped", "guided", "free"}
+        At s = 0, the upper end of an inclined rod.  Hinged: no displacement, no moment.  Clamped: no displacement, no
+        rotation.  Guided: no rotation, no force across.  Free: no moment, no force across.
+    lower : {"hinged", "clamped", "guided", "free"}
+        At s = L.
     """
 
     upper: str = "hinged"
