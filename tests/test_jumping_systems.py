@@ -663,3 +663,22 @@ def test_the_same_ramps_written_otherwise(rng: np.random.Generator) -> None:
                 if "undecided" not in (one.status, found.status):
                     assert found.status == one.status
                     assert abs(found.growth_rate / scale - one.growth_rate) <= found.error + 1e-14
+
+
+@pytest.mark.parametrize("seed", [17, 21])  # where the residual of the map is less than the error
+def test_floquet_solutions_begin_within_their_error(seed: int) -> None:
+    """The start of each solution against the eigenvector of a product of exponentials in 40 digits."""
+    rng = np.random.default_rng(seed)
+    pieces = [(float(t), rng.normal(size=(2, 2))) for t in rng.uniform(0.2, 1.0, 2)]
+    with mpmath.workdps(40):
+        product = mpmath.eye(2)
+        for duration, matrix in pieces:
+            product = mpmath.expm(mpmath.matrix(matrix) * mpmath.mpf(duration)) * product
+        values, vectors = mpmath.eig(product)
+        for mode in fr.floquet_solutions(fr.PeriodicSystem.from_pieces(pieces)):
+            i = min((0, 1), key=lambda k: abs(values[k] - mpmath.exp(mode.exponent * mpmath.mpf(mode.period))))
+            start = mpmath.matrix([complex(x) for x in mode(0.0)])
+            true = vectors[:, i] / mpmath.norm(vectors[:, i])
+            off = mpmath.norm(start - (true.H * start)[0] * true)
+            size = np.abs(mode(np.linspace(0.0, mode.period, 101))).max()
+            assert off <= mode.error * size < 1e-13

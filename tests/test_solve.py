@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from fractions import Fraction
 from typing import Any
 
 import mpmath as mp
@@ -169,3 +170,48 @@ def test_too_long(monkeypatch: pytest.MonkeyPatch) -> None:
     solution = fr.solve(fr.Mathieu(0.5, -1.0), (1.0, 0.0), 3.0)
     with pytest.raises(ValueError, match="time"):
         solution(3.1)
+
+
+def exact_state(pieces: list[tuple[float, Any]], initial: Any, start: float, stop: float) -> Any:
+    """Return the state of x' = A x, A constant on pieces of the period, by products of exponentials in 40 digits."""
+    state, time, period = mp.matrix(initial), Fraction(start), sum(Fraction(t) for t, _ in pieces)
+    while time < stop:
+        end = time // period * period
+        for duration, a in pieces:
+            end += Fraction(duration)
+            if time < min(end, Fraction(stop)):
+                step = min(end, Fraction(stop)) - time
+                state = mp.expm(mp.matrix(a) * (mp.mpf(step.numerator) / step.denominator)) * state
+                time += step
+    return state
+
+
+@pytest.mark.parametrize(
+    ("pieces", "start", "stop"),
+    [
+        ([(1000.1, 1e-6), (0.7, 1e4), (0.3, 4e4)], 0.0, 1001.1),  # 1000.1 + 0.7 rounded moves its end by much of a step
+        ([(0.1, 2.0), (0.3, 5.0)], 1e6, 1e6 + 1.7),  # number times period rounded moves every jump
+        ([(0.7, 1.0)], 3e5, 3e5 + 2.3),  # where no jump is, no step ends, and no rounding matters
+    ],
+)
+def test_the_error_holds_far_from_the_beginning(pieces: list[tuple[float, float]], start: float, stop: float) -> None:
+    with mp.workdps(40):
+        exact = exact_state([(t, [[0, 1], [-k, 0]]) for t, k in pieces], [1.0, 0.5], start, stop)
+        solution = fr.solve(fr.HillSystem.from_pieces([(t, [[k]]) for t, k in pieces]), [[1.0], [0.5]], (start, stop))
+        size = np.abs(solution.states).max()
+        assert max(abs(solution.states[-1][i] - exact[i]) for i in (0, 1)) <= solution.error * size
+        assert solution.error < 1e-12
+
+
+def test_the_error_holds_what_rounds_the_coefficient() -> None:
+    """A mean between two doubles: after 602 radians the phase is off by more than the rounding of steps."""
+    mean = -1 - Fraction(99, 100 * 2**53)
+
+    class Between(fr.Hill):
+        def pieces(self) -> tuple[Any, ...]:
+            return (super().pieces()[0]._replace(mean=mean),)
+
+    solution = fr.solve(Between(-1.0, period=100.0), (1.0, 0.0), 602.0)
+    with mp.workdps(40):
+        off = abs(solution.states[-1][0] - mp.cos(602 * mp.sqrt(mp.mpf(-mean.numerator) / mean.denominator)))
+    assert 1e-15 < off <= solution.error < 1e-13

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -12,7 +13,6 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Equation, HillSystem
-from floquetrod.equations.pieces import in_time
 from floquetrod.floquet.problems import Problem, require_problem
 from floquetrod.floquet.solve import Solution, solve
 from floquetrod.floquet.systems import spectra
@@ -36,27 +36,13 @@ class MonodromyMatrix(NamedTuple):
 def monodromy_over_period(problem: Problem, *, backward: bool = False) -> MonodromyMatrix:
     """Return the matrix that maps (A, A'), (q, q') or x from the beginning of a period to its end, or back.
 
-    Each column is a solution with unit initial values; its error is the estimate of `floquetrod.solve`, and rounding.
+    Each column is a solution with unit initial values; its error is the estimate of `floquetrod.solve`.
     """
     span = (float(problem.period), 0.0) if backward else (0.0, float(problem.period))
     order = _states(problem)
     columns = [_marched(problem, unit, span) for unit in np.eye(order)]
     matrix = np.stack([column.states[-1] for column in columns], axis=1)
-    late = _late(problem)
-    errors = (
-        (column.error + len(column.time) * _EPS + late) * float(np.abs(column.states).max()) for column in columns
-    )
-    return MonodromyMatrix(matrix, max(errors))
-
-
-def _late(problem: Problem) -> float:
-    """Return what it matters, relatively, that pieces begin and end at times that are rounded to doubles."""
-    system = problem.as_system() if isinstance(problem, Equation) else problem
-    first = system.as_periodic_system() if isinstance(system, HillSystem) else system
-    parts = in_time(first)
-    rates = [float(part.size.sum(axis=1).max()) for part in parts]
-    ends = [float(part.begin + part.length) for part in parts] if len(parts) > 1 else []
-    return sum(_EPS * end * max(rates[i], rates[(i + 1) % len(rates)]) for i, end in enumerate(ends))
+    return MonodromyMatrix(matrix, max(column.error * float(np.abs(column.states).max()) for column in columns))
 
 
 def _states(problem: Problem) -> int:
@@ -83,7 +69,8 @@ class FloquetMode(ByContent):
     period : float
     error : float
         Estimate of the largest error of a state, as a part of the largest state within a period: that of both parts,
-        and by how much the state at the end of the period differs from exp(exponent period) times that at its start.
+        by how much the state at the end of the period differs from exp(exponent period) times that at its start, and
+        the angle by which the error of the map may turn the start.
     """
 
     equation: Any
@@ -155,21 +142,27 @@ def floquet_solutions(equation: Problem) -> tuple[FloquetMode, ...]:
     ('0.270847649+0.500000000j', True)
     """
     require_problem(equation)
-    found = [_mode(equation, mu, vector, backward=backward) for mu, vector, backward in _eigenpairs(equation)]
+    found = [_mode(equation, pair) for pair in _eigenpairs(equation)]
     return tuple(sorted(found, key=lambda mode: (-mode.exponent.real, -mode.exponent.imag)))
 
 
-def _eigenpairs(equation: Problem) -> list[tuple[complex, NDArray[np.complex128], bool]]:
-    """Return multipliers and eigenvectors; those that decay from the map backwards, in which they are the largest."""
+class _Eigenpair(NamedTuple):
+    """A multiplier of the map over a period, or of that backwards, an eigenvector, and about its error as an angle."""
+
+    multiplier: complex
+    vector: NDArray[np.complex128]
+    angle: float
+    backward: bool
+
+
+def _eigenpairs(equation: Problem) -> list[_Eigenpair]:
+    """Return the multipliers; those that decay from the map backwards, in which they are the largest."""
     order = _states(equation)
-    found = [(mu, vector, False) for mu, vector in _independent(equation, order, backward=False)]
-    if len(found) < order:
-        back = _independent(equation, order - len(found), backward=True)
-        found += [(1.0 / mu, vector, True) for mu, vector in back]
-    return found
+    found = _independent(equation, order, backward=False)
+    return found + (_independent(equation, order - len(found), backward=True) if len(found) < order else [])
 
 
-def _independent(equation: Problem, most: int, *, backward: bool) -> list[tuple[complex, NDArray[np.complex128]]]:
+def _independent(equation: Problem, most: int, *, backward: bool) -> list[_Eigenpair]:
     """Return eigenvalues of a map over a period, none that decay, and independent eigenvectors, ``most`` of them.
 
     ValueError where there may be fewer vectors than eigenvalues.
@@ -182,18 +175,17 @@ def _independent(equation: Problem, most: int, *, backward: bool) -> list[tuple[
     for cluster in discs.clusters:
         if float(np.abs(discs.values[cluster]).max()) < _DECAYS and not backward:
             continue
-        if len(cluster) == 1:
-            vectors, sure = discs.right[:, cluster], spectra.subspace_error(discs, cluster) < _SURE
-        else:
+        vectors, angle = discs.right[:, cluster], spectra.subspace_error(discs, cluster)
+        if len(cluster) > 1:
             vectors = spectra.basis_of(discs, cluster)
             block = vectors.conj().T @ matrix @ vectors - np.mean(discs.values[cluster]) * np.eye(len(cluster))
-            sure = float(np.abs(block).max()) <= 8.0 * discs.error
-        found += [(complex(discs.values[i]), vectors[:, k], sure) for k, i in enumerate(cluster)]
-    found = sorted(found, key=lambda pair: -abs(pair[0]))[:most]
-    unsure = [mu for mu, _, sure in found if not sure]
+            angle = angle if float(np.abs(block).max()) <= 8.0 * discs.error else math.inf
+        found += [_Eigenpair(complex(discs.values[i]), vectors[:, k], angle, backward) for k, i in enumerate(cluster)]
+    found = sorted(found, key=lambda pair: -abs(pair.multiplier))[:most]
+    unsure = [pair.multiplier for pair in found if not pair.angle < _SURE]
     if unsure:
         raise _indistinct(equation, f"{1.0 / unsure[0] if backward else unsure[0]:.6g}")
-    return [(mu, vector) for mu, vector, _ in found]
+    return found
 
 
 def _indistinct(equation: Problem, where: str) -> ValueError:
@@ -203,14 +195,13 @@ def _indistinct(equation: Problem, where: str) -> ValueError:
     )
 
 
-def _mode(equation: Problem, mu: complex, vector: NDArray[np.complex128], *, backward: bool) -> FloquetMode:
+def _mode(equation: Problem, pair: _Eigenpair) -> FloquetMode:
     """March an eigenvector over a period, and check that it returns multiplied."""
-    period = float(equation.period)
-    span = (period, 0.0) if backward else (0.0, period)
-    vector = mu * vector if backward else vector
+    period, factor = float(equation.period), pair.multiplier
+    span = (period, 0.0) if pair.backward else (0.0, period)
+    vector, mu = (pair.vector / factor, 1.0 / factor) if pair.backward else (pair.vector, factor)
     real, imaginary = (_marched(equation, np.ascontiguousarray(part), span) for part in (vector.real, vector.imag))
     begin, end = (real.states[i] + 1j * imaginary.states[i] for i in (0, -1))
-    factor = 1.0 / mu if backward else mu
     size = max(float(np.abs(part.states).max()) for part in (real, imaginary))
     residual = float(np.abs(end - factor * begin).max()) / size
     if not residual < _LARGEST_RESIDUAL:
@@ -218,6 +209,6 @@ def _mode(equation: Problem, mu: complex, vector: NDArray[np.complex128], *, bac
             f"equation must have multipliers that a double can hold beside each other, got {validate.short(equation)}, "
             f"whose Floquet solution of multiplier {mu:.6g} misses its end by {residual:.1g}"
         )
-    error = max(real.error, imaginary.error, residual)
+    error = max(real.error, imaginary.error, residual) + (pair.angle + _EPS) * float(np.abs(vector).max()) / size
     exponent = complex(np.log(complex(mu.real, mu.imag + 0.0))) / period  # of -x + 0i, whatever the sign of zero
     return FloquetMode(equation, exponent, period, error, (real, imaginary))

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -16,29 +17,36 @@ from floquetrod._util.arrays import shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations.base import Equation, require
-from floquetrod.equations.pieces import in_time
+from floquetrod.equations.pieces import exact_period, in_time
 from floquetrod.floquet.references import references
 
 _ORDERS = (26, 32)  # of the series, the second one to learn the error of the first (heuristic)
 _TOLERANCES = (1e-16, 1e-18)  # part of the solution that the last terms of a step may be
 _MOST_STEPS = 20_000  # in the limit of a small system, fewer of a large one (a choice: some seconds)
+_EPS = 2.220446049250313e-16
+_PI = Fraction(round(Fraction(3141592653589793238462643383279502884197, 10**39) * 2**125), 2**125)
+_ROUNDING = 4.0 * _EPS  # of states, at least (measured)
 _LARGEST = 1e290  # of a solution (a choice: doubles reach 1e308)
 
 Floats = NDArray[np.float64]
 
 
 class _Piece(NamedTuple):
-    """x' = (mean + slope (t - begin) + sum_k Re(Z_k exp(i k w t))) x from ``begin`` of a period to the next piece."""
+    """x' = (mean + slope (t - begin) + sum_k Re(Z_k exp(i k w t))) x from ``begin`` of a period to the next piece.
 
-    begin: float
+    ``doubt`` is what the mean may be off by, as far as a solution shows it.
+    """
+
+    begin: Fraction
     mean: Floats
     slope: Floats
     harmonics: NDArray[np.complex128]
+    doubt: Floats
 
-    def series(self, time: float, omega: float, order: int) -> Floats:
-        """Return the Taylor coefficients of the matrix about a time within the period, (order, N, N)."""
+    def series(self, time: float, into: float, omega: float, order: int) -> Floats:
+        """Return the Taylor coefficients (order, N, N) of the matrix about a time of the period and of the piece."""
         found = np.zeros((order, *self.mean.shape))
-        found[0] = self.mean + self.slope * (time - self.begin)
+        found[0] = self.mean + self.slope * into
         if order > 1:
             found[1] = self.slope
         if len(self.harmonics):
@@ -47,6 +55,45 @@ class _Piece(NamedTuple):
             powers[1:] *= np.cumprod(rates / np.arange(1, order)[:, None], axis=0)
             found += np.einsum("jk,kab->jab", powers, self.harmonics).real
         return found
+
+
+class _Course(NamedTuple):
+    """The pieces of an equation in first order, and its period, exactly."""
+
+    pieces: tuple[_Piece, ...]
+    period: Fraction
+
+    def place(self, time: Fraction, sign: float) -> tuple[Fraction, int]:
+        """Return when the period begins in which a step from ``time`` goes, and the number of its piece."""
+        turn = time // self.period * self.period
+        if sign < 0.0 and turn == time:
+            turn -= self.period
+        begins, phase = [piece.begin for piece in self.pieces], time - turn
+        return turn, (bisect_right(begins, phase) if sign > 0.0 else bisect_left(begins, phase)) - 1
+
+    def edge(self, turn: Fraction, place: int, sign: float) -> Fraction:
+        """Return the time at which a piece of the period ends, or backwards begins."""
+        place += sign > 0.0
+        return turn + (self.pieces[place].begin if place < len(self.pieces) else self.period)
+
+    def taylor(self, time: Fraction, turn: Fraction, place: int, state: Floats, order: int) -> Floats:
+        """Return the Taylor coefficients of the solution about a time in a piece, (order, N)."""
+        piece, phase = self.pieces[place], time - turn
+        omega = 2.0 * math.pi / float(self.period)
+        matrices = piece.series(float(phase), float(phase - piece.begin), omega, order - 1)
+        found = np.zeros((order, state.size))
+        found[0] = state
+        constant = not np.any(matrices[1:])
+        for n in range(order - 1):
+            if constant:
+                found[n + 1] = matrices[0] @ found[n] / (n + 1)
+            else:
+                found[n + 1] = np.einsum("jab,jb->a", matrices[: n + 1], found[n::-1]) / (n + 1)
+        return found
+
+    def moved(self) -> _Course:
+        """Return the same with means that are off by what they may be."""
+        return self._replace(pieces=tuple(piece._replace(mean=piece.mean + piece.doubt) for piece in self.pieces))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -61,15 +108,16 @@ class Solution(ByContent):
     states : ndarray (steps + 1, N)
         There: A and A' of a scalar equation; q and then q' of a `HillSystem`; x of a `PeriodicSystem`.
     error : float
-        Estimate of the largest error of a state, as a part of the largest state until then: the difference from a
-        solution with another order and other steps.
+        Estimate of the largest error of a state, as a part of the largest state until then: twice the difference from
+        a solution with another order and other steps, whose coefficient is off by what it may be, and rounding.
     """
 
     equation: Any
     time: Floats
     states: Floats
     error: float
-    _pieces: tuple[_Piece, ...] = field(compare=False)
+    _course: _Course = field(compare=False)
+    _exact: tuple[Fraction, ...] = field(compare=False)
 
     @property
     def references(self) -> tuple[str, ...]:
@@ -99,20 +147,29 @@ class Solution(ByContent):
         steps = np.clip(steps, 0, len(self.time) - 2)
         found = np.empty((times.size, self.states.shape[1]))
         for step in np.unique(steps):
-            here, start = steps == step, float(self.time[step])
-            number, place = _place(self._pieces, self._period, start, sign)
-            phase = start - number * self._period
-            series = _taylor(self._pieces[place], self._period, phase, self.states[step], _ORDERS[0])
-            found[here] = _evaluate(series, times[here] - start, derivative)
+            here = steps == step
+            late = float(self._exact[step] - Fraction(float(self.time[step])))
+            found[here] = _evaluate(self._series(step, sign), times[here] - self.time[step] - late, derivative)
         return found
+
+    def _state_at(self, time: Fraction) -> Floats:
+        """Return the state at an exact time within the interval, (N,)."""
+        sign = 1.0 if self.time[-1] >= self.time[0] else -1.0
+        step = (
+            bisect_right(self._exact, int(sign) * time, hi=len(self._exact) - 1, key=lambda start: int(sign) * start)
+            - 1
+        )
+        offset = np.array([float(time - self._exact[step])])
+        return np.asarray(_evaluate(self._series(step, sign), offset, 0)[0])
+
+    def _series(self, step: int, sign: float) -> Floats:
+        """Return the Taylor coefficients of a step, (order, N)."""
+        start = self._exact[step]
+        return self._course.taylor(start, *self._course.place(start, sign), self.states[step], _ORDERS[0])
 
     @property
     def _second_order(self) -> bool:
         return not isinstance(self.equation, PeriodicSystem)
-
-    @property
-    def _period(self) -> float:
-        return float(self.equation.period)
 
     def __repr__(self) -> str:
         """Return the equation that was solved."""
@@ -159,16 +216,14 @@ def solve(equation: Any, initial: Any, span: Any) -> Solution:
     require(equation, (Equation, HillSystem, PeriodicSystem), "solve", "friction: fr.friction.trajectory")
     start, stop = _span(span)
     state = _initial(equation, initial)
-    pieces = _pieces(equation)
-    period = float(equation.period)
-    runs = [
-        list(_steps(pieces, period, start, stop, state, order, tolerance))
-        for order, tolerance in zip(_ORDERS, _TOLERANCES, strict=True)
-    ]
-    time, states = (np.array(values) for values in zip(*runs[0], strict=True))
-    solution = Solution(equation, time, states, 0.0, pieces)
-    error = _disagreement(solution, runs[1])
-    return Solution(equation, time, states, error, pieces)
+    course = _course(equation)
+    one, other = (
+        list(_steps(of, start, stop, state, order, tolerance))
+        for of, order, tolerance in zip((course, course.moved()), _ORDERS, _TOLERANCES, strict=True)
+    )
+    exact, states = tuple(time for time, _ in one), np.array([state for _, state in one])
+    solution = Solution(equation, np.array(exact, dtype=float), states, 0.0, course, exact)
+    return replace(solution, error=2.0 * _disagreement(solution, other) + _ROUNDING)
 
 
 def _span(span: Any) -> tuple[float, float]:
@@ -203,16 +258,19 @@ def _initial(equation: Any, initial: Any) -> Floats:
     return values.ravel().astype(np.float64)
 
 
-def _pieces(equation: Any) -> tuple[_Piece, ...]:
+def _course(equation: Any) -> _Course:
     """Return the equation in first order, in smooth pieces of its period."""
     if isinstance(equation, Equation):
         return _of_equation(equation)
     turned = _second_order(equation) if isinstance(equation, HillSystem) else _as_it_is
+    doubt = equation.coefficient_error * equation.order * turned(np.eye(equation.order))
     found = []
     for piece in in_time(equation):
         slope = np.zeros_like(piece.mean) if piece.slope is None else piece.slope
-        found.append(_Piece(float(piece.begin), turned(piece.mean, mean=True), turned(slope), turned(piece.harmonics)))
-    return tuple(found)
+        mean = turned(piece.mean, mean=True)
+        off = doubt + _inverse_error(equation) * np.abs(mean)
+        found.append(_Piece(piece.begin, mean, turned(slope), turned(piece.harmonics), off))
+    return _Course(tuple(found), exact_period(equation))
 
 
 def _as_it_is(matrix: NDArray[Any], *, mean: bool = False) -> NDArray[Any]:
@@ -220,16 +278,27 @@ def _as_it_is(matrix: NDArray[Any], *, mean: bool = False) -> NDArray[Any]:
     return matrix
 
 
-def _of_equation(equation: Equation) -> tuple[_Piece, ...]:
+def _inverse_error(system: Any) -> float:
+    """Return the part by which rounding may change what the inverse of the mass multiplies; 0 without a mass."""
+    mass = getattr(system, "mass", None)
+    return 0.0 if mass is None else _EPS * float((np.abs(np.linalg.inv(mass)) @ np.abs(mass)).sum(axis=1).max())
+
+
+def _of_equation(equation: Equation) -> _Course:
+    multiple = equation.period_over_pi
+    period = Fraction(equation.period) if multiple is None else multiple * _PI
     found, begin = [], Fraction(0)
     for piece in equation.pieces():
         mean = np.array([[0.0, 1.0], [float(piece.mean), -2.0 * equation.damping]])
         slope = np.array([[0.0, 0.0], [float(piece.slope), 0.0]])
         harmonics = np.zeros((len(piece.harmonics), 2, 2), dtype=complex)
         harmonics[:, 1, 0] = piece.harmonics
-        found.append(_Piece(float(begin) * equation.period, mean, slope, harmonics))
+        risen = (Fraction(piece.slope) - Fraction(float(piece.slope))) * piece.share * period
+        off = abs(Fraction(piece.mean) - Fraction(float(piece.mean))) + abs(risen)
+        doubt = np.array([[0.0, 0.0], [float(off), 0.0]])
+        found.append(_Piece(begin * period, mean, slope, harmonics, doubt))
         begin += piece.share
-    return tuple(found)
+    return _Course(tuple(found), period)
 
 
 def _second_order(system: HillSystem) -> Callable[..., Any]:
@@ -249,34 +318,37 @@ def _second_order(system: HillSystem) -> Callable[..., Any]:
 
 
 def _steps(
-    pieces: tuple[_Piece, ...], period: float, start: float, stop: float, state: Floats, order: int, tolerance: float
-) -> Iterator[tuple[float, Floats]]:
-    """Yield times and states at the ends of steps, the start among them."""
-    yield start, state
-    time, sign = start, math.copysign(1.0, stop - start)
-    most = _most_steps(state.size, max(len(piece.harmonics) for piece in pieces))
+    course: _Course, start: float, stop: float, state: Floats, order: int, tolerance: float
+) -> Iterator[tuple[Fraction, Floats]]:
+    """Yield times and states at the ends of steps, the start among them.
+
+    Times are exact: doubles but for the ends of pieces, which far from 0 rounding would move by much of a step.
+    """
+    time, last, sign = Fraction(start), Fraction(stop), math.copysign(1.0, stop - start)
+    yield time, state
+    most = _most_steps(state.size, max(len(piece.harmonics) for piece in course.pieces))
     for _ in range(most):
-        number, place = _place(pieces, period, time, sign)
-        begin, end = _bounds(pieces, period, number, place)
-        edge = end if sign > 0.0 else begin
-        series = _taylor(pieces[place], period, time - number * period, state, order)
+        turn, place = course.place(time, sign)
+        edge = course.edge(turn, place, sign)
+        edge = min(edge, last) if sign > 0.0 else max(edge, last)
+        series = course.taylor(time, turn, place, state, order)
         sizes = np.abs(series).max(axis=1)
         reach = min(
             (float(tolerance * sizes[0] / sizes[n])) ** (1.0 / n) if sizes[n] > 0.0 else math.inf
             for n in (order - 2, order - 1)
         )
-        left = min(abs(stop - time), abs(edge - time))
-        last = reach >= left
-        target = (stop if abs(stop - time) <= abs(edge - time) else edge) if last else time + sign * reach
-        state = _evaluate(series, np.array([target - time]), 0)[0]
+        target = edge if reach >= abs(edge - time) else Fraction(float(time) + sign * reach)
+        state = _evaluate(series, np.array([float(target - time)]), 0)[0]
         time = target
         if not np.abs(state).max() < _LARGEST:
-            raise ValueError(f"the solution grows beyond {_LARGEST:g} before t = {time:.6g}; take a shorter span")
+            raise ValueError(
+                f"the solution grows beyond {_LARGEST:g} before t = {float(time):.6g}; take a shorter span"
+            )
         yield time, state
-        if time == stop:
+        if time == last:
             return
     raise ValueError(
-        f"span takes more than {most:,} steps, got to t = {time:.6g} of {stop:g}; take a shorter one, or "
+        f"span takes more than {most:,} steps, got to t = {float(time):.6g} of {stop:g}; take a shorter one, or "
         "multipliers of fr.stability for what happens later"
     )
 
@@ -284,38 +356,6 @@ def _steps(
 def _most_steps(size: int, harmonics: int) -> int:
     """Return how many steps of a state of some size are taken; each costs what it does in proportion (measured)."""
     return math.ceil(_MOST_STEPS / (1.0 + size / 9.0 + (size / 40.0) ** 2 * (1.0 + harmonics / 10.0)))
-
-
-def _bounds(pieces: tuple[_Piece, ...], period: float, number: int, place: int) -> tuple[float, float]:
-    """Return the times between which a piece of a period holds; a piece ends at the very time the next one begins."""
-    begin = number * period + pieces[place].begin
-    last = place + 1 == len(pieces)
-    return begin, (number + 1) * period if last else number * period + pieces[place + 1].begin
-
-
-def _place(pieces: tuple[_Piece, ...], period: float, time: float, sign: float) -> tuple[int, int]:
-    """Return the number of the period and that of the piece in which a step from ``time`` goes."""
-    number = math.floor(time / period)
-    for shift in (-1, 0, 1):
-        for place in range(len(pieces)):
-            begin, end = _bounds(pieces, period, number + shift, place)
-            if (begin <= time < end) if sign > 0.0 else (begin < time <= end):
-                return number + shift, place
-    raise ArithmeticError(f"no piece of the equation at t = {time!r}")
-
-
-def _taylor(piece: _Piece, period: float, phase: float, state: Floats, order: int) -> Floats:
-    """Return the Taylor coefficients of the solution about a phase, (order, N)."""
-    matrices = piece.series(phase, 2.0 * math.pi / period, order - 1)
-    found = np.zeros((order, state.size))
-    found[0] = state
-    constant = not np.any(matrices[1:])
-    for n in range(order - 1):
-        if constant:
-            found[n + 1] = matrices[0] @ found[n] / (n + 1)
-        else:
-            found[n + 1] = np.einsum("jab,jb->a", matrices[: n + 1], found[n::-1]) / (n + 1)
-    return found
 
 
 def _evaluate(series: Floats, offsets: Floats, derivative: int) -> Floats:
@@ -328,11 +368,11 @@ def _evaluate(series: Floats, offsets: Floats, derivative: int) -> Floats:
     return found
 
 
-def _disagreement(solution: Solution, other: list[tuple[float, Floats]]) -> float:
+def _disagreement(solution: Solution, other: list[tuple[Fraction, Floats]]) -> float:
     """Return the largest difference from another solution, over the largest state until then."""
     largest, worst = 0.0, 0.0
     for time, state in other:
-        mine = solution._state(np.array([time]))[0]
+        mine = solution._state_at(time)
         largest = max(largest, float(np.abs(state).max()))
         worst = max(worst, float(np.abs(mine - state).max()) / largest if largest else 0.0)
     return worst
