@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from floquetrod import friction as friction
     from floquetrod import mathieu as mathieu
     from floquetrod import systems as systems
+    from floquetrod._util.implausible import PlausibilityWarning as PlausibilityWarning
     from floquetrod._util.version import __version__ as __version__
     from floquetrod.ensembles.ensemble import ensemble as ensemble
     from floquetrod.ensembles.study import Study as Study
@@ -54,7 +55,6 @@ if TYPE_CHECKING:
     from floquetrod.rod.loads.record import ForceRecord as ForceRecord
     from floquetrod.rod.map import stability_map as stability_map
     from floquetrod.rod.model.assumptions import UniformForceWarning as UniformForceWarning
-    from floquetrod.rod.model.plausibility import PlausibilityWarning as PlausibilityWarning
     from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     from floquetrod.simulation.resolution import ResolutionWarning as ResolutionWarning
     from floquetrod.simulation.simulate import simulate as simulate
     from floquetrod.simulation.start import Perturbation as Perturbation
+    from floquetrod.wells.path import WellPath as WellPath
 
 _WHERE = {
     "__version__": "_util.version",
@@ -90,7 +91,7 @@ _WHERE = {
     "FiniteTimeCriterion": "mathieu.criterion",
     "PeriodicSystem": "equations",
     "Perturbation": "simulation.start",
-    "PlausibilityWarning": "rod.model.plausibility",
+    "PlausibilityWarning": "_util.implausible",
     "Proof": "floquet.proof",
     "RegionProof": "floquet.proof.region",
     "Solution": "floquet.solve",
@@ -110,6 +111,7 @@ _WHERE = {
     "Study": "ensembles.study",
     "UndecidedWarning": "floquet.status",
     "UniformForceWarning": "rod.model.assumptions",
+    "WellPath": "wells.path",
     "certify": "floquet.proof",
     "compare": "floquet.comparison",
     "conventions": "equations.conventions",

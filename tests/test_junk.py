@@ -25,6 +25,7 @@ from floquetrod.floquet.verdict import FloquetVerdict
 from fuzz.junk import LONGEST_MESSAGE, Endless, Raising, loop, objects, tree
 
 ROD = fr.Rod.nitinol()
+WELL = fr.WellPath.straight(length=30.0, inclination=0.1)
 LOAD = fr.AxialLoad(mean=0.3, amplitude=0.3, frequency=150.0)
 MATHIEU = fr.Mathieu(0.5, -0.25)
 CLAMPED = fr.Rod(207e9, 7850.0, 0.01, 9.0, 0.05, ends="clamped-hinged")
@@ -159,6 +160,12 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.FiniteTimeCriterion().is_stable, ALL),
     (fr.AxialLoad, LOADS | {"mean_at": 0.3, "waveform": (0.5 - 1j, 0.2)}),
     (fr.AxialLoad.hertz, LOADS),
+    (fr.WellPath, {"depth": [0.0, 900.0], "inclination": [0.0, 0.1], "azimuth": [0.0, 0.5]}),
+    (fr.WellPath.arc, {"length": 30.0, "inclination": (0.0, 0.1), "azimuth": 0.5, "depth": 900.0}),
+    (fr.WellPath.straight, {"length": 30.0, "inclination": 0.1, "azimuth": 0.5, "depth": 900.0}),
+    (WELL.part, {"start": 10.0, "end": 20.0}),
+    (WELL.position, {"depth": 10.0}),
+    (WELL.curvature, {"depth": 10.0}),
     (fr.ForceRecord, {"time": TIME, "force": 3.0 + np.sin(40.0 * TIME), "harmonics": 3, "frequency": 40.0}),
     (fr.ForceRecord(TIME, 3.0 + np.sin(40.0 * TIME)).force, {"t": 0.5}),
     (

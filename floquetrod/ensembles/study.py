@@ -17,6 +17,7 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.arguments import Message, argument_of, located
 from floquetrod._util.calling import level_of_caller
+from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod._util.tables import read_toml, require_known
 from floquetrod.ensembles.axes import LAYOUTS, MOST_RUNS, names_of
 from floquetrod.ensembles.ensemble import ensemble
@@ -24,7 +25,7 @@ from floquetrod.ensembles.tasks import Summary
 from floquetrod.rod.loads.load import FAR_ENDS, KINDS
 from floquetrod.rod.model.data import INSTEAD
 from floquetrod.rod.model.files import rod_of
-from floquetrod.rod.model.plausibility import SILENCE, PlausibilityWarning, suspicion_of_hertz, warn_of_load
+from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
 from floquetrod.rod.reading import LOAD_OPTIONS, is_pipe, named_rod, read_kind, read_load, read_record
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.problem import SimulationProblem

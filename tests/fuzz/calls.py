@@ -38,7 +38,7 @@ over = {kick = ["10mm/s", "20mm/s"], seed = {from = 1, to = 3}}
 """
 
 VALUES = (fr.AxialLoad, fr.AxialWave, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
-VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem, fr.ForceRecord, fr.Study)
+VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem, fr.ForceRecord, fr.Study, fr.WellPath)
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
@@ -114,6 +114,8 @@ LEFT_OUT = {
         f"{kind}.as_dict": "takes no argument"
         for kind in ("ForceRecord", "SafeBox", "Simulation", "StabilityIntervals")
     },
+    "WellPath.as_dict": "takes no argument",
+    "WellPath.report": "takes no argument",
     "Study": "constructed by Study.from_toml",
     "Study.run": "for ensemble, whose arguments are checked there",
     "RodStability": "constructed by Rod.stability",
@@ -201,7 +203,15 @@ def table() -> dict[str, Call]:
     (place / "study.toml").write_text(STUDY, encoding="utf-8")
     good = system_files()[0].read_text(encoding="utf-8")
     (place / "bad_system.toml").write_text(good.replace("0.16", "nan"), encoding="utf-8")
-    calls = _of_equations() | _of_rods(place) | _of_coupled_rods() | _of_mathieu() | _of_friction() | _of_systems()
+    calls = (
+        _of_equations()
+        | _of_rods(place)
+        | _of_wells()
+        | _of_coupled_rods()
+        | _of_mathieu()
+        | _of_friction()
+        | _of_systems()
+    )
     criterion = fr.FiniteTimeCriterion()
     ranges = ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1)
     safe = QUIET.largest_safe_box(SAFE_LOAD, vary=("mean",), accuracy=0.1)
@@ -299,6 +309,22 @@ def _of_equations() -> dict[str, Call]:
         "conventions.from_aq": Call(fr.conventions.from_aq, {"a": 0.5, "q": 0.3}),
         "conventions.to_delta_epsilon": Call(fr.conventions.to_delta_epsilon, {"alpha": 0.5, "beta": -0.3}),
         "conventions.from_delta_epsilon": Call(fr.conventions.from_delta_epsilon, {"delta": 0.5, "epsilon": 0.3}),
+    }
+
+
+def _of_wells() -> dict[str, Call]:
+    survey = {"depth": [0.0, 900.0, 1300.0], "inclination": [0.0, 0.1, 1.5], "azimuth": [0.0, 0.5, 0.5]}
+    arc = {"length": 450.0, "inclination": (0.0, 1.5), "azimuth": 0.5, "depth": 900.0}
+    path = fr.WellPath(**survey)
+    return {
+        "WellPath": Call(fr.WellPath, survey),
+        "WellPath.arc": Call(fr.WellPath.arc, arc),
+        "WellPath.straight": Call(fr.WellPath.straight, {**arc, "inclination": 1.0}),
+        "WellPath.part": Call(path.part, {"start": 100.0, "end": 1000.0}),
+        **{
+            f"WellPath.{name}": Call(getattr(path, name), {"depth": 1000.0})
+            for name in ("position", "inclination_at", "azimuth_at", "curvature")
+        },
     }
 
 

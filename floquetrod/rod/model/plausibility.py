@@ -15,11 +15,9 @@ from typing import Any
 
 from floquetrod._util.arguments import Mention, Message
 from floquetrod._util.calling import level_of_caller
+from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod.rod.model.catalogue import pipes
 from floquetrod.units import unit_of, units_of
-
-SILENCE = Mention("", ' (silence with warnings.simplefilter("ignore", fr.PlausibilityWarning))')
-"""The end of every warning; a terminal leaves it out."""
 
 _MAKERS = (
     "rod.model.data",
@@ -44,10 +42,6 @@ _GRAVITIES = {980.665: "cm/s^2", 9806.65: "mm/s^2", 32.174: "ft/s^2", 386.09: "i
 _STRONG, _WEAK = 100.0, 1e-3  # critical forces; ten times a usual mean, in a unit a thousand times too large or small
 _THICK_STRING = 1e3  # N: critical force from which kN are usual
 _ORDER = 3.0  # tongues of a higher order are narrow
-
-
-class PlausibilityWarning(UserWarning):
-    """A number that is allowed, and is probably in another unit or of another kind than it is taken to be."""
 
 
 class HertzWarning(PlausibilityWarning):

@@ -1,0 +1,12 @@
+"""The warning of input that is allowed and looks like a mistake."""
+
+from __future__ import annotations
+
+from floquetrod._util.arguments import Mention
+
+SILENCE = Mention("", ' (silence with warnings.simplefilter("ignore", fr.PlausibilityWarning))')
+"""The end of every warning; a terminal leaves it out."""
+
+
+class PlausibilityWarning(UserWarning):
+    """A number that is allowed, and is probably in another unit or of another kind than it is taken to be."""

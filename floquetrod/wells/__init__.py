@@ -1,0 +1,1 @@
+"""The path of a well: stations of a survey, and the arcs between them."""

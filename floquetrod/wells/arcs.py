@@ -1,0 +1,145 @@
+"""Minimum curvature: the circular arcs that join the directions at neighbouring stations.
+
+Every formula holds for straight pieces too: nothing is divided by the angle of an arc.  The frame at a point has the
+axes (t, e_n, e_b): along the well, in the vertical plane of greater inclination, and level to greater azimuth.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+_VERTICAL = 1e-12  # sine of an inclination below which an azimuth means nothing
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Arcs:
+    """Circular arcs one after the other, one to an interval between stations.
+
+    Attributes
+    ----------
+    start, length : ndarray (n,)
+        Measured depth of the upper ends, and lengths, in m.
+    inclination, azimuth : ndarray (n,)
+        Direction at the upper ends in rad; of a vertical one the azimuth of the lower end.
+    dogleg : ndarray (n,)
+        Angles of the arcs in rad.
+    kappa_n, kappa_b : ndarray (n,)
+        Curvature at the upper ends in 1/m, in the vertical plane and sideways.
+    """
+
+    start: Floats
+    length: Floats
+    inclination: Floats
+    azimuth: Floats
+    dogleg: Floats
+    kappa_n: Floats
+    kappa_b: Floats
+
+    @classmethod
+    def between(cls, depth: Floats, inclination: Floats, azimuth: Floats) -> Arcs:
+        """Return the arcs between stations."""
+        upper, lower = inclination[:-1], inclination[1:]
+        psi = np.where(np.sin(upper) > _VERTICAL, azimuth[:-1], azimuth[1:])
+        turn = np.where(np.sin(lower) > _VERTICAL, azimuth[1:] - psi, 0.0)
+        dogleg, build, side = _bend(upper, lower, turn)
+        length = np.diff(depth)
+        rate = 1.0 / (length * np.sinc(dogleg / math.pi))  # curvature over the sine of the dogleg
+        return cls(depth[:-1], length, upper, psi, dogleg, rate * build, rate * side)
+
+    @property
+    def curvature(self) -> Floats:
+        """Curvatures of the arcs in 1/m."""
+        return np.asarray(self.dogleg / self.length)
+
+    def at(self, depth: Floats) -> Points:
+        """Return points at measured depths, each of the interval that follows it."""
+        i = np.clip(np.searchsorted(self.start, depth, side="right") - 1, 0, self.start.size - 1)
+        return Points(self, i, depth - self.start[i])
+
+
+@dataclass(frozen=True)
+class Points:
+    """Points on arcs: which arc, and how far in m below its upper end."""
+
+    arcs: Arcs
+    arc: NDArray[np.intp]
+    below: Floats
+
+    @property
+    def _angle(self) -> Floats:
+        """Angle of the arc from its upper end, in rad."""
+        return np.asarray(self.arcs.curvature[self.arc] * self.below)
+
+    @property
+    def _bend(self) -> tuple[Floats, Floats]:
+        """Distance run along the arc's normal for each radian, in the directions e_n and e_b, in rad."""
+        run = self.below * np.sinc(self._angle / math.pi)
+        return self.arcs.kappa_n[self.arc] * run, self.arcs.kappa_b[self.arc] * run
+
+    @property
+    def _level(self) -> tuple[Floats, Floats]:
+        """Level part of the tangent, in the vertical plane of the upper end and sideways."""
+        phi, along = self.arcs.inclination[self.arc], np.cos(self._angle)
+        build, side = self._bend
+        return np.sin(phi) * along + np.cos(phi) * build, side
+
+    @property
+    def inclination(self) -> Floats:
+        """Inclination from the vertical in rad."""
+        phi = self.arcs.inclination[self.arc]
+        down = np.cos(phi) * np.cos(self._angle) - np.sin(phi) * self._bend[0]
+        return np.asarray(np.arctan2(np.hypot(*self._level), down))
+
+    @property
+    def azimuth(self) -> Floats:
+        """Azimuth in rad, within half a turn of that at the upper end of the arc."""
+        ahead, side = self._level
+        return np.asarray(self.arcs.azimuth[self.arc] + np.where(side == 0.0, 0.0, np.arctan2(side, ahead)))
+
+    @property
+    def curvature(self) -> tuple[Floats, Floats]:
+        """Curvature in the vertical plane and sideways in 1/m."""
+        phi, angle = self.arcs.inclination[self.arc], self._angle
+        build, side = self.arcs.kappa_n[self.arc], self.arcs.kappa_b[self.arc]
+        back = self.arcs.curvature[self.arc] * np.sin(angle)
+        ahead = np.cos(angle) * build * np.cos(phi) - back * np.sin(phi)
+        down = -np.cos(angle) * build * np.sin(phi) - back * np.cos(phi)
+        across = np.cos(angle) * side
+        now, turned = self.inclination, self.azimuth - self.arcs.azimuth[self.arc]
+        radial = ahead * np.cos(turned) + across * np.sin(turned)
+        return radial * np.cos(now) - down * np.sin(now), across * np.cos(turned) - ahead * np.sin(turned)
+
+    @property
+    def moved(self) -> Floats:
+        """Distance from the upper end of the arc: north, east and down, in m, (..., 3)."""
+        phi, psi, angle = self.arcs.inclination[self.arc], self.arcs.azimuth[self.arc], self._angle
+        forward = self.below * np.sinc(angle / math.pi)
+        aside = 0.5 * self.below**2 * np.sinc(0.5 * angle / math.pi) ** 2
+        build, side = aside * self.arcs.kappa_n[self.arc], aside * self.arcs.kappa_b[self.arc]
+        ahead = forward * np.sin(phi) + build * np.cos(phi)
+        north = ahead * np.cos(psi) - side * np.sin(psi)
+        east = ahead * np.sin(psi) + side * np.cos(psi)
+        return np.stack([north, east, forward * np.cos(phi) - build * np.sin(phi)], axis=-1)
+
+
+def doglegs(inclination: Floats, azimuth: Floats, apart: int = 1) -> Floats:
+    """Return the angles in rad between the directions at stations and at those ``apart`` further down."""
+    return _bend(inclination[:-apart], inclination[apart:], azimuth[apart:] - azimuth[:-apart])[0]
+
+
+def _bend(upper: Floats, lower: Floats, turn: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return the angle between two directions, and the second's components along e_n and e_b of the first.
+
+    By differences of angles, which keep their digits however small they are.
+    """
+    half = np.sin(0.5 * turn) ** 2
+    square = np.sin(0.5 * (lower - upper)) ** 2 + np.sin(upper) * np.sin(lower) * half
+    dogleg = 2.0 * np.arcsin(np.sqrt(np.minimum(square, 1.0)))
+    build = np.sin(lower - upper) - 2.0 * np.cos(upper) * np.sin(lower) * half
+    return dogleg, build, np.sin(lower) * np.sin(turn)

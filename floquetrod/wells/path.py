@@ -1,0 +1,276 @@
+"""The path of a well as a value."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass
+from typing import Any, Self
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.arguments import Message
+from floquetrod._util.arrays import shaped
+from floquetrod._util.caching import cached_property
+from floquetrod._util.calling import TellsAttributes, constructor_hints, level_of_caller
+from floquetrod._util.content import ByContent
+from floquetrod._util.implausible import SILENCE, PlausibilityWarning
+from floquetrod._util.report import Report, Reported, Table
+from floquetrod.wells import survey
+from floquetrod.wells.arcs import Arcs, Floats, Points
+
+_ROUNDING = 1e-9  # of a depth, by which it may miss the ends of the path
+_SHOWN = 40  # stations of a report
+
+
+@constructor_hints(
+    measured_depth="the measured depth is depth",
+    md="the measured depth is depth",
+    inc="the inclination is inclination",
+    azi="the azimuth is azimuth",
+)
+@dataclass(frozen=True, eq=False, init=False, repr=False)
+class WellPath(Reported, ByContent, TellsAttributes):
+    """Path of a well through the stations of a survey, joined by circular arcs: minimum curvature.
+
+    Parameters
+    ----------
+    depth : array_like (n,)
+        Measured depths of the stations, along the well, in m; at least two, increasing.  Elements may be strings with a
+        unit, such as "300ft", here and below.
+    inclination : array_like (n,) or float
+        Inclination from the vertical in rad, 0 straight down, pi/2 horizontal; one number stands for all stations.
+    azimuth : array_like (n,) or float
+        Direction seen from above in rad, clockwise from north.
+
+    Attributes
+    ----------
+    depth, inclination, azimuth : ndarray (n,)
+        As given, in m and rad; they cannot be written to.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what is no path; the message names the station, counted from 1.
+
+    Warns
+    -----
+    PlausibilityWarning
+        Of a station that is off the path through its neighbours, or doglegs of more than 30 deg/30 m.
+
+    Notes
+    -----
+    Between stations the path is the arc of a circle that has the directions measured at both ends (Taylor & Mason 1972;
+    Zaremba 1973, doi:10.2118/3664-PA).  On a station curvatures are those of the interval below it.  A vertical station
+    has no azimuth: the one given is not used.
+
+    Examples
+    --------
+    >>> well = WellPath(["0m", "1000m", "1450m", "3000m"], ["0deg", "0deg", "90deg", "90deg"])
+    >>> well
+    <well path of 4 stations, 0 to 3000 m, inclination 0 to 90 deg, doglegs up to 6 deg/30 m>
+    >>> north, east, down = well.position(3000.0)
+    >>> round(float(north), 1), round(float(down), 1)
+    (1836.5, 1286.5)
+    >>> round(well.curvature(1200.0)[0] * 450.0, 6)
+    1.570796
+    """
+
+    depth: Floats
+    inclination: Floats
+    azimuth: Floats
+
+    def __init__(self, depth: Any, inclination: Any, azimuth: Any = 0.0) -> None:
+        """Check and clean the stations."""
+        depths = survey.column("depth", depth)
+        angles = survey.column("inclination", inclination, depths.size)
+        turns = survey.column("azimuth", azimuth, depths.size)
+        found = survey.fault(depths, angles, turns)
+        if found is not None:
+            raise validate.wrong_value(found.argument, f"at station {found.station} {found.problem}")
+        self._keep(depths, angles, turns)
+        odd = survey.suspicion(depths, angles, turns)
+        if odd is not None:
+            text = f"station {odd.station} {odd.problem}"
+            warnings.warn(Message(text, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
+
+    def _keep(self, depth: Floats, inclination: Floats, azimuth: Floats) -> Self:
+        """Set the stations, which have been checked."""
+        for name, values in (("depth", depth), ("inclination", inclination), ("azimuth", azimuth)):
+            values.flags.writeable = False
+            object.__setattr__(self, name, values)
+        return self
+
+    @classmethod
+    def straight(cls, *, length: Any, inclination: Any, azimuth: Any = 0.0, depth: Any = 0.0) -> Self:
+        """Return a straight path, ``depth`` that of its upper end.
+
+        >>> WellPath.straight(length=300.0, inclination="60deg").position(300.0).round(6).tolist()
+        [259.807621, 0.0, 150.0]
+        """
+        return cls.arc(length=length, inclination=(inclination, inclination), azimuth=azimuth, depth=depth)
+
+    @classmethod
+    def arc(cls, *, length: Any, inclination: Any, azimuth: Any = 0.0, depth: Any = 0.0) -> Self:
+        """Return one arc of a circle.
+
+        Parameters
+        ----------
+        length : float or str
+            Along the well, in m.
+        inclination : two floats or str
+            At the upper and at the lower end, in rad.
+        azimuth : float, str or two of them
+            In rad; one for a plane path, or those at both ends.
+        depth : float or str
+            Measured depth of the upper end in m.
+
+        Examples
+        --------
+        >>> build = WellPath.arc(length=450.0, inclination=("0deg", "90deg"), depth=1000.0)
+        >>> round(build.curvature(1100.0)[0], 9)
+        0.003490659
+        """
+        start = survey.number("depth", depth, "length")
+        extent = validate.within("length", survey.number("length", length, "length"), *survey.LENGTHS, "give it in m")
+        angles = survey.column("inclination", inclination)
+        if angles.size != 2:
+            raise validate.wrong_value("inclination", f"must be two, at both ends, got {validate.short(inclination)}")
+        return cls([start, start + extent], angles, azimuth)
+
+    # --- where it lies ---
+
+    @property
+    def start(self) -> float:
+        """Measured depth of the first station in m."""
+        return float(self.depth[0])
+
+    @property
+    def end(self) -> float:
+        """Measured depth of the last station in m."""
+        return float(self.depth[-1])
+
+    @property
+    def length(self) -> float:
+        """Length between the first and the last station in m."""
+        return self.end - self.start
+
+    @property
+    def stations(self) -> Floats:
+        """Measured depths in m at which curvature may jump: integrate from one to the next."""
+        return self.depth
+
+    def position(self, depth: Any) -> Floats:
+        """Return north, east and true vertical depth in m from the first station, (..., 3), at measured depths."""
+        shape, points = self._points(depth)
+        return np.asarray((self._corners[points.arc] + points.moved).reshape(*shape, 3))
+
+    def inclination_at(self, depth: Any) -> Any:
+        """Return the inclination from the vertical in rad at measured depths in m."""
+        shape, points = self._points(depth)
+        return shaped(points.inclination, shape)
+
+    def azimuth_at(self, depth: Any) -> Any:
+        """Return the azimuth in rad at measured depths in m."""
+        shape, points = self._points(depth)
+        return shaped(points.azimuth, shape)
+
+    def curvature(self, depth: Any) -> tuple[Any, Any]:
+        """Return the curvatures kappa_n and kappa_b in 1/m at measured depths in m.
+
+        With inclination phi and azimuth psi, kappa_n = d phi / ds in the vertical plane, positive where the well
+        builds, and kappa_b = sin(phi) d psi / ds sideways; on a station those of the interval below it.
+        """
+        shape, points = self._points(depth)
+        build, side = points.curvature
+        return shaped(build, shape), shaped(side, shape)
+
+    @property
+    def dogleg_severity(self) -> Floats:
+        """Curvature of each interval in deg/30 m, (n - 1,)."""
+        return np.degrees(30.0 * self._arcs.curvature)
+
+    def part(self, start: Any, end: Any) -> Self:
+        """Return the path between two measured depths in m, which it keeps."""
+        ends = np.array(
+            [
+                self._inside(np.array([survey.number(name, each, "length")]), name)[0]
+                for name, each in (("start", start), ("end", end))
+            ]
+        )
+        if not ends[0] < ends[1]:
+            raise validate.wrong_value("end", f"must lie below start = {ends[0]:g} m, got {ends[1]:g} m")
+        points = self._arcs.at(ends)
+        between = (self.depth > ends[0]) & (self.depth < ends[1])
+        kept = (
+            np.concatenate([cut[:1], whole[between], cut[1:]])
+            for cut, whole in (
+                (ends, self.depth),
+                (points.inclination, self.inclination),
+                (points.azimuth, self.azimuth),
+            )
+        )
+        return type(self).__new__(type(self))._keep(*kept)
+
+    # --- what it says ---
+
+    def __repr__(self) -> str:
+        """Return stations, depths, inclinations and doglegs as a sentence."""
+        return f"<well path of {self._in_words}>"
+
+    @property
+    def _in_words(self) -> str:
+        least, most = np.degrees([self.inclination.min(), self.inclination.max()])
+        angles = f"{least:.4g}" if least == most else f"{least:.4g} to {most:.4g}"
+        return (
+            f"{self.depth.size} stations, {self.start:.6g} to {self.end:.6g} m, inclination {angles} deg, "
+            f"doglegs up to {self.dogleg_severity.max():.3g} deg/30 m"
+        )
+
+    def report(self) -> Report:
+        """Return the path in words and its stations as a table."""
+        severity = ["", *(f"{each:.2f}" for each in self.dogleg_severity)]
+        columns = (("depth m", ">9"), ("inc deg", ">8"), ("azi deg", ">8"), ("TVD m", ">9"), ("north m", ">9"))
+        numbers = zip(
+            self.depth,
+            np.degrees(self.inclination),
+            np.degrees(self.azimuth),
+            *self._corners[:, [2, 0, 1]].T,
+            strict=True,
+        )
+        rows = [[*(f"{x:.2f}" for x in each), bend] for each, bend in zip(numbers, severity, strict=True)]
+        rest = f"and {len(rows) - _SHOWN} more stations" if len(rows) > _SHOWN else ""
+        table = Table((*columns, ("east m", ">9"), ("deg/30 m", ">8")), rows[:_SHOWN], rest)
+        return Report(f"well path of {self._in_words}", table=table)
+
+    def as_dict(self) -> dict[str, list[float]]:
+        """Return the stations in m and rad, the arguments of an equal path."""
+        return {name: getattr(self, name).tolist() for name in ("depth", "inclination", "azimuth")}
+
+    # --- arcs ---
+
+    @cached_property
+    def _arcs(self) -> Arcs:
+        return Arcs.between(self.depth, self.inclination, self.azimuth)
+
+    @cached_property
+    def _corners(self) -> Floats:
+        """Positions of the stations, (n, 3)."""
+        arcs = self._arcs
+        every = Points(arcs, np.arange(arcs.length.size), arcs.length).moved
+        return np.concatenate([np.zeros((1, 3)), np.cumsum(every, axis=0)])
+
+    def _points(self, depth: Any) -> tuple[tuple[int, ...], Points]:
+        """Return the shape of measured depths and the points there, flat."""
+        depths = validate.array("depth", depth)
+        return depths.shape, self._arcs.at(self._inside(depths.ravel()))
+
+    def _inside(self, depths: Floats, name: str = "depth") -> Floats:
+        """Return depths that lie on the path; ValueError for the first that does not."""
+        room = _ROUNDING * max(self.end, self.length)
+        outside = (depths < self.start - room) | (depths > self.end + room)
+        if outside.any():
+            raise validate.wrong_value(
+                name, f"must lie between {self.start:g} and {self.end:g} m, got {depths[outside][0]:g} m"
+            )
+        return np.clip(depths, self.start, self.end)

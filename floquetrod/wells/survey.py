@@ -1,0 +1,142 @@
+"""What a survey must be to be the path of a well, and what in it looks like a mistake."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod import units
+from floquetrod._util import validate
+from floquetrod.wells.arcs import Floats, doglegs
+
+KINDS = {"depth": "length", "inclination": "angle", "azimuth": "angle"}
+"""The columns of a survey, each with its kind of quantity."""
+
+LENGTHS = 1e-6, 1e6
+"""Least and largest length of a path in m: what adds to a depth, and what is no unit too large (a choice)."""
+
+_DEEPEST = LENGTHS[1]  # m: seventy times the longest well, so that a depth in mm is seen (a choice)
+_TURNS = 4.0 * math.pi  # of an azimuth in rad: two turns, beyond which it is in degrees (a choice)
+_SHARPEST = math.radians(175.0)  # beyond it the plane of an arc is not known (a choice)
+_SEVERE = math.radians(30.0) / 30.0  # rad/m: twice what drilling with short radius builds over such lengths (a choice)
+_NOT_SHORT = 5.0  # m: intervals between stations of shorter ones are those of models in a laboratory (a choice)
+_KINK = math.radians(5.0)  # of both intervals at a station that alone is off the path (a choice)
+_STRAIGHTER = 0.25  # the bend that is left without that station (a choice)
+
+_IN_DEGREES = "strings such as '30deg' have a unit, and numpy.radians turns degrees into rad"
+
+
+class Fault(NamedTuple):
+    """What is wrong with a survey: the argument, the number of the station from 1, and the rest of a sentence."""
+
+    argument: str
+    station: int
+    problem: str
+
+
+def column(name: str, values: Any, many: int | None = None) -> Floats:
+    """Return depths in m or angles in rad, numbers or strings with units; one value stands for ``many``.
+
+    Raises TypeError or ValueError, naming argument and place, for what is no list of numbers.
+    """
+    raw = validate.untyped(name, values)
+    if raw.ndim > 1 or (raw.ndim == 0 and many is None):
+        raise validate.wrong_value(
+            name, f"must be a list with a number for every station, got {validate.short(values)}"
+        )
+    if raw.size > validate.MOST_NUMBERS:
+        raise validate.wrong_value(name, f"must hold at most {validate.MOST_NUMBERS} stations, got {raw.size}")
+    if raw.dtype.kind in "iuf":
+        with np.errstate(over="ignore"):  # of longer floats; infinity is refused with its station
+            numbers = raw.astype(np.float64)
+    elif raw.dtype.kind in "UO" or not raw.size:
+        given = raw.ravel().tolist()
+        places = [name if raw.ndim == 0 else f"{name}[{i}]" for i in range(len(given))]
+        numbers = np.array([number(place, value, KINDS[name]) for place, value in zip(places, given, strict=True)])
+        numbers = numbers.reshape(raw.shape)
+    else:
+        raise validate.wrong_type(name, f"must hold real numbers, got {validate.short(values)}")
+    if many is not None and numbers.ndim and numbers.size != many:
+        raise validate.wrong_value(name, f"must have as many numbers as depth has, {many}, got {numbers.size}")
+    return numbers if many is None else np.broadcast_to(numbers, many).copy()
+
+
+def number(name: str, value: Any, kind: str) -> float:
+    """Return a length in m or an angle in rad, given as a number or a string with a unit."""
+    return units.quantity(value, name, kind) if isinstance(value, str) else validate.finite(name, value)
+
+
+def fault(depth: Floats, inclination: Floats, azimuth: Floats) -> Fault | None:
+    """Return the first thing that makes a survey impossible, None where it is a path."""
+    if depth.size < 2:
+        return Fault("depth", depth.size, f"must have two stations or more, got {depth.size}; a path lies between them")
+    return next(_faults({"depth": depth, "inclination": inclination, "azimuth": azimuth}), None)
+
+
+def _faults(columns: dict[str, Floats]) -> Iterator[Fault]:
+    for name, values in columns.items():
+        for i in np.flatnonzero(~np.isfinite(values)):
+            yield Fault(name, int(i) + 1, f"must be finite, got {values[i]:g}; leave a station without it out")
+    depth, inclination, azimuth = columns.values()
+    for i in np.flatnonzero((depth < 0.0) | (depth > _DEEPEST)):
+        yield Fault("depth", int(i) + 1, f"must lie between 0 and {_DEEPEST:g} m, got {depth[i]:g}; check its unit")
+    for i in np.flatnonzero(np.diff(depth) <= 0.0):
+        yield Fault(
+            "depth",
+            int(i) + 2,
+            f"must increase from station to station, got {depth[i + 1]:g} m after "
+            f"{depth[i]:g} m; sort the stations, and leave out what is measured twice",
+        )
+    for i in np.flatnonzero((inclination < 0.0) | (inclination > math.pi)):
+        yield Fault(
+            "inclination",
+            int(i) + 1,
+            f"must lie between 0, straight down, and pi, straight up, got {inclination[i]:g} rad; {_IN_DEGREES}",
+        )
+    for i in np.flatnonzero(np.abs(azimuth) > _TURNS):
+        yield Fault("azimuth", int(i) + 1, f"must lie within two turns, got {azimuth[i]:g} rad; {_IN_DEGREES}")
+    angles = doglegs(inclination, azimuth)
+    for i in np.flatnonzero(angles > _SHARPEST):
+        yield Fault(
+            "inclination",
+            int(i) + 2,
+            f"must not reverse the direction, got {math.degrees(angles[i]):.4g} deg "
+            f"from that at {depth[i]:g} m; give stations between, which tell to which side",
+        )
+
+
+def suspicion(depth: Floats, inclination: Floats, azimuth: Floats) -> Fault | None:
+    """Return what is most likely a mistake in a survey that is possible: one station off, or bends of no well."""
+    angles = doglegs(inclination, azimuth)
+    kink = _kinked(angles, inclination, azimuth)
+    if kink is not None:
+        size = math.degrees(max(angles[kink - 1], angles[kink]))
+        return Fault(
+            "inclination",
+            kink + 1,
+            f"turns the well by {size:.3g} deg and back at {depth[kink]:g} m: "
+            "inclination or azimuth is probably mistyped there",
+        )
+    severity = np.where(np.diff(depth) >= _NOT_SHORT, angles / np.diff(depth), 0.0)
+    i = int(np.argmax(severity))
+    if severity[i] <= _SEVERE:
+        return None
+    return Fault(
+        "inclination",
+        i + 2,
+        f"gives a dogleg of {math.degrees(30.0 * severity[i]):.3g} deg/30 m between "
+        f"{depth[i]:g} and {depth[i + 1]:g} m, sharper than wells are: a depth or an angle is probably "
+        f"mistyped, or in another unit; {_IN_DEGREES}",
+    )
+
+
+def _kinked(angles: Floats, inclination: Floats, azimuth: Floats) -> int | None:
+    """Return the place of the station without which the path would be straightest, None where none is off it."""
+    if inclination.size < 3:
+        return None
+    around, without = angles[:-1] + angles[1:], doglegs(inclination, azimuth, 2)
+    is_off = (np.minimum(angles[:-1], angles[1:]) > _KINK) & (without < _STRAIGHTER * around)
+    return int(np.argmax(np.where(is_off, around, 0.0))) + 1 if is_off.any() else None
