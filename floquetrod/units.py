@@ -118,6 +118,10 @@ class Unit(NamedTuple):
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", re.ASCII)
 
 
+_BRACKETS = re.compile(r"(.*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])]|/\s*(\S+))")
+_LAST_WORD = re.compile(r"(.*[^\s_])[\s_]+([^\s_]+)")
+
+
 def _known(name: str, units: Iterable[str]) -> str | None:
     """Return which of the units a name means, in any case but that of M for mega and m for milli; None for none.
 
@@ -154,6 +158,27 @@ def unit(name: str, what: str, kind: str, critical_force: float | None = None) -
     if chosen is None:
         raise wrong_value(what, f"must be a unit of {kind} ({', '.join(units)}), got {short(name)}{_hint(name, units)}")
     return Unit(chosen, units[chosen])
+
+
+def is_unit(word: str, kind: str) -> bool:
+    """Return whether a word is a unit of a kind of quantity, in any case; percent are of nothing known here."""
+    return bool(word) and _known(word, _UNITS[kind]) is not None
+
+
+def heading(text: str, kind: str) -> tuple[str, str | None]:
+    """Return the name and the unit of a column's heading, None without one; a last or only word counts if it is a unit.
+
+    >>> heading("F [kN]", "force"), heading("time_ms", "time"), heading("lbf", "force"), heading("push", "force")
+    (('F', 'kN'), ('time', 'ms'), ('', 'lbf'), ('push', None))
+    """
+    if is_unit(text, kind):
+        return "", text
+    if match := _BRACKETS.fullmatch(text):
+        return match[1], match[2] or match[3] or ""
+    match = _LAST_WORD.fullmatch(text)
+    if match and is_unit(match[2], kind):
+        return match[1], match[2]
+    return text, None
 
 
 def kind_of(name: str) -> str | None:

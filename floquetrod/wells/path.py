@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 
+from floquetrod import units
 from floquetrod._util import validate
-from floquetrod._util.arguments import Message
+from floquetrod._util.arguments import Message, located
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import TellsAttributes, constructor_hints, level_of_caller
+from floquetrod._util.columns import column_argument, delimiter_argument
 from floquetrod._util.content import ByContent
 from floquetrod._util.implausible import SILENCE, PlausibilityWarning
 from floquetrod._util.report import Report, Reported, Table
-from floquetrod.wells import survey
+from floquetrod.wells import survey, survey_file
 from floquetrod.wells.arcs import Arcs, Floats, Points
 
 _ROUNDING = 1e-9  # of a depth, by which it may miss the ends of the path
@@ -85,21 +89,31 @@ class WellPath(Reported, ByContent, TellsAttributes):
         depths = survey.column("depth", depth)
         angles = survey.column("inclination", inclination, depths.size)
         turns = survey.column("azimuth", azimuth, depths.size)
-        found = survey.fault(depths, angles, turns)
-        if found is not None:
-            raise validate.wrong_value(found.argument, f"at station {found.station} {found.problem}")
         self._keep(depths, angles, turns)
-        odd = survey.suspicion(depths, angles, turns)
-        if odd is not None:
-            text = f"station {odd.station} {odd.problem}"
-            warnings.warn(Message(text, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
+        self._check()
 
     def _keep(self, depth: Floats, inclination: Floats, azimuth: Floats) -> Self:
-        """Set the stations, which have been checked."""
+        """Set the stations."""
         for name, values in (("depth", depth), ("inclination", inclination), ("azimuth", azimuth)):
             values.flags.writeable = False
             object.__setattr__(self, name, values)
         return self
+
+    def _check(self, file: str = "", lines: Sequence[int] = ()) -> None:
+        """Raise ValueError for stations that make no path, and warn of those that look like mistakes.
+
+        Stations of a file have ``lines``.
+        """
+        columns = self.depth, self.inclination, self.azimuth
+        found = survey.fault(*columns)
+        if found is not None:
+            error = validate.wrong_value(found.argument, f"at station {found.station} {found.problem}")
+            raise located(f"{file}line {lines[found.station - 1]}", error) if lines else error
+        odd = survey.suspicion(*columns)
+        if odd is not None:
+            where = f"{file}line {lines[odd.station - 1]}: " if lines else ""
+            text = f"{where}station {odd.station} {odd.problem}"
+            warnings.warn(Message(text, SILENCE), PlausibilityWarning, stacklevel=level_of_caller())
 
     @classmethod
     def straight(cls, *, length: Any, inclination: Any, azimuth: Any = 0.0, depth: Any = 0.0) -> Self:
@@ -137,6 +151,66 @@ class WellPath(Reported, ByContent, TellsAttributes):
         if angles.size != 2:
             raise validate.wrong_value("inclination", f"must be two, at both ends, got {validate.short(inclination)}")
         return cls([start, start + extent], angles, azimuth)
+
+    @classmethod
+    def from_csv(
+        cls,
+        path: str | Path,
+        depth: str | int | None = None,
+        inclination: str | int | None = None,
+        azimuth: str | int | None = None,
+        *,
+        depth_unit: str | None = None,
+        angle_unit: str | None = None,
+        delimiter: str | None = None,
+    ) -> Self:
+        """Read a survey from a text file of columns; lines that begin with # are comments.
+
+        The text is in UTF-8 or, where it cannot be, in Windows-1252.  Lines before the headings are passed over; units
+        may stand in the headings or in a line of their own below.
+
+        Parameters
+        ----------
+        path : path
+        depth, inclination, azimuth : str or int, optional
+            Headings of the columns, or their numbers from 0.  By default those that surveys usually have, such as MD,
+            Measured Depth, Inc, INC (deg), Azi or AZIMUTH, in any case; without headings the first three columns.  A
+            file of two columns is of a well in one plane.
+        depth_unit : str, optional
+            Unit of the depths, by default that in the heading, as in "MD (ft)"; there is no other default.
+        angle_unit : str, optional
+            Unit of the angles, by default that in their headings, else deg.
+        delimiter : str, optional
+            What separates columns, by default the first of semicolon, tab, comma and space in the line of the headings.
+            With another one than the comma, numbers may have decimal commas.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For a file that cannot be read and stations that make no path; the message names line and station.
+
+        Warns
+        -----
+        PlausibilityWarning
+            As `WellPath`, with the line.
+        """
+        place = validate.path("path", path)
+        wanted = {"depth": depth, "inclination": inclination, "azimuth": azimuth}
+        chosen = {name: column_argument(name, each) for name, each in wanted.items()}
+        given = {"depth": depth_unit, "inclination": angle_unit, "azimuth": angle_unit}
+        for unit, argument, kind in ((depth_unit, "depth_unit", "length"), (angle_unit, "angle_unit", "angle")):
+            if unit is not None:
+                units.unit(unit, argument, kind)
+        mark = delimiter_argument(delimiter)
+        try:
+            found = survey_file.read(place, chosen, given, mark)
+        except (OSError, ValueError) as error:
+            raise located(f"survey {place}", error) from None
+        if not found.lines:
+            raise ValueError(f"survey {place}: it holds no stations below its headings")
+        made = cls.__new__(cls)._keep(*found[:3])
+        made._check(f"survey {place}: ", found.lines)
+        return made
 
     # --- where it lies ---
 

@@ -184,6 +184,14 @@ def record_file() -> Path:
 
 
 @functools.cache
+def survey_file() -> Path:
+    """Return a survey in a file."""
+    path = folder() / "survey.csv"
+    path.write_text("MD (m),Inc (deg),Azi (deg)\n0,0,0\n900,3,20\n1300,80,20\n", encoding="utf-8")
+    return path
+
+
+@functools.cache
 def simulation() -> fr.Simulation:
     """Return a short simulated rod."""
     return fr.simulate(ROD, LOAD, duration=0.15, segments=40, frames=80, perturbation=fr.Perturbation.random(1e-4, 1))
@@ -318,6 +326,11 @@ def _of_wells() -> dict[str, Call]:
     path = fr.WellPath(**survey)
     return {
         "WellPath": Call(fr.WellPath, survey),
+        "WellPath.from_csv": Call(
+            fr.WellPath.from_csv,
+            {"path": survey_file(), "depth": 0, "inclination": "Inc (deg)", "azimuth": 2, "depth_unit": "m"}
+            | {"angle_unit": "deg", "delimiter": ","},
+        ),
         "WellPath.arc": Call(fr.WellPath.arc, arc),
         "WellPath.straight": Call(fr.WellPath.straight, {**arc, "inclination": 1.0}),
         "WellPath.part": Call(path.part, {"start": 100.0, "end": 1000.0}),

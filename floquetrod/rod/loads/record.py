@@ -16,10 +16,11 @@ from floquetrod._util.arguments import located
 from floquetrod._util.arrays import shaped
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
+from floquetrod._util.columns import column_argument, delimiter_argument
 from floquetrod._util.content import ByContent
 from floquetrod._util.deprecation import Renamed
 from floquetrod.rod.loads.load import LIMITS, AxialLoad, LoadSource, load_number
-from floquetrod.rod.loads.record_file import column_argument, delimiter_argument, read_columns
+from floquetrod.rod.loads.record_file import read_columns
 from floquetrod.rod.loads.record_fit import Samples, series
 from floquetrod.rod.loads.record_period import PeriodicFit, find, power_spectrum
 

@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
-import csv
 import datetime
 import io
 import itertools
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import validate
+from floquetrod._util.columns import MISSING, NUMBER, Line, cells_of, delimiter_of, text_of, written
 
-_LARGEST = 1 << 29  # bytes of a file that are read, ten million samples or so
 _DEFAULTS = {"time": ("time", "t"), "force": ("force", "f")}
-_MISSING = ("", "nan", "na", "n/a")
-_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 _CLOCK = re.compile(
     r"(?:(\d{4}-\d\d-\d\d)[T ])?([01]?\d|2[0-3]):([0-5]\d):([0-5]\d(?:\.\d*)?)\s*([Zz]|[-+]\d\d(?::?\d\d)?)?", re.ASCII
 )
@@ -30,12 +27,6 @@ _NOT_PLAIN = re.compile(r'["#]|\r(?!\n)')
 
 _NOT_A_SPACE = re.compile(r"[^\S \n\r]")
 _TOGETHER = 20_000  # lines read at once; where one is not plain numbers, each is read alone (a choice)
-
-_BRACKETS = re.compile(r"(.*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])]|/\s*(\S+))")
-_LAST_WORD = re.compile(r"(.+?)[\s_]+(\S+)")
-
-Line = tuple[int, str]
-"""A line that is neither empty nor a comment, without spaces at its ends, and its number."""
 
 
 class _Column(NamedTuple):
@@ -67,12 +58,12 @@ def read_columns(
 
     `floquetrod.ForceRecord.from_csv` says what is accepted.
     """
-    numbered = enumerate(io.StringIO(_text(path)), 1)
-    first = next(_written(numbered), None)
+    numbered = enumerate(io.StringIO(text_of(path)), 1)
+    first = next(written(numbered), None)
     if first is None:
         raise ValueError("it holds no samples")
-    delimiter = delimiter or next((mark for mark in ";\t," if mark in first[1]), " ")
-    cells = _cells(first, delimiter)
+    delimiter = delimiter or delimiter_of(first)
+    cells = cells_of(first, delimiter)
     if len(cells) < 2:
         raise ValueError(f"line {first[0]} has one column, {validate.short(cells[0])}; give delimiter, such as ';'")
     headings = None if all(_is_value(cell) for cell in cells) else cells
@@ -92,42 +83,6 @@ def read_columns(
     return Columns(samples[:, 0] * columns[0].size, samples[:, 1] * columns[1].size, columns[1].has_unit)
 
 
-def _text(path: Path) -> str:
-    """Return the text of a file."""
-    if not path.is_file():
-        raise ValueError("it is a folder or a device" if path.exists() else "there is no such file")
-    if path.stat().st_size > _LARGEST:
-        raise ValueError(f"it has {path.stat().st_size:,} bytes, at most {_LARGEST:,} are read")
-    content = path.read_bytes()
-    if b"\0" in content:
-        raise ValueError("it is not text in UTF-8 but binary, or text of another encoding; save it as CSV in UTF-8")
-    try:
-        return content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-    try:
-        return content.decode("cp1252")
-    except UnicodeDecodeError:
-        raise ValueError(f"line {line} is not text in UTF-8; save it as CSV in UTF-8") from None
-
-
-def _written(numbered: Iterable[Line]) -> Iterator[Line]:
-    """Yield the lines that are neither empty nor a comment."""
-    stripped = ((number, line.strip(" \r\n")) for number, line in numbered)
-    return ((number, line) for number, line in stripped if line.strip() and not line.startswith("#"))
-
-
-def _cells(line: Line, delimiter: str) -> list[str]:
-    number, text = line
-    try:
-        cells = next(csv.reader([text], delimiter=delimiter, skipinitialspace=True, strict=True))
-    except (csv.Error, StopIteration) as error:
-        raise ValueError(f"line {number} cannot be read: {error}") from None
-    if delimiter != ",":
-        cells = [cell.replace(",", ".") if cell.count(",") == 1 and "." not in cell else cell for cell in cells]
-    return [cell.strip() for cell in cells]
-
-
 class _Rows:
     """Reads the numbers of two columns, many lines at a time where they are plain numbers, else line by line."""
 
@@ -143,7 +98,7 @@ class _Rows:
 
     def careful(self, lines: Iterable[Line]) -> NDArray[np.float64]:
         """Return the numbers of lines, (n, 2); ValueError for the first that cannot be read."""
-        rows = [self._row(number, _cells((number, text), self.delimiter)) for number, text in _written(lines)]
+        rows = [self._row(number, cells_of((number, text), self.delimiter)) for number, text in written(lines)]
         return np.array(rows, dtype=np.float64).reshape(-1, 2)
 
     def _at_once(self, lines: list[Line]) -> NDArray[np.float64] | None:
@@ -175,11 +130,11 @@ class _Rows:
                 f"{column.place} counted from 0"
             )
         cell = cells[column.place]
-        if cell.lower() in _MISSING:
+        if cell.lower() in MISSING:
             return math.nan
         if column.name == "time" and (seconds := self.clock.seconds(cell)) is not None:
             return seconds
-        if _NUMBER.fullmatch(cell) and not (column.name == "time" and self.clock.is_used):
+        if NUMBER.fullmatch(cell) and not (column.name == "time" and self.clock.is_used):
             return float(cell)
         is_clock = column.name == "time" and self.clock.is_used
         wanted = "a time of day as in the lines before" if is_clock else "a number"
@@ -245,7 +200,7 @@ def _offset(zone: str | None) -> float:
 
 def _is_value(cell: str) -> bool:
     """Return whether a cell holds a number, or says that one is missing."""
-    return cell.lower() in _MISSING or any(each.fullmatch(cell) for each in (_NUMBER, _CLOCK))
+    return cell.lower() in MISSING or any(each.fullmatch(cell) for each in (NUMBER, _CLOCK))
 
 
 def _column(
@@ -261,7 +216,9 @@ def _column(
     else:
         place = _place(name, wanted, headings, many)
     heading = "" if headings is None else headings[place]
-    return _Column(name, place, _size(name, heading, unit), unit is not None or _parts(heading, name)[1] is not None)
+    return _Column(
+        name, place, _size(name, heading, unit), unit is not None or units.heading(heading, name)[1] is not None
+    )
 
 
 def _place(name: str, wanted: str | None, headings: Sequence[str] | None, many: int) -> int:
@@ -269,7 +226,7 @@ def _place(name: str, wanted: str | None, headings: Sequence[str] | None, many: 
     listed = headings or ()
     if wanted is None:
         found = [i for i, text in enumerate(listed) if _plain(text, name).casefold() in _DEFAULTS[name]]
-        found = found or [i for i, text in enumerate(listed) if _is_unit(text, name)]
+        found = found or [i for i, text in enumerate(listed) if units.is_unit(text, name)]
         if not found and many == 2:
             others = [_plain(text, other).casefold() in _DEFAULTS[other] for other in _DEFAULTS for text in listed]
             if not any(others):
@@ -287,55 +244,20 @@ def _place(name: str, wanted: str | None, headings: Sequence[str] | None, many: 
     return found[0]
 
 
-def _parts(heading: str, name: str) -> tuple[str, str | None]:
-    """Return the name and the unit of a heading, None without one; a last or only word counts where it is a unit."""
-    if _is_unit(heading, name):
-        return "", heading
-    if match := _BRACKETS.fullmatch(heading):
-        return match[1], match[2] or match[3] or ""
-    match = _LAST_WORD.fullmatch(heading)
-    if match and _is_unit(match[2], name):
-        return match[1], match[2]
-    return heading, None
-
-
-def _is_unit(word: str, name: str) -> bool:
-    """Return whether a word is a unit of time or of force, in any case; percent are of nothing known here."""
-    try:
-        return bool(word) and word != "%" and bool(units.unit(word, "", name))
-    except ValueError:
-        return False
-
-
 def _plain(heading: str, name: str) -> str:
-    return _parts(heading, name)[0]
+    return units.heading(heading, name)[0]
 
 
 def _size(name: str, heading: str, unit: str | None) -> float:
     """Return the size in SI units of what a column is measured in."""
     if unit is not None:
         return units.unit(unit, f"{name}_unit", name).size
-    written = _parts(heading, name)[1]
+    written = units.heading(heading, name)[1]
     if written is None:
         return 1.0
-    if not _is_unit(written, name):
+    if not units.is_unit(written, name):
         raise validate.wrong_value(
             f"{name}_unit",
             f"must be given, one of {', '.join(units.units_of(name))}: the heading {heading!r} names none",
         )
     return units.unit(written, "", name).size
-
-
-def column_argument(name: str, value: Any) -> str | int | None:
-    """Return the argument that chooses a column: a heading, a number from 0, or None."""
-    if value is None or isinstance(value, str):
-        return value
-    return validate.integer(name, value, 0, hint="give the heading of a column or its number, 0 for the first")
-
-
-def delimiter_argument(value: Any) -> str | None:
-    """Return the argument ``delimiter``: one character, or None."""
-    if value is not None and (not isinstance(value, str) or len(value) != 1 or value in '"#\r\n.-+' or value.isalnum()):
-        kind = ValueError if isinstance(value, str) else TypeError
-        raise kind(f"delimiter must be one character such as ',', ';' or '\\t', got {validate.short(value)}")
-    return value

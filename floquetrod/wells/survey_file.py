@@ -1,0 +1,209 @@
+"""The columns of a survey read from a text file."""
+
+from __future__ import annotations
+
+import io
+import math
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from floquetrod import units
+from floquetrod._util import validate
+from floquetrod._util.columns import NUMBER, Line, cells_of, delimiter_of, text_of, written
+from floquetrod.wells.arcs import Floats
+from floquetrod.wells.survey import KINDS
+
+HEADINGS = {
+    "depth": (
+        "md",
+        "measured depth",
+        "meas depth",
+        "md rkb",
+        "mdepth",
+        "depth md",
+        "survey depth",
+        "measured",
+        "dept",
+        "depth",
+    ),
+    "inclination": (
+        "inc",
+        "incl",
+        "inclination",
+        "inclin",
+        "hole inclination",
+        "hole angle",
+        "deviation",
+        "dev",
+        "drift",
+        "angle",
+    ),
+    "azimuth": (
+        "azi",
+        "azimuth",
+        "azim",
+        "az",
+        "azm",
+        "hole azimuth",
+        "azimuth grid",
+        "azi gn",
+        "azimuth true",
+        "azi tn",
+        "hazi",
+    ),
+}
+"""Headings of the columns in small letters without their units; where several are in a file the first counts."""
+
+_USUAL = "'MD (m)', 'Inc (deg)' and 'Azi (deg)'"
+_SURVEY_FEET = ("usft", "us ft", "ftus", "us survey ft")
+_SURVEY_FOOT = 1200.0 / 3937.0  # m
+_PLAIN = re.compile(r"[\s_.:\-]+")
+
+
+class SurveyFile(NamedTuple):
+    """Depths in m and angles in rad, and the line of each station."""
+
+    depth: Floats
+    inclination: Floats
+    azimuth: Floats
+    lines: Sequence[int]
+
+
+class _Column(NamedTuple):
+    name: str
+    place: int
+    unit: str | None
+
+
+def read(
+    path: Path, wanted: dict[str, str | int | None], given: dict[str, str | None], delimiter: str | None
+) -> SurveyFile:
+    """Return the stations in a file; ValueError names line and station.
+
+    ``wanted`` chooses columns and ``given`` their units, see `floquetrod.WellPath.from_csv`.
+    """
+    lines = list(written(enumerate(io.StringIO(text_of(path)), 1)))
+    if not lines:
+        raise ValueError("it holds no stations")
+    first, columns, delimiter = _headed(lines, wanted, delimiter)
+    rows = [(number, cells_of((number, text), delimiter)) for number, text in lines[first:]]
+    columns, skipped = _with_unit_rows(columns, rows)
+    rows = [(number, cells) for number, cells in rows[skipped:] if any(cells)]
+    if len(rows) > validate.MOST_NUMBERS:
+        raise ValueError(f"it holds {len(rows)} stations, at most {validate.MOST_NUMBERS} are read")
+    found = {c.name: _size(c, given[c.name]) * np.array(_numbers(c, rows)) for c in columns}
+    azimuth = found.get("azimuth", np.zeros(len(rows)))
+    return SurveyFile(found["depth"], found["inclination"], azimuth, [number for number, _ in rows])
+
+
+def _headed(
+    lines: Sequence[Line], wanted: dict[str, str | int | None], delimiter: str | None
+) -> tuple[int, list[_Column], str]:
+    """Return where the lines below the headings begin, the columns and what separates them.
+
+    Lines before the headings, such as the name of a well, count for nothing.
+    """
+    seen, choices = lines[0], list(wanted.values())
+    for i, line in enumerate(lines):
+        mark = delimiter or delimiter_of(line)
+        cells = cells_of(line, mark)
+        if _is_row(cells):
+            if any(isinstance(choice, str) for choice in choices) or (i and None in choices):
+                break  # what is above it should have been headings
+            return i, _columns(wanted, None, len(cells)), mark
+        if all(_found(name, choice, cells) for name, choice in wanted.items() if name != "azimuth"):
+            return i + 1, _columns(wanted, cells, len(cells)), mark
+        seen = line
+    else:
+        seen = lines[0]
+    usual = ", ".join(repr(choice) for choice in choices if isinstance(choice, str)) or _USUAL
+    raise ValueError(
+        f"line {seen[0]} should have headings such as {usual}, got {validate.short(seen[1])}; name the columns by "
+        "depth, inclination and azimuth"
+    )
+
+
+def _is_row(cells: Sequence[str]) -> bool:
+    """Return whether cells are numbers and nothing else, two at least."""
+    full = [cell for cell in cells if cell]
+    return len(full) > 1 and all(map(NUMBER.fullmatch, full))
+
+
+def _columns(wanted: dict[str, str | int | None], headings: Sequence[str] | None, many: int) -> list[_Column]:
+    """Return depth, inclination and, where there is one, azimuth."""
+    columns = []
+    for order, (name, choice) in enumerate(wanted.items()):
+        places = [order] if headings is None and choice is None else _found(name, choice, headings or [])
+        if isinstance(choice, int) and not choice < many:
+            raise validate.wrong_value(name, f"must be a column from 0 to {many - 1}, got {choice}")
+        if name == "azimuth" and choice is None and many == 2:
+            continue  # a well in one plane
+        if len(places) != 1 or places[0] >= many:
+            listed = f"; the headings are {', '.join(map(repr, headings))}" if headings else ""
+            raise validate.wrong_value(name, f"must be the heading of one column or its number, got {choice!r}{listed}")
+        unit = None if headings is None else units.heading(headings[places[0]], KINDS[name])[1]
+        columns.append(_Column(name, places[0], unit))
+    if len({column.place for column in columns}) < len(columns):
+        raise ValueError("depth, inclination and azimuth must be different columns")
+    return columns
+
+
+def _found(name: str, choice: str | int | None, headings: Sequence[str]) -> list[int]:
+    """Return the places of the columns that may be meant."""
+    if isinstance(choice, int):
+        return [choice]
+    if choice is not None:
+        asked = choice.strip().casefold()
+        return [i for i, heading in enumerate(headings) if heading.casefold() == asked]
+    plain = [_PLAIN.sub(" ", units.heading(text, KINDS[name])[0]).strip().casefold() for text in headings]
+    usual = next((each for each in HEADINGS[name] if each in plain), None)
+    return [i for i, text in enumerate(plain) if text == usual]
+
+
+def _with_unit_rows(columns: list[_Column], rows: Sequence[tuple[int, list[str]]]) -> tuple[list[_Column], int]:
+    """Return the columns with the units in lines below their headings, and the number of those lines."""
+    for skipped, (_, cells) in enumerate(rows):
+        below = [cells[c.place].strip(" ()[]") if c.place < len(cells) else "" for c in columns]
+        is_unit = [_is_unit(c, cell) for c, cell in zip(columns, below, strict=True)]
+        if not is_unit[0] and below[0].casefold() not in HEADINGS["depth"]:
+            return columns, skipped
+        named = zip(columns, below, is_unit, strict=True)
+        columns = [c._replace(unit=cell) if is_one else c for c, cell, is_one in named]
+    return columns, len(rows)
+
+
+def _is_unit(column: _Column, word: str) -> bool:
+    return units.is_unit(word, KINDS[column.name]) or (column.name == "depth" and word.casefold() in _SURVEY_FEET)
+
+
+def _numbers(column: _Column, rows: Sequence[tuple[int, list[str]]]) -> list[float]:
+    """Return the numbers in a column."""
+    numbers = []
+    for station, (line, cells) in enumerate(rows, 1):
+        cell = cells[column.place] if column.place < len(cells) else ""
+        if not NUMBER.fullmatch(cell):
+            hint = "write a point before decimals, or separate columns by semicolons" if "," in cell else ""
+            raise ValueError(
+                f"line {line}, station {station}: {column.name} must be a number, got {validate.short(cell)}; "
+                f"{hint or 'put # before lines without data'}"
+            )
+        numbers.append(float(cell))
+    return numbers
+
+
+def _size(column: _Column, given: str | None) -> float:
+    """Return the size in SI of what a column is measured in: degrees where no unit of an angle is named."""
+    kind, argument = KINDS[column.name], "depth_unit" if column.name == "depth" else "angle_unit"
+    unit = given or column.unit
+    if unit is None and column.name != "depth":
+        return math.pi / 180.0
+    if unit is not None and _is_unit(column, unit):
+        return _SURVEY_FOOT if unit.casefold() in _SURVEY_FEET else units.unit(unit, argument, kind).size
+    why = "names none" if unit is None else f"names {unit!r}"
+    raise validate.wrong_value(
+        argument, f"must be given, such as {'m or ft' if kind == 'length' else 'deg or rad'}: the heading {why}"
+    )
