@@ -14,9 +14,8 @@ DOCS_READY := $(VENV)/.docs-ready
 DIST_READY := $(VENV)/.dist-ready
 # Hypothesis and pytest write their own caches; worksteal keeps both workers busy to the end.
 PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
-# Tests that reach every kernel.  They run once more interpreted, where a kernel is seen to be the Python it is written
-# in and every index is checked; with `make slow` compiled with every index checked, too.
-KERNEL_TESTS := -m kernels
+# Tests marked "kernels" reach every kernel.  They run once more interpreted, where a kernel is seen to be the Python it
+# is written in and every index is checked; with `make slow` compiled with every index checked, too.
 # Four times the examples and more, of every test that draws some.
 DEEP := FLOQUETROD_TEST_DEPTH=deep
 
@@ -33,7 +32,7 @@ demo: $(READY)
 		--growth-tolerance 0.1 --mark 0.2Fcr,150rad/s --out demo_map.png
 
 test: lint
-	NUMBA_DISABLE_JIT=1 $(PYTEST) $(KERNEL_TESTS)
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "kernels and not slow"
 	$(PYTEST) -m "not slow"
 
 lint: $(READY)
@@ -43,7 +42,7 @@ lint: $(READY)
 
 # Everything, and what draws examples draws many.
 slow: $(DOCS_READY)
-	$(DEEP) NUMBA_BOUNDSCHECK=1 $(PYTEST) $(KERNEL_TESTS)
+	$(DEEP) NUMBA_BOUNDSCHECK=1 $(PYTEST) -m kernels
 	$(DEEP) $(PYTEST)
 
 # How often each property was checked, and how often its example was discarded: a property that hardly bites fails.
@@ -57,7 +56,7 @@ fuzz: $(READY)
 # Lines of machine code cannot be counted: what reaches the kernels runs interpreted first, then everything quick.
 coverage: $(READY)
 	$(BIN)/python -m coverage erase
-	NUMBA_DISABLE_JIT=1 $(PYTEST) $(KERNEL_TESTS) --cov --cov-report=
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "kernels and not slow" --cov --cov-report=
 	$(PYTEST) -m "not slow" --cov --cov-append --cov-report=term-missing:skip-covered --cov-fail-under=95
 
 # Sphinx takes a warning for an error, and every page and example is run; then all links of the site are followed.

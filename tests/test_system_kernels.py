@@ -120,7 +120,7 @@ def test_two_equations_at_once_agree_with_the_monodromy_matrix(rng: np.random.Ge
         assert np.all(abs(expected[order] - x[0]) <= errors[0] + slack)
 
 
-@pytest.mark.parametrize("count", [1, 3])
+@pytest.mark.parametrize("count", [1, pytest.param(3, marks=pytest.mark.slow)])
 def test_many_pairs_side_by_side_are_within_their_errors(rng: np.random.Generator, count: int) -> None:
     systems = [random_system(rng, 2, count, 0.2, size, True) for size in (0.3, 1.0, 3.0, 10.0) * depth(5, 2)]
     many = len(systems)
@@ -186,7 +186,7 @@ def true_flow(mean: Floats, harmonics: NDArray[np.complex128], period: float, sh
     return (x / 2**BITS).astype(float)
 
 
-@pytest.mark.parametrize(("n", "count"), [(1, 1), (3, 2), (4, 0), (4, 3)])
+@pytest.mark.parametrize(("n", "count"), [(1, 1), (3, 2), (4, 0), pytest.param(4, 3, marks=pytest.mark.slow)])
 def test_maps_of_any_form_are_within_their_errors(rng: np.random.Generator, n: int, count: int) -> None:
     for companion in (False, True)[: 1 + (n == 4)]:
         for size in (3.0, 0.3)[: depth(2, 1)]:
