@@ -20,7 +20,7 @@ import floquetrod as fr
 from floquetrod._util.content import ByContent
 from floquetrod.simulation.checkpoints import CheckpointWarning
 from floquetrod.simulation.mesh import DiscreteRod
-from floquetrod.studies.simulations import Outcome, figure_4
+from floquetrod.studies.simulations import TrialOutcome, figure_4
 
 ROD = fr.Rod.nitinol()
 FCR = ROD.critical_force
@@ -40,8 +40,8 @@ def small_map(growth: bool = True) -> fr.Chart:
     )
 
 
-def outcome() -> Outcome:
-    return Outcome(figure_4()[0], False, 0, short_run())
+def outcome() -> TrialOutcome:
+    return TrialOutcome(figure_4()[0], False, 0, short_run())
 
 
 MADE: dict[str, Callable[[], Any]] = {
@@ -75,7 +75,7 @@ MADE: dict[str, Callable[[], Any]] = {
     "Simulation": short_run,
     "SimulationProblem": lambda: short_run().problem,
     "DiscreteRod": lambda: DiscreteRod(ROD, 100),
-    "Outcome": outcome,
+    "TrialOutcome": outcome,
 }
 
 

@@ -200,7 +200,7 @@ def axes_layout(shape: tuple[int, ...], chunk: tuple[int, ...]) -> Any:
     from floquetrod.ensembles.stores import Layout
 
     names = ("mean", "amplitude", "frequency", "friction")
-    axis = tuple(axes.Axis(n, n, np.arange(length)) for n, length in zip(names, shape, strict=False))
+    axis = tuple(axes.VariedAxis(n, n, np.arange(length)) for n, length in zip(names, shape, strict=False))
     return Layout(axes.Design(PROBLEM, axis), (), False, chunk)
 
 

@@ -19,7 +19,7 @@ from matplotlib.backend_bases import ResizeEvent
 import floquetrod as fr
 from floquetrod import cli, units
 from floquetrod.explorer import commands, limits, maps, modes, portions
-from floquetrod.explorer.background import Background, Parts, Stale
+from floquetrod.explorer.background import Background, Stale, ViewParts
 from floquetrod.explorer.view import View
 from floquetrod.explorer.words import margin_words
 from floquetrod.floquet.status import STATUS_CODES
@@ -309,20 +309,20 @@ def test_margins_in_words() -> None:
 def test_the_latest_job_replaces_the_others() -> None:
     background, told = Background(), []
 
-    def endless(stale: Stale) -> Iterator[Parts]:
+    def endless(stale: Stale) -> Iterator[ViewParts]:
         while not stale():
             yield {"old": 1}
             time.sleep(0.001)
         told.append("ended")
 
-    def short(stale: Stale) -> Iterator[Parts]:
+    def short(stale: Stale) -> Iterator[ViewParts]:
         yield {"new": 1}
 
-    def failing(stale: Stale) -> Iterator[Parts]:
+    def failing(stale: Stale) -> Iterator[ViewParts]:
         raise ArithmeticError("no")
         yield {}
 
-    def waited() -> list[Parts]:
+    def waited() -> list[ViewParts]:
         found, busy = [], True
         while busy:
             parts, busy = background.fetch()

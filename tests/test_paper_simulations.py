@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 import floquetrod as fr
 from floquetrod import cli
 from floquetrod.studies import reproduction, simulation_claims, simulations
-from floquetrod.studies.simulation_claims import Study, friction_share
+from floquetrod.studies.simulation_claims import SimulationStudy, friction_share
 
 SHORT = 5e-3  # s
 
@@ -33,17 +33,17 @@ def short(quick: bool) -> list[list[simulations.Trial]]:
 
 
 @pytest.fixture(scope="module")
-def made() -> Iterator[tuple[Study, list[str]]]:
+def made() -> Iterator[tuple[SimulationStudy, list[str]]]:
     said: list[str] = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(simulation_claims, "trials", short)
         yield simulation_claims.make_study(True, said.append), said
 
 
-def as_the_paper_says(study: Study) -> Study:
+def as_the_paper_says(study: SimulationStudy) -> SimulationStudy:
     """Return the study with every outcome replaced by what was expected."""
 
-    def all_of(outcomes: tuple[simulations.Outcome, ...]) -> tuple[simulations.Outcome, ...]:
+    def all_of(outcomes: tuple[simulations.TrialOutcome, ...]) -> tuple[simulations.TrialOutcome, ...]:
         return tuple(
             replace(o, buckled=bool(o.trial.expected_modes), mode=max(o.trial.expected_modes, default=0))
             for o in outcomes
@@ -66,7 +66,7 @@ def test_draws_that_end_as_expected_are_counted() -> None:
     assert first.agree == 3
 
 
-def test_everything_is_simulated_and_told(made: tuple[Study, list[str]]) -> None:
+def test_everything_is_simulated_and_told(made: tuple[SimulationStudy, list[str]]) -> None:
     study, said = made
     assert (len(study.figure_4), len(study.figure_7), len(study.redrawn), len(study.draws)) == (10, 30, 5, 4)
     anew = [what for what in said if what == "Simulated Figure 4, drawn anew"]
@@ -78,7 +78,7 @@ def test_everything_is_simulated_and_told(made: tuple[Study, list[str]]) -> None
     assert len({str(trial) for group in short(True) for trial in group}) == len(said)
 
 
-def test_parts_of_a_draw(made: tuple[Study, list[str]]) -> None:
+def test_parts_of_a_draw(made: tuple[SimulationStudy, list[str]]) -> None:
     for draw in made[0].draws:
         whole = dict(draw.whole.trial.problem.perturbation.speeds)
         without = dict(draw.without.trial.problem.perturbation.speeds)
@@ -98,7 +98,7 @@ def test_friction_is_shared() -> None:
     assert friction_share(small, 2) < 1e-2
 
 
-def test_claims_find_nothing_in_so_short_a_time(made: tuple[Study, list[str]]) -> None:
+def test_claims_find_nothing_in_so_short_a_time(made: tuple[SimulationStudy, list[str]]) -> None:
     study, _ = made
     found = {name: claim() for name, claim in simulation_claims.simulation_claims(lambda: study).items()}
     assert list(found) == ["F4", "F4-D", "F7", "F7-C", "E"]
@@ -108,7 +108,7 @@ def test_claims_find_nothing_in_so_short_a_time(made: tuple[Study, list[str]]) -
     assert "A at 150 rad/s and 0.424 F_cr: stays, the paper: mode 8" in found["F7"].computed
 
 
-def test_claims_notice_a_change(made: tuple[Study, list[str]]) -> None:
+def test_claims_notice_a_change(made: tuple[SimulationStudy, list[str]]) -> None:
     right = as_the_paper_says(made[0])
     claim = simulation_claims.f7(right)
     assert claim.agrees
@@ -123,7 +123,7 @@ def test_claims_notice_a_change(made: tuple[Study, list[str]]) -> None:
 
 
 @pytest.mark.slow
-def test_figures(made: tuple[Study, list[str]], tmp_path: Path) -> None:
+def test_figures(made: tuple[SimulationStudy, list[str]], tmp_path: Path) -> None:
     drawings = reproduction._simulated(lambda: made[0])
     assert [name for _, name, _ in drawings] == ["figure_4.png", "figure_7.png"]
     for (_, _, draw), panels in zip(drawings, (10, 30), strict=True):

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-Floats: TypeAlias = NDArray[np.float64]
-Ints: TypeAlias = NDArray[np.int64]
+from floquetrod._util.arrays import Floats, Ints
 
 _EPS = float(np.finfo(np.float64).eps)
 _GOLDEN = 0.3819660112501051  # (3 - sqrt(5)) / 2

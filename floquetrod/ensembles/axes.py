@@ -39,7 +39,7 @@ _UNITS = {
 START = ("kick", "seed")
 
 
-class Axis(NamedTuple):
+class VariedAxis(NamedTuple):
     """The values of one quantity along dimension ``dim``."""
 
     name: str
@@ -67,7 +67,7 @@ class Design:
     """A problem and what is varied of it; runs are numbered in the order of ``dims``, the last fastest."""
 
     problem: SimulationProblem
-    axes: tuple[Axis, ...]
+    axes: tuple[VariedAxis, ...]
 
     @cached_property
     def dims(self) -> tuple[str, ...]:
@@ -187,7 +187,7 @@ def design_of(problem: SimulationProblem, over: Any, layout: str, samples: Any, 
                 "over", f"must hold as many values of each name where layout is 'list', got: {listed}"
             )
     dim = {name: "run" if layout == "list" else "sample" if name in drawn else name for name in over}
-    study = Design(problem, tuple(Axis(name, dim[name], given[name]) for name in over))
+    study = Design(problem, tuple(VariedAxis(name, dim[name], given[name]) for name in over))
     runs = float(np.prod([float(length) for length in study.shape]))
     if runs > MOST_RUNS:
         raise validate.wrong_value("over", f"makes {runs:,.0f} runs, at most {MOST_RUNS:,} are made; vary less")

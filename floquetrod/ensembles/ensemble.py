@@ -125,7 +125,7 @@ def ensemble(
     validate.progress(progress)
     executor, count = require_executor(executor, workers)
     names, chunk, make = _store(place, study, frames, share[1])
-    job = tasks.Job(problem, summary, None, frames)
+    job = tasks.TaskSettings(problem, summary, None, frames)
     opened: MemoryStore | None = None
     if names is not None:
         if (summary is None) == bool(names):
@@ -168,7 +168,7 @@ def _as_dataset(store: MemoryStore) -> Any:
 def _fill(
     store: MemoryStore,
     chunks: range,
-    job: tasks.Job,
+    job: tasks.TaskSettings,
     runner: TaskRunner,
     first: Sequence[Outcome],
     retry_failed: bool,
@@ -199,7 +199,9 @@ def _fill(
             store.close()
 
 
-def _first_runs(job: tasks.Job, study: Design, pending: Sequence[int]) -> tuple[tuple[str, ...], list[Outcome]]:
+def _first_runs(
+    job: tasks.TaskSettings, study: Design, pending: Sequence[int]
+) -> tuple[tuple[str, ...], list[Outcome]]:
     """Return the names of the summary, and the runs made to learn them: until one could be made."""
     made = []
     for run in pending:

@@ -20,7 +20,7 @@ OWN_ERRORS = (Exception, SystemExit)
 """What a run or its summary may raise without ending others."""
 
 
-class Job(NamedTuple):
+class TaskSettings(NamedTuple):
     """What all tasks share: the problem, the summary, its names (None while unknown), and whether frames are stored."""
 
     problem: SimulationProblem
@@ -33,7 +33,7 @@ Batch = Sequence[tuple[int, Mapping[str, float]]]
 """Runs of a task: their numbers, with the values that they vary."""
 
 
-def simulate_runs(job: Job, batch: Batch, progress: Callable[[int, int], None] | None = None) -> list[Outcome]:
+def simulate_runs(job: TaskSettings, batch: Batch, progress: Callable[[int, int], None] | None = None) -> list[Outcome]:
     """Make the runs of a task; what a run raises is recorded, and those that were interrupted are left out."""
     found = []
     for run, values in batch:
@@ -47,7 +47,7 @@ def simulate_runs(job: Job, batch: Batch, progress: Callable[[int, int], None] |
     return found
 
 
-def outcome(job: Job, run: int, made: Simulation) -> Outcome:
+def outcome(job: TaskSettings, run: int, made: Simulation) -> Outcome:
     """Return what came of a run that was made."""
     return Outcome(run, DONE, "", results(made), summarised(job, made), frames_of(job, made))
 
@@ -77,7 +77,7 @@ def results(made: Simulation) -> dict[str, float]:
     }
 
 
-def summarised(job: Job, made: Simulation) -> dict[str, float]:
+def summarised(job: TaskSettings, made: Simulation) -> dict[str, float]:
     """Return what the summary makes of a run; an error unless it maps the names expected to numbers."""
     if job.summary is None:
         return {}
@@ -98,7 +98,7 @@ def number(name: str, value: Any) -> float:
     return validate.finite(f"summary[{name!r}]", value)
 
 
-def frames_of(job: Job, made: Simulation) -> dict[str, Any] | None:
+def frames_of(job: TaskSettings, made: Simulation) -> dict[str, Any] | None:
     """Return the frames of a run, if they are asked for."""
     if not job.frames:
         return None

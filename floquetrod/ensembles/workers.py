@@ -29,7 +29,7 @@ from floquetrod._util import interrupt, validate
 from floquetrod._util.compilation import cores
 from floquetrod.ensembles.runs import FAILED
 from floquetrod.ensembles.stores import DIED, Outcome
-from floquetrod.ensembles.tasks import Batch, Job, simulate_runs
+from floquetrod.ensembles.tasks import Batch, TaskSettings, simulate_runs
 
 _TASK = 0.25  # s of runs in a task, beside which the milliseconds of handing it over do not count
 _MOST_IN_A_TASK = 256  # runs, so that progress is heard of where they take no time
@@ -59,7 +59,7 @@ class TaskRunner:
             self._room, self._counted = _UNKNOWN_SIZE if count is None else 2 * count + 2, time.monotonic()
         return self._room
 
-    def submit(self, job: Job, batch: Batch) -> Future[list[Outcome]]:
+    def submit(self, job: TaskSettings, batch: Batch) -> Future[list[Outcome]]:
         """Hand over a task."""
         progress = (self._end_when_stopped,) if self._same_process else ()
         task = self.executor.submit(simulate_runs, job, batch, *progress)
@@ -84,7 +84,7 @@ class TaskRunner:
         if self._is_own:
             self.executor.shutdown(cancel_futures=True)
 
-    def require_picklable(self, job: Job) -> None:
+    def require_picklable(self, job: TaskSettings) -> None:
         """Raise TypeError, with a remedy, where tasks cannot be sent to other processes."""
         if self._same_process:
             return
@@ -143,7 +143,7 @@ class OwnProcesses(TaskRunner):
         """Return how many tasks to hand over, one for every process, so that its death is that of one task."""
         return self._workers
 
-    def submit(self, job: Job, batch: Batch) -> Future[list[Outcome]]:
+    def submit(self, job: TaskSettings, batch: Batch) -> Future[list[Outcome]]:
         """Hand a task to a process that has none, or to a new one, also in the place of one that has died."""
         place = next((place for place, task in enumerate(self._tasks) if task.done()), len(self._pools))
         if place == len(self._pools):
@@ -252,7 +252,7 @@ def require_executor(executor: Any, workers: Any) -> tuple[Executor | None, int 
 
 def work(
     runner: TaskRunner,
-    job: Job,
+    job: TaskSettings,
     pending: Sequence[int],
     values: Callable[[int], Mapping[str, float]],
     idle: Callable[[], None],

@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator
 from queue import Empty, SimpleQueue
 from typing import Any, TypeAlias
 
-Parts: TypeAlias = dict[str, Any]
+ViewParts: TypeAlias = dict[str, Any]
 """What is shown anew, by the name of the place in the window."""
 
 Stale: TypeAlias = Callable[[], bool]
 """Whether a job has been replaced and should end."""
 
-Job: TypeAlias = Callable[[Stale], Iterator[Parts]]
+Job: TypeAlias = Callable[[Stale], Iterator[ViewParts]]
 """Yields parts as they are found."""
 
 
@@ -23,7 +23,7 @@ class Background:
     def __init__(self) -> None:
         """Wait for a first job."""
         self._jobs: SimpleQueue[tuple[int, Job] | None] = SimpleQueue()
-        self._found: SimpleQueue[tuple[int, Parts | BaseException | None]] = SimpleQueue()
+        self._found: SimpleQueue[tuple[int, ViewParts | BaseException | None]] = SimpleQueue()
         self._latest = 0
         self._busy = False
         self._working = threading.Lock()
@@ -38,16 +38,16 @@ class Background:
             self._thread.start()
         self._jobs.put((self._latest, job))
 
-    def run(self, job: Job) -> Iterator[Parts]:
+    def run(self, job: Job) -> Iterator[ViewParts]:
         """Yield what a job finds, in the calling thread, in place of whatever is under way."""
         self._latest += 1
         self._busy = False
         with self._working:
             yield from job(lambda: False)
 
-    def fetch(self) -> tuple[list[Parts], bool]:
+    def fetch(self) -> tuple[list[ViewParts], bool]:
         """Return what the latest job has found since the last time, and whether it continues; raise its error."""
-        parts: list[Parts] = []
+        parts: list[ViewParts] = []
         while True:
             try:
                 number, found = self._found.get_nowait()

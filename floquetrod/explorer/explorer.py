@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from floquetrod import units as known
 from floquetrod._util import validate
-from floquetrod.explorer.background import Background, Parts, Stale
+from floquetrod.explorer.background import Background, Stale, ViewParts
 from floquetrod.explorer.commands import command
 from floquetrod.explorer.limits import Scale, step
 from floquetrod.explorer.view import View
 from floquetrod.explorer.words import margin_words
-from floquetrod.plotting.explorer import Window
+from floquetrod.plotting.explorer import ExplorerWindow
 from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.loads.load import KINDS, AnyLoad, Load, require_load
 from floquetrod.rod.rod import Rod
@@ -39,7 +39,7 @@ class Explorer:
 
     Attributes
     ----------
-    window : floquetrod.plotting.explorer.Window
+    window : floquetrod.plotting.explorer.ExplorerWindow
         The figure and its sliders.
     load : AxialLoad or AxialWave
         The load shown.
@@ -71,7 +71,7 @@ class Explorer:
         self._margins: dict[str, Margin] = {}
         steps = {name: step(*(unit.of(end) for end in limits[name])) for name, unit in self._units.items()}
         first = self._at_once()
-        self.window = Window(
+        self.window = ExplorerWindow(
             limits,
             self._units,
             steps,
@@ -105,14 +105,14 @@ class Explorer:
             self.window.show(self._with_margins(parts))
         self.window.show({"busy": False})
 
-    def _at_once(self) -> Parts:
+    def _at_once(self) -> ViewParts:
         numbers = {name: getattr(self.load, name) for name in self._units}
         return self._view.at_once(self.load) | {"load": numbers, "command": self.command}
 
-    def _in_time(self, stale: Stale) -> Iterator[Parts]:
+    def _in_time(self, stale: Stale) -> Iterator[ViewParts]:
         return self._view.in_time(self.load, stale)
 
-    def _moved(self, name: str, value: float) -> Parts:
+    def _moved(self, name: str, value: float) -> ViewParts:
         """Return what is shown at once when a quantity, in SI units, has been moved, and start on the rest."""
         numbers = {each: getattr(self.load, each) for each in self._units} | {name: value}
         self.load = self.load.with_numbers(**numbers)
@@ -126,15 +126,15 @@ class Explorer:
     def _begin(self) -> None:
         self._background.start(self._in_time)
 
-    def _found(self) -> Parts:
+    def _found(self) -> ViewParts:
         """Return what was found since the last time, and whether more is to come."""
         found, busy = self._background.fetch()
-        parts: Parts = {}
+        parts: ViewParts = {}
         for each in found:
             parts |= self._with_margins(each)
         return parts | {"busy": busy}
 
-    def _with_margins(self, parts: Parts) -> Parts:
+    def _with_margins(self, parts: ViewParts) -> ViewParts:
         """Return the same parts, a margin in words and together with those found before it."""
         if "margin" not in parts:
             return parts

@@ -8,9 +8,10 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.explorer.background import Parts, Stale
+from floquetrod._util.progress import Progress
+from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.portions import in_portions, statuses_and_rates
-from floquetrod.plane import Bands, Chart, Progress
+from floquetrod.plane import Bands, Chart
 from floquetrod.plotting.explorer_panels import UNKNOWN, MapView
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import Load, Loads
@@ -48,14 +49,14 @@ class ChartMap:
         self.banded: tuple[Chart, Bands] | None = None
         self._amplitude = math.nan
 
-    def at_once(self, load: Load) -> Parts:
+    def at_once(self, load: Load) -> ViewParts:
         """Return the chart where the amplitude is another one."""
         if self.chart is not None and self._amplitude == load.amplitude:
             return {}
         self._amplitude, self.chart = load.amplitude, self._points(load, self.points)
         return {"map": _cells(self.chart)}
 
-    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[Parts]:
+    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[ViewParts]:
         """Yield the bands, or a chart of more points."""
         chart = self.chart
         if chart is None:
@@ -71,7 +72,7 @@ class ChartMap:
                 return
         yield {"map": _cells(chart)._replace(bands=self.banded[1])}
 
-    def rest(self, load: Load, stale: Stale) -> Iterator[Parts]:
+    def rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
         """Yield nothing more."""
         return iter(())
 
@@ -109,19 +110,19 @@ class GrowingMap:
         self._amplitude: float | None = None
         self._cells: NDArray[np.int8] = np.full(_MAP[::-1], UNKNOWN, dtype=np.int8)
 
-    def at_once(self, load: Load) -> Parts:
+    def at_once(self, load: Load) -> ViewParts:
         """Return an empty map where the amplitude is another one."""
         return {} if self._amplitude == load.amplitude else {"map": MapView(np.full_like(self._cells, UNKNOWN), None)}
 
-    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[Parts]:
+    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[ViewParts]:
         """Yield the map in large cells."""
         yield from self._map(load, stale, _COARSENINGS[:2])
 
-    def rest(self, load: Load, stale: Stale) -> Iterator[Parts]:
+    def rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
         """Yield the map in cells of every size."""
         yield from self._map(load, stale, _COARSENINGS)
 
-    def _map(self, load: Load, stale: Stale, sides: Sequence[int]) -> Iterator[Parts]:
+    def _map(self, load: Load, stale: Stale, sides: Sequence[int]) -> Iterator[ViewParts]:
         """Yield the map in ever smaller cells."""
         if self._amplitude != load.amplitude:
             self._amplitude, self._cells = load.amplitude, np.full(_MAP[::-1], UNKNOWN, dtype=np.int8)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod import mathieu
-from floquetrod.explorer.background import Parts, Stale
+from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.portions import in_portions, statuses_and_rates
 from floquetrod.plotting.explorer_panels import LineView, ModesView, RatesView, ShapeView, straightened
 from floquetrod.rod.answers.verdict import RodStability
@@ -40,7 +40,7 @@ class ModesAndRates:
         self.frame: tuple[float, float, float, float] | None = None
         self._drawn: tuple[object, ...] = ()
 
-    def at_once(self, load: Load) -> Parts:
+    def at_once(self, load: Load) -> ViewParts:
         """Return modes and rates."""
         system = self.model.among_tongues(load, self.numbers.tolist())
         if system is None:
@@ -49,11 +49,11 @@ class ModesAndRates:
         modes = self._modes(system.alpha, system.beta, system.damping, growth)
         return {"rates": RatesView(self.numbers, growth), "modes": modes}
 
-    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[Parts]:
+    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[ViewParts]:
         """Yield nothing more."""
         return iter(())
 
-    def rest(self, load: Load, stale: Stale) -> Iterator[Parts]:
+    def rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
         """Yield nothing more."""
         return iter(())
 
@@ -87,19 +87,19 @@ class LineAndShape:
         self._growth: NDArray[np.float64] = np.full(_LINE[-1], np.nan)
         self._tried: NDArray[np.bool_] = np.zeros(_LINE[-1], dtype=np.bool_)
 
-    def at_once(self, load: Load) -> Parts:
+    def at_once(self, load: Load) -> ViewParts:
         """Return an empty line where the forces are others."""
         if self._line_of == (load.mean, load.amplitude):
             return {}
         return {"line": LineView(self._frequencies, np.full(_LINE[-1], np.nan))}
 
-    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[Parts]:
+    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[ViewParts]:
         """Yield growth at few frequencies, and the shape."""
         yield from self._line(load, stale, _LINE[:1])
         if not stale():
             yield {"shape": _shape(verdict)}
 
-    def rest(self, load: Load, stale: Stale) -> Iterator[Parts]:
+    def rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
         """Yield growth at all frequencies."""
         yield from self._line(load, stale, _LINE)
 
@@ -107,7 +107,7 @@ class LineAndShape:
     def _frequencies(self) -> NDArray[np.float64]:
         return np.linspace(*self.limits["frequency"], _LINE[-1])
 
-    def _line(self, load: Load, stale: Stale, numbers: Sequence[int]) -> Iterator[Parts]:
+    def _line(self, load: Load, stale: Stale, numbers: Sequence[int]) -> Iterator[ViewParts]:
         """Yield growth over the frequency, at ever more frequencies."""
         if self._line_of != (load.mean, load.amplitude):
             self._line_of = load.mean, load.amplitude

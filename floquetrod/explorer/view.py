@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Protocol
 
-from floquetrod.explorer.background import Parts, Stale
+from floquetrod.explorer.background import Stale, ViewParts
 from floquetrod.explorer.maps import ChartMap, GrowingMap
 from floquetrod.explorer.modes import LineAndShape, ModesAndRates
 from floquetrod.explorer.words import MARGINS, verdict_words
@@ -17,13 +17,13 @@ from floquetrod.rod.rod import Rod
 class Source(Protocol):
     """What fills some of the panels; it keeps what the last move left as it was."""
 
-    def at_once(self, load: Load) -> Parts:
+    def at_once(self, load: Load) -> ViewParts:
         """Return what follows a slider; what is no longer so disappears."""
 
-    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[Parts]:
+    def first(self, load: Load, verdict: RodStability, stale: Stale) -> Iterator[ViewParts]:
         """Yield what is to be seen soon after the verdict."""
 
-    def rest(self, load: Load, stale: Stale) -> Iterator[Parts]:
+    def rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
         """Yield what else there is to find."""
 
 
@@ -53,12 +53,12 @@ class View:
         self.modes: Source = modes
         self.panels: tuple[str, str] = modes.panels
 
-    def at_once(self, load: Load) -> Parts:
+    def at_once(self, load: Load) -> ViewParts:
         """Return what follows a slider."""
         words = {"verdict": self._verdict_at_once(load), "details": ""}
         return words | self.map.at_once(load) | self.modes.at_once(load)
 
-    def in_time(self, load: Load, stale: Stale) -> Iterator[Parts]:
+    def in_time(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
         """Yield the whole verdict, what the panels find in time, and how far the verdict reaches."""
         try:
             verdict = self.model.verdict(load)
@@ -76,7 +76,7 @@ class View:
                 return
             yield {"margin": (name, margin(verdict))}
 
-    def _rest(self, load: Load, stale: Stale) -> Iterator[Parts]:
+    def _rest(self, load: Load, stale: Stale) -> Iterator[ViewParts]:
         for source in (self.modes, self.map):
             yield from source.rest(load, stale)
 

@@ -11,13 +11,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.roots import bisected
 from floquetrod.friction.kernels import escape as escape
 from floquetrod.friction.kernels.cell import CELL_WAVE, TERMS, at_the_end, series, value
 from floquetrod.friction.kernels.records import BASIS, CELL, LEFT_VECTOR, PERIOD
 
-Floats = NDArray[np.float64]
 Records = NDArray[np.void]
 Integers = NDArray[np.int64]
 

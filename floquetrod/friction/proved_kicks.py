@@ -8,12 +8,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod._util.roots import bisected
 from floquetrod.equations import FrictionalMathieu, require
 from floquetrod.friction.inputs import Prepared, growth_of, prepare_one
 from floquetrod.friction.kernels.cell import slope, value
 from floquetrod.friction.kernels.records import PERIOD
-from floquetrod.friction.propagators import Floats, Records
+from floquetrod.friction.propagators import Records
 
 _HALVINGS = 45  # of a cell in search of the time of a stop, to far less than `_ROUNDED`
 _STEEP = 1e12  # a slope beyond which the kick that stops is at its limit, to rounding

@@ -10,14 +10,15 @@ import numpy as np
 
 from floquetrod import equations
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
+from floquetrod._util.progress import Progress
 from floquetrod.equations import Equation, Mathieu
 from floquetrod.mathieu.arrays import growth_rate, is_stable
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.mathieu.tongue_bands import tongue_bands
 from floquetrod.mathieu.tongue_curves import Window
-from floquetrod.mathieu.tongue_regions import Oscillators
-from floquetrod.plane import Axis, Chart, Family, Found, Progress, Verdicts, axis_values, charted
-from floquetrod.plane.family import Floats
+from floquetrod.mathieu.tongue_regions import UndampedEquations
+from floquetrod.plane import Axis, Chart, Family, FoundBands, Verdicts, axis_values, charted
 from floquetrod.systems.charts import Members
 
 _NEGLIGIBLE = 1e-9  # growth per unit tau, tenfold in 4e8 periods, up to which a tongue is left out
@@ -150,11 +151,11 @@ class MathieuPlane(Family):
         """Return growth rates, which tell nothing about a test in finite time."""
         return super().growth(x, y) if self.test is None else np.full(x.shape, np.nan)
 
-    def exact_bands(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> Found | None:
+    def exact_bands(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> FoundBands | None:
         """Return the bands of every tongue."""
         if self.test is not None:
             return None
-        oscillators = Oscillators(
+        oscillators = UndampedEquations(
             np.array([-(self.damping**2)]), np.ones(1), self.damping, self.growth_tolerance, _NEGLIGIBLE
         )
         (first, last), (low, high) = x.values.tolist(), y.values.tolist()

@@ -14,10 +14,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.roots import roots
 
-Floats: TypeAlias = NDArray[np.float64]
-Ints: TypeAlias = NDArray[np.int64]
 Growth: TypeAlias = Callable[[Floats, Ints], Floats]
 """Values at places x, one for each, in the intervals with the numbers given."""
 

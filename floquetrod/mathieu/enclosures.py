@@ -15,8 +15,9 @@ from typing import TypeAlias
 
 import numpy as np
 
+from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.roots import roots
-from floquetrod.mathieu.concave import Floats, Ints, Parts, joined
+from floquetrod.mathieu.concave import Parts, joined
 
 Evaluated: TypeAlias = Callable[[Floats, Floats], Floats]
 Counted: TypeAlias = Callable[[Floats, Floats], Ints]

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
-from floquetrod._util.arrays import broadcast, shaped
+from floquetrod._util.arrays import Floats, broadcast, shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Mathieu
 from floquetrod.equations.base import require
@@ -23,8 +23,6 @@ _HIGHEST = 1e4  # order (a choice)
 _LARGEST_Q = 1e7  # of a solution: some ten thousand coefficients (a choice)
 _BEYOND = 24  # harmonics beyond the last that oscillates, at least (heuristic: each costs more than a digit)
 _SWEEPS = 3  # of inverse iteration (heuristic: two suffice)
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+from floquetrod._util.progress import Progress
 from floquetrod.mathieu.tongue_curves import Window
-from floquetrod.mathieu.tongue_regions import Oscillators, unstable_regions
-from floquetrod.plane import Band, Found, Progress
+from floquetrod.mathieu.tongue_regions import UndampedEquations, unstable_regions
+from floquetrod.plane import Band, FoundBands
 
 
 def tongue_bands(
-    oscillators: Oscillators,
+    oscillators: UndampedEquations,
     window: Window,
     across: str,
     accuracy: float,
     progress: Progress | None,
     *,
     are_modes: bool,
-) -> Found:
+) -> FoundBands:
     """Return the bands of all tongues, found by counts, so that none is missed.
 
     Parameters
@@ -45,4 +46,4 @@ def tongue_bands(
                 peak if lines_across else peak[::-1],
             )
         )
-    return Found(tuple(bands), regions.tongues_left_out, accuracy, (0.0, 0.0))
+    return FoundBands(tuple(bands), regions.tongues_left_out, accuracy, (0.0, 0.0))

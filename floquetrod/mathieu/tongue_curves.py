@@ -13,8 +13,8 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
+from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.compilation import over_chunks
-from floquetrod.mathieu.concave import Floats, Ints
 from floquetrod.mathieu.kernels import tongue_curves as kernels
 from floquetrod.mathieu.tongues import PATIENCE, few
 

@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.roots import largest, roots
-from floquetrod.mathieu.concave import Floats, Ints
 from floquetrod.mathieu.tongue_curves import Flags, TongueCurves
 from floquetrod.plane.polygons import tidied
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod.mathieu.concave import Floats, Ints
+from floquetrod._util.arrays import Floats, Ints
 from floquetrod.mathieu.tongue_curves import TongueCurves, Window
 from floquetrod.mathieu.tongue_outlines import Outlines, outlines
 from floquetrod.mathieu.tongues import counts, growth_bounds, ladders, where_bounded
@@ -17,7 +17,7 @@ _ASKED = 1 << 16  # tongues asked at once whether they may exceed the level: som
 _CELLS = 32  # parts of a range of amplitudes in which tongues are counted (a choice)
 
 
-class Oscillators(NamedTuple):
+class UndampedEquations(NamedTuple):
     """Equations with ``stiffness`` (1/s^2) and ``gain``, as in `TongueCurves`, freed of their damping rate.
 
     Growth up to ``growth_tolerance`` counts as stable; without one, tongues that grow no faster than ``negligible``
@@ -51,7 +51,7 @@ class Regions(NamedTuple):
 
 
 def unstable_regions(
-    oscillators: Oscillators, window: Window, accuracy: float, progress: Callable[[int, int], None] | None
+    oscillators: UndampedEquations, window: Window, accuracy: float, progress: Callable[[int, int], None] | None
 ) -> Regions:
     """Return the outlines of all tongues that meet a window and exceed the level there."""
     which, order, met = _tongues(oscillators, window)
@@ -97,7 +97,7 @@ def _some(found: Outlines, chosen: np.ndarray[tuple[int, ...], np.dtype[np.bool_
     )
 
 
-def _tongues(oscillators: Oscillators, window: Window) -> tuple[Ints, Ints, int]:
+def _tongues(oscillators: UndampedEquations, window: Window) -> tuple[Ints, Ints, int]:
     """Return (equation, order) of all tongues that may exceed the level in the window, and how many there are in all.
 
     The count of characteristic values below a mode falls as the mean or the frequency rises.  Between two amplitudes
@@ -158,7 +158,7 @@ def _frequencies(window: Window) -> tuple[float, float]:
 
 
 def _tall(
-    oscillators: Oscillators, window: Window, which: Ints, order: Ints, strongest: float
+    oscillators: UndampedEquations, window: Window, which: Ints, order: Ints, strongest: float
 ) -> np.ndarray[tuple[int, ...], np.dtype[np.bool_]]:
     """Return which tongues may exceed the level in the window.
 

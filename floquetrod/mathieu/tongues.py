@@ -15,11 +15,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.roots import bisected
 from floquetrod.floquet.kernels import mathieu, mathieu_counts
 from floquetrod.mathieu import enclosures
-from floquetrod.mathieu.concave import Floats, Ints, Parts, level, parts_above
+from floquetrod.mathieu.concave import Parts, level, parts_above
 from floquetrod.mathieu.kernels import characteristic
 
 _SPACING = 1e-3  # of points along the amplitude where nothing is proved, as a share of the range (a choice)

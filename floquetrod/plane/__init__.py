@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from floquetrod.plane.axes import Axis, axis_values
     from floquetrod.plane.bands import Band, Bands
     from floquetrod.plane.chart import BandSource, Chart
-    from floquetrod.plane.family import Family, Found, Progress, Verdicts
+    from floquetrod.plane.family import Family, FoundBands, Verdicts
     from floquetrod.plane.filling import charted
 
 __all__ = [
@@ -20,8 +20,7 @@ __all__ = [
     "Bands",
     "Chart",
     "Family",
-    "Found",
-    "Progress",
+    "FoundBands",
     "Verdicts",
     "axis_values",
     "charted",
@@ -33,7 +32,7 @@ __getattr__ = names_of(
         "plane.axes": ("Axis", "axis_values"),
         "plane.bands": ("Band", "Bands"),
         "plane.chart": ("BandSource", "Chart"),
-        "plane.family": ("Family", "Found", "Progress", "Verdicts"),
+        "plane.family": ("Family", "FoundBands", "Verdicts"),
         "plane.filling": ("charted",),
     },
 )

@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 
 from floquetrod import units
 from floquetrod._util import extras, files, validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.deprecation import Renamed
 from floquetrod.plane.axes import Axis
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -13,9 +13,9 @@ from floquetrod import units
 from floquetrod._util import extras, files, validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod._util.progress import Progress
 from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Bands
-from floquetrod.plane.family import Progress
 
 _FORMAT = "floquetrod chart 3"
 

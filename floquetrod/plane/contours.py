@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod.plane.family import Bools, Floats, Ints
+from floquetrod._util.arrays import Bools, Floats, Ints
 
 
 @dataclass(frozen=True)

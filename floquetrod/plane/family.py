@@ -8,17 +8,11 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
+from floquetrod._util.progress import Progress
 from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Band
-
-Floats: TypeAlias = NDArray[np.float64]
-Ints: TypeAlias = NDArray[np.int64]
-Bools: TypeAlias = NDArray[np.bool_]
-
-Progress: TypeAlias = Callable[[int, int], None]
-"""Called with what is done and its total."""
 
 Names: TypeAlias = tuple[int | None, int | None, int | None]
 """Mode, partner and tongue of what grows, see `floquetrod.plane.Band`; None for what is not known."""
@@ -39,7 +33,7 @@ class Verdicts(NamedTuple):
     mode: Any = None
 
 
-class Found(NamedTuple):
+class FoundBands(NamedTuple):
     """Bands and what is left out of them, as in `floquetrod.plane.Bands`."""
 
     bands: tuple[Band, ...]
@@ -86,7 +80,7 @@ class Family(ABC):
         """Return what grows at a place."""
         return None, None, None
 
-    def exact_bands(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> Found | None:
+    def exact_bands(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> FoundBands | None:
         """Return the bands between exact curves, None where verdicts must be traced."""
         return None
 

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.progress import Progress
 from floquetrod._util.version import __version__
 from floquetrod.plane.axes import Axis, require_bearable
 from floquetrod.plane.chart import Chart
-from floquetrod.plane.family import Family, Progress
+from floquetrod.plane.family import Family
 from floquetrod.plane.sources import FamilyBands
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from floquetrod.plane.family import Bools, Floats, Ints
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod.plane.polygons import tidied
 
 _AT_ONCE = 1 << 20  # pairs of rays and sides examined together (a choice): some tens of megabytes

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from floquetrod._util.arrays import Bools, Floats
 from floquetrod.plane.axes import Axis
-from floquetrod.plane.family import Bools, Family, Floats
+from floquetrod.plane.family import Family
 
 _HALVINGS = 60
 

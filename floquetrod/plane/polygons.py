@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from floquetrod.plane.family import Bools, Floats, Ints
+from floquetrod._util.arrays import Bools, Floats, Ints
 
 
 def tidied(number: Ints, vertices: Floats) -> tuple[Ints, Floats]:

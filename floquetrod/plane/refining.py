@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TypeAlias
-
 import numpy as np
 
+from floquetrod._util.arrays import Bools, Floats, Ints
+from floquetrod._util.progress import Progress
 from floquetrod.plane.contours import Crossings
-from floquetrod.plane.family import Bools, Floats, Ints
 from floquetrod.plane.outline import Outline
 from floquetrod.plane.places import Plane, between
 from floquetrod.plane.tips import THINNEST, follow
@@ -16,8 +14,6 @@ from floquetrod.plane.tips import THINNEST, follow
 _FAR_APART = 8  # every how many crossings of a grid a vertex is put first (a choice)
 _AT_ONE_THIRD = np.array([0.3, 0.65])  # of a side, where it is compared with the boundary: no two symmetric
 _MOST_ROUNDS = 100  # of refining (a choice: every round halves the longest sides)
-
-Report: TypeAlias = Callable[[int, int], None]
 
 
 def outlined(plane: Plane, found: Crossings) -> Outline:
@@ -77,7 +73,7 @@ def _violated(found: Crossings, ring: Ints, keep: Bools, place: Floats, on_edge:
     return ring[np.array(new, dtype=np.int64)]
 
 
-def refined(plane: Plane, outline: Outline, accuracy: float, report: Report) -> bool:
+def refined(plane: Plane, outline: Outline, accuracy: float, report: Progress) -> bool:
     """Divide sides until they lie within an accuracy of the boundary, and follow tongues to their tips.
 
     Returns whether all is done as asked; not where there was no end after many rounds.

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from floquetrod.plane.family import Bools, Floats, Ints
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod.plane.outline import Outline
 from floquetrod.plane.places import Plane, between
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.progress import Progress
 from floquetrod.plane.axes import Axis
 from floquetrod.plane.bands import Band
 from floquetrod.plane.contours import crossings
-from floquetrod.plane.family import Bools, Family, Floats, Found, Progress
+from floquetrod.plane.family import Family, FoundBands
 from floquetrod.plane.outline import Outline
 from floquetrod.plane.places import OutOfBudget, Plane
 from floquetrod.plane.polygons import contains, with_holes_joined
@@ -23,7 +25,7 @@ _SMALL = 1e-3  # step of that at which it ends, as a share of the grid's (a choi
 
 def traced(
     family: Family, x: Axis, y: Axis, unstable: Bools, accuracy: float, progress: Progress | None = None
-) -> Found:
+) -> FoundBands:
     """Return the bands about the unstable points of a grid.
 
     Parameters
@@ -57,7 +59,7 @@ def traced(
     points = np.column_stack([u[columns], v[rows]])
     least = _SMALL * np.array([np.diff(line).max() for line in (u, v)])
     bands = tuple(_band(plane, ring, points, least) for ring in with_holes_joined(outline.rings()))
-    return Found(bands, 0, accuracy, (float(np.diff(x.values).max()), float(np.diff(y.values).max())))
+    return FoundBands(bands, 0, accuracy, (float(np.diff(x.values).max()), float(np.diff(y.values).max())))
 
 
 def _grid(x: Axis, y: Axis) -> tuple[Floats, Floats]:

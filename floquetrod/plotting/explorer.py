@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from floquetrod.plotting import palette
-from floquetrod.plotting.explorer_panels import NAMES, Line, Map, Modes, Rates, ShapeOf
+from floquetrod.plotting.explorer_panels import NAMES, GrowthLine, Map, Modes, Rates, ShapeOf
 from floquetrod.units import Unit, label
 
 QUANTITIES = ("mean", "amplitude", "frequency")
@@ -28,7 +28,7 @@ _INLINE = (
 )
 
 
-class Window:
+class ExplorerWindow:
     """A matplotlib figure that shows parts of a view as they come, and reports what its sliders are moved to.
 
     Axes and labels are drawn once; a new view redraws only what moves, over a copy of the rest, so that it follows the
@@ -65,7 +65,7 @@ class Window:
         kinds: dict[str, Callable[[Any], Any]] = {
             "modes": Modes,
             "rates": Rates,
-            "line": lambda ax: Line(ax, limits["frequency"], units["frequency"]),
+            "line": lambda ax: GrowthLine(ax, limits["frequency"], units["frequency"]),
             "shape": lambda ax: ShapeOf(ax, length),
         }
         self._panels: dict[str, Any] = {"map": self._map}

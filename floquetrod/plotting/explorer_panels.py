@@ -12,10 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.plotting import labels, palette, shapes
 from floquetrod.units import Unit, label
-
-Floats = NDArray[np.float64]
 
 UNKNOWN = -2
 """Cells of a map that are not judged yet; the others are a status, undecided -1, unstable 0, stable 1."""
@@ -229,7 +228,7 @@ class Rates:
         return changed
 
 
-class Line:
+class GrowthLine:
     """Growth of the fastest solution over the frequency, the forces staying as they are."""
 
     def __init__(self, ax: Any, limits: tuple[float, float], unit: Unit) -> None:

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.plotting import palette
 
-Floats = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 _CELL = 1.5  # side in points of the cells in which room is looked for (a choice)

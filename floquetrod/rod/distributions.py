@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod.rod.loads.load import LIMITS, Load, Loads
 from floquetrod.rod.model import formulas, parts
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.rod import Rod
-
-Floats = NDArray[np.float64]
 
 _EXAMPLE = "a pair (low, high) or a frozen distribution such as scipy.stats.norm(3.1, 0.02)"
 

@@ -8,9 +8,10 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
+from floquetrod._util.progress import Progress
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
 from floquetrod.rod.friction.mode_friction import friction_and_kick
-from floquetrod.rod.loads.load import Loads, Progress
+from floquetrod.rod.loads.load import Loads
 from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.rod.modes.mode_model import ModeModel
 

@@ -6,8 +6,9 @@ from dataclasses import replace
 from typing import Any
 
 from floquetrod._util import validate
+from floquetrod._util.progress import Progress
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.plane import Axis, Chart, Progress, axis_values, charted
+from floquetrod.plane import Axis, Chart, axis_values, charted
 from floquetrod.rod.friction.mode_friction import friction_and_kick
 from floquetrod.rod.loads.axial import require_off_resonance
 from floquetrod.rod.loads.load import LIMITS, AnyLoad, Quantity, kind, require_load

@@ -6,9 +6,10 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, cast
 
 from floquetrod._util import validate
+from floquetrod._util.progress import Progress
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.friction.mode_friction import friction_and_kick
-from floquetrod.rod.loads.load import AnyLoad, Load, LoadSource, Progress, require_load
+from floquetrod.rod.loads.load import AnyLoad, Load, LoadSource, require_load
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.rod.model.plausibility import warn_of_hertz, warn_of_load

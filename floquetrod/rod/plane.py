@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from floquetrod._util.arrays import shaped
+from floquetrod._util.arrays import Floats, shaped
+from floquetrod._util.progress import Progress
 from floquetrod.mathieu.criterion import FiniteTimeCriterion
-from floquetrod.plane import Axis, Family, Found, Progress, Verdicts
-from floquetrod.plane.family import VERTEX, Floats
+from floquetrod.plane import Axis, Family, FoundBands, Verdicts
+from floquetrod.plane.family import VERTEX
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.modes.mode_model import BandFinder, ModeModel
 from floquetrod.rod.rod import Rod
@@ -122,7 +123,7 @@ class LoadPlane(Family):
         """Return growth rates in 1/s, which tell nothing about a test in finite time or a kick against friction."""
         return np.asarray(self._fastest(x, y)[0]) if self.is_plain else np.full(x.shape, np.nan)
 
-    def exact_bands(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> Found | None:
+    def exact_bands(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> FoundBands | None:
         """Return the bands between exact curves where the model has them."""
         find: BandFinder | None = None
         if self.is_plain:

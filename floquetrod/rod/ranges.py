@@ -13,12 +13,13 @@ from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.deprecation import Renamed
+from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod._util.report import number as finite
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.rod.answers.intervals import QUANTITIES, Cause, Search, StabilityInterval, UnstableBand
 from floquetrod.rod.loads.axial import AxialGap, between
-from floquetrod.rod.loads.load import KINDS, Load, Loads, Progress, Quantity, load_bounds
+from floquetrod.rod.loads.load import KINDS, Load, Loads, Quantity, load_bounds
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.modes.mode_model import ModeModel

@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from floquetrod._util.progress import Progress, shifted
 from floquetrod.rod.answers.verdict import RodStability
-from floquetrod.rod.loads.load import LIMITS, AxialLoad, Loads, Progress, shifted
+from floquetrod.rod.loads.load import LIMITS, AxialLoad, Loads
 from floquetrod.rod.loads.record import ForceRecord
 from floquetrod.rod.modes.mode_model import ModeModel
 

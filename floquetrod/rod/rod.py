@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
 from floquetrod._util import validate
+from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.floquet.status import are
@@ -16,7 +17,6 @@ from floquetrod.rod.loads.load import (
     QUANTITIES,
     AnyLoad,
     Loads,
-    Progress,
     Quantity,
     kind,
     require_load,

@@ -7,18 +7,17 @@ from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
+from floquetrod._util.progress import Progress
 from floquetrod.rod.distributions import Sampling, distributions
-from floquetrod.rod.loads.load import AnyLoad, Progress, require_load
+from floquetrod.rod.loads.load import AnyLoad, require_load
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.rod import Rod
-
-Floats = NDArray[np.float64]
 
 _MOST_SAMPLES = 10**8  # a minute or two
 _REPLICATES = 16  # independent sets of points whose spread gives the errors of Sobol indices, themselves to a fifth

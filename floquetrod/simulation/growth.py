@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod.rod.loads.load import Load
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.model_error import model_errors
@@ -26,8 +27,6 @@ _ROUNDING = 1e-6  # of a frame, up to which a lag counts as whole frames
 _SEEN = 0.01  # of the largest amplitude, above which a mode's growth is looked at (a choice)
 _TINY = 1e-300  # keeps 0 / 0 out
 _MOST_NODES = 64  # whose motion is followed where modes are coupled (a choice)
-
-Floats = NDArray[np.float64]
 
 
 class GrowthFit(NamedTuple):

@@ -10,15 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import compiled, compiled_for
+from floquetrod._util.progress import Progress
 from floquetrod.simulation import rod_motion
 from floquetrod.simulation.checkpoints import Checkpoint, Resumable, RunState, frame_shapes
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.result import EarlyEnd, RecordedMotion
 from floquetrod.simulation.time_steps import TimeSteps
-
-Progress = Callable[[int, int], None]
-"""Called with the number of steps done and their total."""
 
 Result = TypeVar("Result", bound=RecordedMotion)
 

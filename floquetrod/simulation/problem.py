@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from floquetrod._util import files, validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import level_of_caller
+from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported
 from floquetrod._util.version import __version__
 from floquetrod.rod.loads.load import LIMITS, Load, load_from_dict, load_number, require_load
@@ -26,7 +27,7 @@ from floquetrod.simulation.checkpoints import Checkpoint
 from floquetrod.simulation.driving import LARGEST_STRAIN, MOST_HARMONICS, Driving, half_waves
 from floquetrod.simulation.findings import Findings
 from floquetrod.simulation.growth import GrowthFit, growth_of_motion
-from floquetrod.simulation.integration import Integration, Progress
+from floquetrod.simulation.integration import Integration
 from floquetrod.simulation.measures import axial_force, contact_force
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.resolution import GrowingWaves, ResolutionWarning, growing_waves

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from floquetrod._util.progress import Progress
 from floquetrod.rod.loads.load import AnyLoad, require_load
 from floquetrod.rod.rod import Rod
-from floquetrod.simulation.integration import Progress
 from floquetrod.simulation.problem import Simulation, SimulationProblem
 from floquetrod.simulation.start import Perturbation
 

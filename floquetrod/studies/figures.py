@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod.equations import Mathieu
@@ -19,7 +18,7 @@ from floquetrod.plane import Axis, Band, Bands, charted
 from floquetrod.plane.family import Judged
 from floquetrod.plotting import palette
 from floquetrod.plotting import paper as drawing
-from floquetrod.plotting.paper import Interval
+from floquetrod.plotting.paper import UnstableInterval
 from floquetrod.rod.loads.load import AxialLoad
 from floquetrod.rod.map import stability_map
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
@@ -35,8 +34,6 @@ The first is unstable in a tongue the 100-period test cannot see, the others are
 
 FREQUENCIES, FORCES = (20.0, 200.0), (0.0, 1.1)
 """What the maps of Figures 3 and 6 range over: rad/s and F_cr."""
-
-Floats = NDArray[np.float64]
 
 
 SHOWN = 1e-4
@@ -94,12 +91,12 @@ def figure_3(points: tuple[int, int]) -> Any:
     return figure
 
 
-def unstable_intervals(amplitude: float, frequency: float, upto: float) -> list[Interval]:
+def unstable_intervals(amplitude: float, frequency: float, upto: float) -> list[UnstableInterval]:
     """Return every unstable interval of the mean force (all in F_cr), mode by mode, thin ones first."""
     last = ROD.modes_needed(AxialLoad(upto * UNIT, amplitude * UNIT, frequency))[0]
     system = ModalSystem(mode_constants(ROD), AxialLoad(0.0, amplitude * UNIT, frequency), tuple(range(1, last + 1)))
     return [
-        Interval(r.low / UNIT, r.high / UNIT, r.mode, tolerance > 0.0)
+        UnstableInterval(r.low / UNIT, r.high / UNIT, r.mode, tolerance > 0.0)
         for tolerance in (0.0, EXACT.threshold * frequency)
         for r in unstable_loads("mean", system, tolerance, (0.0, upto * UNIT)).intervals
     ]

@@ -134,7 +134,7 @@ def _drawings(detail: Detail) -> list[tuple[str, str, Callable[[], Any]]]:
     ]
 
 
-def _simulated(study: Callable[[], simulation_claims.Study]) -> list[tuple[str, str, Callable[[], Any]]]:
+def _simulated(study: Callable[[], simulation_claims.SimulationStudy]) -> list[tuple[str, str, Callable[[], Any]]]:
     """Return the same of the figures of simulated rods."""
     return [
         ("Figure 4: simulated rods", "figure_4.png", lambda: simulation_figures.figure_4(study())),

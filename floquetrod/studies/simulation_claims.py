@@ -20,8 +20,8 @@ from floquetrod.studies.simulations import (
     ROD,
     SPEED,
     Draws,
-    Outcome,
     Trial,
+    TrialOutcome,
     carry_out,
     figure_4,
     figure_7,
@@ -42,9 +42,9 @@ FEWER = 10
 class Draw:
     """Case C with one draw: the whole of it, without the modes that can grow, and each of these alone."""
 
-    whole: Outcome
-    without: Outcome
-    alone: tuple[Outcome, ...]
+    whole: TrialOutcome
+    without: TrialOutcome
+    alone: tuple[TrialOutcome, ...]
     seed: int
 
     @property
@@ -59,13 +59,13 @@ class Draw:
 
 
 @dataclass(frozen=True)
-class Study:
+class SimulationStudy:
     """All simulations: those of the figures, further draws of case C, and draws with their parts."""
 
-    figure_4: tuple[Outcome, ...]
+    figure_4: tuple[TrialOutcome, ...]
     redrawn_4: tuple[Draws, ...]
-    figure_7: tuple[Outcome, ...]
-    redrawn: tuple[Outcome, ...]
+    figure_7: tuple[TrialOutcome, ...]
+    redrawn: tuple[TrialOutcome, ...]
     draws: tuple[Draw, ...]
 
 
@@ -106,7 +106,7 @@ def runs(quick: bool) -> int:
     return sum(map(len, groups)) + draws(quick) * len(groups[0])
 
 
-def make_study(quick: bool, progress: Callable[[str], None] | None = None) -> Study:
+def make_study(quick: bool, progress: Callable[[str], None] | None = None) -> SimulationStudy:
     """Simulate everything, in threads; ``progress`` is called after each with what was done."""
     groups = trials(quick)
     flat = [trial for group in groups for trial in group]
@@ -120,7 +120,7 @@ def make_study(quick: bool, progress: Callable[[str], None] | None = None) -> St
         for group in _by_frequency(fourth).values()
         for drawn in redraw([o.trial for o in group], draws(quick), lambda *_: say("Simulated Figure 4, drawn anew"))
     ]
-    return Study(fourth, tuple(every), seventh, redrawn, led_by_10)
+    return SimulationStudy(fourth, tuple(every), seventh, redrawn, led_by_10)
 
 
 def _parts(trial: Trial, seed: int) -> list[Trial]:
@@ -164,7 +164,7 @@ def friction_share(perturbation: Perturbation, mode: int) -> float:
     return float(np.sign(own)) * projected * np.pi / 4.0
 
 
-def f4(study: Study) -> Claim:
+def f4(study: SimulationStudy) -> Claim:
     """Compare the ten simulations without friction with the verdicts on the mode equations."""
     outcomes = study.figure_4
     wrong = [outcome for outcome in outcomes if not outcome.agrees]
@@ -188,7 +188,7 @@ def f4(study: Study) -> Claim:
     )
 
 
-def f4_d(study: Study) -> Claim:
+def f4_d(study: SimulationStudy) -> Claim:
     """Count how often the simulations without friction end as the mode equations say, whatever speeds are drawn."""
     agree, total = sum(each.agree for each in study.redrawn_4), sum(each.buckled.size for each in study.redrawn_4)
     wrong = [
@@ -206,13 +206,13 @@ def f4_d(study: Study) -> Claim:
     )
 
 
-def f7(study: Study) -> Claim:
+def f7(study: SimulationStudy) -> Claim:
     """Compare the simulations with friction with the paper's table, and show where other draws end otherwise."""
     outcomes = study.figure_7
     wrong = [outcome for outcome in outcomes if not outcome.agrees]
     places = "; ".join(f"{_where(o)}: {_found(o)}, the paper: {_said(o)}" for o in wrong)
     settled = all(o.agrees for o in outcomes if not o.trial.case.startswith("C"))
-    drawn: dict[str, list[Outcome]] = {}
+    drawn: dict[str, list[TrialOutcome]] = {}
     for outcome in (*wrong, *study.redrawn, *(draw.whole for draw in study.draws if draw.seed > 1)):
         drawn.setdefault(_where(outcome), []).append(outcome)
     ends = "; ".join(
@@ -234,7 +234,7 @@ def f7(study: Study) -> Claim:
     )
 
 
-def f7_c(study: Study) -> Claim:
+def f7_c(study: SimulationStudy) -> Claim:
     """Isolate why case C at 150 rad/s buckles where the paper has it stay."""
     buckled = [draw for draw in study.draws if draw.whole.buckled]
     quiet = all(not draw.without.buckled for draw in study.draws)
@@ -275,7 +275,7 @@ def draw_text(draws: Sequence[Draw]) -> str:
     return ". ".join(words) + "."
 
 
-def e(study: Study) -> Claim:
+def e(study: SimulationStudy) -> Claim:
     """Compute the part of torsion and shear in the elastic energy of buckled rods."""
     says = "Torsion and shear carry less than 2 % of the elastic energy"
     free, rubbed = (
@@ -301,15 +301,15 @@ def e(study: Study) -> Claim:
     )
 
 
-def simulation_claims(study: Callable[[], Study]) -> dict[str, Callable[[], Claim]]:
+def simulation_claims(study: Callable[[], SimulationStudy]) -> dict[str, Callable[[], Claim]]:
     """Return the claims as functions to call."""
     return {name: lambda claim=claim: claim(study()) for name, claim in _CLAIMS.items()}  # type: ignore[misc]
 
 
-_CLAIMS: dict[str, Callable[[Study], Claim]] = {"F4": f4, "F4-D": f4_d, "F7": f7, "F7-C": f7_c, "E": e}
+_CLAIMS: dict[str, Callable[[SimulationStudy], Claim]] = {"F4": f4, "F4-D": f4_d, "F7": f7, "F7-C": f7_c, "E": e}
 
 
-def _lead(outcome: Outcome) -> float:
+def _lead(outcome: TrialOutcome) -> float:
     """Return the power of the leading mode over that of the next."""
     first, second = outcome.run.leading_modes[:2]
     modes = outcome.run.mode_amplitudes([first, second])[-outcome.run.time.size // 4 :]
@@ -317,7 +317,7 @@ def _lead(outcome: Outcome) -> float:
     return float(power[0] / power[1])
 
 
-def _growth_error(outcome: Outcome) -> float:
+def _growth_error(outcome: TrialOutcome) -> float:
     """Return how far the fitted growth rate of the expected mode is from the predicted one, relative to this.
 
     Predicted with the axial wave that both ends send, which the simulated rod has.
@@ -328,14 +328,14 @@ def _growth_error(outcome: Outcome) -> float:
     return abs(outcome.run.growth_rate(mode).rate / predicted - 1.0)
 
 
-def _by_frequency(outcomes: Sequence[Outcome]) -> dict[float, list[Outcome]]:
-    groups: dict[float, list[Outcome]] = {}
+def _by_frequency(outcomes: Sequence[TrialOutcome]) -> dict[float, list[TrialOutcome]]:
+    groups: dict[float, list[TrialOutcome]] = {}
     for outcome in outcomes:
         groups.setdefault(outcome.trial.frequency, []).append(outcome)
     return groups
 
 
-def _where(outcome: Outcome) -> str:
+def _where(outcome: TrialOutcome) -> str:
     trial = outcome.trial
     return _place(trial.frequency, trial.mean, trial.case.partition(",")[0])
 
@@ -344,11 +344,11 @@ def _place(frequency: float, mean: float, case: str) -> str:
     return f"{case} at {frequency:g} rad/s and {mean:g} F_cr"
 
 
-def _found(outcome: Outcome) -> str:
+def _found(outcome: TrialOutcome) -> str:
     return f"mode {outcome.mode}" if outcome.buckled else "stays"
 
 
-def _said(outcome: Outcome) -> str:
+def _said(outcome: TrialOutcome) -> str:
     modes = outcome.trial.expected_modes
     return f"mode {_and(modes)}" if modes else "stays"
 

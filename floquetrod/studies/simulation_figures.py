@@ -7,11 +7,11 @@ from typing import Any
 
 from floquetrod.plotting import paper as drawing
 from floquetrod.plotting import rod as strips
-from floquetrod.studies.simulation_claims import Study
-from floquetrod.studies.simulations import FIGURE_4, FIGURE_7, ROD, SPEED, Outcome
+from floquetrod.studies.simulation_claims import SimulationStudy
+from floquetrod.studies.simulations import FIGURE_4, FIGURE_7, ROD, SPEED, TrialOutcome
 
 
-def figure_4(study: Study) -> Any:
+def figure_4(study: SimulationStudy) -> Any:
     """Draw the ten rods without friction, a column for each frequency."""
     columns = [f"{frequency:g} rad/s" for frequency in FIGURE_4]
     rows = len(next(iter(FIGURE_4.values())))
@@ -33,7 +33,7 @@ def figure_4(study: Study) -> Any:
     return figure
 
 
-def figure_7(study: Study) -> Any:
+def figure_7(study: SimulationStudy) -> Any:
     """Draw the thirty rods with friction, a row for each load, a column for each perturbation."""
     columns = ["A", "B", "C, first mode", "C, mode 10", "D"]
     rows = [f"{frequency:g} rad/s\n{mean:g} $F_\\mathrm{{cr}}$" for frequency, mean in FIGURE_7]
@@ -52,7 +52,7 @@ def figure_7(study: Study) -> Any:
     return figure
 
 
-def _words(outcome: Outcome, source: str) -> str:
+def _words(outcome: TrialOutcome, source: str) -> str:
     """Return what was found and, where that is not what was expected, what was."""
     found = f"mode {outcome.mode}" if outcome.buckled else "stays"
     modes = outcome.trial.expected_modes
@@ -60,7 +60,7 @@ def _words(outcome: Outcome, source: str) -> str:
     return found if outcome.agrees else f"{found} ({source}: {expected})"
 
 
-def _segments(outcomes: Sequence[Outcome]) -> str:
+def _segments(outcomes: Sequence[TrialOutcome]) -> str:
     """Return how many segments the rods have."""
     counts = [outcome.trial.problem.segments for outcome in outcomes]
     return f"{min(counts)} to {max(counts)} segments"

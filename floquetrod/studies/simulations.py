@@ -15,11 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import cores
+from floquetrod._util.progress import Progress
 from floquetrod.ensembles.ensemble import ensemble
 from floquetrod.ensembles.runs import PENDING
 from floquetrod.rod.loads.load import AxialLoad
 from floquetrod.rod.rod import Rod
-from floquetrod.simulation.integration import Progress
 from floquetrod.simulation.problem import Simulation, SimulationProblem
 from floquetrod.simulation.start import Perturbation
 
@@ -71,10 +71,10 @@ class Trial:
         """Amplitude of the load, a part of the critical force."""
         return self.problem.load.amplitude / ROD.critical_force
 
-    def carry_out(self, progress: Progress | None = None) -> Outcome:
+    def carry_out(self, progress: Progress | None = None) -> TrialOutcome:
         """Simulate it; ``progress`` is called with the steps done and to do."""
         run = self.problem.run(progress)
-        return Outcome(self, run.buckled, run.dominant_mode if run.buckled else 0, run)
+        return TrialOutcome(self, run.buckled, run.dominant_mode if run.buckled else 0, run)
 
     def __str__(self) -> str:
         """Return what distinguishes it from the others."""
@@ -82,7 +82,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class TrialOutcome:
     """What a simulation found: whether the rod buckled, and into which mode (0 where it did not)."""
 
     trial: Trial
@@ -171,7 +171,7 @@ def _load(mean: float, amplitude: float, frequency: float) -> AxialLoad:
 
 def carry_out(
     trials: Sequence[Trial], workers: int | None = None, progress: Callable[[Trial, int], None] | None = None
-) -> list[Outcome]:
+) -> list[TrialOutcome]:
     """Simulate in threads, by default as many as there are processors; return the outcomes in the order of the trials.
 
     ``progress`` is called after each with the trial and the number done.  Ctrl-C ends the runs under way, too.

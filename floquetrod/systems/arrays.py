@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.compilation import cores, in_threads
+from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.batches import flat, pick
@@ -24,7 +25,6 @@ from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
-from floquetrod.plane import Progress
 
 System = HillSystem | PeriodicSystem
 

@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
+from floquetrod._util.progress import Progress
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.equations.batches import in_batches
 from floquetrod.floquet.dispatch import stability
@@ -19,8 +21,8 @@ from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.floquet.systems.many import STABLE, UNSTABLE
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import tolerated
-from floquetrod.plane import Axis, Chart, Family, Progress, Verdicts, axis_values, charted
-from floquetrod.plane.family import VERTEX, Floats, Names
+from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
+from floquetrod.plane.family import VERTEX, Names
 from floquetrod.systems import arrays
 
 Problem = Equation | HillSystem | PeriodicSystem

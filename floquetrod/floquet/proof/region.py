@@ -217,7 +217,7 @@ def side_ends(name: str, value: Any, element: Callable[[str, Any], Any]) -> tupl
     return low, high
 
 
-Ends: TypeAlias = tuple[float, float]
+Bounds: TypeAlias = tuple[float, float]
 
 
 class ModeBox(NamedTuple):
@@ -233,16 +233,16 @@ class ModeBox(NamedTuple):
         c1, c2, Omega^2 and c.
     """
 
-    mean: Ends
-    amplitude: Ends
-    frequency: Ends
-    bending: Ends
-    per_newton: Ends
-    pendulum_squared: Ends
-    damping_rate: Ends
+    mean: Bounds
+    amplitude: Bounds
+    frequency: Bounds
+    bending: Bounds
+    per_newton: Bounds
+    pendulum_squared: Bounds
+    damping_rate: Bounds
 
 
-class Found(NamedTuple):
+class Subdivision(NamedTuple):
     """What a subdivision of one box of loads and of the numbers of the modes came to.
 
     Attributes
@@ -277,7 +277,7 @@ def subdivide(
     tolerance: float,
     max_boxes: int,
     progress: Callable[[int], None] | None = None,
-) -> Found:
+) -> Subdivision:
     """Prove what can be proved of the modes 1 to ``last`` over a box, halved until it is decided.
 
     Parameters
@@ -304,7 +304,7 @@ def subdivide(
             if progress is not None:
                 progress(int(counts[kernels.DONE]))
     quiet, growing = (_box(part) for part in search.examples)
-    return Found(
+    return Subdivision(
         float(search.shares[0]),
         float(search.shares[1]),
         not counts[kernels.WAITING] and not counts[kernels.OPEN_PARTS],

@@ -8,11 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.compilation import over_chunks
+from floquetrod._util.progress import Progress
 from floquetrod.floquet.proof.kernels import regions as kernels
 from floquetrod.plane import Axis
 from floquetrod.plane.chart import CELLS
 from floquetrod.rod.answers.rod_box import RodBox
-from floquetrod.rod.loads.load import QUANTITIES, Load, Progress, Quantity
+from floquetrod.rod.loads.load import QUANTITIES, Load, Quantity
 from floquetrod.rod.model.constants import MOST_MODES
 from floquetrod.rod.model.data import RodData
 

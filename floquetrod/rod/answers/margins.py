@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
+from floquetrod._util.progress import Progress
 from floquetrod.floquet.margins import Margin as Margin
-from floquetrod.rod.loads.load import Progress, Quantity
+from floquetrod.rod.loads.load import Quantity
 
 _SPANS = (1 / 32, 1 / 8, 0.5, 2.0, 8.0)
 """How far a margin is searched, in pieces: in critical forces, or as the factor less one of a frequency."""

@@ -13,18 +13,19 @@ import numpy as np
 
 from floquetrod import mathieu
 from floquetrod._util import validate
+from floquetrod._util.progress import Progress
 from floquetrod.floquet.proof.region import (
-    Found,
     ModeBox,
     RegionProof,
     RegionStatus,
     Shares,
+    Subdivision,
     modes_of_box,
     subdivide,
 )
 from floquetrod.floquet.proof.result import MAX_BOXES
 from floquetrod.rod.answers.rod_box import RodBox, RodExample
-from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Progress, Quantity
+from floquetrod.rod.loads.load import QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import gaps, unstable_loads
 from floquetrod.rod.model.assumptions import IMMERSED, SHAPE, WALL, warn_unless_uniform
@@ -129,7 +130,7 @@ class _Proving:
             self._search_lines(self.box, middle_only=False)
         return self._concluded()
 
-    def _subdivided(self, part: RodBox, most: int) -> Found:
+    def _subdivided(self, part: RodBox, most: int) -> Subdivision:
         """Look at up to ``most`` parts of the loads on a box of rods, and keep what may give an example."""
 
         def report(done: int) -> None:
@@ -270,7 +271,7 @@ class _Proving:
         return f"{why}; {known}"
 
 
-def _is_decided(found: Found) -> bool:
+def _is_decided(found: Subdivision) -> bool:
     """Return whether all of a box was proved, and proved alike."""
     return found.finished and (found.quiet_box is None or found.growing_box is None)
 

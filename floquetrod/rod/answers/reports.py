@@ -16,7 +16,7 @@ from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.model.data import RodData, special_parameters
 from floquetrod.units import Unit
 
-Line = tuple[str, str]
+ReportLine = tuple[str, str]
 """A label and a text."""
 
 KICK = "mm/s"
@@ -82,7 +82,7 @@ def describe_kind(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[s
     return lines
 
 
-def load_lines(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[Line]:
+def load_lines(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[ReportLine]:
     """Return the lines about a load."""
     return [("load", describe_load(load, shown, rod)), *(("", text) for text in describe_kind(load, shown, rod))]
 
@@ -170,7 +170,7 @@ class ReportedVerdict(Reported, _RodVerdict):
             ": ".join(filter(None, [self.status.upper(), self.evidence.headline(self)])), lines, self.evidence.table
         )
 
-    def _subject(self, shown: Mapping[str, Unit]) -> list[Line]:
+    def _subject(self, shown: Mapping[str, Unit]) -> list[ReportLine]:
         """Return lines about rod and load, and what is taken for granted where that is more than the study does."""
         rod, load = self.rod, self.load
         lines = [("rod", f"critical force {rod.critical_force:.4g} N, critical mode {rod.critical_mode:.3g}")]
@@ -184,7 +184,7 @@ class ReportedVerdict(Reported, _RodVerdict):
             lines.append(("assumed", "; ".join(self.assumptions)))
         return lines
 
-    def _growth(self) -> list[Line]:
+    def _growth(self) -> list[ReportLine]:
         if not self.growth_rate > 0.0:
             return []
         return [
@@ -194,10 +194,10 @@ class ReportedVerdict(Reported, _RodVerdict):
             ),
         ]
 
-    def _reach(self, margins: Mapping[Quantity, Margin], shown: Mapping[str, Unit]) -> list[Line]:
+    def _reach(self, margins: Mapping[Quantity, Margin], shown: Mapping[str, Unit]) -> list[ReportLine]:
         """Return how far the load is from a change of the verdict, and the damping it would take."""
         change = {"stable": "unstable", "unstable": "stable"}.get(self.status, "decided")
-        lines: list[Line] = []
+        lines: list[ReportLine] = []
         for name, margin in margins.items():
             sides = [(margin.below, "lower"), (margin.above, "higher")]
             found = [f"{shown[name].show(value, 4)} {way}" for value, way in sides if math.isfinite(value)]

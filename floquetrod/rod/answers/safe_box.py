@@ -15,6 +15,7 @@ from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.interval import Interval
+from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table
 from floquetrod.floquet.proof.region import RegionProof, Side
 from floquetrod.rod.answers.intervals import QUANTITIES as NAMES
@@ -22,7 +23,7 @@ from floquetrod.rod.answers.region import is_proved_stable, prove, require_in_re
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.rod_box import RodBox
 from floquetrod.rod.answers.verdict import RodStability
-from floquetrod.rod.loads.load import KINDS, LIMITS, QUANTITIES, Load, Loads, Progress, Quantity
+from floquetrod.rod.loads.load import KINDS, LIMITS, QUANTITIES, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.model.assumptions import warn_unless_uniform
 from floquetrod.rod.model.constants import mode_constants

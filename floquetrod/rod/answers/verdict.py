@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
+from floquetrod._util.progress import Progress
 from floquetrod._util.report import Table
 from floquetrod.equations import HillSystem, Mathieu
 from floquetrod.floquet.references import references, united
@@ -21,7 +23,7 @@ from floquetrod.floquet.verdict import Stability, Verdict
 from floquetrod.rod.answers.margins import FEW_MODES, MARGIN_SECONDS, WAYS, Edge, Margin, in_hundredths
 from floquetrod.rod.answers.reports import ReportedVerdict
 from floquetrod.rod.loads.axial import AxialResponse
-from floquetrod.rod.loads.load import Load, Progress, Quantity
+from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import RodData
@@ -29,7 +31,6 @@ from floquetrod.rod.model.data import RodData
 if TYPE_CHECKING:
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
-Floats = NDArray[np.float64]
 
 _TOLD_OF_ONE = ("mode_verdicts", "mode_growth_rates", "mode_equations", "whole", "convergence", "shape", "system")
 """What is told of one kind of modes alone."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
+from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported, Table, number
 from floquetrod.equations import FrictionalMathieu, Mathieu
 from floquetrod.floquet.verdict import Status, Verdict
@@ -21,7 +22,7 @@ from floquetrod.rod.answers.margins import MARGIN_SECONDS, Margin
 from floquetrod.rod.answers.reports import shown_in
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.friction.mode_friction import ModeFriction, kicks_of, mode_friction
-from floquetrod.rod.loads.load import Progress, Quantity
+from floquetrod.rod.loads.load import Quantity
 from floquetrod.rod.mode_equations.modal_systems import GrowingModes, ModalSystems
 from floquetrod.rod.model.data import RodData
 from floquetrod.units import Unit

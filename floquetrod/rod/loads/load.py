@@ -17,18 +17,10 @@ from floquetrod._util.arguments import Mention
 from floquetrod._util.arrays import broadcast
 from floquetrod._util.calling import TellsAttributes, constructor_hints
 from floquetrod._util.deprecation import Renamed
+from floquetrod._util.progress import Progress
 
 Quantity: TypeAlias = Literal["mean", "amplitude", "frequency"]
 """A quantity of `AxialLoad`."""
-
-Progress: TypeAlias = Callable[[int, int], None]
-"""Called with the numbers of things searched and to search."""
-
-
-def shifted(progress: Progress | None, before: int, others: int) -> Progress | None:
-    """Return what reports a part of a search that has ``others`` besides, ``before`` of them searched already."""
-    return None if progress is None else lambda done, total: progress(before + done, others + total)
-
 
 _STRONGEST = 1e12  # N
 _SLOWEST, _FASTEST = 1e-9, 1e12  # rad/s: beyond any rod, and within what doubles can follow

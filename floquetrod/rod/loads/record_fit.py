@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 
-Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 
 _BLOCK = 4096  # samples whose basis functions fit into a cache

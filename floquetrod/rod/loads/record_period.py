@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from floquetrod._util.arguments import wrong_value
-from floquetrod.rod.loads.record_fit import Fit, Floats, Samples, fit
+from floquetrod._util.arrays import Floats
+from floquetrod.rod.loads.record_fit import Fit, Samples, fit
 
 FALSE_HARMONIC = 0.01
 """Chance that white noise alone puts any harmonic of a record among those kept (a choice)."""

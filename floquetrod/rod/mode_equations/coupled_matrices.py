@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arguments import Mention, wrong_value
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod.equations import HillSystem
 from floquetrod.rod.loads import axial
@@ -28,8 +29,6 @@ from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.model.beam import Basis, basis
 from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants, mode_constants
 from floquetrod.rod.model.data import RodData
-
-Floats = NDArray[np.float64]
 
 MOST_COUPLED = 2000  # modes of a system: half a minute each verdict
 LEAST_COUPLED = 10  # modes at least, beside one and a half times the critical mode (a choice)

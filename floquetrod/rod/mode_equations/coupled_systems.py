@@ -9,13 +9,13 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
+from floquetrod._util.progress import Progress, shifted
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.floquet.verdict import tolerated
-from floquetrod.rod.loads.load import Load, Loads, Progress, shifted
-
-Floats = NDArray[np.float64]
+from floquetrod.rod.loads.load import Load, Loads
 
 _AT_ONCE = 1 << 22  # numbers in the matrices of systems that are held at once: 32 megabytes
 

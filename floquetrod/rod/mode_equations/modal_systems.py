@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from floquetrod import mathieu
 from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import over_chunks
 from floquetrod.equations import Mathieu
@@ -24,8 +25,6 @@ from floquetrod.mathieu.tongues import damping_to_stabilise
 from floquetrod.rod.kernels import modes as kernels
 from floquetrod.rod.loads.load import AxialLoad, Load, Loads
 from floquetrod.rod.model.constants import NEGLIGIBLE_GROWTH, ModeConstants
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, repr=False)

@@ -18,14 +18,13 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.result import Resonance
-from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity
+from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.systems.arrays import verdicts
-
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
 
 SAMPLES = 257  # of a search between bounds, or of a piece of a search for a margin (a choice)
 _AT_ONCE = 128  # steps between samples of all modes, unless fewer modes tell of more, and between reports (a choice)

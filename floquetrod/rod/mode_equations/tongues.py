@@ -8,10 +8,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from floquetrod._util.arrays import Floats, Ints
+from floquetrod._util.progress import Progress
 from floquetrod.mathieu import tongues
-from floquetrod.mathieu.concave import Floats, Ints
 from floquetrod.mathieu.tongues import Tongues
-from floquetrod.rod.loads.load import Progress, Quantity
+from floquetrod.rod.loads.load import Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 
 

@@ -15,10 +15,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Floats
 from floquetrod._util.roots import roots
 from floquetrod.rod.model.parts import Ends
-
-Floats = NDArray[np.float64]
 
 _ASYMPTOTIC = 40.0  # wavenumber from which the ends no longer feel each other: e^-40 is below rounding
 _ENRICHED_UP_TO = 64  # functions to which polynomials are added; beyond, n^-3 is small enough (a choice)

@@ -11,17 +11,19 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod._util.arguments import Mention
+from floquetrod._util.arrays import Floats, Ints
+from floquetrod._util.progress import Progress, shifted
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.axial import AxialResonanceError
-from floquetrod.rod.loads.load import Load, Loads, Progress, shifted
+from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, CoupledModes, modes_needed
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
-from floquetrod.rod.modes.mode_model import Answers, Floats, Ints, ModeModel, Statuses
+from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
 from floquetrod.rod.modes.sampled_ranges import sampled_first_unstable, sampled_ranges
 from floquetrod.rod.modes.unstable_bands import sampled_bands
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
+from floquetrod._util.progress import Progress
 from floquetrod._util.report import number
 from floquetrod.equations import HillSystem
 from floquetrod.equations.pieces import of_batch
@@ -21,7 +22,7 @@ from floquetrod.floquet.systems.whole import period_maps
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import Evidence, RodStability, Shape
-from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity
+from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, largest_uniform, require_few, up_to_resonance
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from floquetrod._util import validate
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.caching import cached_property
 from floquetrod._util.compilation import over_chunks
+from floquetrod._util.progress import Progress
 from floquetrod.rod.answers.verdict import RodStability
-from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity
+from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.mode_equations.tongues import UnstableInterval, unstable_loads
 from floquetrod.rod.model.constants import (
@@ -26,7 +28,7 @@ from floquetrod.rod.model.constants import (
     mode_constants,
 )
 from floquetrod.rod.modes.independent_verdict import classify_modes
-from floquetrod.rod.modes.mode_model import BandFinder, Bools, Floats, Ints, ModeModel, Statuses
+from floquetrod.rod.modes.mode_model import BandFinder, ModeModel, Statuses
 
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:

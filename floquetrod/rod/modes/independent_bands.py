@@ -7,10 +7,11 @@ from typing import Literal
 
 import numpy as np
 
+from floquetrod._util.progress import Progress
 from floquetrod.mathieu.tongue_bands import tongue_bands
 from floquetrod.mathieu.tongue_curves import Window
-from floquetrod.mathieu.tongue_regions import Oscillators
-from floquetrod.plane import Axis, Found, Progress
+from floquetrod.mathieu.tongue_regions import UndampedEquations
+from floquetrod.plane import Axis, FoundBands
 from floquetrod.rod.kernels.modes import mode_coefficients, mode_family
 from floquetrod.rod.loads.load import LIMITS, AxialLoad, Quantity
 from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants
@@ -37,7 +38,7 @@ class ExactBands:
     fixed: float
     growth_tolerance: float
 
-    def __call__(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> Found:
+    def __call__(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> FoundBands:
         """Return the bands of every mode that can matter."""
         ranges: dict[Quantity, tuple[float, float]] = {
             name: (float(axis.values[0]), float(axis.values[-1])) for name, axis in ((self.across, x), (self.up, y))
@@ -47,7 +48,7 @@ class ExactBands:
         modes = np.arange(1.0, last + 1.0)
         gain, stiffness = mode_coefficients(*mode_family(*self.constants[:3], 0.0, 1.0, 1.0), modes)
         damping = self.constants.damping_rate
-        oscillators = Oscillators(-stiffness - damping**2, gain, damping, self.growth_tolerance, SLOW_GROWTH)
+        oscillators = UndampedEquations(-stiffness - damping**2, gain, damping, self.growth_tolerance, SLOW_GROWTH)
         # Parts of tongues are single intervals on lines along the mean, and on those along the frequency.
         along: Literal["mean", "frequency"] = "mean" if "mean" in ranges else "frequency"
         over: Literal["frequency", "amplitude"] = "amplitude" if "amplitude" in ranges else "frequency"

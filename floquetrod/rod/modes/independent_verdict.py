@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arguments import wrong_value
+from floquetrod._util.progress import Progress
 from floquetrod._util.report import Table, number
 from floquetrod.equations import Mathieu
 from floquetrod.floquet.dispatch import stability
@@ -18,7 +19,7 @@ from floquetrod.floquet.systems.result import Resonance
 from floquetrod.floquet.verdict import Cost, Stability, Status, tolerated
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import Evidence, RodStability
-from floquetrod.rod.loads.load import Load, Progress, Quantity
+from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import gaps, unstable_loads
 from floquetrod.rod.model.assumptions import assumptions

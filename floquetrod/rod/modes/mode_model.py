@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import Bools, Floats, Ints
+from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
 from floquetrod.rod.answers.verdict import RodStability
-from floquetrod.rod.loads.load import LIMITS, Load, Loads, Progress, Quantity
+from floquetrod.rod.loads.load import LIMITS, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.model.data import RodData
@@ -24,22 +26,19 @@ from floquetrod.rod.model.data import RodData
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
     from floquetrod.mathieu.criterion import FiniteTimeCriterion
-    from floquetrod.plane import Axis, Found
+    from floquetrod.plane import Axis, FoundBands
     from floquetrod.rod.answers.intervals import FoundIntervals, Search, UnstableBand
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
     from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 
-Bools = NDArray[np.bool_]
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Statuses = NDArray[np.int8]
 
 
 class BandFinder(Protocol):
     """Finds the unstable bands of a map over two axes, of which the ends count, see `floquetrod.plane.Family`."""
 
-    def __call__(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> Found:
+    def __call__(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> FoundBands:
         """Return them."""
 
 

@@ -11,10 +11,11 @@ from itertools import pairwise
 import numpy as np
 
 from floquetrod._util.calling import level_of_caller
+from floquetrod._util.progress import Progress, shifted
 from floquetrod.floquet.status import UndecidedWarning
 from floquetrod.rod.answers.intervals import QUANTITIES, BucklingWarning, FoundIntervals, Search, StabilityInterval
 from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, added_mean, axial_response, between, gaps, joined
-from floquetrod.rod.loads.load import Load, Loads, Progress, Quantity, shifted
+from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.sampled import SAMPLES, UnstablePart, first_change, unstable_parts
 from floquetrod.rod.modes.mode_model import ModeModel

@@ -7,20 +7,19 @@ from dataclasses import dataclass
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod import mathieu
+from floquetrod._util.arrays import Floats, Ints
+from floquetrod._util.progress import Progress
 from floquetrod.mathieu.tongues import damping_to_stabilise
 from floquetrod.rod.answers.intervals import Search, UnstableBand, WhatGrows
-from floquetrod.rod.loads.load import Loads, Progress
+from floquetrod.rod.loads.load import Loads
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
 from floquetrod.rod.mode_equations.tongues import tongues_within
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import ModeModel
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Values: TypeAlias = Callable[[Floats, Ints], Floats]
 """Values at places, one for each, in the intervals with the numbers given."""
 
