@@ -287,8 +287,8 @@ def test_without_friction_the_slightest_kick_is_critical_or_none_is() -> None:
 
 
 @pytest.mark.parametrize("above", [1e-8, 1e-7, 1e-6, 3e-6])
-def test_creeping_outwards_however_slowly_is_not_being_trapped(above: float) -> None:
-    # Comes to rest just beyond where the largest force holds it, and creeps out by less than 1e-9 a period.
+def test_motion_outwards_however_slow_is_not_bounded(above: float) -> None:
+    # Comes to rest just beyond where the largest force holds it, and moves out by less than 1e-9 a period.
     equation = fr.FrictionalMathieu(2.5122443597386983, 0.6057077990479693, 1.0)
     kick = 0.6675718023393393 * (1.0 + above)
     rest = fr.friction.trajectory(equation, kick, periods=6)

@@ -185,7 +185,7 @@ class _KickSearch:
         fate = orbits["fate"]
         escaped = (fate == kernels.GROWS) | (fate == kernels.MIXED)  # mixed: kicks that escape lie arbitrarily close
         self.found[which] = np.minimum(self.found[which], np.where(escaped, kicks, math.inf).min(axis=1))
-        rests = (fate == kernels.STUCK) | (fate == kernels.KEPT)
+        rests = (fate == kernels.STUCK) | (fate == kernels.ENERGY_BOUND)
         self._insert(
             which, kicks, np.where(rests, 10.0 + orbits["reversals"] + 1e6 * orbits["sticks"], fate), elapsed(orbits)
         )

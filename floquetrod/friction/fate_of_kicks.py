@@ -215,8 +215,8 @@ class Fate(NoTruthValue):
 _REASONS: dict[int, tuple[Literal["bounded", "escapes", "undecided"], str]] = {
     kernels.NO_GROWTH: ("bounded", "nothing grows without friction"),
     kernels.STUCK: ("bounded", "sticks for all time"),
-    kernels.KEPT: ("bounded", "comes to rest, and never moves farther out again"),
-    kernels.TRAPPED: ("bounded", "sticks and slips within bounds, as far as sampling shows"),
+    kernels.ENERGY_BOUND: ("bounded", "comes to rest, and never moves farther out again"),
+    kernels.STICK_SLIP: ("bounded", "sticks and slips within bounds, as far as sampling shows"),
     kernels.GROWS: ("escapes", "the growing Floquet solution has outgrown friction"),
     kernels.LIMIT: ("undecided", "not decided within max_steps"),
 }

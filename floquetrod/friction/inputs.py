@@ -102,17 +102,17 @@ class Prepared(NamedTuple):
         alpha, beta = self.coefficients["alpha"][equation], self.coefficients["beta"][equation]
         kept = never_freed(alpha[:, None], beta[:, None], kicks)
         velocity = np.where(kept, math.nan, kicks)
-        orbits = self._follow(equation, velocity, 0.0, 0.0, max_steps, workers, findings, creep=False)
+        orbits = self._follow(equation, velocity, 0.0, 0.0, max_steps, workers, findings, follow_slow=False)
         fate = orbits["fate"]
         fate[kept] = kernels.STUCK
         slow = fate == kernels.SLOW_RELEASE
         rows = np.flatnonzero(slow.any(axis=1))
         if rows.size:
-            new = rows[findings["creeping"][rows] < 0.0]
-            findings["creeping"][new] = self._creeping(equation[new], max_steps, workers, findings[new])
-            fate[...] = np.where(slow, findings["creeping"][:, None], fate)
+            new = rows[findings["slow_fate"][rows] < 0.0]
+            findings["slow_fate"][new] = self._slow_fates(equation[new], max_steps, workers, findings[new])
+            fate[...] = np.where(slow, findings["slow_fate"][:, None], fate)
             if follow_slow:
-                self._creep_on(equation, kicks, orbits, max_steps, workers, findings)
+                self._follow_slow(equation, kicks, orbits, max_steps, workers, findings)
         return orbits
 
     def _follow(
@@ -124,18 +124,18 @@ class Prepared(NamedTuple):
         max_steps: int,
         workers: int | None,
         findings: Records,
-        creep: bool,
+        follow_slow: bool,
     ) -> Records:
         """Return the orbits of rows of starts, followed to their fates; a velocity NaN is none."""
         orbits = np.zeros(velocity.shape, ORBIT)
         orbits["a"], orbits["velocity"], orbits["phase"], orbits["fate"] = a, velocity, phase, math.nan
         first, cells, bases, _ = self.propagators
-        constants = equation, self.coefficients, first, cells, bases, findings, max_steps, creep
+        constants = equation, self.coefficients, first, cells, bases, findings, max_steps, follow_slow
         rows = np.arange(equation.size)
         over_chunks(follow_fill, (rows,), orbits, *constants, workers=workers, chunk=32, interpret_up_to=0)
         return orbits
 
-    def _creeping(
+    def _slow_fates(
         self, equation: NDArray[np.int64], max_steps: int, workers: int | None, findings: Records
     ) -> NDArray[np.float64]:
         """Return the fate of orbits that move outwards slowly from where the largest force just releases them.
@@ -148,17 +148,18 @@ class Prepared(NamedTuple):
         excess = kernels.SLOW * (1.0 + 1e-9) + 1.2 * step[:, None] * np.linspace(0.0, 1.0, _SAMPLES)
         phase = np.where(alpha > 0.0, 1.5 * math.pi, 0.5 * math.pi)[:, None]
         a = (1.0 + excess) / outward[:, None]
-        fates = self._follow(equation, np.zeros(a.shape), a, phase, max_steps, workers, findings, creep=False)["fate"]
+        rest = np.zeros(a.shape)
+        fates = self._follow(equation, rest, a, phase, max_steps, workers, findings, follow_slow=False)["fate"]
         escaped, bounded = fates == kernels.GROWS, fates < kernels.GROWS
         mixed = escaped.any(axis=1) & bounded.any(axis=1)
         result: NDArray[np.float64] = np.select(
             [mixed, escaped.all(axis=1), bounded.all(axis=1)],
-            [float(kernels.MIXED), float(kernels.GROWS), float(kernels.TRAPPED)],
+            [float(kernels.MIXED), float(kernels.GROWS), float(kernels.STICK_SLIP)],
             float(kernels.LIMIT),
         )
         return result
 
-    def _creep_on(
+    def _follow_slow(
         self,
         equation: NDArray[np.int64],
         kicks: NDArray[np.float64],
@@ -178,7 +179,7 @@ class Prepared(NamedTuple):
         rows = np.flatnonzero(soon.any(axis=1))
         if rows.size:
             again = np.where(soon, kicks, math.nan)[rows]
-            ends = self._follow(equation[rows], again, 0.0, 0.0, max_steps, workers, findings[rows], creep=True)
+            ends = self._follow(equation[rows], again, 0.0, 0.0, max_steps, workers, findings[rows], follow_slow=True)
             orbits[rows] = np.where(soon[rows], ends, orbits[rows])
 
     def _outward(self, equation: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -68,7 +68,7 @@ def f6_7() -> Claim:
         f"modes destabilised by less than 50 mm/s, with the kick each needs: {words}",
         agrees,
         f"Under the last load mode 10 escapes as well, and mode 8 just does not: it needs {mode_8:.2f} mm/s. From 49.8 "
-        "mm/s on it comes to rest ever farther out and creeps back for more than 100 periods before it rests for good.",
+        "mm/s on it comes to rest ever farther out and moves back for more than 100 periods before it rests for good.",
         agrees
         and set(last) == {9, 10}
         and all(abs(last[m] - v) < 0.1 for m, v in ((9, 32.1), (10, 48.8)))

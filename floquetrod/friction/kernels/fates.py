@@ -1,4 +1,4 @@
-"""Kernels that follow many orbits against friction to their fates, and find those trapped by sticking and slipping."""
+"""Kernels that follow many orbits against friction to their fates, and find those that stick and slip for all time."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util.compilation import kernel
-from floquetrod.friction.kernels.orbit import LIMIT, SLOW, TRAPPED, run
+from floquetrod.friction.kernels.orbit import LIMIT, SLOW, STICK_SLIP, run
 from floquetrod.friction.kernels.records import ORBIT, PERIOD, SAMPLE, Workspace, workspace
 
 _WATCHED = 50  # periods in which sticking and slipping is watched for its range (heuristic)
@@ -55,11 +55,11 @@ def _range_of_sticking(record: Any) -> tuple[float, float, float]:
 
 
 @kernel
-def _trapped(equation: Any, cells: Any, bases: Any, orbit: Any, findings: Any, work: Workspace) -> bool:
+def _has_invariant_interval(equation: Any, cells: Any, bases: Any, orbit: Any, findings: Any, work: Workspace) -> bool:
     """Return whether the motion continues for all time by sticking and slipping, having reached the state ``orbit``.
 
     It is followed for `_WATCHED` periods.  If it is stuck at some phase of each of them, the amplitudes there span an
-    interval, and the period's map of that interval is one of a single variable.  The motion is trapped when the map
+    interval, and the period's map of that interval is one of a single variable.  The motion stays there when the map
     takes the interval, grown by its images up to `_GROWN` times, into itself: tried at `_TRIED` points of it.
     ``findings`` receives it.
     """
@@ -73,7 +73,7 @@ def _trapped(equation: Any, cells: Any, bases: Any, orbit: Any, findings: Any, w
     run(equation, cells, bases, one, float(_WATCHED), len(whole), False, findings, whole, work)
     phase, low, high = _range_of_sticking(whole)
     if low <= 0.0 or (outward * low > 1.0 and outward * high < 1.0 + SLOW and inward * high <= 1.0):
-        return False  # never held, or creeping outwards, which may be too slow to show but has no end
+        return False  # never held, or moving outwards, which may be too slow to show but has no end
     short = np.empty(3 * (len(cells) + 40), SAMPLE)
     tried = _FEW
     for _ in range(_GROWN):
@@ -90,7 +90,7 @@ def _trapped(equation: Any, cells: Any, bases: Any, orbit: Any, findings: Any, w
                 least, most = min(least, after), max(most, after)
         if most - least <= (high - low) * (1.0 + 1e-6) + _ROUNDING * high:
             if tried == _TRIED:
-                findings["trap_phase"], findings["trap_low"], findings["trap_high"] = phase, low, high
+                findings["invariant_phase"], findings["invariant_low"], findings["invariant_high"] = phase, low, high
                 return True
             tried = _TRIED
         low, high = least, most
@@ -108,12 +108,12 @@ def follow_fill(
     bases: Any,
     findings: Any,
     most: int,
-    creep: bool,
+    follow_slow: bool,
 ) -> None:
     """Follow ``orbits``, one row of them for each in ``row``, to their fates, over at most ``most`` cells each.
 
     An orbit with A' NaN is none, and left alone.  A row has an equation, whose cells begin at ``first`` in ``cells``
-    and ``bases``, and its ``findings``.  From time to time it is checked whether an orbit is trapped.
+    and ``bases``, and its ``findings``.  From time to time it is checked whether an orbit stays in such an interval.
     """
     work = workspace()
     none = np.empty(0, SAMPLE)
@@ -130,13 +130,15 @@ def follow_fill(
             part = min(left, _WATCHED * len(own_cells))
             fate = LIMIT
             while fate == LIMIT and left > 0:
-                fate = run(coefficients[e], own_cells, own_bases, orbit, math.inf, part, creep, findings[r], none, work)
+                fate = run(
+                    coefficients[e], own_cells, own_bases, orbit, math.inf, part, follow_slow, findings[r], none, work
+                )
                 left -= part
                 part = min(left, 8 * part)
                 if (
                     fate == LIMIT
                     and orbit["sticks"] > 0.0
-                    and _trapped(coefficients[e], own_cells, own_bases, orbit, findings[r], work)
+                    and _has_invariant_interval(coefficients[e], own_cells, own_bases, orbit, findings[r], work)
                 ):
-                    fate = TRAPPED
+                    fate = STICK_SLIP
             orbit["fate"] = fate

@@ -27,14 +27,14 @@ from floquetrod.friction.kernels.records import PERIOD, Workspace
 # Why a run ended; what is below LIMIT is final.
 NO_GROWTH = 0  # without friction no solution grows
 STUCK = 1  # at rest for all time
-KEPT = 2  # at rest where energy allows no later stop farther out
-TRAPPED = 3  # sticks and slips for all time
+ENERGY_BOUND = 2  # at rest where energy allows no later stop farther out
+STICK_SLIP = 3  # sticks and slips for all time
 GROWS = 4  # the escape test
 LIMIT = 5  # the bound on the number of cells, or of periods, was reached
-SLOW_RELEASE = 6  # stuck, with a force that frees it by less than `SLOW`: creeps outwards, too slowly to follow
-MIXED = 7  # creeps outwards, and such orbits differ in fate: kicks that escape lie arbitrarily close
+SLOW_RELEASE = 6  # stuck, with a force that frees it by less than `SLOW`: moves outwards, too slowly to follow
+MIXED = 7  # moves outwards slowly, and such orbits differ in fate: kicks that escape lie arbitrarily close
 
-SLOW = 5e-3  # relative excess of the freeing force below which creeping outwards is not followed (heuristic)
+SLOW = 5e-3  # relative excess of the freeing force below which motion outwards is not followed (heuristic)
 
 
 @kernel
@@ -58,7 +58,7 @@ def _wait(theta: float, size: float, alpha: float, beta: float) -> float:
 
 @kernel
 def _stick(
-    alpha: float, beta: float, tau: float, size: float, decide: bool, creep: bool, findings: Any
+    alpha: float, beta: float, tau: float, size: float, decide: bool, follow_slow: bool, findings: Any
 ) -> tuple[int, float]:
     """Return the fate of an orbit that sticks at abs(A) = size from phase tau, `LIMIT` if open, and how long it sticks.
 
@@ -70,13 +70,14 @@ def _stick(
         return STUCK, math.inf
     if decide and outward * size > 1.0 and inward <= 0.0:
         return GROWS, math.inf
-    if decide and 1.0 < outward * size < 1.0 + SLOW and inward * size <= 1.0 and not creep:
+    if decide and 1.0 < outward * size < 1.0 + SLOW and inward * size <= 1.0 and not follow_slow:
         return SLOW_RELEASE, math.inf
     wait = _wait(tau, size, alpha, beta)
     if wait == math.inf:
         return STUCK, wait
-    trapped = findings["trap_low"] <= size <= findings["trap_high"] and (findings["trap_phase"] - tau) % PERIOD <= wait
-    return TRAPPED if decide and trapped else LIMIT, wait
+    sticks_there = (findings["invariant_phase"] - tau) % PERIOD <= wait
+    inside = findings["invariant_low"] <= size <= findings["invariant_high"] and sticks_there
+    return STICK_SLIP if decide and inside else LIMIT, wait
 
 
 @kernel
@@ -103,7 +104,7 @@ def run(
     orbit: Any,
     end: float,
     most: int,
-    creep: bool,
+    follow_slow: bool,
     findings: Any,
     record: Any,
     work: Workspace,
@@ -112,7 +113,7 @@ def run(
 
     ``orbit`` is advanced, so that a run can be resumed.  ``record`` is filled as far as it reaches; its last row is the
     one whose tau is infinite.  A run with rows to record continues when its fate is known, except at rest for all time.
-    ``creep`` follows slow creeping; ``findings`` are those on its equation.
+    ``follow_slow``: follow slow outward motion, too; ``findings`` are those on its equation.
     """
     alpha, beta, c = float(equation["alpha"]), float(equation["beta"]), float(equation["damping"])
     outward = beta + abs(alpha)  # Q: the largest p
@@ -168,12 +169,12 @@ def run(
                 force = (beta + alpha * math.sin(tau)) * x
                 never_freed = size * (abs(alpha) + abs(beta)) <= 1.0
                 if decide and not never_freed and outward * size <= 1.0 and abs(alpha) * size <= 2.0:
-                    fate = KEPT
+                    fate = ENERGY_BOUND
                     break
                 if abs(force) <= 1.0:
                     sticks += 1.0
                     rows = _note(record, rows, tau + periods * PERIOD, x, 0.0, 0.0)
-                    fate, wait = _stick(alpha, beta, tau, size, decide, creep, findings)
+                    fate, wait = _stick(alpha, beta, tau, size, decide, follow_slow, findings)
                     if fate != LIMIT:
                         break
                     tau += wait

@@ -37,8 +37,8 @@ to a stop and stuck so far; its fate, NaN before it is followed."""
 SAMPLE = _record("tau", "a", "velocity", "state")
 """A recorded motion; ``state`` is the sign of A' after it, 0 where it sticks."""
 
-FINDINGS = _record("creeping", "trap_phase", "trap_low", "trap_high")
-"""What orbits of an equation have shown: the fate of creeping outwards, and an interval of abs(A) that traps what
+FINDINGS = _record("slow_fate", "invariant_phase", "invariant_low", "invariant_high")
+"""What orbits of an equation have shown: the fate of slow motion outwards, and an interval of abs(A) that keeps what
 sticks in it at a phase; below zero what is not known."""
 
 
