@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
@@ -157,6 +158,34 @@ def test_without_ranges_one_equation_of_the_family_is_proved() -> None:
     assert proof.status == "stable"
 
 
+def sampled(k: float, squeeze: float = 0.0) -> fr.HillSystem:
+    """Return a system whose stiffness a function computes, which jumps."""
+
+    def stiffness(t: float) -> list[list[float]]:
+        if t % 2.0 < 0.7:
+            return [[1.5 + k * math.exp(t % 2.0), 0.3], [0.3, 4.0]]
+        return [
+            [1.5 - 0.1 * (t % 2.0) ** 3, 0.1 * (t % 2.0)],
+            [0.1 * (t % 2.0), 3.0 + squeeze * math.sin(5.0 * (t % 2.0))],
+        ]
+
+    return fr.HillSystem.from_function(stiffness, 2.0, jumps=[0.0, 0.7])
+
+
+@pytest.mark.parametrize("jumps", [False, True])
+def test_boxes_of_functions_that_were_sampled(jumps: bool, rng: np.random.Generator) -> None:
+    """Coefficients of what was sampled are affine up to its stated error, those of a fit to a piece in sum only."""
+
+    def smooth(k: float) -> fr.HillSystem:
+        return fr.HillSystem.from_function(lambda t: [[2.0 + k * math.exp(math.sin(t)), 0.1], [0.1, 5.0]], 2.0 * np.pi)
+
+    family, box = (sampled, {"k": (0.9, 0.900001)}) if jumps else (smooth, {"k": (0.1, 0.11)})
+    proof = fr.certify(family, **box)
+    assert proof.status == "stable"
+    for point in drawn(box, rng, 4):
+        assert fr.stability(family(**point)).status == "stable"
+
+
 @pytest.mark.parametrize(
     ("family", "error", "match"),
     [
@@ -167,8 +196,14 @@ def test_without_ranges_one_equation_of_the_family_is_proved() -> None:
         ),
         (lambda w: fr.HillSystem(np.eye(1 + (w > 1.2))), ValueError, "got systems of different kinds or orders"),
         (lambda w: fr.HillSystem.from_pieces([(w, [[1.0]]), (1.0, [[2.0]])]), ValueError, "durations of pieces"),
-        (lambda w: w, TypeError, "equation must be an Equation"),
-        (lambda w: fr.HillSystem(np.ones((3, 1, 1))), ValueError, "must be a single system"),
+        (lambda w: sampled(w, w * w), ValueError, "affine in each parameter over the box, got a coefficient"),
+        (lambda w: w, TypeError, r"equation\(w=1\) must return a HillSystem, a PeriodicSystem or an Equation, got 1.0"),
+        (
+            lambda w: fr.HillSystem(np.ones((3, 1, 1))),
+            ValueError,
+            r"equation\(w=1\) must return one system, got a batch",
+        ),
+        (lambda w: fr.Hill(-1.0 / (w - 1.5)), ValueError, r"equation\(w=1.5\) raised ZeroDivisionError: "),
     ],
 )
 def test_families_that_cannot_be_proved_are_refused(family: Any, error: type[Exception], match: str) -> None:

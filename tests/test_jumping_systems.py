@@ -541,6 +541,21 @@ def test_a_file_with_pieces(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert f"PROVED {expected.status.upper()}" in capsys.readouterr().out
 
 
+def test_an_npz_file_with_pieces(tmp_path: Path) -> None:
+    path = tmp_path / "square.npz"
+    matrices = np.array([STIFF, SOFT])
+    slope = np.array([np.zeros((2, 2)), np.diag([0.1, 0.2])])
+    cosines = slope[:, None]
+    np.savez(path, durations=[0.5, 2.0], stiffness=matrices, slope=slope, cosines=cosines, mass=MASS)
+    pieces = [(t, Varying(*given)) for t, *given in zip([0.5, 2.0], matrices, slope, cosines, strict=True)]
+    assert read_system(path) == fr.HillSystem.from_pieces(pieces, mass=MASS)
+    np.savez(path, durations=[0.5, 2.0], mean=matrices)
+    assert read_system(path) == fr.PeriodicSystem.from_pieces([(0.5, STIFF), (2.0, SOFT)])
+    np.savez(path, durations=[0.5, 2.0, 1.0], stiffness=matrices)
+    with pytest.raises(ValueError, match="array 'stiffness' must have 3 pieces as durations has"):
+        read_system(path)
+
+
 @pytest.mark.parametrize(
     ("changed", "message"),
     [

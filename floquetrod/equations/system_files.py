@@ -35,7 +35,8 @@ def read_system(path: str | Path) -> HillSystem | PeriodicSystem:
     period.  Both may be strings with a unit, such as "24Hz" or "0.2s", where time is in seconds.
 
     A coefficient in pieces, which may jump, has a table [[system.pieces]] for each, with its ``duration`` and its
-    ``stiffness`` or ``mean``, and with ``slope``, ``cosines`` and ``sines`` where it varies as `Varying` does.
+    ``stiffness`` or ``mean``, and with ``slope``, ``cosines`` and ``sines`` where it varies as `Varying` does.  In an
+    npz file an array of all ``durations`` says so; the other arrays then have the pieces as their first axis.
 
     Raises
     ------
@@ -83,7 +84,21 @@ def _npz(path: Path) -> Mapping[str, Any]:
     foreign = [name for name, value in arrays.items() if not isinstance(value, np.ndarray)]
     if foreign:
         raise ValueError(f"{foreign[0]!r} is no array")
-    return {name: value if value.ndim else value.item() for name, value in arrays.items()}
+    table = {name: value if value.ndim else value.item() for name, value in arrays.items()}
+    return _by_piece(table) if "durations" in table else table
+
+
+def _by_piece(table: dict[str, Any]) -> Mapping[str, Any]:
+    """Return arrays with an axis of pieces as a table of each piece."""
+    durations = np.atleast_1d(table.pop("durations")).tolist()
+    stacked = {key: table.pop(key) for key in _OF_A_PIECE if key in table}
+    for key, value in stacked.items():
+        if len(np.atleast_1d(value)) != len(durations):
+            raise ValueError(f"array {key!r} must have {len(durations)} pieces as durations has, got {np.shape(value)}")
+    pieces = [{"duration": duration} for duration in durations]
+    return table | {
+        "pieces": [piece | {key: value[i] for key, value in stacked.items()} for i, piece in enumerate(pieces)]
+    }
 
 
 def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from typing import Any
 
+from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem, matrices
 from floquetrod.equations import require as require_equation
 
@@ -17,3 +19,27 @@ def require_problem(problem: Any) -> None:
         matrices.require_one(problem, "equation")
     else:
         require_equation(problem, hint="or a HillSystem or PeriodicSystem")
+
+
+def member(
+    family: Callable[..., Any], point: Mapping[str, Any], like: Problem | None = None, argument: str = "family"
+) -> Problem:
+    """Return the member of a family at a point, checked, and of the kind of ``like``; messages name the point."""
+    at = f"{argument}({', '.join(f'{name}={_written(value)}' for name, value in point.items())})"
+    try:
+        found: Any = family(**point)
+    except Exception as error:
+        raise ValueError(f"{at} raised {type(error).__name__}: {error}") from error
+    if not isinstance(found, Problem):
+        wanted = "a HillSystem, a PeriodicSystem or an Equation"
+        raise TypeError(f"{at} must return {wanted}, got {validate.short(found)}")
+    if not isinstance(found, Equation) and found.shape:
+        raise ValueError(f"{at} must return one system, got a batch of shape {found.shape}")
+    if like is not None and isinstance(found, Equation) != isinstance(like, Equation):
+        what = "an Equation, as at other points" if isinstance(like, Equation) else "a system, as at other points"
+        raise TypeError(f"{at} must return {what}, got {validate.short(found)}")
+    return found
+
+
+def _written(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float | int) else validate.short(value)

@@ -14,9 +14,10 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress
-from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.equations import Equation, HillSystem
 from floquetrod.equations.batches import in_batches
 from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.problems import Problem, member
 from floquetrod.floquet.status import STATUS_CODES
 from floquetrod.floquet.systems.many import STABLE, UNSTABLE
 from floquetrod.floquet.systems.result import SystemStability
@@ -24,8 +25,6 @@ from floquetrod.floquet.verdict import tolerated
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
 from floquetrod.plane.family import VERTEX, Names
 from floquetrod.systems import arrays
-
-Problem = Equation | HillSystem | PeriodicSystem
 
 _GREEK = re.compile(
     "alpha|beta|gamma|delta|epsilon|zeta|eta|theta|iota|kappa|lambda|mu|nu|xi|pi|rho|sigma|tau|upsilon|phi|chi|psi|omega"
@@ -81,7 +80,7 @@ def chart(
     growth, workers = validate.flag("growth", growth), validate.workers(workers)
     validate.progress(progress)
     corner = {axis.name: float(axis.values[0]) for axis in (x, y)}
-    members = Members(family, (x.name, y.name), _member(family, corner, None), tolerance, workers)
+    members = Members(family, (x.name, y.name), member(family, corner), tolerance, workers)
     return charted(members, x, y, growth=growth, progress=progress)
 
 
@@ -137,15 +136,15 @@ class Members(Family):
     def members(self, x: Floats, y: Floats) -> list[Problem]:
         """Return the members at places x, y (n,)."""
         points = (dict(zip(self.names, place, strict=True)) for place in zip(x.tolist(), y.tolist(), strict=True))
-        members = [_member(self.function, point, self.like, self.argument) for point in points]
-        self.kinds.update(map(_kind, members))
-        return members
+        found = [member(self.function, point, self.like, self.argument) for point in points]
+        self.kinds.update(map(_kind, found))
+        return found
 
     def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
         """Return status and growth rate, which every verdict tells."""
         x, y = np.broadcast_arrays(x, y)
         members = self.members(x.ravel(), y.ravel())
-        systems = [member for member in members if not isinstance(member, Equation)]
+        systems = [each for each in members if not isinstance(each, Equation)]
         if systems:
             answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=self.workers, quick=quick))
             status, rate = (np.array(column) for column in zip(*answers, strict=True))
@@ -159,8 +158,8 @@ class Members(Family):
 
         Nor is buckling: a region of it may hold that of several modes.
         """
-        (member,) = self.members(np.array([x]), np.array([y]))
-        verdict = None if isinstance(member, Equation) else stability(member)
+        (there,) = self.members(np.array([x]), np.array([y]))
+        verdict = None if isinstance(there, Equation) else stability(there)
         if not isinstance(verdict, SystemStability) or not verdict.resonances:
             return None, None, None
         resonance = verdict.resonances[0]
@@ -194,35 +193,13 @@ def _parameters(over: Any) -> list[tuple[str, NDArray[np.float64]]]:
     return [(name, axis_values(f"over[{name!r}]", values)) for name, values in over.items()]
 
 
-def _member(
-    family: Callable[..., Problem], point: dict[str, float], like: Problem | None, argument: str = "family"
-) -> Problem:
-    """Return the family's member at a point, checked."""
-    at = f"{argument}({', '.join(f'{name}={value:.6g}' for name, value in point.items())})"
-    found: Any
-    try:
-        found = family(**point)
-    except Exception as error:
-        raise ValueError(f"{at} raised {type(error).__name__}: {error}") from error
-    if not isinstance(found, Problem):
-        wanted = "a HillSystem, a PeriodicSystem or an Equation"
-        raise TypeError(f"{at} must return {wanted}, got {validate.short(found)}")
-    if not isinstance(found, Equation) and found.shape:
-        raise ValueError(f"{at} must return one system, got a batch of shape {found.shape}")
-    if like is not None and isinstance(found, Equation) != isinstance(like, Equation):
-        what = "an Equation, as at other points" if isinstance(like, Equation) else "a system, as at other points"
-        raise TypeError(f"{at} must return {what}, got {validate.short(found)}")
-    result: Problem = found
-    return result
-
-
-def _kind(member: Problem) -> str:
+def _kind(problem: Problem) -> str:
     """Return what is charted, in words."""
-    if isinstance(member, Equation):
-        return member.title
-    plural = "" if member.order == 1 else "s"
-    order = "" if isinstance(member, HillSystem) else " of first order"
-    return f"system of {member.order} equation{plural}{order}"
+    if isinstance(problem, Equation):
+        return problem.title
+    plural = "" if problem.order == 1 else "s"
+    order = "" if isinstance(problem, HillSystem) else " of first order"
+    return f"system of {problem.order} equation{plural}{order}"
 
 
 def _symbol(name: str) -> str:

@@ -121,14 +121,42 @@ def _alike(systems: Sequence[HillSystem | PeriodicSystem]) -> list[Coefficients]
 
 
 def require_affine(system: Any, weighted: Sequence[tuple[float, Any]]) -> None:
-    """Raise `NotAffine` where a system is not the weighted sum of others, but for rounding."""
+    """Raise `NotAffine` where a system is not the weighted sum of others, but for rounding and its stated error."""
     found, *others = _alike([system, *(other for _, other in weighted)])
+    stated = system.coefficient_error + max(other.coefficient_error for _, other in weighted)
+    gaps, rounding = {}, {}
     for name, array in found.arrays.items():
         expected = sum(weight * other.arrays[name] for (weight, _), other in zip(weighted, others, strict=True))
-        largest = np.maximum.reduce([np.abs(other.arrays[name]) for other in others])
-        if (np.abs(array - expected) > 4.0 * _ROUNDING * np.maximum(largest, np.abs(array))).any():
-            off = float(np.abs(array - expected).max())
-            raise NotAffine(f"a {name.rstrip(' 0123456789')} that differs by {off:.2g} from what its corners say")
+        gaps[name] = array - expected
+        largest = np.maximum.reduce([np.abs(array), *(np.abs(other.arrays[name]) for other in others)])
+        rounding[name] = 4.0 * _ROUNDING * largest
+    if stated:
+        times = found.durations, float(found.arrays["period"][0])
+        gaps = _values(gaps, *times)
+        rounding = {name: 2.0 * stated + size for name, size in _values(rounding, *times, bound=True).items()}
+    for name, gap in gaps.items():
+        if (np.abs(gap) > rounding[name]).any():
+            off, what = np.abs(gap).max(), name.rstrip(" 0123456789")
+            raise NotAffine(f"a {what} that differs by {off:.2g} from what its corners say")
+
+
+def _values(
+    arrays: dict[str, Array], shares: Sequence[Fraction], period: float, *, bound: bool = False
+) -> dict[str, Array]:
+    """Return arrays with those of a piece summed to values at times of it, of bounds to one bound.
+
+    The terms of a function that was sampled are determined less well than their sum, of which an error is stated.
+    """
+    found = {name: array for name, array in arrays.items() if not name[-1].isdigit()}
+    inner, begin = np.linspace(0.0, 1.0, 33)[:, None], 0.0
+    for i, share in enumerate(map(float, shares)):
+        mean, slope, cosines, sines = (arrays[f"{name} {i}"] for name in ("mean", "slope", "cosines", "sines"))
+        angles = 2.0 * np.pi * (begin + share * inner) * np.arange(1, len(cosines) + 1)
+        c, s = (np.ones_like(angles),) * 2 if bound else (np.cos(angles), np.sin(angles))
+        steady = mean + share * inner[..., None] * (slope * period)
+        found[f"coefficient {i}"] = steady + np.tensordot(c, cosines, axes=1) + np.tensordot(s, sines, axes=1)
+        begin += share
+    return found
 
 
 def bounds_of(systems: Sequence[HillSystem | PeriodicSystem]) -> Bounds:

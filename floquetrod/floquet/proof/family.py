@@ -17,10 +17,8 @@ import numpy as np
 
 from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
-from floquetrod.equations.base import require
-from floquetrod.equations.matrices import require_one
 from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.problems import Problem
+from floquetrod.floquet.problems import Problem, member, require_problem
 from floquetrod.floquet.proof.box_problem import Bounds, NotAffine, bounds_of, problem_of_bounds, require_affine
 from floquetrod.floquet.proof.region import RegionProof, RegionStatus, Shares, Side, side_ends
 from floquetrod.floquet.proof.region_equation import note_on, statement_on
@@ -50,11 +48,8 @@ class _Family(NamedTuple):
 
     def at(self, point: Mapping[str, float]) -> Problem:
         """Return the equation of a point of the box."""
-        found: Problem = self.make(**self.given, **point)
-        if isinstance(found, HillSystem | PeriodicSystem):
-            require_one(found, "equation")
-        else:
-            require(found, hint="a HillSystem or a PeriodicSystem from its family")
+        found = member(self.make, {**self.given, **point}, argument="equation")
+        require_problem(found)
         return found
 
     def system(self, point: Mapping[str, float]) -> HillSystem | PeriodicSystem:
