@@ -22,7 +22,7 @@ def statuses_and_rates(model: ModeModel, loads: Loads) -> tuple[NDArray[np.int8]
     except ValueError:  # a resonance of axial waves, or too many modes
         if loads.size == 1:
             return np.array([-1], dtype=np.int8), np.array([np.nan])
-        each = [statuses_and_rates(model, loads.part(slice(i, i + 1))) for i in range(loads.size)]
+        each = [statuses_and_rates(model, loads.some(slice(i, i + 1))) for i in range(loads.size)]
         statuses, rates = zip(*each, strict=True)
         return np.concatenate(statuses), np.concatenate(rates)
     return found.status, found.growth

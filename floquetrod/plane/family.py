@@ -96,8 +96,13 @@ class Family(ABC):
 
     @property
     def points_at_once(self) -> int:
-        """Points judged between two reports of progress; whole rows are, one at least."""
+        """Points judged between two reports of progress; whole rows or columns are, one at least."""
         return 1 << 18  # about a megabyte an array (a choice)
+
+    @property
+    def by_columns(self) -> bool:
+        """Whether whole columns of a chart are judged at once, not rows."""
+        return False
 
     @property
     def most_judged(self) -> int:

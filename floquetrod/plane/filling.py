@@ -1,4 +1,4 @@
-"""Charts of a family, filled a few rows at a time, so that scratch memory stays small and Ctrl-C works."""
+"""Charts of a family, filled a few rows or columns at a time, so that scratch memory stays small and Ctrl-C works."""
 
 from __future__ import annotations
 
@@ -33,16 +33,18 @@ def charted(family: Family, x: Axis, y: Axis, *, growth: bool = False, progress:
     kept: dict[str, NDArray[Any]] = {"status": np.empty((rows, columns), dtype=np.int8)}
     if growth:
         kept |= {"growth": np.empty((rows, columns)), "mode": np.empty((rows, columns), dtype=np.int64)}
-    together = max(1, family.points_at_once // columns)
-    for start in range(0, rows, together):
-        part = slice(start, start + together)
-        found = family.verdicts(x.values, y.values[part, None], growth=growth)
+    lines, length = (columns, rows) if family.by_columns else (rows, columns)
+    together = max(1, family.points_at_once // length)
+    for start in range(0, lines, together):
+        part, every = slice(start, start + together), slice(None)
+        place = (every, part) if family.by_columns else (part, every)
+        found = family.verdicts(x.values[place[1]], y.values[place[0], None], growth=growth)
         if found.mode is None:
             kept.pop("mode", None)
         for name, array in kept.items():
-            array[part] = getattr(found, name)
+            array[place] = getattr(found, name)
         if progress is not None:
-            progress(min(rows, start + together) * columns, rows * columns)
+            progress(min(lines, start + together) * length, rows * columns)
     status = kept["status"]
     return Chart(
         x,

@@ -77,6 +77,11 @@ class LoadPlane(Family):
         return self.model.loads_at_once or super().points_at_once
 
     @property
+    def by_columns(self) -> bool:
+        """Yes: along a column a force varies alone, so that a few of its systems tell of all."""
+        return True
+
+    @property
     def most_judged(self) -> int:
         """Fewer than usual, since a criterion, and more so coupled modes or friction, take a minute or so."""
         return 100_000 if self._is_fast else 4000

@@ -79,7 +79,7 @@ def of_pieces(
     """
     n = pieces.mean.shape[-1] // 2
     found = whole.period_maps(pieces, uncertainty, rtol, paired=True)
-    matrix, basis = found.matrix, found.scaling[:, :1, None] * np.eye(n)
+    matrix, basis = found.matrix, found.scaling[:, :n, None] * np.eye(n)
     a, b, c, d = matrix[:, :n, :n], matrix[:, :n, n:], matrix[:, n:, :n], matrix[:, n:, n:]
     half = HalfPeriodMap(a, b, c, d, found.error, basis, symmetric)
     if symmetric:
@@ -90,8 +90,13 @@ def of_pieces(
 
 def _whole(half: HalfPeriodMap, period: Any, uncertainty: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return maps (b, 2 n, 2 n) over half a period, and their errors, those of the coefficients included."""
-    whole = np.concatenate([np.concatenate([half.a, half.b], -1), np.concatenate([half.c, half.d], -1)], -2)
+    whole = joined(half)
     return whole, half.error + 0.5 * period * uncertainty * (_sizes(half.basis) * _sizes(whole)) ** 2
+
+
+def joined(half: HalfPeriodMap) -> NDArray[np.float64]:
+    """Return maps (b, 2 n, 2 n) from their blocks."""
+    return np.concatenate([np.concatenate([half.a, half.b], -1), np.concatenate([half.c, half.d], -1)], -2)
 
 
 def _sizes(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -105,9 +110,15 @@ def _numbers(
     half: HalfPeriodMap, error: NDArray[np.float64], left: NDArray[np.float64], left_error: NDArray[np.float64]
 ) -> PairMatrices:
     """Return the matrices that follow from maps over half a period and the upper right blocks of their inverses."""
-    n = half.a.shape[-1]
-    small, large, upper = _sizes(left), _sizes(half.c), _sizes(half.a)
-    form = np.swapaxes(half.a, -1, -2) @ half.c
-    slip = small * error + large * left_error + error * left_error + n * _EPS * small * large
-    form_slip = (upper + large) * error + error**2 + n * _EPS * upper * large
-    return PairMatrices(left @ half.c, slip, 0.5 * (form + np.swapaxes(form, -1, -2)), form_slip, half.symmetric)
+    form, form_slip = products(np.swapaxes(half.a, -1, -2), error, half.c, error)
+    return PairMatrices(
+        *products(left, left_error, half.c, error), 0.5 * (form + np.swapaxes(form, -1, -2)), form_slip, half.symmetric
+    )
+
+
+def products(
+    left: NDArray[np.float64], left_error: NDArray[np.float64], right: NDArray[np.float64], error: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return products of matrices (b, n, n) with errors (b,), and their errors."""
+    one, other = _sizes(left), _sizes(right)
+    return left @ right, one * error + other * left_error + error * left_error + left.shape[-1] * _EPS * one * other

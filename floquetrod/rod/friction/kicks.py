@@ -258,7 +258,7 @@ def kicked_loads(
     """Return whether the kick destabilises no mode (1), one (0), or cannot be told (-1), for each load."""
     found = np.full(systems.loads.size, BOUNDED, dtype=np.int8)
     for part in _parts(systems.loads.size):
-        loads = systems.loads.part(part)
+        loads = systems.loads.some(part)
         load, _, alpha, beta, damping, rate = ModalSystems(systems.constants, loads).growing(tolerance, workers)
         inside = mode_friction(rod, friction, kick, loads.amplitude, loads.frequency)
         gamma, epsilon = inside.gamma[load], inside.epsilon[load]
@@ -275,7 +275,7 @@ def critical_kicks(
     loads = systems.loads
     least = _Least.of(loads.size)
     for part in _parts(loads.size):
-        growing = ModalSystems(systems.constants, loads.part(part)).growing(tolerance, workers)
+        growing = ModalSystems(systems.constants, loads.some(part)).growing(tolerance, workers)
         _least_kicks(growing, workers, least.part(part))
     kick, none_up_to = (
         kicks_of(rod, friction, loads.amplitude, loads.frequency, ratio) for ratio in (least.found, least.proved)

@@ -129,12 +129,28 @@ class Loads(NamedTuple):
             return
         step = max(_LEAST_REPORTED, -(-self.size // _REPORTS))
         for start in range(0, max(self.size, 1), step):
-            yield self.part(slice(start, start + step))
+            yield self.some(slice(start, start + step))
             progress(min(self.size, start + step), self.size)
 
-    def part(self, part: slice) -> Loads:
+    def some(self, chosen: slice | NDArray[np.intp]) -> Loads:
         """Return some of the loads."""
-        return Loads((len(self.frequency[part]),), *(values[part] for values in self.flat))
+        return Loads((len(self.frequency[chosen]),), *(values[chosen] for values in self.flat))
+
+    def lines(self, least: int) -> Iterator[tuple[Quantity, NDArray[np.intp]]]:
+        """Yield sets of at least so many loads of which only the mean force or only the amplitude varies, by index.
+
+        The quantity that varies comes first; loads without vibration are in no set.
+        """
+        left = np.flatnonzero(self.amplitude > 0.0)
+        pairs: list[tuple[Quantity, NDArray[np.float64]]] = [("mean", self.amplitude), ("amplitude", self.mean)]
+        for varied, other in pairs:
+            fixed = np.stack([self.frequency[left], other[left]])
+            _, which, counts = np.unique(fixed, axis=1, return_inverse=True, return_counts=True)
+            order = np.argsort(which.ravel(), kind="stable")
+            for line in np.split(left[order], np.cumsum(counts)[:-1]):
+                if line.size >= least:
+                    yield varied, line
+            left = left[counts[which.ravel()] < least]
 
 
 Waveform: TypeAlias = str | tuple[complex, ...]

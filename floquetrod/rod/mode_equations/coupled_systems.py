@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
+from floquetrod._util.compilation import cores, in_threads
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.equations import HillSystem
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.result import Resonance
 from floquetrod.floquet.verdict import tolerated
-from floquetrod.rod.loads.load import Load, Loads
+from floquetrod.rod.loads.load import Load, Loads, Quantity
 
+_LEAST_ON_LINE = 16  # loads: of fewer each gets a map of its own (measured)
 _AT_ONCE = 1 << 22  # numbers in the matrices of systems that are held at once: 32 megabytes
 
 
@@ -50,7 +52,10 @@ class CoupledEquations(ABC):
 
     @abstractmethod
     def system(self, loads: Loads) -> HillSystem:
-        """Return the systems of flat loads as one batch, or a single one where there is one load of the shape ()."""
+        """Return the systems of flat loads as one batch, or a single one where there is one load of the shape ().
+
+        The mean of K is affine in the mean force, the rest of K proportional to the amplitude.
+        """
 
     @abstractmethod
     def stiffness(self, mean: Floats) -> Floats:
@@ -80,14 +85,49 @@ class CoupledEquations(ABC):
         With ``quick`` more loads are undecided, those next to a boundary, none of which then takes long.
         ``progress`` is called now and then with the numbers of loads done and of all.
         """
-        status, growth = np.empty(loads.size, dtype=np.int8), np.empty(loads.size)
-        for part in self._parts(loads):
-            told = shifted(progress, part.start, loads.size - part.stop + part.start)
-            status[part], growth[part] = self._answers(loads.part(part), workers, quick, told)
+        status, growth = self._on_lines(loads, workers, progress)
+        left = np.flatnonzero(status == -1)
+        done = loads.size - left.size
+        for part in self._parts(left):
+            told = shifted(progress, done, loads.size - part.size)
+            status[part], growth[part] = self._answers(loads.some(part), workers, quick, told)
+            done += part.size
             if progress is not None:
-                progress(part.stop, loads.size)
+                progress(done, loads.size)
         status[tolerated(growth, growth_tolerance)] = 1
         return ManyVerdicts(status, growth)
+
+    def _on_lines(self, loads: Loads, workers: int | None, progress: Progress | None) -> ManyVerdicts:
+        """Return statuses without tolerance, and growth rates, of loads that differ in one force alone; else -1, NaN.
+
+        Their systems lie on straight lines, each of which takes the maps of a few of them.
+        """
+        status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
+
+        def fill(varied: Quantity, line: NDArray[np.intp]) -> None:
+            found = self._along(loads.some(line), varied)
+            if found is not None:
+                status[line], growth[line] = found
+
+        lines = [] if self.are_apart else list(loads.lines(_LEAST_ON_LINE))
+        threads = workers or cores()
+        together = len(lines) if progress is None else threads
+        for first in range(0, len(lines), max(1, together)):
+            in_threads(fill, lines[first : first + together], threads)
+            if progress is not None:
+                progress(int(np.count_nonzero(status != -1)), loads.size)
+        return ManyVerdicts(status, growth)
+
+    def _along(self, loads: Loads, varied: Quantity) -> ManyVerdicts | None:
+        """Return quick verdicts on loads of which one force alone varies, None where that would save no time."""
+        from floquetrod.floquet.systems.lines import verdicts_along
+
+        values: Floats = getattr(loads, varied)
+        ends = loads.some(np.array([values.argmin(), values.argmax()]))
+        low, high = getattr(ends, varied)
+        if not low < high:
+            return None
+        return verdicts_along(self.system(ends), np.clip((values - low + (values - high)) / (high - low), -1.0, 1.0))
 
     def _answers(self, loads: Loads, workers: int | None, quick: bool, progress: Progress | None) -> ManyVerdicts:
         """Return statuses without tolerance, and growth rates, of loads whose matrices are held at once."""
@@ -98,9 +138,8 @@ class CoupledEquations(ABC):
         status[still], growth[still] = self.static_answers(loads.mean[still])
         if not still.all():
             at = np.flatnonzero(~still)
-            moving = Loads((at.size,), *(values[at] for values in loads.flat))
             told = shifted(progress, loads.size - at.size, loads.size - at.size)
-            status[at], growth[at] = self._judged(self.system(moving), workers, quick, told)
+            status[at], growth[at] = self._judged(self.system(loads.some(at)), workers, quick, told)
         return ManyVerdicts(status, growth)
 
     def static_answers(self, mean: Floats) -> ManyVerdicts:
@@ -167,10 +206,11 @@ class CoupledEquations(ABC):
             left[function, :] = left[:, mode] = -1.0
         return tuple(r._replace(modes=tuple(sorted(names[i] for i in r.modes))) for r in resonances)
 
-    def _parts(self, loads: Loads) -> list[slice]:
+    def _parts(self, left: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+        """Return indices of loads in parts whose matrices are held at once."""
         each = self.size**2 * (1 + 2 * len(self.like.harmonics))
         step = max(1, _AT_ONCE // each)
-        return [slice(i, min(i + step, loads.size)) for i in range(0, loads.size, step)]
+        return [left[i : i + step] for i in range(0, left.size, step)]
 
 
 def _direct(system: HillSystem) -> tuple[Resonance, ...]:
