@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from floquetrod import ensembles as ensembles
     from floquetrod import friction as friction
     from floquetrod import mathieu as mathieu
+    from floquetrod import methods as methods
     from floquetrod import systems as systems
     from floquetrod._util.implausible import PlausibilityWarning as PlausibilityWarning
     from floquetrod._util.version import __version__ as __version__
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
     from floquetrod.equations import SquareWave as SquareWave
     from floquetrod.equations import conventions as conventions
     from floquetrod.explorer import Explorer as Explorer
-    from floquetrod.floquet import methods as methods
     from floquetrod.floquet.comparison import Comparison as Comparison
     from floquetrod.floquet.comparison import compare as compare
     from floquetrod.floquet.dispatch import stability as stability
@@ -119,7 +119,7 @@ _WHERE = {
     "floquet_solutions": "floquet.solutions",
     "friction": "friction",
     "mathieu": "mathieu",
-    "methods": "floquet.methods",
+    "methods": "methods",
     "probability_of_instability": "rod.uncertainty",
     "ensembles": "ensembles",
     "simulation": "simulation",

@@ -27,7 +27,7 @@ from floquetrod.equations.base import Alternating
 from floquetrod.equations.batches import pick
 from floquetrod.equations.pieces import exact_period, in_time
 from floquetrod.equations.system_files import read_system
-from floquetrod.floquet import registry, system_methods
+from floquetrod.floquet import dispatch, registry
 from floquetrod.systems import arrays
 
 STIFF = [[1.5, 0.5], [0.5, 4.5]]
@@ -610,7 +610,7 @@ def test_stated_errors_cover_the_truth_of_random_pieces(rng: np.random.Generator
         truth = true_multipliers(system)
         size = max(map(abs, truth))
         for name in (method.name for method in registry.applicable(system)):
-            result = getattr(system_methods, name)(system)
+            result = dispatch.run(name, system)
             if not result.exponents:
                 continue
             assert farthest(result.multipliers, truth) <= size * min(1.0, result.error) + 1e-14 * size, (name, system)

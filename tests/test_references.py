@@ -34,7 +34,7 @@ def test_every_method_is_named_where_people_look() -> None:
     for method in METHODS:
         assert f'"{method.name}"' in str(fr.stability.__doc__)
         assert method.equations is None or f"floquetrod.methods.{method.name}\n" in page
-        assert method.systems is None or f"floquet.system_methods.{method.name}\n" in systems
+        assert method.systems is None or f"methods.system_{method.name}.{method.name}\n" in systems
 
 
 def test_floquetrod_is_cited_as_its_own_file_says() -> None:

@@ -15,8 +15,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import floquetrod as fr
+from floquetrod import methods
 from floquetrod._util.interval import PI, Interval
-from floquetrod.floquet import methods
 from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.rod.answers.rod_box import RodBox
 from floquetrod.rod.loads.load import kind

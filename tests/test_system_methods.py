@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import sys
 from typing import Any
@@ -15,15 +16,17 @@ from scipy.integrate import solve_ivp
 
 import floquetrod as fr
 from conftest import depth
-from floquetrod.floquet import system_methods
+from floquetrod.floquet.dispatch import run
+from floquetrod.floquet.methods.system_reference import reference
+from floquetrod.floquet.methods.system_segmented import segmented
+from floquetrod.floquet.methods.system_spectral import spectral
 from floquetrod.floquet.registry import METHODS, applicable
-from floquetrod.floquet.system_methods import reference, segmented, spectral
 from floquetrod.floquet.systems import counts, precise_maps
 from fuzz import neutral
 from strategies import numbers, systems
 from system_cases import CASES, coupled, wide
 
-EVERY = {m.name: getattr(system_methods, m.name) for m in METHODS if m.systems is not None}
+EVERY = {m.name: functools.partial(run, m.name) for m in METHODS if m.systems is not None}
 METHODS = {name: method for name, method in EVERY.items() if name != "half_period"}  # they take any system
 System = fr.HillSystem | fr.PeriodicSystem
 
@@ -277,7 +280,7 @@ def test_a_collision_of_unlike_signs_is_never_stable(method: str) -> None:
 def test_reference_keeps_what_it_has_when_more_digits_are_too_much_work(monkeypatch: pytest.MonkeyPatch) -> None:
     system = fr.HillSystem([[2.0]], [[[0.5]]], damping=[[2e-9]])
     wanted = reference(system, digits=30)
-    module = sys.modules["floquetrod.floquet.system_methods.reference"]
+    module = sys.modules["floquetrod.floquet.methods.system_reference"]
     monkeypatch.setattr(module, "_SETTLED", 0.0)  # never content
     work = iter([0.0, math.inf])
     monkeypatch.setattr(module, "_work", lambda problem, planned: next(work))

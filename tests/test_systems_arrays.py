@@ -134,7 +134,7 @@ def test_what_the_quick_rules_leave_open_is_judged_alone(monkeypatch: pytest.Mon
 def test_what_no_digits_decide_costs_arrays_no_more_than_sixty(
     system: fr.HillSystem | fr.PeriodicSystem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    module, digits = importlib.import_module("floquetrod.floquet.system_methods.reference"), []
+    module, digits = importlib.import_module("floquetrod.floquet.methods.system_reference"), []
     attempt = module._attempt  # type: ignore[attr-defined]
 
     def counted(system: Any, context: Any, now: int, before: int) -> Any:

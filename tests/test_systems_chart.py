@@ -13,7 +13,7 @@ import pytest
 from matplotlib import pyplot
 
 import floquetrod as fr
-from floquetrod.floquet.system_methods import half_period
+from floquetrod.floquet.methods.system_half_period import half_period
 from floquetrod.systems import arrays
 
 mpl.use("Agg")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib import import_module
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
@@ -124,11 +125,8 @@ def _better(result: Any, later: Any) -> Any:
 @np.errstate(under="ignore")  # what is too small for a double is 0 to all methods, whatever a caller lets numpy raise
 def run(method: str, problem: Problem, **options: Any) -> Any:
     """Call the method of this name, of a scalar equation or of a system."""
-    if isinstance(problem, Equation):
-        from floquetrod.floquet import methods as code
-    else:
-        from floquetrod.floquet import system_methods as code  # type: ignore[no-redef]
-    call = getattr(code, method)
+    file = method if isinstance(problem, Equation) else f"system_{method}"
+    call = getattr(import_module(f"floquetrod.floquet.methods.{file}"), method)
     if options:
         _require_taken(method, call, options)
     result: Verdict = call(problem, **options)

@@ -49,7 +49,9 @@ def _even(system: HillSystem | PeriodicSystem) -> str | None:
 
 
 class Method(NamedTuple):
-    """A method: the function of its name in `floquetrod.floquet.methods`, of systems in `floquet.system_methods`.
+    """A method: the function of its name in the file of `floquetrod.floquet.methods` named after it.
+
+    That for systems is in a file of its own, ``system_`` before the name.
 
     Attributes
     ----------
