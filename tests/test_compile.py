@@ -602,9 +602,9 @@ def test_small_work_and_little_work_are_interpreted(monkeypatch: pytest.MonkeyPa
 
     few = compilation.INTERPRETED_UP_TO
     assert [chosen(size) for size in (0, few, few + 1)] == ["interpreted", "interpreted", "machine code"]
-    assert [chosen(size, interpret_up_to=0, patience=9) for size in (0, 1)] == ["interpreted", "machine code"]
+    assert [chosen(size, interpret_up_to=0, compile_after=9) for size in (0, 1)] == ["interpreted", "machine code"]
     # Three times 40 elements are up to 30 times as many as 4; what is always interpreted does not count.
-    asked = [chosen(size, interpret_up_to=4, patience=30) for size in (40, 4, 40, 4, 40, 4, 40, 4)]
+    asked = [chosen(size, interpret_up_to=4, compile_after=30) for size in (40, 4, 40, 4, 40, 4, 40, 4)]
     assert asked == ["interpreted"] * 6 + ["machine code", "interpreted"]
 
 
@@ -650,7 +650,7 @@ class Compiled(event.Listener):
     def on_end(self, e):
         pass
 event.register("numba:compile", Compiled())
-floquetrod.mathieu.arrays._PATIENCE = 0  # short questions are compiled here too
+floquetrod.mathieu.arrays._COMPILE_AFTER = 0  # short questions are compiled here too
 a = np.linspace(0.1, 1.0, 200)
 locked = a.copy()
 locked.flags.writeable = False

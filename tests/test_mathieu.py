@@ -220,7 +220,7 @@ def test_calls_from_threads() -> None:
 def test_extreme_parameters_neither_crash_nor_loop(alpha: float, beta: float, monkeypatch: pytest.MonkeyPatch) -> None:
     if os.environ.get("NUMBA_DISABLE_JIT") == "1" and max(alpha, abs(beta)) > 1e5:
         pytest.skip("a minute each when interpreted; run compiled")
-    monkeypatch.setattr(arrays, "_PATIENCE", 0)  # a hundred points of the hardest kind take ten seconds interpreted
+    monkeypatch.setattr(arrays, "_COMPILE_AFTER", 0)  # interpreted, a hundred of the hardest points take ten seconds
     stable = fr.mathieu.is_stable(np.full(100, alpha), beta)
     assert stable.all() or not stable.any()
     assert bool(stable[0]) is bool(fr.mathieu.is_stable(alpha, beta))

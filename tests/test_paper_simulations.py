@@ -143,13 +143,13 @@ def test_control_c_ends_the_runs_under_way() -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        simulations.carry_out([changed(trial, duration=1e-3), *[trial] * 3], workers=2, progress=stop)
+        simulations.run_trials([changed(trial, duration=1e-3), *[trial] * 3], workers=2, progress=stop)
 
 
 def shaped(theta: NDArray[np.float64]) -> fr.Simulation:
     """Return a run of the reference rod with angles theta around the channel, (frames, nodes), and no spin."""
     trial = changed(simulations.figure_4()[0], duration=SHORT, segments=theta.shape[1] - 1, frames=9)
-    run, rod = trial.carry_out().run, simulations.ROD
+    run, rod = trial.run().run, simulations.ROD
     places = np.broadcast_to(np.linspace(0.0, rod.length, theta.shape[1]), theta.shape)
     positions = np.stack([places, rod.radial_clearance * np.sin(theta), -rod.radial_clearance * np.cos(theta)], axis=2)
     energy = run.energy | {"twist": np.zeros(len(theta)), "bend": np.zeros(len(theta))}

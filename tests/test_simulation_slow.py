@@ -87,7 +87,7 @@ def test_constant_force_below_and_above_the_critical_one() -> None:
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_claim_f3_b_and_figure_4(seed: int) -> None:
-    for outcome in paper_simulations.carry_out(paper_simulations.figure_4(seed=seed)):
+    for outcome in paper_simulations.run_trials(paper_simulations.figure_4(seed=seed)):
         assert outcome.agrees, outcome
         if outcome.buckled:
             modes = outcome.run.mode_amplitudes(range(1, outcome.run.problem.segments // 6 + 1))[-50:]
@@ -98,7 +98,7 @@ def test_claim_f3_b_and_figure_4(seed: int) -> None:
 
 def test_figure_7() -> None:
     """Cases A, B and D; of C the outcome depends on the speeds drawn, see docs/theory/simulator.md."""
-    for outcome in paper_simulations.carry_out(paper_simulations.figure_7(cases=("A", "B", "D"))):
+    for outcome in paper_simulations.run_trials(paper_simulations.figure_7(cases=("A", "B", "D"))):
         assert outcome.agrees, outcome
 
 
@@ -144,7 +144,7 @@ def test_sliding_along_the_channel_eases_small_kicks() -> None:
 def test_case_c_needs_all_its_modes() -> None:
     """What friction holds alone escapes among others: parts of one draw, as `floquetrod reproduce` finds for more."""
     groups = simulation_claims.trials(quick=False)
-    whole, without, *alone = paper_simulations.carry_out(
+    whole, without, *alone = paper_simulations.run_trials(
         next(g for g in groups if g[0].case == "C 10, seed 3" and g[0].mean == 0.424)
     )
     assert whole.buckled

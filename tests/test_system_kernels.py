@@ -24,7 +24,7 @@ pytestmark = pytest.mark.kernels
 def compiled_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(system_series, "is_at_hand", lambda function: False)
     for module in (system_even, system_maps):
-        monkeypatch.setattr(module, "_PATIENCE", 0.0)
+        monkeypatch.setattr(module, "_COMPILE_AFTER", 0.0)
 
 
 Floats = NDArray[np.float64]
@@ -231,13 +231,13 @@ def test_large_systems_by_blas_agree_with_their_parts(rng: np.random.Generator) 
 BAD = (np.nan, np.inf, -np.inf, 1e300, 1e149, 0.0)
 
 
-@pytest.mark.parametrize("patience", [0.0, 500.0])
+@pytest.mark.parametrize("compile_after", [0.0, 500.0])
 @pytest.mark.parametrize("bad", BAD)
 def test_unusable_coefficients_lose_only_their_own_system(
-    rng: np.random.Generator, bad: float, patience: float, monkeypatch: pytest.MonkeyPatch
+    rng: np.random.Generator, bad: float, compile_after: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     for module in (system_even, system_maps):
-        monkeypatch.setattr(module, "_PATIENCE", patience)
+        monkeypatch.setattr(module, "_COMPILE_AFTER", compile_after)
     systems = [random_system(rng, 2, 1, 0.2, 1.0, True) for _ in range(5)]
     stiffness, amplitudes, period = (np.concatenate(parts) for parts in zip(*systems, strict=True))
     good = np.arange(5) != 3
@@ -272,11 +272,11 @@ def as_first_order(stiffness: Floats, amplitudes: Floats) -> tuple[Floats, NDArr
     return mean, harmonics
 
 
-@pytest.mark.parametrize("patience", [0.0, 500.0])
+@pytest.mark.parametrize("compile_after", [0.0, 500.0])
 @pytest.mark.parametrize("n", [1, 2, 3])
-def test_free_coordinates_drift(n: int, patience: float, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_free_coordinates_drift(n: int, compile_after: float, monkeypatch: pytest.MonkeyPatch) -> None:
     for module in (system_even, system_maps):
-        monkeypatch.setattr(module, "_PATIENCE", patience)
+        monkeypatch.setattr(module, "_COMPILE_AFTER", compile_after)
     stiffness, amplitudes, period = np.zeros((3, n, n)), np.zeros((3, 1, n, n)), np.array([2.0, 1e-3, 1e4])
     amplitudes[2] = 1e-300
     half = half_period_map(stiffness, amplitudes, period)
@@ -303,9 +303,9 @@ def test_small_work_is_done_without_the_compiler_to_the_same_bits(
     """What a process has asked for before, on which compiling depends, changes no digit of an answer."""
     system = random_system(rng, n, 2, 0.3, 3.0, symmetric)
 
-    def answers(patience: float) -> list[Floats]:
+    def answers(compile_after: float) -> list[Floats]:
         for module in (system_even, system_maps):
-            monkeypatch.setattr(module, "_PATIENCE", patience)
+            monkeypatch.setattr(module, "_COMPILE_AFTER", compile_after)
         monkeypatch.setattr(system_series, "OFTEN_ASKED", set())
         monkeypatch.setattr(compilation, "_ASKED", {})
         whole = product(segment_maps(*as_first_order(*system[:2]), system[2], least_segments=2))

@@ -202,7 +202,7 @@ def _after_passes(act: Callable[[], None]) -> Any:
 
 
 def runner(
-    function: Callable[..., Any], size: int, *, interpret_up_to: int = INTERPRETED_UP_TO, patience: int = 0
+    function: Callable[..., Any], size: int, *, interpret_up_to: int = INTERPRETED_UP_TO, compile_after: int = 0
 ) -> Callable[..., Any]:
     """Return a kernel as it stands or compiled: the one rule for that choice.
 
@@ -214,14 +214,14 @@ def runner(
         Elements of work to be done now.
     interpret_up_to : int
         Elements that are always interpreted: loading numba costs more than they do.
-    patience : int
-        Larger work is interpreted, too, until the process has called this kernel for ``patience`` times as many:
+    compile_after : int
+        Larger work is interpreted, too, until the process has called this kernel for ``compile_after`` times as many:
         compiling takes seconds, too long for a single question.
     """
     if size <= interpret_up_to:
         return function
     asked = _ASKED.get(function, 0.0) + size / max(interpret_up_to, 1)
-    if interpret_up_to and asked <= patience:
+    if interpret_up_to and asked <= compile_after:
         _ASKED[function] = asked
         return function
     return compiled(function)
@@ -243,16 +243,16 @@ def over_chunks(
     workers: int | None = None,
     chunk: int = _CHUNK,
     interpret_up_to: int = INTERPRETED_UP_TO,
-    patience: int = 0,
+    compile_after: int = 0,
 ) -> None:
     """Call ``function(*inputs, out, *constants)`` on matching pieces of equally long arrays, in threads if it pays.
 
     Kernels release the GIL, so the threads run side by side, and Ctrl-C is handled between pieces.
-    ``interpret_up_to`` and ``patience`` as in `runner`.
+    ``interpret_up_to`` and ``compile_after`` as in `runner`.
     """
     workers = validate.workers(workers)
     size = len(out)
-    run: Any = runner(function, size, interpret_up_to=interpret_up_to, patience=patience)
+    run: Any = runner(function, size, interpret_up_to=interpret_up_to, compile_after=compile_after)
     if not hasattr(run, "py_func"):  # interpreted: plain floats are faster than numpy's, and overflow quietly
         with np.errstate(all="ignore"):  # as machine code does, whatever the caller asks of numpy
             run(*(array.tolist() for array in inputs), out, *constants)

@@ -263,13 +263,13 @@ def work(
     """
     tasks: dict[Future[list[Outcome]], list[int]] = {}
     queue, alone, deaths = deque(pending), deque[int](), Counter[int]()
-    pace = _Pace()
+    sizes = _TaskSizes()
     broken: RuntimeError | None = None
     with interrupt.held() as deliver:
         try:
             while queue or alone or tasks:
                 while broken is None and (queue or alone) and len(tasks) < runner.room:
-                    runs = [alone.popleft()] if alone else pace.take(queue, runner.room)
+                    runs = [alone.popleft()] if alone else sizes.take(queue, runner.room)
                     try:
                         tasks[runner.submit(job, [(run, values(run)) for run in runs])] = runs
                     except Exception as refusal:  # every executor has its own ways to break
@@ -289,7 +289,7 @@ def work(
                         broken = _broken(error)
                     else:
                         found = task.result()
-                        pace.note(found)
+                        sizes.note(found)
                         yield from found
                         made = {outcome.run for outcome in found}
                         alone.extend(run for run in runs if run not in made)  # a worker was interrupted
@@ -322,7 +322,7 @@ def _broken(error: BaseException) -> RuntimeError:
     )
 
 
-class _Pace:
+class _TaskSizes:
     """How many runs make a task: as many as take a quarter of a second, but leave some for every worker."""
 
     def __init__(self) -> None:

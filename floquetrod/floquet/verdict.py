@@ -240,7 +240,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
         """Return the verdict as a sentence."""
         verdict = self._status_in_words
         if self.status == "unstable":
-            verdict += f": grows {pace(self.growth_rate)} per unit {self.unit}"
+            verdict += f": grows {rate_in_words(self.growth_rate)} per unit {self.unit}"
         elif self.status == "undecided" and self.exponents:
             verdict += f": growth {self.growth_rate:.3g} per unit {self.unit} cannot be distinguished from none"
         text = f"{verdict}{self._named}; {self._known}; {self.method}, {self.cost}"
@@ -324,7 +324,7 @@ class Stability(FloquetVerdict):
         return f"discriminant {self._size} +- {self.error:.1g} relative" if self.exponents else "nothing computed"
 
 
-def pace(growth_rate: float) -> str:
+def rate_in_words(growth_rate: float) -> str:
     """Return how fast an unstable solution grows, in words that end before the unit of time."""
     return f"at {growth_rate:.6g}" if growth_rate > 0.0 else "slower than any exponential, at 0"
 

@@ -21,7 +21,7 @@ from floquetrod.floquet.kernels import mathieu_counts as counts
 _CHUNK = 1024
 """Points a thread takes at a time; each costs a microsecond, far out more, and a verdict without damping much less."""
 
-_PATIENCE = 100
+_COMPILE_AFTER = 100
 """Times as many points as are always interpreted before growth is compiled, which takes seconds (heuristic)."""
 
 
@@ -68,7 +68,9 @@ def is_stable(alpha: Any, beta: Any, damping: Any = 0.0, *, workers: int | None 
             a, b = arguments[:2]
             out[near] = _growth(a[near], b[near], np.zeros(near.size), workers) == 0.0
     else:
-        over_chunks(kernels.damped_stable_fill, arguments, out, workers=workers, chunk=_CHUNK, patience=_PATIENCE)
+        over_chunks(
+            kernels.damped_stable_fill, arguments, out, workers=workers, chunk=_CHUNK, compile_after=_COMPILE_AFTER
+        )
     return shaped(out.view(np.bool_), shape)
 
 
@@ -94,7 +96,13 @@ def _growth(
     rows = 2.0 * math.sqrt(max(float(np.abs(part).max(initial=0.0)) for part in (a, b)))  # of Hill's matrix
     few = int(INTERPRETED_UP_TO / (1.0 + 0.02 * max(0.0, rows - 600.0)))  # from there on each takes longer (measured)
     over_chunks(
-        kernels.growth_fill, (a, b, c), out, workers=workers, chunk=_CHUNK, interpret_up_to=few, patience=_PATIENCE
+        kernels.growth_fill,
+        (a, b, c),
+        out,
+        workers=workers,
+        chunk=_CHUNK,
+        interpret_up_to=few,
+        compile_after=_COMPILE_AFTER,
     )
     return out
 

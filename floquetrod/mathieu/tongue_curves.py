@@ -16,7 +16,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.compilation import over_chunks
 from floquetrod.mathieu.kernels import tongue_curves as kernels
-from floquetrod.mathieu.tongues import PATIENCE, few
+from floquetrod.mathieu.tongues import COMPILE_AFTER, few
 
 Flags = np.ndarray[tuple[int, ...], np.dtype[np.bool_]]
 
@@ -106,7 +106,7 @@ class TongueCurves:
             out,
             chunk=256,
             interpret_up_to=few(*_extent(lines), cost),
-            patience=PATIENCE,
+            compile_after=COMPILE_AFTER,
         )
         return out
 
@@ -124,7 +124,7 @@ class TongueCurves:
             out,
             chunk=256,
             interpret_up_to=few(*_extent(lines), _SEARCH),
-            patience=PATIENCE,
+            compile_after=COMPILE_AFTER,
         )
         return np.where(order == 0, np.inf, out) if self.window.along == "mean" else out
 
@@ -140,7 +140,7 @@ class TongueCurves:
             out,
             chunk=256,
             interpret_up_to=few(*_extent(lines), _SEARCH),
-            patience=PATIENCE,
+            compile_after=COMPILE_AFTER,
         )
         return np.clip(self._place(out[:, 0], i, at), low, high), out[:, 1]
 

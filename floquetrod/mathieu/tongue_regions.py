@@ -10,7 +10,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod.mathieu.tongue_curves import TongueCurves, Window
 from floquetrod.mathieu.tongue_outlines import Outlines, outlines
-from floquetrod.mathieu.tongues import counts, growth_bounds, ladders, where_bounded
+from floquetrod.mathieu.tongues import counts, growth_bounds, numbers_between, where_bounded
 
 _AT_ONCE = 2048  # tongues outlined between two reports of progress: some tenths of a second (a choice)
 _ASKED = 1 << 16  # tongues asked at once whether they may exceed the level: some megabytes (a choice)
@@ -142,7 +142,7 @@ def _tongues(oscillators: UndampedEquations, window: Window) -> tuple[Ints, Ints
         margin = coefficients(every, np.zeros(every.size), step, omega)[1]
         most.append(counts(far + margin, q))
     met = np.max(met_most, axis=0) // 2 - (np.min(met_least, axis=0) + 1) // 2 + 1
-    which, order = ladders((np.min(least, axis=0) + 1) // 2, np.where(matters, np.max(most, axis=0) // 2, -1))
+    which, order = numbers_between((np.min(least, axis=0) + 1) // 2, np.where(matters, np.max(most, axis=0) // 2, -1))
     parts = [slice(start, start + _ASKED) for start in range(0, which.size, _ASKED)]
     tall = np.concatenate(
         [_tall(oscillators, window, which[part], order[part], strongest) for part in parts] or [which > 0]

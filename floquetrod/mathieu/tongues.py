@@ -26,7 +26,7 @@ from floquetrod.mathieu.kernels import characteristic
 _SPACING = 1e-3  # of points along the amplitude where nothing is proved, as a share of the range (a choice)
 _SHARE = 2.0**-8  # of a tongue, where it is narrower than that many points (a choice)
 _INTERPRETED_ROWS = 4000.0  # of Hill's matrices, left to the interpreter: about a millisecond (heuristic)
-PATIENCE = 300  # times as many before anything is compiled: what compiling takes at the least (heuristic)
+COMPILE_AFTER = 300  # times as many before anything is compiled: what compiling takes at the least (heuristic)
 
 
 class Tongues(NamedTuple):
@@ -59,7 +59,7 @@ def along_mean(alpha: Floats, above: Floats, low: Floats, high: Floats) -> Tongu
         np.clip(-0.5 * q[bound], low[bound], high[bound]),
     )
     begin, end, whole = (counts(-4.0 * b, q) // 2 for b in (start, high, low))
-    index, order = ladders(end, begin)
+    index, order = numbers_between(end, begin)
     index, order = _only(~free[index], index, order)
     a, b = (_characteristic(order, q[index], odd) for odd in (False, True))
     bottom = np.clip(-0.25 * np.maximum(a, b), low[index], high[index])
@@ -98,7 +98,7 @@ def along_frequency(alpha: Floats, b: Floats, rate: Floats, low: Floats, high: F
     )
     every = np.arange(q.size)
     begin, end, whole = count(start, every), count(high, every), count(low, every)
-    index, target = ladders(end, begin)  # the count is `target` just above the frequency sought, or more below
+    index, target = numbers_between(end, begin)  # the count is `target` just above the frequency sought, or more below
     climbs = target < begin[index]
     place = start[index].copy()
     sought = np.flatnonzero(climbs)
@@ -243,7 +243,7 @@ def _only(kept: NDArray[np.bool_], *arrays: NDArray[Any]) -> tuple[NDArray[Any],
     return tuple(array[kept] for array in arrays)
 
 
-def ladders(start: Ints, stop: Ints) -> tuple[Ints, Ints]:
+def numbers_between(start: Ints, stop: Ints) -> tuple[Ints, Ints]:
     """Return (question, number) for the numbers from ``start`` to ``stop``, both included, of every question."""
     sizes = np.maximum(stop - start + 1, 0)
     index = np.repeat(np.arange(start.size), sizes)
@@ -294,7 +294,7 @@ def _amplitude_pieces(b: Floats, low: Floats, high: Floats) -> tuple[Ints, Ints,
     found = count(place, owner)
     cell = np.flatnonzero((owner[1:] == owner[:-1]) & (found[1:] != found[:-1]))
     least, most = np.minimum(found[cell], found[cell + 1]), np.maximum(found[cell], found[cell + 1])
-    passed, target = ladders(least, most - 1)
+    passed, target = numbers_between(least, most - 1)
     left, right = place[cell][passed], place[cell + 1][passed]
     falling = found[cell][passed] > target
     at = _passages(count, owner[cell][passed], target, np.where(falling, left, right), np.where(falling, right, left))
@@ -316,7 +316,7 @@ def _growth(alpha: Floats, b: Floats) -> Floats:
         out,
         chunk=1024,
         interpret_up_to=few(-4.0 * b, 2.0 * alpha, 4.0),
-        patience=PATIENCE,
+        compile_after=COMPILE_AFTER,
     )
     return out
 
@@ -332,14 +332,18 @@ def _growth_in(alpha: Floats, b: Floats, which: Ints) -> Floats:
 def counts(a: Floats, q: Floats) -> Ints:
     """Return how many characteristic values lie below each a."""
     out = np.empty(a.size, dtype=np.int64)
-    over_chunks(mathieu_counts.count_fill, (a, q), out, chunk=4096, interpret_up_to=few(a, q, 1.0), patience=PATIENCE)
+    over_chunks(
+        mathieu_counts.count_fill, (a, q), out, chunk=4096, interpret_up_to=few(a, q, 1.0), compile_after=COMPILE_AFTER
+    )
     return out
 
 
 def growth_bounds(a: Floats, q: Floats) -> Floats:
     """Return a bound on the growth per unit tau, which falls as a grows and rises with q; infinite for a <= 2 q."""
     out = np.empty(a.size)
-    over_chunks(mathieu.growth_bound_fill, (a, q), out, chunk=4096, interpret_up_to=few(a, q, 1.0), patience=PATIENCE)
+    over_chunks(
+        mathieu.growth_bound_fill, (a, q), out, chunk=4096, interpret_up_to=few(a, q, 1.0), compile_after=COMPILE_AFTER
+    )
     return out
 
 
@@ -355,6 +359,11 @@ def _characteristic(order: Ints, q: Floats, odd_solution: bool) -> Floats:
     odd = np.full(order.size, odd_solution) & (order > 0)
     most = few(4.0 * order.astype(np.float64) ** 2, q, 50.0)  # a count for each step of a bisection
     over_chunks(
-        characteristic.characteristic_fill, (order, q, odd), out, chunk=1024, interpret_up_to=most, patience=PATIENCE
+        characteristic.characteristic_fill,
+        (order, q, odd),
+        out,
+        chunk=1024,
+        interpret_up_to=most,
+        compile_after=COMPILE_AFTER,
     )
     return out

@@ -22,10 +22,10 @@ from floquetrod.studies.simulations import (
     Draws,
     Trial,
     TrialOutcome,
-    carry_out,
     figure_4,
     figure_7,
     redraw,
+    run_trials,
     torsion_and_shear_share,
 )
 
@@ -111,7 +111,7 @@ def make_study(quick: bool, progress: Callable[[str], None] | None = None) -> Si
     groups = trials(quick)
     flat = [trial for group in groups for trial in group]
     say = progress or (lambda _: None)
-    outcomes = iter(carry_out(flat, progress=lambda trial, _: say(f"Simulated {trial}")))
+    outcomes = iter(run_trials(flat, progress=lambda trial, _: say(f"Simulated {trial}")))
     fourth, seventh, redrawn, *parts = [tuple(next(outcomes) for _ in group) for group in groups]
     seeds = _seeds(quick)
     led_by_10 = tuple(Draw(part[0], part[1], part[2:], seeds[i % len(seeds)]) for i, part in enumerate(parts))

@@ -71,7 +71,7 @@ class Trial:
         """Amplitude of the load, a part of the critical force."""
         return self.problem.load.amplitude / ROD.critical_force
 
-    def carry_out(self, progress: Progress | None = None) -> TrialOutcome:
+    def run(self, progress: Progress | None = None) -> TrialOutcome:
         """Simulate it; ``progress`` is called with the steps done and to do."""
         run = self.problem.run(progress)
         return TrialOutcome(self, run.buckled, run.dominant_mode if run.buckled else 0, run)
@@ -169,7 +169,7 @@ def _load(mean: float, amplitude: float, frequency: float) -> AxialLoad:
     return AxialLoad(mean * ROD.critical_force, amplitude * ROD.critical_force, frequency)
 
 
-def carry_out(
+def run_trials(
     trials: Sequence[Trial], workers: int | None = None, progress: Callable[[Trial, int], None] | None = None
 ) -> list[TrialOutcome]:
     """Simulate in threads, by default as many as there are processors; return the outcomes in the order of the trials.
@@ -178,12 +178,12 @@ def carry_out(
     """
     stopped = threading.Event()
 
-    def heed(done: int, total: int) -> None:
+    def stop_if_told(done: int, total: int) -> None:
         if stopped.is_set():
             raise KeyboardInterrupt  # which ends a run as Ctrl-C would in the main thread
 
     with ThreadPoolExecutor(workers or cores()) as pool:
-        running = {pool.submit(trial.carry_out, heed): trial for trial in trials}
+        running = {pool.submit(trial.run, stop_if_told): trial for trial in trials}
         try:
             for done, task in enumerate(as_completed(running), start=1):
                 task.result()

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 _EXPLICIT_UP_TO = 20
 _MANY_UP_TO = 60  # equations: of several systems at once kernels take less time than numpy's products (measured)
 
-_PATIENCE = 1000.0
+_COMPILE_AFTER = 1000.0
 """Milliseconds, as estimated, for which a process interprets kernels before they are compiled (heuristic)."""
 
 
@@ -92,7 +92,7 @@ def half_period_map(
     out = np.empty((batch, 4 * n * n + n + 1))
     constants = (first, accuracy, reach(accuracy), symmetric, slack)
     if n <= (_EXPLICIT_UP_TO if batch == 1 else _MANY_UP_TO):
-        run = run_of(half_period_fill, _PATIENCE, lambda: _milliseconds(stiffness, amplitudes, period))
+        run = run_of(half_period_fill, _COMPILE_AFTER, lambda: _milliseconds(stiffness, amplitudes, period))
         inputs = s, f, omega
         if batch == 1 or run is half_period_fill:  # the shortest way for a single system
             with np.errstate(all="ignore"):  # interpreted, as machine code does
@@ -132,7 +132,7 @@ def pair_numbers(
     stiffness, amplitudes, period = _arrays(stiffness, amplitudes, period)
     out = np.empty((len(period), 8))
     inputs = (stiffness, amplitudes, period)
-    run = run_of(pair_fill, _PATIENCE, lambda: _milliseconds(*inputs))
+    run = run_of(pair_fill, _COMPILE_AFTER, lambda: _milliseconds(*inputs))
     if len(out) == 1 or run is pair_fill:
         with np.errstate(all="ignore"):  # interpreted, as machine code does
             run(*inputs, out, accuracy, reach(accuracy))  # the shortest way for a single system
@@ -166,7 +166,7 @@ def _outcomes(found: HalfPeriodMap, workers: int | None) -> Floats:
     out[~finite] = [math.nan, math.nan, math.nan, math.nan, math.inf, math.inf, 0.0, 0.0]
     inputs = (maps, back, errors, wrong, np.full(len(maps), found.symmetric))
     rows = np.empty((int(finite.sum()), 8))
-    over_chunks(outcome_fill, [array[finite] for array in inputs], rows, workers=workers, patience=64)
+    over_chunks(outcome_fill, [array[finite] for array in inputs], rows, workers=workers, compile_after=64)
     out[finite] = rows
     return out
 

@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 _LONGEST = 2.5
 """Phase a series is used for at most, to either side: beyond it rounding grows and little is saved (heuristic)."""
 
-_PATIENCE = 1000.0
+_COMPILE_AFTER = 1000.0
 """Milliseconds, as estimated, for which a process interprets the kernel before it is compiled (heuristic)."""
 
 
@@ -113,7 +113,7 @@ def segment_maps(
     inputs = (mean, harmonics.real.copy(), harmonics.imag.copy(), slope, period, length)
     chunk = max(1, 100000 // (size * n * least_segments))
     constants = (least_segments, accuracy, min(0.5 * reach(accuracy), _LONGEST))
-    run = run_of(segment_fill, _PATIENCE, lambda: _milliseconds(mean, harmonics, length, least_segments))
+    run = run_of(segment_fill, _COMPILE_AFTER, lambda: _milliseconds(mean, harmonics, length, least_segments))
     if run is segment_fill:
         # Plain floats are faster than numpy's.
         arguments: list[Any] = [*(array.tolist() for array in inputs), out, *constants]
@@ -137,7 +137,7 @@ def product(segments: SegmentMaps) -> Monodromy:
     out = np.empty((batch, n * n + 1))
     maps, errors, scaling = (np.array(value, dtype=float, order="C") for value in segments)
     with np.errstate(all="ignore"):  # interpreted, as machine code does
-        runner(product_fill, batch * maps.shape[1], interpret_up_to=4, patience=100)(maps, errors, scaling, out)
+        runner(product_fill, batch * maps.shape[1], interpret_up_to=4, compile_after=100)(maps, errors, scaling, out)
     return Monodromy(out[:, :-1].reshape(batch, n, n), out[:, -1], segments.scaling)
 
 

@@ -26,7 +26,7 @@ def large_seconds(stiffness: Floats, harmonics: NDArray[np.complex128], period: 
 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def period_map_large(
-    stiffness: Floats, harmonics: NDArray[np.complex128], period: float, doubt: float, accuracy: float
+    stiffness: Floats, harmonics: NDArray[np.complex128], period: float, coefficient_error: float, accuracy: float
 ) -> tuple[Floats, float]:
     """Return the map over a period of u'' + (S + Re sum_k Z_k exp(i k w t)) u = 0, and its error.
 
@@ -36,7 +36,7 @@ def period_map_large(
         S and Z_1..Z_H, symmetric.
     period : float
         2 pi / w.
-    doubt : float
+    coefficient_error : float
         Error of K in the 2-norm.
     accuracy : float
         The error aimed at per segment, in balanced coordinates; no less than 1e-13 for each equation.
@@ -47,7 +47,7 @@ def period_map_large(
         Symplectic: of (v, p), u = basis v and u' = basis^-T p, basis eigenvectors of S over the roots of rates.
     error : float
         Bound of its Frobenius norm, absolute: truncation bounded from the computed terms, rounding and the effect of
-        ``doubt`` estimated.  Infinite where the period holds too many waves.
+        ``coefficient_error`` estimated.  Infinite where the period holds too many waves.
     """
     n, omega = len(stiffness), 2.0 * math.pi / period
     accuracy = max(accuracy, n * _FINEST)
@@ -97,4 +97,4 @@ def period_map_large(
         maps.append(matrix)
         errors.append(wrong)
     product, error = chain(maps, errors)
-    return product, error + period * doubt / slow * max(norm_bound(product), 1.0) ** 2
+    return product, error + period * coefficient_error / slow * max(norm_bound(product), 1.0) ** 2

@@ -31,16 +31,16 @@ _LOG_LARGEST = 600.0
 _LARGEST_ANGLE = 700.0
 
 
-def run_of(function: Callable[..., Any], patience: float, milliseconds: Callable[[], float]) -> Callable[..., Any]:
+def run_of(function: Callable[..., Any], compile_after: float, milliseconds: Callable[[], float]) -> Callable[..., Any]:
     """Return a kernel as it stands or compiled, in view of the milliseconds that it takes when interpreted.
 
     What a process has asked for before changes only how long an answer takes: both give the same bits.
     """
-    if function in OFTEN_ASKED or patience == 0.0:
+    if function in OFTEN_ASKED or compile_after == 0.0:
         return compiled(function)
     work = math.ceil(milliseconds())
     at_once = work > _LOADING and is_at_hand(function)
-    run = compiled(function) if at_once else runner(function, work, interpret_up_to=1, patience=int(patience))
+    run = compiled(function) if at_once else runner(function, work, interpret_up_to=1, compile_after=int(compile_after))
     if run is not function:
         OFTEN_ASKED.add(function)
     return run

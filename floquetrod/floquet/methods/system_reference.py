@@ -20,7 +20,7 @@ from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.equations.pieces import TimedPiece
-from floquetrod.floquet.systems import ladders, precise_maps, precise_spectra
+from floquetrod.floquet.systems import independent_solutions, precise_maps, precise_spectra
 from floquetrod.floquet.systems.classification import (
     LogDiscs,
     ManyDigits,
@@ -243,7 +243,7 @@ def _first_order(
 def _scales(size: NDArray[np.float64], paired: bool, w: float) -> NDArray[np.float64]:
     """Return powers of two by which coordinates are divided: one for all momenta where the map comes in pairs."""
     if not paired:
-        return ladders.balance(size)
+        return independent_solutions.balance(size)
     n = len(size) // 2
     lower, upper = float(np.linalg.norm(size[n:, :n])), float(np.linalg.norm(size[:n, n:]))
     scale = 2.0 ** round(math.log2(max(math.sqrt(lower / upper), 0.01 * w / upper))) if upper > 0.0 else 1.0

@@ -11,9 +11,9 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import norms
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
-from floquetrod.floquet.systems import ladders, spectra
+from floquetrod.floquet.systems import independent_solutions, spectra
 from floquetrod.floquet.systems.classification import classify_multipliers, undamped_pairs
-from floquetrod.floquet.systems.ladders import Solutions
+from floquetrod.floquet.systems.independent_solutions import Solutions
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.whole import balanced_maps, error_stretch
 from floquetrod.floquet.verdict import Cost
@@ -78,10 +78,10 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         return SystemStability.declined(
             system, "segmented", cost, "the eigenvectors cannot be computed accurately enough"
         )
-    logs = ladders.log_discs(solutions, damping * float(system.period))
+    logs = independent_solutions.log_discs(solutions, damping * float(system.period))
 
     def krein(cluster: NDArray[np.intp]) -> int:
-        return ladders.krein_sign(solutions, cluster)
+        return independent_solutions.krein_sign(solutions, cluster)
 
     hamiltonian = freed is not None and first.structure == "hamiltonian"
     return classify_multipliers(system, "segmented", logs, krein=krein if hamiltonian else None, cost=cost)
@@ -95,7 +95,7 @@ def _too_large(system: HillSystem | PeriodicSystem, count: int) -> SystemStabili
 def _phase(system: PeriodicSystem) -> float:
     """Return a bound on the angle that solutions turn by in a period, in balanced coordinates."""
     sizes = np.maximum.reduce([piece.size for piece in by_pieces.in_time(system)])
-    scales = ladders.balance(sizes)
+    scales = independent_solutions.balance(sizes)
     return float(system.period) * float(np.linalg.norm(sizes * scales[None, :] / scales[:, None], 2))
 
 
@@ -122,7 +122,7 @@ def _solutions(maps: NDArray[np.float64], errors: NDArray[np.float64], scales: N
     if discs is None:
         return None
     states = discs.right[:order]
-    chosen = ladders.independent(states, np.abs(np.angle(discs.values)))
+    chosen = independent_solutions.independent(states, np.abs(np.angle(discs.values)))
     if chosen is None:
         return None
     roots, radii = discs.values[chosen], discs.radii[chosen]
@@ -130,5 +130,5 @@ def _solutions(maps: NDArray[np.float64], errors: NDArray[np.float64], scales: N
         relative = np.minimum(radii / np.abs(roots), 1.0)
         uncertainties = -count * np.log1p(-relative)
     states = states[:, chosen] * scales[:, None]
-    logs = ladders.principal(count * np.log(roots))
+    logs = independent_solutions.principal(count * np.log(roots))
     return Solutions(logs, uncertainties, states / np.linalg.norm(states, axis=0))

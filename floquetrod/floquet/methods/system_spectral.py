@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import HillSystem, PeriodicSystem
-from floquetrod.floquet.systems import counts, ladders, spectra
+from floquetrod.floquet.systems import counts, independent_solutions, spectra
 from floquetrod.floquet.systems.classification import classify_multipliers, undamped_pairs
-from floquetrod.floquet.systems.ladders import Solutions
+from floquetrod.floquet.systems.independent_solutions import Solutions
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 
@@ -66,7 +66,7 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
     if solutions is None:
         note = f"needs Hill matrices of more than {_MOST_ROWS} rows, or its solutions cannot be distinguished"
         return SystemStability.declined(system, "spectral", cost, note)
-    logs = ladders.log_discs(solutions, damping * balanced.period)
+    logs = independent_solutions.log_discs(solutions, damping * balanced.period)
     hamiltonian = freed is not None and first.structure == "hamiltonian"
     counted = None
     if hamiltonian and isinstance(subject, HillSystem):
@@ -75,7 +75,7 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
     def krein(cluster: NDArray[np.intp]) -> int:
         if counted is not None and counted.strongly_stable:
             return counted.krein_sign(solutions.logs.imag[cluster])
-        return ladders.krein_sign(solutions, cluster)
+        return independent_solutions.krein_sign(solutions, cluster)
 
     return classify_multipliers(system, "spectral", logs, krein=krein if hamiltonian else None, cost=cost)
 
@@ -83,7 +83,7 @@ def spectral(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sys
 def _balanced(system: PeriodicSystem) -> _Harmonics:
     """Return a system in balanced coordinates, powers of two times those it has."""
     sizes = np.abs(system.mean) + np.abs(system.harmonics).sum(axis=0)
-    scales = ladders.balance(sizes)
+    scales = independent_solutions.balance(sizes)
     ratio = scales[None, :] / scales[:, None]
     return _Harmonics(system.mean * ratio, 0.5 * system.harmonics * ratio, scales, float(system.period))
 
@@ -129,7 +129,7 @@ def _truncated(
     weights = np.square(np.abs(harmonics)).sum(axis=1)
     centre = np.abs(np.arange(-cut, cut + 1) @ weights)
     near = np.flatnonzero(centre < 0.5 * cut)
-    chosen = ladders.independent(harmonics.sum(axis=0)[:, near], centre[near])
+    chosen = independent_solutions.independent(harmonics.sum(axis=0)[:, near], centre[near])
     if chosen is None:
         return None
     chosen = near[chosen]
@@ -141,7 +141,7 @@ def _truncated(
     radii = (discs.radii[chosen] + conditions * neglected) * system.period
     states = harmonics.sum(axis=0)[:, chosen] * system.scales[:, None]
     states = states / np.linalg.norm(states, axis=0)
-    logs = ladders.principal(discs.values[chosen] * system.period)
+    logs = independent_solutions.principal(discs.values[chosen] * system.period)
     return Solutions(logs, radii, states), float(neglected.max())
 
 

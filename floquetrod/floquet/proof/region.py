@@ -22,7 +22,7 @@ from floquetrod.floquet.references import references
 
 _MOST_AT_ONCE = 100_000  # parts that wait in one search: tens of megabytes (a choice)
 _STEPS = 2_000  # parts examined between two reports of progress: some tens of milliseconds (a choice)
-_PATIENCE = 1000  # rows of the modes' Hill matrices judged by interpreted kernels before they are compiled (a choice)
+_COMPILE_AFTER = 1000  # rows of the modes' Hill matrices judged before kernels are compiled (a choice)
 
 _NAMES = {"mean": "mean force"}
 
@@ -294,7 +294,7 @@ def subdivide(
     search = kernels.box_search(np.array(box), last, min(max_boxes, _MOST_AT_ONCE))
     counts = search.counts
     # The box as a whole is judged by interpreted kernels, while there are few: most need no more, and no numba.
-    first: Any = runner(kernels.certify_box, last * _rows(box), interpret_up_to=1, patience=_PATIENCE)
+    first: Any = runner(kernels.certify_box, last * _rows(box), interpret_up_to=1, compile_after=_COMPILE_AFTER)
     with np.errstate(all="ignore"):
         goes_on = first(*search, tolerance, tolerance, 1)
     if goes_on and counts[kernels.WAITING]:
@@ -322,7 +322,7 @@ def modes_of_box(box: ModeBox, tolerance: float, negligible: float, most: int) -
     The bound is at most the tolerance, or ``negligible`` where tolerance and damping together are less.
     """
     smallest = 0.0 if tolerance + box.damping_rate[0] >= negligible else negligible
-    run: Any = runner(tail_modes, _rows(box), interpret_up_to=1, patience=_PATIENCE)
+    run: Any = runner(tail_modes, _rows(box), interpret_up_to=1, compile_after=_COMPILE_AFTER)
     with np.errstate(all="ignore"):
         last, bound = run(np.array(box), tolerance, smallest, most)
     return int(last), float(bound)

@@ -1,4 +1,4 @@
-"""One exponent of each ladder s + i k w: what eigenvalues of Hill's and of cyclic matrices leave to choose.
+"""One of the exponents s + i k w of each solution: what eigenvalues of Hill's and of cyclic matrices leave to choose.
 
 Each Floquet solution appears many times among such eigenvalues, once for each way of writing it, and the solutions'
 states at one instant tell which eigenvalues stand for independent ones.
