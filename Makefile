@@ -23,7 +23,7 @@ DEEP := FLOQUETROD_TEST_DEPTH=deep
 unexport PYTHONDONTWRITEBYTECODE
 
 .DELETE_ON_ERROR:
-.PHONY: demo test lint slow bite fuzz coverage bench agreement docs look dist compatibility clean
+.PHONY: demo test interpreted lint slow bite fuzz coverage bench agreement docs look dist compatibility clean
 
 demo: $(READY)
 	@$(BIN)/floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
@@ -31,9 +31,13 @@ demo: $(READY)
 	@$(BIN)/floquetrod map --rod nitinol --mean 0:1.1Fcr --amplitude 0.2Fcr --frequency 20:200rad/s --growth \
 		--growth-tolerance 0.1 --mark 0.2Fcr,150rad/s --out demo_map.png
 
-test: lint
-	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "kernels and not slow"
+# What leaves a processor idle, types, is checked beside the interpreted tests.
+test: $(READY)
+	@$(MAKE) --no-print-directory -j 2 lint interpreted
 	$(PYTEST) -m "not slow"
+
+interpreted: $(READY)
+	NUMBA_DISABLE_JIT=1 $(PYTEST) -m "kernels and not slow"
 
 lint: $(READY)
 	$(BIN)/ruff check .
