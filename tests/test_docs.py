@@ -37,6 +37,8 @@ MISTAKES = [
     ("theory/systems.md", "2 * I + 4 * b.T * c", "2 * I - 4 * b.T * c"),
     ("theory/systems.md", "s + c2 - sp.I * D / 2", "s + c2 + sp.I * D / 2"),
     ("theory/systems.md", "(c1 + c2) ** 2 * (G2 / (c1 * c2) - 1)", "(c1 + c2) ** 2 * (G2 / (c1 * c2) + 1)"),
+    ("theory/systems.md", "- (ratio + 1 / ratio)", "+ (ratio + 1 / ratio)"),
+    ("theory/systems.md", "(x**2 - (2 * sp.I) ** 2)", "(x**2 + (2 * sp.I) ** 2)"),
     ("theory/square_wave.md", "(p / q - q / p)", "(p / q + q / p)"),
     ("theory/leapfrog.md", "w + w**3 * h**2 / 24", "w - w**3 * h**2 / 24"),
     ("theory/friction.md", "A * (psi.diff(tau) - 2 * c * psi)", "A * (psi.diff(tau) + 2 * c * psi)"),
