@@ -697,3 +697,10 @@ def test_floquet_solutions_begin_within_their_error(seed: int) -> None:
             off = mpmath.norm(start - (true.H * start)[0] * true)
             size = np.abs(mode(np.linspace(0.0, mode.period, 101))).max()
             assert off <= mode.error * size < 1e-13
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_the_matrix_of_a_verdict_is_the_map_within_its_error(name: str) -> None:
+    truth, (matrix, error) = true_map(MADE[name]), fr.stability(MADE[name]).monodromy
+    off = max(abs(entry) for entry in truth - mpmath.matrix(matrix.tolist()))
+    assert off <= error < 1e-12 * max(1.0, np.abs(matrix).max())
