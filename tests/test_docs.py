@@ -340,3 +340,28 @@ def test_parameters_and_fields_have_an_entry_each() -> None:
     found = [(place, entry) for place, thing in referred() for entry in entries(thing)]
     assert [(place, entry) for place, entry in found if "," in entry] == []
     assert len(found) > 500
+
+
+def lost_names(text: str) -> list[str]:
+    """Return names of the package, of members of its classes and of files that a page mentions and nobody finds."""
+    lost = []
+    for name in re.findall(r"(?<![\w.])(?:fr|floquetrod)\.(\w+(?:\.\w+)*)", text):
+        try:
+            pkgutil.resolve_name(f"floquetrod.{name}")
+        except (ImportError, AttributeError):
+            lost += [] if name == "compile" else [name]  # the name of a logger
+    for owner, member in re.findall(r"`([A-Z]\w+)\.(\w+)", text):
+        thing = getattr(fr, owner, None)
+        known = {*dir(thing), *getattr(thing, "__dataclass_fields__", ()), *getattr(thing, "__annotations__", ())}
+        lost += [f"{owner}.{member}"] if thing and member not in known else []
+    folders = (ROOT, ROOT / "floquetrod", ROOT / "floquetrod/floquet/systems", DOCS, ROOT / "tests")
+    for path in re.findall(r"`([\w.]+/[\w./]*\.(?:py|md|rst))\b", text):
+        lost += [] if any((folder / path).is_file() for folder in folders) else [path]
+    return lost
+
+
+def test_what_pages_name_exists() -> None:
+    pages = [*WRITTEN, *DOCS.glob("reference/*.rst"), ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
+    assert {page.name: lost for page in pages if (lost := lost_names(page.read_text(encoding="utf-8")))} == {}
+    wrong = "`fr.no`, `Rod.no(1)`, `rod/no.py`, `fr.Rod.stability`, `rod/rod.py`"
+    assert lost_names(wrong) == ["no", "Rod.no", "rod/no.py"]
