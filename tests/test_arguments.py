@@ -6,6 +6,7 @@ import ast
 import pickle
 import re
 from argparse import Namespace
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -45,6 +46,21 @@ def test_errors_of_the_library_carry_their_arguments(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="needs independent modes") as caught:
         fr.Rod.nitinol().critical_kick(fr.AxialWave(0.3, 0.3, 150.0), friction=0.1)
     assert argument_of(caught.value) is not None
+
+
+@pytest.mark.parametrize(
+    ("call", "argument"),
+    [
+        (lambda: fr.Rod.nitinol().replace(inner_diameter=1.0), "inner_radius"),
+        (lambda: fr.Rod.nitinol().replace(radius=1e-3, diameter=2e-3), "diameter"),
+    ],
+)
+def test_errors_of_tubes_carry_their_arguments(call: Callable[[], object], argument: str) -> None:
+    with pytest.raises(ValueError, match=f"^{argument} must") as caught:
+        call()
+    about = argument_of(caught.value)
+    assert about is not None
+    assert about.name == argument
 
 
 def test_a_message_keeps_what_it_mentions() -> None:

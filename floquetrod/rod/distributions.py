@@ -111,7 +111,8 @@ def quantiles(name: str, given: Any, levels: Floats, argument: str = "parameters
     except ValueError:  # parameters of several distributions, which do not broadcast
         found = np.empty(0)
     if found.shape != levels.shape or found.dtype.kind not in "iuf":
-        raise TypeError(f"{argument}[{name!r}] must be the distribution of one number, {_EXAMPLE}; got several")
+        problem = f"must be the distribution of one number, {_EXAMPLE}; got several"
+        raise validate.wrong_type(f"{argument}[{name!r}]", problem)
     return found.astype(np.float64, copy=False)
 
 

@@ -49,8 +49,12 @@ class WellPath(Reported, ByContent, TellsAttributes):
 
     Attributes
     ----------
-    depth, inclination, azimuth : ndarray (n,)
-        As given, in m and rad; they cannot be written to.
+    depth : ndarray (n,)
+        As given, in m; it cannot be written to.
+    inclination : ndarray (n,)
+        As given, in rad, likewise.
+    azimuth : ndarray (n,)
+        As given, in rad, likewise.
 
     Raises
     ------
@@ -172,10 +176,14 @@ class WellPath(Reported, ByContent, TellsAttributes):
         Parameters
         ----------
         path : path
-        depth, inclination, azimuth : str or int, optional
-            Headings of the columns, or their numbers from 0.  By default those that surveys usually have, such as MD,
-            Measured Depth, Inc, INC (deg), Azi or AZIMUTH, in any case; without headings the first three columns.  A
-            file of two columns is of a well in one plane.
+        depth : str or int, optional
+            Heading of its column, or its number from 0.  By default one that surveys usually have, such as MD or
+            Measured Depth, in any case; without headings the first column.
+        inclination : str or int, optional
+            Likewise, such as Inc or INC (deg); without headings the second column.
+        azimuth : str or int, optional
+            Likewise, such as Azi or AZIMUTH; without headings the third column.  A file of two columns is of a well in
+            one plane.
         depth_unit : str, optional
             Unit of the depths, by default that in the heading, as in "MD (ft)"; there is no other default.
         angle_unit : str, optional

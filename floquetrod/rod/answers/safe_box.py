@@ -90,7 +90,7 @@ class SafeBox(Reported, NoTruthValue):
                 SafeRange(each.quantity, unit.of(each.low), unit.of(each.value), unit.of(each.high), unit.name)
             )
         if wanted:
-            raise ValueError(f"{next(iter(wanted))} must be one of {', '.join(QUANTITIES)}")
+            raise validate.wrong_value(next(iter(wanted)), f"must be one of {', '.join(QUANTITIES)}")
         return tuple(found)
 
     def table(self, **names: str) -> str:

@@ -64,10 +64,8 @@ def radius_of(
     if diameter is None:
         return radius
     if radius is not None:
-        raise ValueError(
-            f"{names[1]} must not be given with {names[0]}, got {validate.short(diameter)} and "
-            f"{validate.short(radius)}; give one of them"
-        )
+        got = f"got {validate.short(diameter)} and {validate.short(radius)}"
+        raise validate.wrong_value(names[1], f"must not be given with {names[0]}, {got}; give one of them")
     return 0.5 * check(names[1], diameter, "m")
 
 
@@ -148,9 +146,10 @@ class Section:
         radius = parameter("radius", self.radius, "m")
         inner = size("inner_radius", self.inner_radius, "m; 0 for a solid rod")
         if not formulas.has_wall(radius, inner):
-            raise ValueError(
-                f"inner_radius, half of inner_diameter, must be less than the outer radius, got inner_radius = "
-                f"{inner:g} m and radius = {radius:g} m, half the diameters {2.0 * inner:g} m and {2.0 * radius:g} m"
+            raise validate.wrong_value(
+                "inner_radius",
+                f"must be less than the outer radius, got {inner:g} m and {radius:g} m, half the diameters "
+                f"{2.0 * inner:g} m and {2.0 * radius:g} m",
             )
         object.__setattr__(self, "radius", radius)
         object.__setattr__(self, "inner_radius", inner)
