@@ -194,3 +194,19 @@ def test_progress_counts_to_the_end_and_may_end_the_work() -> None:
     with pytest.raises(KeyboardInterrupt):
         fr.systems.is_stable(several, progress=enough)
     assert asked == [2, 3]
+
+
+def test_a_system_picked_is_the_one_that_would_be_made_alone(rng: np.random.Generator) -> None:
+    """Matrices that are the identity or zero in one system are none there, although others of the batch have them."""
+    third, second = (np.arange(6)[:, None, None] % k > 0 for k in (3, 2))
+    mass, damping = np.where(third, 1.0, 2.0) * np.eye(2), np.where(second, 0.1 * np.eye(2), 0.0)
+    force, period = rng.normal(size=(6, 2, 2)), np.linspace(1.0, 2.0, 6)
+    batch = fr.HillSystem(np.diag([1.0, 4.0]), [force], mass=mass, damping=damping, period=period)
+    for i in range(6):
+        alone = fr.HillSystem(
+            np.diag([1.0, 4.0]), [force[i]], mass=mass[i], damping=damping[i], period=float(period[i])
+        )
+        found = pick(batch, i)
+        assert found == alone
+        assert (found.structure, found.shape) == (alone.structure, ())
+        assert not found.cosines[0].flags.writeable

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations.hill_system import HillSystem
@@ -94,38 +93,37 @@ def stack(systems: Sequence[System]) -> System:
     return HillSystem(stiffness, series("cosines"), series("sines"), period=period, **others)
 
 
-def flat(array: Any, shape: tuple[int, ...], tail: int) -> NDArray[Any]:
-    """Return an array with the leading shape of a batch made one axis; its last ``tail`` axes stay as they are."""
-    array = np.asarray(array)
-    if not shape:
-        return np.asarray(array[None])
-    inner = array.shape[array.ndim - tail :]
-    whole = np.broadcast_to(array, (*shape, *inner))
-    return np.ascontiguousarray(whole).reshape(math.prod(shape), *inner)
-
-
 def pick(systems: System, index: int) -> System:
-    """Return one system of a batch by its place in the order of C."""
+    """Return one system of a batch by its place in the order of C; nothing in it is checked again."""
     if not systems.shape:
         return systems
     place = np.unravel_index(index, systems.shape)
 
-    def one(array: Any, tail: int = 2) -> Any:
-        array = np.asarray(array)
-        return np.broadcast_to(array, (*systems.shape, *array.shape[array.ndim - tail :]))[place]
+    def one(value: Any, tail: int = 2) -> Any:
+        if isinstance(value, tuple):
+            return tuple(map(one, value))
+        if isinstance(value, Varying):
+            return remade(value, {name: one(matrix) for name, matrix in vars(value).items()})
+        if not isinstance(value, np.ndarray):
+            return value  # one for all
+        inner = value.shape[value.ndim - tail :]
+        return np.broadcast_to(value, (*systems.shape, *inner))[place].copy()
 
-    pieces = [(float(one(duration, 0)), value.mapped(one, one)) for duration, value in systems.pieces]
-    series = [[one(matrix) for matrix in matrices] for matrices in (systems.cosines, systems.sines)]
-    period, error = float(one(systems.period, 0)), systems.coefficient_error
-    if isinstance(systems, PeriodicSystem):
-        if pieces:
-            return PeriodicSystem.from_pieces(pieces, coefficient_error=error)
-        return PeriodicSystem(one(systems.mean), *series, period=period, coefficient_error=error)
-    names = ("mass", "damping", "gyroscopic")
-    others = {name: one(matrix) for name in names if (matrix := getattr(systems, name)) is not None}
-    if pieces:
-        return HillSystem.from_pieces(pieces, **others, coefficient_error=error)
-    return HillSystem(one(systems.stiffness), *series, **others, period=period, coefficient_error=error)
+    values = {field.name: one(getattr(systems, field.name)) for field in fields(systems) if field.name != "pieces"}
+    values["period"] = float(one(systems.period, 0))
+    values["pieces"] = tuple((float(one(duration, 0)), one(value)) for duration, value in systems.pieces)
+    for name, absent in (("mass", np.eye(systems.order)), ("damping", 0.0), ("gyroscopic", 0.0)):
+        if values.get(name) is not None and (values[name] == absent).all():
+            values[name] = None
+    found: System = remade(systems, values)
+    return found
+
+
+def remade(like: Any, state: dict[str, Any]) -> Any:
+    """Return a value of the same class from fields that were checked before."""
+    found: Any = object.__new__(type(like))
+    found.__setstate__(state)
+    return found
 
 
 def in_batches(systems: Sequence[System], call: Callable[[System], Sequence[Any]]) -> list[tuple[Any, ...]]:

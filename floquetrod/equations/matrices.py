@@ -124,6 +124,17 @@ class PeriodicMatrixSystem(ByContent):
         return f"{type(self).__name__}.from_pieces([{', '.join(listed)}]{', ' if others != ')' else ''}{others}"
 
 
+def flat(array: Any, shape: tuple[int, ...], tail: int) -> NDArray[Any]:
+    """Return an array with the leading shape of a batch made one axis; its last ``tail`` axes stay as they are."""
+    array = np.asarray(array)
+    if not shape:
+        one: NDArray[Any] = array[None]
+        return one
+    inner = array.shape[array.ndim - tail :]
+    whole = np.broadcast_to(array, (*shape, *inner))
+    return np.ascontiguousarray(whole).reshape(math.prod(shape), *inner)
+
+
 def square(name: str, value: Any, order: int | None = None, like: str = "", most: int = MOST_EQUATIONS) -> Matrix:
     """Return matrices of shape (..., n, n), n up to ``most``; ``order`` is the n they must have, which ``like`` has."""
     if isinstance(value, np.ndarray):  # before its entries are read

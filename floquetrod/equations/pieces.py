@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from dataclasses import dataclass
 from fractions import Fraction
@@ -281,10 +282,10 @@ def arrays_of(pieces: tuple[TimedPiece, ...], period: Fraction) -> PieceArrays:
         if piece.slope is not None:
             slope[0, j] = piece.slope
         turns = [float(k * piece.begin / period % 1) for k in range(1, len(piece.harmonics) + 1)]
-        harmonics[0, j, : len(turns)] = piece.harmonics * np.exp(2j * math.pi * np.array(turns))[:, None, None]
-    mean = np.array([[piece.beginning for piece in pieces]])
-    length = np.array([[float(piece.length) for piece in pieces]])
-    return PieceArrays(mean, slope if slope.any() else None, harmonics, length, np.array([float(period)]))
+        harmonics[0, j, : len(turns)] = piece.harmonics * np.exp(2j * math.pi * np.asarray(turns))[:, None, None]
+    mean = np.stack([piece.beginning for piece in pieces])[None]
+    length = np.asarray([[float(piece.length) for piece in pieces]])
+    return PieceArrays(mean, slope if slope.any() else None, harmonics, length, np.asarray([float(period)]))
 
 
 def from_instant(system: Any, start: Fraction, length: Fraction) -> tuple[PieceArrays, float]:
@@ -302,18 +303,11 @@ def of_batch(system: Any) -> PieceArrays:
     """Return the pieces of one system or of a batch, flat in the order of C."""
     if system.pieces and not system.shape:
         return arrays_of(in_time(system), exact_period(system))
-    size, order = math.prod(system.shape), system.order
-
-    def flat(array: Any, *tail: int) -> NDArray[Any]:
-        if not system.shape:  # what numpy's function does, at a tenth of the time
-            return np.asarray(array)[None]
-        return np.broadcast_to(array, (*system.shape, *tail)).reshape(size, *tail)
-
-    period = flat(system.period)
+    size, order, flat = math.prod(system.shape), system.order, functools.partial(matrices.flat, shape=system.shape)
+    period = flat(system.period, tail=0)
     if not system.pieces:
-        mean = flat(getattr(system, system.MEAN), order, order)[:, None]
-        waves = system.harmonics.shape[-3]
-        harmonics = flat(system.harmonics, waves, order, order)[:, None]
+        mean = flat(getattr(system, system.MEAN), tail=2)[:, None]
+        harmonics = flat(system.harmonics, tail=3)[:, None]
         return PieceArrays(mean, None, harmonics, period[:, None], period)
     waves = max(max(len(value.cosines), len(value.sines)) for _, value in system.pieces)
     shape = (size, len(system.pieces))
@@ -321,13 +315,13 @@ def of_batch(system: Any) -> PieceArrays:
     harmonics, length = np.zeros((*shape, waves, order, order), dtype=complex), np.zeros(shape)
     begin = np.zeros(size)
     for j, (duration, value) in enumerate(system.pieces):
-        mean[:, j], length[:, j] = flat(value.mean, order, order), flat(np.asarray(duration, dtype=float))
+        mean[:, j], length[:, j] = flat(value.mean, tail=2), flat(np.asarray(duration, dtype=float), tail=0)
         if value.slope is not None:
-            slope[:, j] = flat(value.slope, order, order)
+            slope[:, j] = flat(value.slope, tail=2)
         series = matrices.harmonic_amplitudes(value.cosines, value.sines, system.shape, order)
         count = series.shape[-3]
         turned = np.exp(2j * math.pi * (begin / period)[:, None] * np.arange(1, count + 1))
-        harmonics[:, j, :count] = flat(series, count, order, order) * turned[..., None, None]
+        harmonics[:, j, :count] = flat(series, tail=3) * turned[..., None, None]
         begin = begin + length[:, j]
     return PieceArrays(mean, slope if slope.any() else None, harmonics, length, period)
 

@@ -15,8 +15,9 @@ from floquetrod._util.compilation import cores, in_threads
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
-from floquetrod.equations.batches import flat, pick
+from floquetrod.equations.batches import pick
 from floquetrod.equations.hill_system import EvenForm
+from floquetrod.equations.matrices import flat
 from floquetrod.floquet.dispatch import judge
 from floquetrod.floquet.kernels.system_even import pair_numbers
 from floquetrod.floquet.pairs import logarithms
