@@ -15,6 +15,7 @@ import numpy as np
 
 from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.compilation import over_chunks
+from floquetrod._util.content import ByContent
 from floquetrod.mathieu.kernels import tongue_curves as kernels
 from floquetrod.mathieu.tongues import COMPILE_AFTER, few
 
@@ -52,8 +53,8 @@ class _Lines(NamedTuple):
     high: Floats
 
 
-@dataclass(frozen=True)
-class TongueCurves:
+@dataclass(frozen=True, eq=False)
+class TongueCurves(ByContent):
     """The tongues ``order`` of equations with ``stiffness`` and ``gain``, one equation for each tongue.
 
     Attributes

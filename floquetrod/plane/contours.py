@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats, Ints
+from floquetrod._util.content import ByContent
 
 
-@dataclass(frozen=True)
-class Crossings:
+@dataclass(frozen=True, eq=False)
+class Crossings(ByContent):
     """Pairs of neighbours on a grid of which one is unstable, in rings with the unstable side to the left.
 
     Attributes

@@ -12,13 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.content import ByContent
+
 _VERTICAL = 1e-12  # sine of an inclination below which an azimuth means nothing
 
 Floats = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class Arcs:
+@dataclass(frozen=True, eq=False)
+class Arcs(ByContent):
     """Circular arcs one after the other, one to an interval between stations.
 
     Attributes
@@ -63,8 +65,8 @@ class Arcs:
         return Points(self, i, depth - self.start[i])
 
 
-@dataclass(frozen=True)
-class Points:
+@dataclass(frozen=True, eq=False)
+class Points(ByContent):
     """Points on arcs: which arc, and how far in m below its upper end."""
 
     arcs: Arcs

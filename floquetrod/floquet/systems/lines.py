@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import norms
 from floquetrod._util.caching import cached_property
+from floquetrod._util.content import ByContent
 from floquetrod.equations import HillSystem
 from floquetrod.equations import pieces as by_pieces
 from floquetrod.floquet.kernels.system_even import half_period_map
@@ -44,8 +45,8 @@ class Nodes(NamedTuple):
     error: float
 
 
-@dataclass(frozen=True)
-class Line:
+@dataclass(frozen=True, eq=False)
+class Line(ByContent):
     """Systems freed of uniform damping, without mass and gyroscopic matrices, K symmetric.
 
     Attributes

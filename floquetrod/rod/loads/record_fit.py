@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
+from floquetrod._util.content import ByContent
 
 Complexes = NDArray[np.complex128]
 
@@ -22,8 +23,8 @@ _STEPS = 40  # of Newton at most; four are usual
 _ROUNDING = 4.0 * np.finfo(float).eps  # of a frequency, relative to it
 
 
-@dataclass(frozen=True)
-class Samples:
+@dataclass(frozen=True, eq=False)
+class Samples(ByContent):
     """Samples in the units of the fit: times from -1 to 1, values about 0 of size 1."""
 
     tau: Floats
@@ -78,8 +79,8 @@ class Samples:
         return 8.0 * np.finfo(float).eps * (1.0 + abs(self.offset) / self.scale)
 
 
-@dataclass(frozen=True)
-class Fit:
+@dataclass(frozen=True, eq=False)
+class Fit(ByContent):
     """A least-squares fit in the units of `Samples`, its phases from tau = 0.
 
     Attributes

@@ -9,6 +9,7 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.compilation import cores, in_threads
 from floquetrod._util.progress import Progress, shifted
@@ -110,7 +111,7 @@ class CoupledEquations(ABC):
                 status[line], growth[line] = found
 
         lines = [] if self.are_apart else list(loads.lines(_LEAST_ON_LINE))
-        threads = workers or cores()
+        threads = validate.workers(workers) or cores()
         together = len(lines) if progress is None else threads
         for first in range(0, len(lines), max(1, together)):
             in_threads(fill, lines[first : first + together], threads)

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.arrays import Floats
+from floquetrod._util.content import ByContent
 from floquetrod._util.roots import roots
 from floquetrod.rod.model.parts import Ends
 
@@ -38,7 +39,7 @@ _ESSENTIAL = {"hinged": (0,), "clamped": (0, 1), "guided": (1,), "free": ()}
 
 
 @dataclass(frozen=True, eq=False)
-class Basis:
+class Basis(ByContent):
     """Orthonormal functions on 0 <= x <= 1 with their derivatives at the nodes of a quadrature.
 
     Attributes

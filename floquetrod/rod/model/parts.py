@@ -148,8 +148,8 @@ class Section:
         if not formulas.has_wall(radius, inner):
             raise validate.wrong_value(
                 "inner_radius",
-                f"must be less than the outer radius, got {inner:g} m and {radius:g} m, half the diameters "
-                f"{2.0 * inner:g} m and {2.0 * radius:g} m",
+                f"must be less than the outer radius, got {inner:g} m and {radius:g} m: half of inner_diameter = "
+                f"{2.0 * inner:g} m and of diameter = {2.0 * radius:g} m",
             )
         object.__setattr__(self, "radius", radius)
         object.__setattr__(self, "inner_radius", inner)
