@@ -83,7 +83,7 @@ def long_string() -> list[Row]:
     start = time.perf_counter()
     found = string.stability(load)
     spent = time.perf_counter() - start
-    return [Row(f"3 km of tubing, {found.modes_checked} modes: one call of stability", spent, "s", at_most=20.0)]
+    return [Row(f"3 km of tubing, {found.modes_checked} modes: one call of stability", spent, "s", at_most=15.0)]
 
 
 def chart() -> list[Row]:
@@ -96,7 +96,7 @@ def chart() -> list[Row]:
     system = INCLINED.modal_system(fr.AxialLoad(0.2 * unit, 0.2 * unit, 150.0))
     assert isinstance(system, fr.HillSystem)  # noqa: S101
     peer = integrated(system) * SIDE * SIDE
-    return [Row(f"map of {SIDE} x {SIDE} loads of an inclined rod", spent, "s", "DOP853", peer, at_most=60.0)]
+    return [Row(f"map of {SIDE} x {SIDE} loads of an inclined rod", spent, "s", "DOP853", peer, at_most=12.0)]
 
 
 def integrated(system: fr.HillSystem) -> float:

@@ -11,7 +11,7 @@ from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.problems import Problem, require_problem
 from floquetrod.floquet.registry import in_turn, names_of
-from floquetrod.floquet.verdict import Stability, Verdict
+from floquetrod.floquet.verdict import FloquetVerdict, Stability, Verdict
 
 if TYPE_CHECKING:
     from typing import TypedDict, Unpack
@@ -105,12 +105,18 @@ def stability(
     return judged
 
 
-def judge(problem: Problem, **last: Any) -> Any:
-    """Return what "auto" finds, one method after another; the last one, with many digits, is given ``last``."""
+def judge(problem: Problem, known: FloquetVerdict | None = None, **last: Any) -> Any:
+    """Return what "auto" finds, one method after another; the last one, with many digits, is given ``last``.
+
+    A verdict that is ``known`` is not computed again.
+    """
     *names, finest = in_turn(problem)
     result: Verdict | None = None
     for name in (*names, finest):
-        found = run(name, problem, **(last if name == finest else {}))
+        if known is not None and known.method == name:
+            found: Any = known
+        else:
+            found = run(name, problem, **(last if name == finest else {}))
         result = found if result is None else _better(result, found)
         if result.status != "undecided":
             break

@@ -27,8 +27,8 @@ def large_seconds(stiffness: Floats, harmonics: NDArray[np.complex128], period: 
 @np.errstate(over="ignore", under="ignore", invalid="ignore")  # of maps that overflow, whose errors are then not finite
 def period_map_large(
     stiffness: Floats, harmonics: NDArray[np.complex128], period: float, coefficient_error: float, accuracy: float
-) -> tuple[Floats, float]:
-    """Return the map over a period of u'' + (S + Re sum_k Z_k exp(i k w t)) u = 0, and its error.
+) -> tuple[Floats, float, Floats]:
+    """Return the map over a period of u'' + (S + Re sum_k Z_k exp(i k w t)) u = 0, its error, and its coordinates.
 
     Parameters
     ----------
@@ -48,11 +48,13 @@ def period_map_large(
     error : float
         Bound of its Frobenius norm, absolute: truncation bounded from the computed terms, rounding and the effect of
         ``coefficient_error`` estimated.  Infinite where the period holds too many waves.
+    basis : ndarray, (n, n)
+        What u is in the coordinates v.
     """
     n, omega = len(stiffness), 2.0 * math.pi / period
     accuracy = max(accuracy, n * _FINEST)
     if np.count_nonzero(stiffness) == np.count_nonzero(stiffness.diagonal()):
-        s, slack = stiffness.diagonal().copy(), 2.0 * ROUNDING
+        s, slack, q = stiffness.diagonal().copy(), 2.0 * ROUNDING, np.eye(n)
     else:
         s, q = np.linalg.eigh(stiffness)
         harmonics = q.T @ harmonics.real @ q + 1j * (q.T @ harmonics.imag @ q)
@@ -71,7 +73,7 @@ def period_map_large(
         size, norms, 1, omega, 0.5 * period, fewest, accuracy, reach(accuracy), 2 * MOST_TERMS - 2, True
     )
     if segments == 0:
-        return np.full((2 * n, 2 * n), math.nan), math.inf
+        return np.full((2 * n, 2 * n), math.nan), math.inf, q / g
     h = 0.5 * period / segments
     largest = coefficient_bound(size, norms, 1, omega * h)
     forcing = (largest - size) / largest if largest > 0.0 else 0.0
@@ -97,4 +99,4 @@ def period_map_large(
         maps.append(matrix)
         errors.append(wrong)
     product, error = chain(maps, errors)
-    return product, error + period * coefficient_error / slow * max(norm_bound(product), 1.0) ** 2
+    return product, error + period * coefficient_error / slow * max(norm_bound(product), 1.0) ** 2, q / g

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,13 +49,14 @@ def monodromy(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
         of the eigenvalues.
     """
     rtol = validate.within("rtol", rtol, 1e-15, 0.1)
+    many = solved_many(system, rtol)
+    if many is not None:
+        return many.verdict
     pairs = undamped_pairs(system)
     subject = pairs[0] if pairs else system
     first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
     reversible = pairs is not None and subject.structure == "reversible"
     start = _even_start(subject) if reversible and isinstance(subject, HillSystem) else Fraction(0)
-    if pairs and first.is_smooth and first.order >= 2 * _MANY and whole.is_oscillators(first.mean, first.harmonics):
-        return _many(system, first, pairs[1], rtol)
     pieces, uncertainty = by_pieces.from_instant(first, start, by_pieces.exact_period(first))
     refused = too_long(system, "monodromy", float(whole.seconds_needed(pieces)[0]))
     if refused is not None:
@@ -81,15 +83,51 @@ def _even_start(system: HillSystem) -> Fraction:
     return system.even_start or Fraction(0) if form is None else Fraction(float(form.start)) % Fraction(system.period)
 
 
-def _many(system: HillSystem | PeriodicSystem, first: PeriodicSystem, damping: float, rtol: float) -> SystemStability:
-    """Classify many equations, freed of damping q'' + K(t) q = 0 with K symmetric, by the eigenvalues of their map."""
+class SolvedMany(NamedTuple):
+    """The verdict on many equations, and the solutions that it rests upon, freed of damping: none where there are none.
+
+    Attributes
+    ----------
+    verdict : SystemStability
+        The verdict.
+    discs : Discs or None
+        Multipliers and eigenvectors (v, p) of the map.
+    basis : ndarray (n, n)
+        u = basis v and u' = basis^-T p.
+    """
+
+    verdict: SystemStability
+    discs: spectra.Discs | None
+    basis: NDArray[np.float64]
+
+    def state(self, i: int) -> NDArray[np.complex128]:
+        """Return (u, u') at the beginning of the period, (2 n,), of the solution with the i-th multiplier."""
+        if self.discs is None:
+            raise ValueError("multipliers could not be computed")
+        positions, momenta = np.split(self.discs.right[:, i], 2)
+        return np.concatenate([self.basis @ positions, np.linalg.solve(self.basis.T, momenta)])
+
+
+def solved_many(system: HillSystem | PeriodicSystem, rtol: float = 1e-12) -> SolvedMany | None:
+    """Classify many equations, freed of damping q'' + K(t) q = 0 with K symmetric, by the eigenvalues of their map.
+
+    None for other systems; ``rtol`` as for `monodromy`.
+    """
+    subject, damping = undamped_pairs(system) or (None, 0.0)
+    if subject is None or not subject.is_smooth:
+        return None
+    first = subject.as_periodic_system() if isinstance(subject, HillSystem) else subject
+    if first.order < 2 * _MANY or not whole.is_oscillators(first.mean, first.harmonics):
+        return None
     n, period = first.order // 2, float(first.period)
     stiffness, harmonics = -first.mean[n:, :n], -first.harmonics[:, n:, :n]
     refused = too_long(system, "monodromy", large_seconds(stiffness, harmonics, period))
     if refused is not None:
-        return refused
-    discs = spectra.eigenvalue_discs(*period_map_large(stiffness, harmonics, period, n * first.coefficient_error, rtol))
-    if discs is None:
-        return classify_multipliers(system, "monodromy", None, cost=_COST)
-    krein = spectra.signs(discs, symplectic.krein_form, 1.0, 0.0)
-    return classify_multipliers(system, "monodromy", logarithms(discs, damping * period), krein=krein, cost=_COST)
+        return SolvedMany(refused, None, np.eye(n))
+    full, error, basis = period_map_large(stiffness, harmonics, period, n * first.coefficient_error, rtol)
+    discs = spectra.eigenvalue_discs(full, error)
+    logs = krein = None
+    if discs is not None:
+        logs = logarithms(discs, damping * period)
+        krein = spectra.signs(discs, symplectic.krein_form, 1.0, 0.0)
+    return SolvedMany(classify_multipliers(system, "monodromy", logs, krein=krein, cost=_COST), discs, basis)

@@ -26,7 +26,7 @@ from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import AxialLoad, Load, Loads
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
-from floquetrod.rod.model.beam import Basis, basis
+from floquetrod.rod.model.beam import Basis, basis, has_polynomials
 from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants, mode_constants
 from floquetrod.rod.model.data import RodData
 
@@ -226,3 +226,8 @@ class CoupledModes(CoupledEquations):
     def are_apart(self) -> bool:
         """Whether the functions are the modes themselves, each with an equation of its own."""
         return set(coupling(self.rod.end_conditions, self.weight_along, self.like)) <= {WAVEFORM}
+
+    @property
+    def are_nested(self) -> bool:
+        """Whether the equations of fewer modes are the first of these, as where no polynomials are added."""
+        return not has_polynomials(self.rod.end_conditions, self.count)

@@ -71,6 +71,11 @@ class CoupledEquations(ABC):
         """Whether the coordinates are the modes themselves, each with an equation of its own."""
         return False
 
+    @property
+    def are_nested(self) -> bool:
+        """Whether the equations of fewer modes are the first of these, without what couples them to the others."""
+        return False
+
     def answers(
         self,
         loads: Loads,

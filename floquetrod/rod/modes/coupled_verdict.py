@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -14,7 +14,8 @@ from floquetrod._util.progress import Progress
 from floquetrod._util.report import number
 from floquetrod.equations import HillSystem
 from floquetrod.equations.pieces import of_batch
-from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.dispatch import judge, stability
+from floquetrod.floquet.system_methods.monodromy import solved_many
 from floquetrod.floquet.systems.classification import undamped_pairs
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.result import Resonance, SystemStability
@@ -30,6 +31,7 @@ from floquetrod.rod.mode_equations.sampled import first_change
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.beam import has_polynomials
 from floquetrod.rod.model.constants import mode_constants
+from floquetrod.rod.modes.fewer_modes import Fastest
 from floquetrod.rod.modes.mode_model import ModeModel
 
 _LEFT_OUT = 5.0  # error over the change from 5/6 or 9/10 of the modes: 2.3 or 4.3 where it falls as n^-2 (an estimate)
@@ -282,7 +284,8 @@ def _trials(
     found: list[_WithModes] = []
 
     def add(modes: int, place: int, known: int) -> None:
-        found.insert(place, _WithModes.of(model, load, modes))
+        fewer = found[0].with_fewer(model.in_modes(modes)) if found and place == 0 else None
+        found.insert(place, fewer or _WithModes.of(model, load, modes))
         if progress is not None:
             progress(len(found), max(known, len(found)))
 
@@ -349,21 +352,34 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
     return model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
 
 
+def _judged(system: HillSystem) -> tuple[SystemStability, Fastest | None]:
+    """Return the verdict on many equations, and the fastest solution where it is known."""
+    freed = system.undamped
+    solved = None if freed is None or freed[0].is_even else solved_many(system)
+    if freed is None or solved is None:
+        return stability(system), None
+    return judge(system, solved.verdict), Fastest.of(solved, freed)
+
+
 class _WithModes(NamedTuple):
-    """The verdict with one number of modes, and between what the rate of the fastest solution lies, in 1/s."""
+    """The verdict with one number of modes, and between what the rate of the fastest solution lies, in 1/s.
+
+    Of many modes the fastest solution itself, too, where it is known.
+    """
 
     modes: CoupledEquations
     system: HillSystem
     whole: SystemStability
     least: float
     most: float
+    fastest: Fastest | None = None
 
     @classmethod
     def of(cls, model: ModeModel, load: Load, count: int) -> _WithModes:
         """Return the verdict with ``count`` modes."""
         modes = model.in_modes(count)
         system = modes.system(Loads.single(load))
-        whole = stability(system)
+        whole, fastest = _judged(system) if count > _LONG and modes.are_nested else (stability(system), None)
         # Where solutions come in pairs only the one that decays more slowly matters of each: the error of the other's
         # multiplier may exceed it, where the first one grows fast.
         slower = slice(len(whole.exponents) // (2 if undamped_pairs(system) else 1))
@@ -371,7 +387,27 @@ class _WithModes(NamedTuple):
         errors = np.array(whole.exponent_errors[slower])
         if not rates.size:
             return cls(modes, system, whole, -math.inf, math.inf)
-        return cls(modes, system, whole, float((rates - errors).max()), float((rates + errors).max()))
+        return cls(modes, system, whole, float((rates - errors).max()), float((rates + errors).max()), fastest)
+
+    def with_fewer(self, modes: CoupledEquations) -> _WithModes | None:
+        """Return what fewer modes do, by following the fastest solution; None where that is not possible.
+
+        A verdict on all their solutions would take as long as the one there is, and decides nothing: how the growth
+        depends on the number of modes is what is asked.
+        """
+        rate = None if self.fastest is None else self.fastest.rate_with(modes.count)
+        if rate is None:
+            return None
+        whole = replace(
+            self.whole,
+            status="unstable" if rate > 0.0 else "stable",
+            growth_rate=max(rate, 0.0),
+            exponents=(complex(rate, self.whole.exponents[0].imag),),
+            exponent_errors=(0.0,),
+            krein_signs=(0,),
+            resonances=(),
+        )
+        return self._replace(modes=modes, whole=whole, least=rate, most=rate, fastest=None)
 
     @property
     def rate(self) -> float:

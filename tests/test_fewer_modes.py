@@ -1,0 +1,80 @@
+"""The growth of fewer modes, followed from the fastest solution of all, against verdicts on the fewer."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from coupled_cases import TUBING
+from floquetrod.floquet.system_methods.monodromy import monodromy, solved_many
+from floquetrod.rod.loads.load import Load, Loads
+from floquetrod.rod.modes import coupled_verdict
+from floquetrod.rod.modes.fewer_modes import Fastest
+from floquetrod.rod.modes.mode_model import ModeModel
+
+STRING = TUBING.replace(length=100.0, damping_rate=0.3, ends="hinged")
+UNIT = STRING.critical_force
+LOAD = fr.AxialWave.hertz(0.4 * UNIT, 0.3 * UNIT, 4.0, axial_damping=0.5)
+COUNT, FEWER = 44, 36
+
+
+@pytest.fixture(autouse=True)
+def _few_are_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys.modules[solved_many.__module__], "_MANY", 20)
+    monkeypatch.setattr(coupled_verdict, "_LONG", 20)
+
+
+@pytest.fixture(scope="module")
+def many() -> fr.HillSystem:
+    return STRING.modes_under(LOAD).in_modes(COUNT).system(Loads.single(LOAD))
+
+
+def test_the_growth_of_fewer_modes_is_that_of_their_own_verdict(many: fr.HillSystem) -> None:
+    solved, freed = solved_many(many), many.undamped
+    assert solved is not None
+    assert freed is not None
+    fastest = Fastest.of(solved, freed)
+    assert fastest is not None
+    assert fastest.rate_with(COUNT) == pytest.approx(solved.verdict.growth_rate, abs=1e-10)
+    fewer = STRING.modes_under(LOAD).in_modes(FEWER).system(Loads.single(LOAD))
+    assert np.abs(fewer.stiffness - many.stiffness[:FEWER, :FEWER]).max() < 1e-9 * np.abs(fewer.stiffness).max()
+    expected = monodromy(fewer)
+    found = fastest.rate_with(FEWER)
+    assert found == pytest.approx(expected.growth_rate, abs=1e-8)
+    assert fastest.rate_with(8) is None  # its modes are not among them
+
+
+def test_nothing_is_followed_where_nothing_is_certain_to_grow(many: fr.HillSystem) -> None:
+    still = fr.HillSystem(many.stiffness, [1e-9 * many.cosines[0]], [1e-9 * many.sines[0]], period=many.period)
+    solved, freed = solved_many(still), still.undamped
+    assert solved is not None
+    assert freed is not None
+    assert Fastest.of(solved, freed) is None
+    few = fr.HillSystem(many.stiffness[:5, :5], [many.cosines[0][:5, :5]], period=many.period)
+    assert solved_many(few) is None
+
+
+def test_long_rods_are_judged_once_and_followed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[int] = []
+    of = coupled_verdict._WithModes.of
+
+    def counted(model: ModeModel, load: Load, count: int) -> coupled_verdict._WithModes:
+        asked.append(count)
+        return of(model, load, count)
+
+    monkeypatch.setattr(coupled_verdict._WithModes, "of", counted)
+    found = STRING.stability(LOAD)
+    (fewer, first), (count, last) = found.convergence
+    assert asked == [count]
+    assert fewer < count
+    assert first == pytest.approx(last, abs=found.error)
+    assert found.status == "unstable"
+    monkeypatch.setattr(coupled_verdict._WithModes, "with_fewer", lambda self, modes: None)
+    asked.clear()
+    whole = STRING.stability(LOAD)
+    assert asked == [count, fewer]
+    assert whole.growth_rate == found.growth_rate
+    assert whole.convergence[0][1] == pytest.approx(first, abs=1e-9)
