@@ -416,6 +416,20 @@ def test_a_batch_answers_as_each_of_its_systems() -> None:
         fr.systems.stack([SQUARE, MADE["heavy"]])
 
 
+def test_a_batch_of_one_and_the_same_system_is_a_batch() -> None:
+    batch = fr.systems.stack([SQUARE] * 3)
+    assert batch.shape == (3,)
+    assert fr.systems.is_stable(batch).tolist() == [fr.systems.is_stable(SQUARE)] * 3
+    chart = fr.chart(lambda a, b: SQUARE, {"a": (0.0, 1.0, 3), "b": (0.0, 1.0, 2)})
+    assert chart.stable.shape == (2, 3)
+
+
+def test_a_batch_with_uniform_damping_and_pieces_that_all_share() -> None:
+    steep = np.array([STIFF, 2.0 * np.array(STIFF)])
+    batch = fr.HillSystem.from_pieces([(1.0, steep), (0.7, SOFT)], damping=0.2 * np.eye(2))
+    assert fr.systems.is_stable(batch).tolist() == [fr.stability(pick(batch, i)).stable for i in (0, 1)]
+
+
 def test_charts_with_bands() -> None:
     def family(omega: float, epsilon: float) -> fr.HillSystem:
         force = epsilon * np.array([[0.5, 1.0], [1.0, 0.8]])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -272,7 +273,7 @@ class HillSystem(matrices.PeriodicMatrixSystem):
             lowered = [(d, value.mapped(lambda m: m - shift, np.asarray)) for d, value in self.pieces]
             freed = HillSystem.from_pieces(lowered, mass=self.mass, coefficient_error=self.coefficient_error)
             vars(freed)["even_start"] = self._even_instant  # of the numbers given, not of rounded ones
-            largest = np.maximum.reduce([norms(value.mean) for _, value in lowered])
+            largest = functools.reduce(np.maximum, [norms(value.mean) for _, value in lowered])
         else:
             stiffness = self.stiffness - shift
             series = self.cosines, self.sines

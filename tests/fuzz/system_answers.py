@@ -83,11 +83,23 @@ def _chart(system: System, rng: np.random.Generator) -> list[str]:
     ]
 
 
+def _stacked(system: System) -> dict[str, Any]:
+    """Return what a file has of a system in pieces: arrays of them all in place of its mean, its series and period."""
+    durations, values = zip(*system.pieces, strict=True)
+    most, zero = max(len(value.cosines) for value in values), np.zeros((system.order, system.order))
+    cosines = [[*value.cosines, *[zero] * (most - len(value.cosines))] for value in values]
+    gone = dict.fromkeys(("pieces", "period", "sines"))
+    slopes = [value.slope_or_zero for value in values]
+    means = [value.mean for value in values]
+    return gone | {"durations": durations, system.MEAN: means, "slope": slopes, "cosines": cosines}
+
+
 def _terminal(system: System, result: Any) -> list[str]:
     """Compare `check --system` with the library."""
     path = folder() / "asked.npz"
-    names = [field.name for field in fields(system) if getattr(system, field.name) is not None]
-    given = {name: np.array(getattr(system, name)) for name in names}
+    made = {field.name: getattr(system, field.name) for field in fields(system)}
+    made |= _stacked(system) if system.pieces else {}
+    given = {name: np.array(value) for name, value in made.items() if value is not None}
     np.savez(path, **{name: array for name, array in given.items() if array.size})
     out = io.StringIO()
     with contextlib.redirect_stdout(out), limit(60.0):

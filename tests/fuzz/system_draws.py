@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 import floquetrod as fr
+from floquetrod.equations import Varying
 from fuzz.rods import decades
 
 System = fr.HillSystem | fr.PeriodicSystem
@@ -42,6 +43,8 @@ def symmetric(rng: np.random.Generator, n: int, size: float) -> Array:
 def draw(rng: np.random.Generator, most: int = 6) -> System:
     """Return a system of any kind, weakly or strongly forced; every third at a boundary, to a double or nearly."""
     system = anywhere(rng, str(rng.choice(KINDS)), most)
+    if rng.random() < 0.25:
+        system = jumping(system, rng)
     if rng.random() < 0.35 and not system.is_constant:
         system = at_a_boundary(system, rng) or system
     return system
@@ -108,20 +111,54 @@ def bumps(mean: Array, waves: list[Array], period: float, t: float) -> Array:
     return np.asarray(mean + sum(m / (1.5 + wave) ** k for k, m in enumerate(waves, start=1)))
 
 
+def jumping(system: System, rng: np.random.Generator) -> System:
+    """Return a system whose matrix jumps between pieces of the period; some of them slope, or have harmonics too."""
+    mean = np.asarray(getattr(system, system.MEAN))
+    waves = [*system.cosines, *system.sines] or [short(0.1 * mean)]
+    durations = short(rng.uniform(0.1, 1.0, int(rng.integers(2, 5))) * system.period)
+    pieces = []
+    for duration in durations.tolist():
+        level = short(mean + float(short(rng.uniform(-2.0, 2.0))) * waves[0])
+        slope = short(rng.uniform(-1.0, 1.0) / duration) * waves[-1] if rng.random() < 0.3 else None
+        pieces.append((duration, Varying(level, slope, waves[:1] if rng.random() < 0.2 else [])))
+    if rng.random() < 0.3:
+        pieces = [(duration, Varying(value.mean)) for duration, value in (*pieces, *pieces[::-1])]  # even
+    return rewritten(system, pieces=pieces)
+
+
 def forced(system: System, factor: float) -> System:
-    """Return the system with all its harmonics multiplied."""
+    """Return the system with all that varies multiplied."""
+    if system.pieces:
+        mean = np.asarray(getattr(system, system.MEAN))
+        return mapped(system, lambda m: mean + factor * (m - mean), lambda m: factor * m)
     series = ([factor * m for m in system.cosines], [factor * m for m in system.sines])
     return rewritten(system, cosines=series[0], sines=series[1])
 
 
 def rewritten(system: System, **changes: Any) -> System:
     """Return the system with some of its parameters replaced."""
+    if system.pieces or "pieces" in changes:
+        longer = changes.pop("period", system.period) / system.period
+        if longer != 1.0:
+            changes["pieces"] = [(longer * duration, value) for duration, value in system.pieces]
+        kept = ("mass", "damping", "gyroscopic", "coefficient_error", "pieces")
+        made = {name: getattr(system, name) for name in kept if hasattr(system, name)} | changes
+        return type(system).from_pieces(made.pop("pieces"), **made)
     names = ("cosines", "sines", "period")
     if isinstance(system, fr.PeriodicSystem):
         given = {name: getattr(system, name) for name in ("mean", "coefficient_error", *names)}
         return fr.PeriodicSystem(**given | changes)
     given = {name: getattr(system, name) for name in ("stiffness", "mass", "damping", "gyroscopic", *names)}
     return fr.HillSystem(**given | changes)
+
+
+def mapped(
+    system: System, mean: Callable[[Array], Array], others: Callable[[Array], Array], fast: float = 1.0
+) -> System:
+    """Return a system in pieces with functions applied to the matrices of each, and with durations divided."""
+    return rewritten(
+        system, pieces=[(duration / fast, value.mapped(mean, others)) for duration, value in system.pieces]
+    )
 
 
 def at_a_boundary(system: System, rng: np.random.Generator) -> System | None:
@@ -148,6 +185,9 @@ def decades_of(rng: np.random.Generator, low: float, high: float, count: int) ->
 
 def alike(system: System, rng: np.random.Generator) -> Iterator[tuple[str, System, float]]:
     """Yield the system written otherwise, exactly: what was done, the system, and by what its time runs faster."""
+    if system.pieces:
+        yield from alike_in_pieces(system, rng)
+        return
     n = system.order
 
     def both(change: Callable[[Array], Array]) -> dict[str, Any]:
@@ -191,28 +231,70 @@ def alike(system: System, rng: np.random.Generator) -> Iterator[tuple[str, Syste
     yield "in other units", rewritten(system, **scaled), 1.0
 
 
+def alike_in_pieces(system: System, rng: np.random.Generator) -> Iterator[tuple[str, System, float]]:
+    """Yield a system in pieces written otherwise, as `alike` does."""
+    n = system.order
+    speeds = [name for name in ("damping", "gyroscopic") if getattr(system, name, None) is not None]
+    masses = ["mass"] if getattr(system, "mass", None) is not None else []
+
+    def every(change: Callable[[Array], Array]) -> System:
+        others = {name: change(getattr(system, name)) for name in (*speeds, *masses)}
+        return rewritten(mapped(system, change, change), **others)
+
+    order, signs = rng.permutation(n), rng.choice([-1.0, 1.0], n)
+    yield "in another order", every(lambda m: m[np.ix_(order, order)]), 1.0
+    yield "with other signs", every(lambda m: signs[:, None] * m * signs), 1.0
+    if all(value.is_constant for _, value in system.pieces):
+        yield "from the next piece on", rewritten(system, pieces=[*system.pieces[1:], system.pieces[0]]), 1.0
+    fast = float(2.0 ** rng.integers(-20, 21))
+    power = fast if isinstance(system, fr.PeriodicSystem) else fast * fast
+    faster = [
+        (
+            duration / fast,
+            Varying(power * value.mean, fast * power * value.slope_or_zero, [power * m for m in value.cosines]),
+        )
+        for duration, value in system.pieces
+    ]
+    changes = {name: fast * getattr(system, name) for name in speeds} | {
+        "coefficient_error": power * system.coefficient_error
+    }
+    yield "in another unit of time", rewritten(system, pieces=faster, **changes), fast
+
+
 def integrated(system: System) -> Array:
     """Return the map over a period by DOP853, from the definition of the system alone."""
+    pieces = system.pieces or (
+        (system.period, Varying(getattr(system, system.MEAN), None, system.cosines, system.sines)),
+    )
+    product, begin = np.eye(system.order * (1 if isinstance(system, fr.PeriodicSystem) else 2)), 0.0
+    for duration, value in pieces:
+        product = _over_piece(system, value, begin, float(duration)) @ product
+        begin += float(duration)
+    return product
+
+
+def _over_piece(system: System, value: Varying, begin: float, duration: float) -> Array:
+    """Return the map over a piece that begins some time after the period."""
     w, zero = 2.0 * math.pi / system.period, np.zeros((system.order, system.order))
 
-    def varying(mean: Array, t: float) -> Array:
-        waves = [m * math.cos(k * w * t) for k, m in enumerate(system.cosines, start=1)]
-        waves += [m * math.sin(k * w * t) for k, m in enumerate(system.sines, start=1)]
-        return mean + sum(waves, zero)
+    def varying(t: float) -> Array:
+        waves = [m * math.cos(k * w * (begin + t)) for k, m in enumerate(value.cosines, start=1)]
+        waves += [m * math.sin(k * w * (begin + t)) for k, m in enumerate(value.sines, start=1)]
+        return np.asarray(value.mean + t * value.slope_or_zero + sum(waves, zero))
 
     if isinstance(system, fr.PeriodicSystem):
-        first, size = functools.partial(varying, system.mean), system.order
+        first, size = varying, system.order
     else:
         n = system.order
         size, inverse = 2 * n, np.eye(n) if system.mass is None else np.linalg.inv(system.mass)
         drag = sum((m for m in (system.damping, system.gyroscopic) if m is not None), zero)
 
         def first(t: float) -> Array:
-            lower = [-inverse @ varying(system.stiffness, t), -inverse @ drag]
+            lower = [-inverse @ varying(t), -inverse @ drag]
             return np.block([[zero, np.eye(n)], lower])
 
     def slope(t: float, x: Array) -> Array:
         return np.asarray((first(t) @ x.reshape(size, size)).ravel())
 
-    done = solve_ivp(slope, (0.0, system.period), np.eye(size).ravel(), method="DOP853", rtol=1e-12, atol=1e-14)
+    done = solve_ivp(slope, (0.0, duration), np.eye(size).ravel(), method="DOP853", rtol=1e-12, atol=1e-14)
     return np.asarray(done.y[:, -1].reshape(size, size))

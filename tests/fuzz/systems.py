@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 import floquetrod as fr
+from floquetrod.equations import Varying
 from floquetrod.floquet.registry import applicable
 from fuzz import neutral, system_draws
 from fuzz.core import LONGEST, Found, limit
@@ -50,6 +51,12 @@ def warm() -> None:
 
 def told(system: System) -> str:
     """Return a system in full, as an expression."""
+    if system.pieces:
+        pieces = ", ".join(f"({duration!r}, {_varying(value)})" for duration, value in system.pieces)
+        names = ("mass", "damping", "gyroscopic", "coefficient_error")
+        others = {name: value for name in names if (value := getattr(system, name, None)) is not None}
+        said = "".join(f", {name}={np.asarray(value).tolist()!r}" for name, value in others.items())
+        return f"fr.{type(system).__name__}.from_pieces([{pieces}]{said})"
     parts = []
     for name in (field.name for field in fields(system)):
         value = getattr(system, name)
@@ -60,6 +67,12 @@ def told(system: System) -> str:
         elif value is not None and (name != "coefficient_error" or value):
             parts.append(f"{name}={value!r}")
     return f"fr.{type(system).__name__}({', '.join(parts)})"
+
+
+def _varying(value: Varying) -> str:
+    slope = None if value.slope is None else value.slope.tolist()
+    series = ([m.tolist() for m in matrices] for matrices in (value.cosines, value.sines))
+    return f"fr.equations.Varying({value.mean.tolist()!r}, {slope!r}, {', '.join(map(repr, series))})"
 
 
 def disagreements(system: System, rng: np.random.Generator) -> list[str]:
