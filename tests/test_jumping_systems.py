@@ -523,6 +523,29 @@ def test_a_scalar_function() -> None:
         fr.Hill.from_function(lambda tau: abs(math.sin(tau)) ** 3, math.pi)
 
 
+def test_a_scalar_function_that_jumps() -> None:
+    def coefficient(tau: float) -> float:
+        tau %= 3.0
+        return -2.0 - 0.3 * math.exp(tau) if tau < 1.1 else -0.5 + 0.1 * tau
+
+    found = fr.Hill.from_function(coefficient, 3.0, 0.01, jumps=[0.0, 1.1])
+    assert sum(piece.share for piece in found.pieces()) == 1
+    tau = np.linspace(0.01, 2.99, 50)
+    assert np.abs(found.coefficient(tau) - [coefficient(t) for t in tau]).max() < 1e-12
+    system = fr.HillSystem.from_function(lambda t: [[-coefficient(t)]], 3.0, jumps=[0.0, 1.1], damping=[[0.02]])
+    one, other = fr.stability(found), fr.stability(system)
+    assert (one.status, fr.certify(found).status) == (other.status, other.status)
+    assert abs(max(map(abs, one.multipliers)) - max(map(abs, other.multipliers))) < 1e-12
+    assert fr.compare(found).agree
+    assert pickle.loads(pickle.dumps(found)) == found
+    wave = fr.Hill.from_function(lambda t: -2.0 if t % 2.0 < 1.0 else -0.5, 2.0, jumps=[0.0, 1.0])
+    x, y = (math.sqrt(p) for p in (2.0, 0.5))
+    trace = 2.0 * math.cos(x) * math.cos(y) - (x / y + y / x) * math.sin(x) * math.sin(y)
+    assert fr.stability(wave).discriminant == pytest.approx(trace, abs=1e-14)
+    with pytest.raises(ValueError, match="not smooth near"):
+        fr.Hill.from_function(lambda t: -2.0 if t % 2.0 < 1.1 else -0.5, 2.0, jumps=[0.0, 1.0])
+
+
 # --- files and the terminal -------------------------------------------------------------------------------------------
 
 FILE = """

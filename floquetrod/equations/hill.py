@@ -64,39 +64,49 @@ class Hill(Equation):
         set_field(self, "damping", damping_rate(self.damping))
 
     @classmethod
-    def from_function(cls, function: Callable[[float], float], period: float, damping: float = 0.0) -> Hill:
-        """Return the equation whose coefficient a function computes, expanded in a Fourier series.
+    def from_function(
+        cls, function: Callable[[float], float], period: float, damping: float = 0.0, *, jumps: Any = ()
+    ) -> Hill | JumpingHill:
+        """Return the equation whose coefficient a function computes: a Fourier series, or pieces between its jumps.
 
-        Every value of the series is within 1e-12 of the largest value of the function; where that cannot be reached, as
-        with a jump, ValueError says so.  ``HillSystem.from_function``, of one equation, states larger errors, heeds
-        them in its verdicts, and takes jumps.
+        Every value is within 1e-12 of the largest value of the function; where that cannot be reached, as with a jump
+        that is not named, ValueError says so.  ``HillSystem.from_function``, of one equation, states larger errors, and
+        heeds them in its verdicts.
 
         Parameters
         ----------
         function : callable (tau) -> float
-            p, periodic and smooth.
+            p, periodic and smooth but for its jumps.
         period : float
             Its period.
         damping : float
             Damping c, as of the equation.
+        jumps : sequence of float
+            Instants from 0 up to the period at which p jumps, or has a kink; none by default.
 
         Examples
         --------
         >>> len(Hill.from_function(lambda tau: -1.0 / (1.1 + math.cos(tau)), 2.0 * math.pi).cosines)
         74
+        >>> wave = Hill.from_function(lambda tau: -2.0 if tau % 2.0 < 1.0 else -0.5, 2.0, jumps=[0.0, 1.0])
+        >>> [(str(piece.share), piece.mean) for piece in wave.pieces()]
+        [('1/2', -2.0), ('1/2', -0.5)]
         """
         from floquetrod.equations import sampling
 
         validate.function("function", function)
         period, damping = validate.positive("period", period), damping_rate(damping)
-        found = sampling.expanded(lambda tau: [[function(tau)]], period, (), 1)
-        ((_, value),) = found.pieces
-        largest = abs(float(value.mean[0, 0])) + sum(abs(float(m[0, 0])) for m in (*value.cosines, *value.sines))
+        found = sampling.expanded(lambda tau: [[function(tau)]], period, jumps, 1)
+        parts = tuple(_piece(Fraction(duration) / Fraction(period), value) for duration, value in found.pieces)
+        largest = max(abs(float(p.mean)) + abs(float(p.slope)) * period + sum(map(abs, p.harmonics)) for p in parts)
         if found.error > _MOST_ERROR * largest:
             raise ValueError(
                 f"function must have a series that agrees with it to {_MOST_ERROR:g} of its size, got one to "
                 f"{found.error / largest:.1g}; HillSystem.from_function takes it, of one equation with K = -p"
             )
+        if len(parts) > 1:
+            return JumpingHill(parts, period, damping)
+        ((_, value),) = found.pieces
         cosines, sines = (tuple(float(m[0, 0]) for m in part) for part in (value.cosines, value.sines))
         return cls(float(value.mean[0, 0]), cosines, sines, period, damping)
 
@@ -136,6 +146,41 @@ class Hill(Equation):
     def as_hill(self) -> Hill:
         """Return this equation."""
         return self
+
+
+@dataclass(frozen=True)
+class JumpingHill(Equation):
+    """Hill's equation whose coefficient is made of pieces of the period, what `Hill.from_function` makes of jumps.
+
+    Parameters
+    ----------
+    parts : tuple of Piece
+        From tau = 0 on, over a period.
+    period : float
+        Period of the coefficient, in the unit of tau.
+    damping : float
+        c, the decay rate per unit tau of the free motion; zero or more.
+    """
+
+    parts: tuple[Piece, ...]
+    period: float = 2.0 * math.pi
+    damping: float = 0.0
+
+    def pieces(self) -> tuple[Piece, ...]:
+        """Return the coefficient over one period from tau = 0."""
+        return self.parts
+
+    @property
+    def title(self) -> str:
+        """Name of the equation in charts."""
+        return "Hill's equation"
+
+
+def _piece(share: Fraction, value: Any) -> Piece:
+    """Return a piece of a scalar equation from matrices of one row."""
+    pairs = zip_longest(value.cosines, value.sines, fillvalue=[[0.0]])
+    harmonics = tuple(complex(cosine[0][0], -sine[0][0]) for cosine, sine in pairs)
+    return Piece(share, float(value.mean[0, 0]), harmonics, float(value.slope_or_zero[0, 0]))
 
 
 def _even_amplitudes(harmonics: tuple[complex, ...]) -> tuple[complex, ...] | None:

@@ -520,7 +520,7 @@ def _of_systems() -> dict[str, Call]:
             fr.HillSystem.from_function, others | {"function": swing, "period": 2.0, "jumps": [0.0, 1.0]}
         ),
         "Hill.from_function": Call(
-            fr.Hill.from_function, {"function": math.cos, "period": 2.0 * math.pi, "damping": 0.1}
+            fr.Hill.from_function, {"function": math.cos, "period": 2.0 * math.pi, "damping": 0.1, "jumps": [1.0]}
         ),
         "PeriodicSystem": Call(fr.PeriodicSystem, first),
         "PeriodicSystem.from_pieces": Call(
