@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
     from floquetrod.plane import Bands as Bands
     from floquetrod.plane import Chart as Chart
+    from floquetrod.rod.answers.mean_force import MeanForce as MeanForce
     from floquetrod.rod.answers.safe_box import SafeBox as SafeBox
     from floquetrod.rod.answers.verdict import CoupledRodStability as CoupledRodStability
     from floquetrod.rod.answers.verdict import RodStability as RodStability
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.loads.load import AxialLoad as AxialLoad
     from floquetrod.rod.loads.load import AxialWave as AxialWave
     from floquetrod.rod.loads.record import ForceRecord as ForceRecord
+    from floquetrod.rod.loads.tool import VibrationTool as VibrationTool
     from floquetrod.rod.map import stability_map as stability_map
     from floquetrod.rod.model.assumptions import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
@@ -111,6 +113,8 @@ _WHERE = {
     "Study": "ensembles.study",
     "UndecidedWarning": "floquet.status",
     "UniformForceWarning": "rod.model.assumptions",
+    "MeanForce": "rod.answers.mean_force",
+    "VibrationTool": "rod.loads.tool",
     "WellPath": "wells.path",
     "certify": "floquet.proof",
     "compare": "floquet.comparison",

@@ -160,6 +160,12 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.FiniteTimeCriterion().is_stable, ALL),
     (fr.AxialLoad, LOADS | {"mean_at": 0.3, "waveform": (0.5 - 1j, 0.2)}),
     (fr.AxialLoad.hertz, LOADS),
+    (fr.VibrationTool, {"amplitude": 5e3, "frequency": 100.0, "above_end": 30.0}),
+    (
+        ROD.mean_force,
+        {"path": WELL, "friction": 0.2, "motion": "pushed", "far_force": 0.1, "bottom": 20.0, "depth": [10.0]}
+        | {"tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05, "helical": "energy"},
+    ),
     (fr.WellPath, {"depth": [0.0, 900.0], "inclination": [0.0, 0.1], "azimuth": [0.0, 0.5]}),
     (fr.WellPath.arc, {"length": 30.0, "inclination": (0.0, 0.1), "azimuth": 0.5, "depth": 900.0}),
     (fr.WellPath.straight, {"length": 30.0, "inclination": 0.1, "azimuth": 0.5, "depth": 900.0}),
@@ -528,6 +534,7 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "Comparison",
         "FloquetMode",
         "Margin",
+        "MeanForce",
         "Proof",
         "RegionProof",
         "SafeBox",

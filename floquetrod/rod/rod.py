@@ -31,10 +31,13 @@ from floquetrod.rod.modes.mode_model import ModeModel
 # Loaded by the methods that need them: a first verdict takes a quarter of the package.
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
+    from floquetrod.rod.answers.mean_force import MeanForce
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.answers.verdict import RodStability
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
+    from floquetrod.rod.loads.tool import VibrationTool
     from floquetrod.rod.ranges import StabilityIntervals
+    from floquetrod.wells.path import WellPath
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -184,6 +187,71 @@ class Rod(RodData):
         """
         load, tolerance = require_load("load", load), validate.tolerance("growth_tolerance", growth_tolerance)
         return self.modes_under(load).modes_needed(load, tolerance)
+
+    # --- along a well ---
+
+    def mean_force(
+        self,
+        path: WellPath,
+        friction: Any = 0.0,
+        *,
+        motion: str = "pushed",
+        far_force: float | str = 0.0,
+        bottom: float | str | None = None,
+        depth: Any = None,
+        tool: VibrationTool | None = None,
+        speed: float | str = 0.05,
+        helical: str = "energy",
+    ) -> MeanForce:
+        """Return the mean force along a string of this section in a well, from the beginning of its path down.
+
+        The rod's own length and inclination count for nothing.
+
+        Parameters
+        ----------
+        path : WellPath
+        friction : float or sequence of (float or str, float)
+            Coefficient of friction with the wall; or pairs of a measured depth in m and the coefficient from there on,
+            the first depth 0: ``[(0, 0.2), ("1500m", 0.35)]`` for a well cased to 1500 m.
+        motion : str
+            "pushed" down, "pulled" up, or "standing" without friction.
+        far_force : float or str
+            Compression at the lower end in N, negative for a pull.
+        bottom : float or str, optional
+            Measured depth of the lower end in m; by default the end of the path.
+        depth : array_like, optional
+            Measured depths in m at which the force is wanted, beside both ends; by default every 10 m or so.
+        tool : VibrationTool, optional
+            It shakes the string, and lessens friction where its speed exceeds that of sliding.
+        speed : float or str
+            Speed of sliding in m/s, which counts with a tool only.
+        helical : str
+            When a pushed string becomes a helix: "energy", "loading" or "alone", from sqrt(2), 1.83 or 2 sqrt(2) times
+            the force at which it begins to snake, see `critical_forces`; "always", wherever it is compressed.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For numbers out of range, naming the argument.
+
+        Notes
+        -----
+        dF/ds = w cos(phi) - mu N with the contact force N = hypot(w sin(phi) + F kappa_n, F kappa_b), plus
+        F^2 R / (4 E I) of a helix (docs/theory/wells.md).
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> well = fr.WellPath([0.0, 1000.0, 1450.0, 3000.0], ["0deg", "0deg", "90deg", "90deg"])
+        >>> tubing = Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
+        >>> tubing.mean_force(well, 0.2)
+        <string pushed to 3000 m needs 25.9 kN of pull at 0 m>
+        """
+        from floquetrod.rod.answers import mean_force
+
+        drag = mean_force.drag_of(self, path, friction, motion, helical, tool, speed)
+        force = mean_force.force_in_newtons("far_force", far_force)
+        return mean_force.mean_force(drag, force, mean_force.lower_end(path, bottom), depth)
 
     # --- verdicts ---
 

@@ -270,7 +270,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
     @property
     def dogleg_severity(self) -> Floats:
         """Curvature of each interval in deg/30 m, (n - 1,)."""
-        return np.degrees(30.0 * self._arcs.curvature)
+        return np.degrees(30.0 * self.arcs.curvature)
 
     def part(self, start: Any, end: Any) -> Self:
         """Return the path between two measured depths in m, which it keeps."""
@@ -282,7 +282,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
         )
         if not ends[0] < ends[1]:
             raise validate.wrong_value("end", f"must lie below start = {ends[0]:g} m, got {ends[1]:g} m")
-        points = self._arcs.at(ends)
+        points = self.arcs.at(ends)
         between = (self.depth > ends[0]) & (self.depth < ends[1])
         kept = (
             np.concatenate([cut[:1], whole[between], cut[1:]])
@@ -332,20 +332,21 @@ class WellPath(Reported, ByContent, TellsAttributes):
     # --- arcs ---
 
     @cached_property
-    def _arcs(self) -> Arcs:
+    def arcs(self) -> Arcs:
+        """The arcs between stations."""
         return Arcs.between(self.depth, self.inclination, self.azimuth)
 
     @cached_property
     def _corners(self) -> Floats:
         """Positions of the stations, (n, 3)."""
-        arcs = self._arcs
+        arcs = self.arcs
         every = Points(arcs, np.arange(arcs.length.size), arcs.length).moved
         return np.concatenate([np.zeros((1, 3)), np.cumsum(every, axis=0)])
 
     def _points(self, depth: Any) -> tuple[tuple[int, ...], Points]:
         """Return the shape of measured depths and the points there, flat."""
         depths = validate.array("depth", depth)
-        return depths.shape, self._arcs.at(self._inside(depths.ravel()))
+        return depths.shape, self.arcs.at(self._inside(depths.ravel()))
 
     def _inside(self, depths: Floats, name: str = "depth") -> Floats:
         """Return depths that lie on the path; ValueError for the first that does not."""

@@ -38,7 +38,15 @@ over = {kick = ["10mm/s", "20mm/s"], seed = {from = 1, to = 3}}
 """
 
 VALUES = (fr.AxialLoad, fr.AxialWave, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
-VALUES += (fr.SimulationProblem, fr.HillSystem, fr.PeriodicSystem, fr.ForceRecord, fr.Study, fr.WellPath)
+VALUES += (
+    fr.SimulationProblem,
+    fr.HillSystem,
+    fr.PeriodicSystem,
+    fr.ForceRecord,
+    fr.Study,
+    fr.WellPath,
+    fr.VibrationTool,
+)
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
@@ -114,6 +122,8 @@ LEFT_OUT = {
         f"{kind}.as_dict": "takes no argument"
         for kind in ("ForceRecord", "SafeBox", "Simulation", "StabilityIntervals")
     },
+    "MeanForce": "constructed by Rod.mean_force",
+    "VibrationTool.as_dict": "takes no argument",
     "WellPath.as_dict": "takes no argument",
     "WellPath.report": "takes no argument",
     "Study": "constructed by Study.from_toml",
@@ -324,7 +334,11 @@ def _of_wells() -> dict[str, Call]:
     survey = {"depth": [0.0, 900.0, 1300.0], "inclination": [0.0, 0.1, 1.5], "azimuth": [0.0, 0.5, 0.5]}
     arc = {"length": 450.0, "inclination": (0.0, 1.5), "azimuth": 0.5, "depth": 900.0}
     path = fr.WellPath(**survey)
+    along = {"path": path, "friction": 0.2, "motion": "pushed", "far_force": 0.1, "bottom": 1200.0, "depth": [300.0]}
+    along |= {"tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05, "helical": "energy"}
     return {
+        "VibrationTool": Call(fr.VibrationTool, {"amplitude": 5e3, "frequency": 113.0, "above_end": 30.0}),
+        "Rod.mean_force": Call(ROD.mean_force, along),
         "WellPath": Call(fr.WellPath, survey),
         "WellPath.from_csv": Call(
             fr.WellPath.from_csv,

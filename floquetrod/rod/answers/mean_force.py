@@ -1,0 +1,234 @@
+"""The mean force along a string in a well, its contact with the wall, and where it is buckled."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.content import ByContent
+from floquetrod._util.report import Report, Reported, number
+from floquetrod.rod.loads.tool import VibrationTool
+from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.parts import friction_coefficient
+from floquetrod.units import with_unit
+from floquetrod.wells import strings
+from floquetrod.wells.drag import CHECKED, FINE, HELICAL, MOTIONS, Drag, Friction, Pipe, Place, Shaking
+from floquetrod.wells.path import WellPath
+from floquetrod.wells.survey import LENGTHS
+from floquetrod.wells.survey import number as in_si
+
+Floats = NDArray[np.float64]
+
+_LARGEST = 1e12  # N
+_SPEEDS = 1e-9, 1e3  # m/s of sliding
+_SPACING = 10.0  # m between depths where none are asked for (a choice)
+_MOST = 2000  # depths where none are asked for
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MeanForce(Reported, ByContent):
+    """Mean force along a string in a well, from its upper end at the beginning of the path to its lower end.
+
+    Attributes
+    ----------
+    depth : ndarray (n,)
+        Measured depths in m, those of both ends among them.
+    force : ndarray (n,)
+        Effective compression in N, negative for a pull; infinite where the string is locked up.
+    contact : ndarray (n,)
+        Contact force in N/m, that of a helix counted in.
+    friction : ndarray (n,)
+        Mean coefficient of friction, less where a tool shakes the string.
+    speed : ndarray (n,)
+        Amplitude in m/s of the axial vibration where it exceeds the speed of sliding, else 0: it then does nothing.
+    is_snaking, is_helix : ndarray of bool (n,)
+        Whether the string is buckled, and into a helix.
+    motion : str
+        "pushed", "standing" or "pulled".
+    error : float
+        Estimated error of ``force`` in N where it is finite, that of the integration alone.
+    """
+
+    depth: Floats
+    force: Floats
+    contact: Floats
+    friction: Floats
+    speed: Floats
+    is_snaking: NDArray[np.bool_]
+    is_helix: NDArray[np.bool_]
+    motion: str
+    error: float
+
+    @property
+    def at_top(self) -> float:
+        """Compression in N at the upper end: what the injector must push, negative for a pull; infinite locked up."""
+        return float(self.force[0])
+
+    @property
+    def is_locked(self) -> bool:
+        """Whether no force at the upper end moves the string."""
+        return math.isinf(self.at_top)
+
+    def __repr__(self) -> str:
+        """Return the force at the upper end as a sentence."""
+        return f"<{self._in_words}>"
+
+    @property
+    def _in_words(self) -> str:
+        where = f"string {self.motion} to {self.depth[-1]:.6g} m"
+        if self.is_locked:
+            return f"{where} locks up at {float(self.depth[np.isinf(self.force)].max()):.4g} m"
+        size = with_unit(abs(self.at_top), "N", 4)
+        return f"{where} needs {size} of {'push' if self.at_top >= 0.0 else 'pull'} at {self.depth[0]:.6g} m"
+
+    def report(self) -> Report:
+        """Return the force, the buckled depths and what is taken for granted."""
+        lines = [("snaking", _depths(self.depth, self.is_snaking)), ("helix", _depths(self.depth, self.is_helix))]
+        return Report(self._in_words, [*lines, ("assumed", "; ".join(ASSUMED))])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as numbers for JSON, units in the keys; None where a force is infinite."""
+        return {
+            "motion": self.motion,
+            "depth_m": self.depth.tolist(),
+            "force_N": [number(each) for each in self.force.tolist()],
+            "contact_N_per_m": [number(each) for each in self.contact.tolist()],
+            "friction": self.friction.tolist(),
+            "speed_m_per_s": self.speed.tolist(),
+            "is_snaking": self.is_snaking.tolist(),
+            "is_helix": self.is_helix.tolist(),
+            "error_N": self.error,
+        }
+
+
+ASSUMED = (
+    "the string follows the well, bent without shear: soft but for buckling",
+    "effective force; a helix adds F^2 R / (4 E I) to the contact force, snaking nothing",
+    "no torque",
+    "waves of a tool run up and down the string, lose what friction takes, and are not thrown back by its ends",
+)
+"""What mean forces take for granted."""
+
+
+def _depths(depth: Floats, is_so: NDArray[np.bool_]) -> str:
+    """Return where something is so, in words."""
+    return ", ".join(f"{low:.6g} to {high:.6g} m" for low, high in spans(depth, is_so)) or "nowhere"
+
+
+def spans(depth: Floats, is_so: NDArray[np.bool_]) -> Sequence[tuple[float, float]]:
+    """Return the ends in m of the depths, one after the other, where something is so."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_so, [False]]).astype(int)))
+    return [(float(depth[a]), float(depth[b - 1])) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def drag_of(
+    rod: RodData, path: Any, friction: Any, motion: Any, helical: Any, tool: VibrationTool | None, speed: Any
+) -> Drag:
+    """Return a string of a rod's section in a well, from what people give."""
+    path = validate.instance("path", path, WellPath, "fr.WellPath.from_csv reads one from a survey")
+    shaking = None
+    if tool is not None:
+        tool = validate.instance("tool", tool, VibrationTool, "such as fr.VibrationTool('5kN', '18Hz', '30m')")
+        impedance = rod.mass_along * rod.wave_speed
+        sliding = validate.within("speed", in_si("speed", speed, "speed"), *_SPEEDS, "give it in m/s")
+        shaking = Shaking(impedance, sliding, tool.share * tool.amplitude / impedance, tool.above_end)
+    return Drag(
+        path,
+        Pipe(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance),
+        friction_along(friction),
+        validate.choice("motion", motion, MOTIONS),
+        validate.choice("helical", helical, HELICAL),
+        shaking,
+    )
+
+
+def friction_along(given: Any) -> Friction:
+    """Return a coefficient of friction, or pairs of a measured depth in m and the coefficient from there on."""
+    if not isinstance(given, list | tuple):
+        return Friction((0.0,), (friction_coefficient(given),))
+    pairs = validate.listed("friction", given, validate.MOST_NUMBERS, "pairs")
+    depths, values = [], []
+    for i, pair in enumerate(pairs):
+        if not isinstance(pair, list | tuple) or len(pair) != 2:
+            raise validate.wrong_type(
+                f"friction[{i}]", f"must be a depth and a coefficient, got {validate.short(pair)}"
+            )
+        depths.append(validate.within(f"friction[{i}]", in_si(f"friction[{i}]", pair[0], "length"), 0.0, LENGTHS[1]))
+        values.append(friction_coefficient(pair[1]))
+    if not depths or depths[0] > 0.0 or any(a >= b for a, b in itertools.pairwise(depths)):
+        raise validate.wrong_value(
+            "friction", f"must begin at depth 0 and go on with greater depths, got {validate.short(given)}"
+        )
+    return Friction(tuple(depths), tuple(values))
+
+
+def force_in_newtons(name: str, value: Any) -> float:
+    """Return a force in N, given as a number or with a unit; negative for a pull."""
+    return validate.within(name, in_si(name, value, "force"), -_LARGEST, _LARGEST, "give it in N")
+
+
+def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanForce:
+    """Return what `Rod.mean_force` does."""
+    path = drag.path
+    depths = _asked(path.start, bottom, depth)
+    ends = np.array([bottom])
+    fine, coarse = (strings.run(drag, path.start, ends, far_force, depths, each) for each in (FINE, CHECKED))
+    rows = np.searchsorted(fine.depth, depths)
+    y, wave = fine.y[rows, 0], fine.wave[rows, 0]
+    force = drag.force(y)
+    other = drag.force(coarse.y[rows, 0])
+    is_free = np.isfinite(force) & np.isfinite(other)
+    error = float(np.abs(force[is_free] - other[is_free]).max(initial=0.0))
+    place = Place.at(path.arcs.at(depths))
+    held = np.where(np.isfinite(force), force, 0.0)
+    lying = drag.pipe.lying(held, place)
+    is_helix = drag.is_helix(place, y) | np.isinf(force)
+    contact = lying + np.where(is_helix, drag.pipe.helix(held), 0.0)
+    shaking = drag.shaking
+    left = np.ones(depths.size) if shaking is None else shaking.left(wave)
+    speed = np.zeros(depths.size) if shaking is None else np.where(wave > 0.0, np.hypot(wave, shaking.speed), 0.0)
+    return MeanForce(
+        depth=depths,
+        force=force,
+        contact=np.where(np.isfinite(force), contact, math.inf),
+        friction=left * drag.friction.at(depths),
+        speed=speed,
+        is_snaking=np.isinf(force) | ((held > 0.0) & (drag.pipe.helix(held) >= lying)),
+        is_helix=is_helix,
+        motion=drag.motion,
+        error=error,
+    )
+
+
+def _asked(top: float, bottom: float, depth: Any) -> Floats:
+    """Return the measured depths that are asked for, increasing, with both ends."""
+    if depth is None:
+        number = int(np.clip((bottom - top) / _SPACING, 50, _MOST))
+        return np.linspace(top, bottom, number + 1)
+    asked = validate.array("depth", depth, least=0.0, largest=1e6).ravel()
+    outside = (asked < top) | (asked > bottom)
+    if outside.any():
+        raise validate.wrong_value(
+            "depth", f"must lie from {top:g} m to bottom = {bottom:g} m, got {asked[outside][0]:g} m"
+        )
+    return np.unique(np.concatenate([[top, bottom], asked]))
+
+
+def lower_end(path: Any, bottom: Any) -> float:
+    """Return the measured depth of the lower end of a string, by default that of the path."""
+    if bottom is None:
+        return float(path.end)
+    depth = validate.finite("bottom", in_si("bottom", bottom, "length"))
+    if not path.start + LENGTHS[0] <= depth <= path.end:
+        raise validate.wrong_value(
+            "bottom",
+            f"must lie below {path.start:g} and not below {path.end:g} m, the end of the path, got {depth:g} m",
+        )
+    return depth

@@ -1,0 +1,67 @@
+"""A tool in a string that shakes it along its axis."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from floquetrod import units
+from floquetrod._util import validate
+from floquetrod._util.calling import constructor_hints
+from floquetrod.rod.loads.load import load_number
+
+_LARGEST = 1e6  # m
+
+
+@constructor_hints(at="the distance from the lower end is above_end", tool_at="the distance is above_end")
+@dataclass(frozen=True)
+class VibrationTool:
+    """A tool in a string that pushes and pulls it along its axis with a sine.
+
+    Inside the string half the force goes each way; at its lower end all of it goes up.  Waves that an end of the string
+    throws back are not counted.
+
+    Parameters
+    ----------
+    amplitude : float or str
+        Of the force in N, or with a unit such as "5kN".
+    frequency : float or str
+        In rad/s, or with a unit such as "18Hz".
+    above_end : float or str
+        Distance of the tool from the lower end of the string in m, or with a unit; by default 0.
+
+    Examples
+    --------
+    >>> tool = VibrationTool("5kN", "18Hz", "30m")
+    >>> tool
+    VibrationTool(amplitude=5000.0, frequency=113.09733552923255, above_end=30.0)
+    >>> tool.share
+    0.5
+    """
+
+    amplitude: float
+    frequency: float
+    above_end: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check and clean the parameters."""
+        object.__setattr__(self, "amplitude", load_number("amplitude", self.amplitude))
+        object.__setattr__(self, "frequency", load_number("frequency", self.frequency))
+        given: Any = self.above_end
+        distance = units.quantity(given, "above_end", "length") if isinstance(given, str) else given
+        object.__setattr__(self, "above_end", validate.within("above_end", distance, 0.0, _LARGEST, "give it in m"))
+
+    @property
+    def share(self) -> float:
+        """Part of the force that goes up the string."""
+        return 0.5 if self.above_end else 1.0
+
+    @property
+    def hertz(self) -> float:
+        """The frequency in Hz."""
+        return self.frequency / (2.0 * math.pi)
+
+    def as_dict(self) -> dict[str, float]:
+        """Return the parameters in SI units."""
+        return {"amplitude": self.amplitude, "frequency": self.frequency, "above_end": self.above_end}

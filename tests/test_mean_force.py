@@ -1,0 +1,231 @@
+"""The mean force along a string in a well: closed forms, symmetries, and what a tool leaves of friction."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import floquetrod as fr
+from conftest import depth
+
+pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
+
+TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
+WEIGHT = TUBING.weight_per_length
+IMPEDANCE = TUBING.mass_along * TUBING.wave_speed
+
+
+def arc_force(path: fr.WellPath, depth: np.ndarray, mu: float, far_force: float) -> np.ndarray:
+    """Return the force along an arc in a vertical plane, with the string on its low side: shared by the theory page."""
+    kappa = path.curvature(path.start)[0]
+    a, b = (1.0 - mu**2) / (1.0 + mu**2), 2.0 * mu / (1.0 + mu**2)
+    phi, end = path.inclination_at(depth), path.inclination_at(path.end)
+
+    def steady(angle: np.ndarray) -> np.ndarray:
+        return WEIGHT / kappa * (a * np.sin(angle) + b * np.cos(angle))
+
+    return (far_force - steady(end)) * np.exp(mu * (end - phi)) + steady(phi)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3, 1.0])
+@pytest.mark.parametrize("ends", [(0.3, 1.2), (0.1, math.pi / 2.0), (1.5, 0.8)])
+@pytest.mark.parametrize("motion", ["pushed", "pulled"])
+def test_along_an_arc_the_force_is_the_closed_form(mu: float, ends: tuple[float, float], motion: str) -> None:
+    path = fr.WellPath.arc(length=300.0, inclination=ends, depth=700.0)
+    found = TUBING.mean_force(
+        path, mu, motion=motion, far_force=500.0, depth=np.linspace(700.0, 1000.0, 9), helical="alone"
+    )
+    expected = arc_force(path, found.depth, mu if motion == "pushed" else -mu, 500.0)
+    lying = WEIGHT * np.sin(path.inclination_at(found.depth)) + expected * path.curvature(found.depth)[0]
+    on_low_side = np.flip(np.cumprod(np.flip(lying > 0.0))).astype(bool)
+    assert on_low_side.sum() > 2
+    kept = on_low_side & ~found.is_helix
+    size = np.abs(expected).max()
+    np.testing.assert_allclose(found.force[kept], expected[kept], rtol=0.0, atol=1e-10 * size)
+    np.testing.assert_allclose(found.contact[kept], lying[kept], rtol=0.0, atol=1e-10 * WEIGHT)
+    assert found.error < 1e-7 * size
+
+
+@pytest.mark.parametrize("inclination", [90.0, 75.0, 40.0])
+@pytest.mark.parametrize("far_force", [-3000.0, 0.0, 800.0])
+def test_in_a_straight_well_it_is_lock_up(inclination: float, far_force: float) -> None:
+    rod = TUBING.replace(inclination=math.radians(inclination))
+    expected = rod.lock_up(0.3, far_force)
+    length = 1200.0
+    path = fr.WellPath.straight(length=length, inclination=math.radians(inclination))
+    found = TUBING.mean_force(path, 0.3, far_force=far_force, helical="always", depth=np.linspace(0.0, length, 9))
+    np.testing.assert_allclose(found.force, expected.force(length - found.depth), rtol=1e-9)
+
+
+def test_a_straight_well_locks_up_where_lock_up_says() -> None:
+    reach = TUBING.lock_up(0.3).length
+    for factor, is_locked in ((1.0 - 1e-9, False), (1.0 + 1e-9, True)):
+        path = fr.WellPath.straight(length=factor * reach, inclination=math.pi / 2.0)
+        found = TUBING.mean_force(path, 0.3, helical="always")
+        assert found.is_locked == is_locked
+        assert np.isinf(found.force).any() == is_locked
+
+
+@st.composite
+def wells(draw: st.DrawFn) -> fr.WellPath:
+    """Draw a well that bends and turns."""
+    stations = draw(st.lists(st.tuples(st.floats(0.05, 2.0), st.floats(-1.0, 1.0)), min_size=2, max_size=4))
+    inclination, azimuth = np.array(stations).T
+    return fr.WellPath(100.0 + 200.0 * np.arange(len(stations)), inclination, azimuth)
+
+
+@settings(max_examples=depth(60, 3))
+@given(path=wells(), mu=st.floats(0.05, 0.5), far_force=st.floats(-1e4, 2e4))
+def test_turning_to_the_other_side_changes_nothing(path: fr.WellPath, mu: float, far_force: float) -> None:
+    other = fr.WellPath(path.depth, path.inclination, -path.azimuth)
+    one, mirrored = (TUBING.mean_force(each, mu, far_force=far_force, depth=each.stations) for each in (path, other))
+    np.testing.assert_allclose(one.force, mirrored.force, rtol=1e-9, atol=1e-6)
+
+
+@settings(max_examples=depth(60, 3))
+@given(path=wells(), far_force=st.floats(-1e4, 5e3))
+def test_a_string_is_the_sum_of_its_parts(path: fr.WellPath, far_force: float) -> None:
+    middle = 0.4 * path.start + 0.6 * path.end
+    whole = TUBING.mean_force(path, 0.2, far_force=far_force, depth=[middle])
+    lower = TUBING.mean_force(path.part(middle, path.end), 0.2, far_force=far_force)
+    if lower.is_locked:
+        assert whole.is_locked
+        return
+    upper = TUBING.mean_force(path.part(path.start, middle), 0.2, far_force=lower.at_top)
+    assert lower.at_top == pytest.approx(whole.force[1], rel=1e-8, abs=1e-5)
+    assert upper.at_top == pytest.approx(whole.at_top, rel=1e-6, abs=1e-3)
+
+
+def test_a_standing_string_carries_its_weight_and_no_more() -> None:
+    path = fr.WellPath([0.0, 500.0, 900.0, 1500.0], [0.0, 0.1, 1.4, 1.6], [0.0, 1.0, 2.0, 2.5])
+    found = TUBING.mean_force(path, 0.3, motion="standing", far_force=300.0, depth=path.stations)
+    drop = path.position(path.end)[2] - path.position(path.stations)[:, 2]
+    np.testing.assert_allclose(found.force, 300.0 - WEIGHT * drop, rtol=1e-9)
+
+
+def test_friction_by_interval_is_that_of_each_part() -> None:
+    path = fr.WellPath.straight(length=600.0, inclination=1.3)
+    found = TUBING.mean_force(path, [(0, 0.1), ("200m", 0.4)], depth=[200.0])
+    across, along = WEIGHT * math.sin(1.3), WEIGHT * math.cos(1.3)
+    lower = 400.0 * (0.4 * across - along)
+    np.testing.assert_allclose(found.force, [lower + 200.0 * (0.1 * across - along), lower, 0.0], rtol=1e-11, atol=1e-7)
+    np.testing.assert_array_equal(found.friction, [0.1, 0.4, 0.4])
+
+
+@pytest.mark.parametrize(
+    ("kappa", "force"), [(0.0, 1.6960285886), (0.002, 1.7186134), (0.01, 1.8119169), (0.05, 2.3472859)]
+)
+def test_a_string_snakes_from_the_static_limit_on(kappa: float, force: float) -> None:
+    """The truth of the static limit where the well builds, F = 2 E I (k + sqrt(k^2 + q / E I))."""
+    rod = fr.Rod.nitinol()
+    path = fr.WellPath.arc(length=2e-4, inclination=(math.pi / 2.0 - 2e-4 * kappa, math.pi / 2.0))
+    for factor, is_snaking in ((1.0 - 1e-7, False), (1.0 + 1e-7, True)):
+        found = rod.mean_force(path, far_force=factor * force, depth=path.stations)
+        assert found.is_snaking[-1] == is_snaking
+        helix = 2.0 * rod.flexural_rigidity * (kappa + math.sqrt(kappa**2 + 0.0)) / rod.radial_clearance
+        assert not found.is_helix[-1] or helix > force
+
+
+def test_a_helix_needs_more_by_every_criterion_and_presses_with_f_squared() -> None:
+    path = fr.WellPath.straight(length=1.0, inclination=math.pi / 2.0)
+    for name, ratio in (("energy", math.sqrt(2.0)), ("loading", 1.83), ("alone", math.sqrt(8.0)), ("always", 0.01)):
+        for factor in (0.999, 1.001):
+            force = factor * ratio * TUBING.critical_force
+            found = TUBING.mean_force(path, 0.2, far_force=force, helical=name, depth=[0.5])
+            is_helix = factor > 1.0 or name == "always"
+            more = force**2 * TUBING.radial_clearance / (4.0 * TUBING.flexural_rigidity)
+            assert found.is_helix[-1] == is_helix
+            assert found.contact[-1] == pytest.approx(WEIGHT + is_helix * more, rel=1e-12)
+
+
+def left_of_friction(distance: float, mu: float, speed: float, source: float) -> float:
+    """Return the force in N that friction takes over a distance from a tool, in a level hole, in closed form."""
+    start = math.sqrt(source**2 - speed**2)
+    fall = 2.0 * mu * WEIGHT / (math.pi * IMPEDANCE)
+    reach = start / fall
+    near = min(distance, reach)
+
+    def primitive(wave: float) -> float:
+        return wave * math.atan2(speed, wave) + 0.5 * speed * math.log(speed**2 + wave**2)
+
+    shaken = 2.0 / math.pi * (primitive(start) - primitive(start - fall * near)) / fall
+    return mu * WEIGHT * (shaken + max(0.0, distance - reach))
+
+
+@pytest.mark.parametrize("length", [200.0, 900.0])
+def test_a_tool_at_the_end_takes_from_friction_what_the_closed_form_says(length: float) -> None:
+    path = fr.WellPath.straight(length=length, inclination=math.pi / 2.0)
+    tool = fr.VibrationTool("5kN", "18Hz")
+    found = TUBING.mean_force(path, 0.2, tool=tool, speed=0.04)
+    assert found.at_top == pytest.approx(left_of_friction(length, 0.2, 0.04, 5000.0 / IMPEDANCE), rel=1e-9)
+    assert found.speed[-1] == pytest.approx(5000.0 / IMPEDANCE)
+
+
+def test_a_tool_in_the_string_shakes_both_ways() -> None:
+    path = fr.WellPath.straight(length=900.0, inclination=math.pi / 2.0)
+    found = TUBING.mean_force(
+        path, 0.2, tool=fr.VibrationTool("8kN", "18Hz", "150m"), speed=0.04, depth=[600.0, 750.0, 900.0]
+    )
+    one_way = 4000.0 / IMPEDANCE
+    expected = [left_of_friction(each, 0.2, 0.04, one_way) for each in (150.0, 150.0, 750.0)]
+    np.testing.assert_allclose(found.force[[2, 0]], [expected[0], expected[0] + expected[2]], rtol=1e-8)
+    np.testing.assert_allclose(found.speed[[1, 3]], found.speed[1], rtol=1e-7)
+    assert found.speed[2] == pytest.approx(one_way, rel=1e-8)
+
+
+def test_the_law_of_friction_is_the_mean_over_a_period() -> None:
+    """Coulomb friction against v + V cos: (2 / pi) asin(v / V) on average, and (2 / pi) sqrt(V^2 - v^2) with V cos."""
+    phase = 2.0 * math.pi * (np.arange(200_000) + 0.5) / 200_000
+    speed, size = 0.3, 0.8
+    sign = np.sign(speed + size * np.cos(phase))
+    wave = math.sqrt(size**2 - speed**2)
+    assert sign.mean() == pytest.approx(2.0 / math.pi * math.atan2(speed, wave), abs=1e-5)
+    assert (sign * size * np.cos(phase)).mean() == pytest.approx(2.0 / math.pi * wave, abs=1e-5)
+
+
+def test_a_tool_above_the_hole_or_slower_than_the_string_does_nothing() -> None:
+    path = fr.WellPath.straight(length=300.0, inclination=1.4)
+    still = TUBING.mean_force(path, 0.2)
+    for tool, speed in ((fr.VibrationTool(5e3, 100.0, 400.0), 0.01), (fr.VibrationTool(5e3, 100.0), 2.0)):
+        assert TUBING.mean_force(path, 0.2, tool=tool, speed=speed).at_top == pytest.approx(still.at_top, rel=1e-9)
+
+
+def test_what_it_says() -> None:
+    path = fr.WellPath([0.0, 1000.0, 1450.0, 3000.0], ["0deg", "0deg", "90deg", "90deg"])
+    found = TUBING.mean_force(path, 0.3)
+    assert repr(found).startswith("<string pushed to 3000 m locks up at ")
+    assert json.loads(json.dumps(found.as_dict(), allow_nan=False))["force_N"][0] is None
+    assert "helix" in str(found.report())
+    assert found == TUBING.mean_force(path, 0.3)
+    assert repr(TUBING.mean_force(path, 0.3, motion="pulled")).startswith(
+        "<string pulled to 3000 m needs 77.2 kN of pull"
+    )
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"friction": -0.1}, "friction must be zero or more"),
+        ({"friction": [(100, 0.2)]}, "friction must begin at depth 0"),
+        ({"friction": [(0, 0.2), (0, 0.3)]}, "friction must begin at depth 0 and go on"),
+        ({"friction": [0.2, 0.3]}, r"friction\[0\] must be a depth and a coefficient"),
+        ({"motion": "push"}, "motion must be one of.*did you mean pushed"),
+        ({"helical": "often"}, "helical must be one of"),
+        ({"bottom": 4000.0}, "bottom must lie below 0 and not below 300 m"),
+        ({"bottom": "4 parsec"}, "bottom must be a number with"),
+        ({"depth": [100.0, 400.0]}, "depth must lie from 0 m to bottom = 300 m, got 400 m"),
+        ({"far_force": "5 km"}, "far_force must be a number with a force unit"),
+        ({"tool": "5kN"}, "tool must be a VibrationTool"),
+        ({"tool": fr.VibrationTool(1.0, 1.0), "speed": 0.0}, "speed must"),
+        ({"path": "survey.csv"}, "path must be a WellPath.*from_csv"),
+    ],
+)
+def test_bad_input_is_refused(wrong: dict, words: str) -> None:
+    path = fr.WellPath.straight(length=300.0, inclination=1.4)
+    with pytest.raises((TypeError, ValueError), match=words):
+        TUBING.mean_force(**{"path": path, "friction": 0.2, **wrong})
