@@ -9,7 +9,7 @@ import pytest
 
 import floquetrod as fr
 from coupled_cases import TUBING
-from floquetrod.floquet.system_methods.monodromy import monodromy, solved_many
+from floquetrod.floquet.methods.system_monodromy import monodromy, solved_many
 from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.modes import coupled_verdict
 from floquetrod.rod.modes.fewer_modes import Fastest

@@ -48,8 +48,10 @@ class MeanForce(Reported, ByContent):
         Mean coefficient of friction, less where a tool shakes the string.
     speed : ndarray (n,)
         Amplitude in m/s of the axial vibration where it exceeds the speed of sliding, else 0: it then does nothing.
-    is_snaking, is_helix : ndarray of bool (n,)
-        Whether the string is buckled, and into a helix.
+    is_snaking : ndarray of bool (n,)
+        Whether the string is buckled, into waves or a helix.
+    is_helix : ndarray of bool (n,)
+        Whether it is buckled into a helix.
     motion : str
         "pushed", "standing" or "pulled".
     error : float

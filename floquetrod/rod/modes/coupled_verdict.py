@@ -15,7 +15,7 @@ from floquetrod._util.report import number
 from floquetrod.equations import HillSystem
 from floquetrod.equations.pieces import of_batch
 from floquetrod.floquet.dispatch import judge, stability
-from floquetrod.floquet.system_methods.monodromy import solved_many
+from floquetrod.floquet.methods.system_monodromy import solved_many
 from floquetrod.floquet.systems.classification import undamped_pairs
 from floquetrod.floquet.systems.damping import least_damping
 from floquetrod.floquet.systems.result import Resonance, SystemStability

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod.equations import HillSystem
-from floquetrod.floquet.system_methods.monodromy import SolvedMany
+from floquetrod.floquet.methods.system_monodromy import SolvedMany
 
 _ACCURACY = 1e-12  # of the motion over a period, relative
 _LARGEST_CHANGE = 1e-3  # of x over a period, beyond growth, up to which the solution is that of the fewer (a choice)
