@@ -274,7 +274,7 @@ def test_the_cause_of_a_failure_is_kept() -> None:
 
 @pytest.mark.slow
 def test_a_side_that_has_closed_is_not_followed() -> None:
-    # About omega = 1 two outlines meet while a blunt side waits to be followed: it had no direction any more.
+    # About omega = 1 two outlines meet while a wide side waits to be followed: it had no direction any more.
     def two_meissner(omega: float, epsilon: float) -> fr.HillSystem:
         forcing, half = epsilon * np.array([[0.5, 1.0], [1.0, 0.8]]), math.pi / omega
         mean = np.diag([1.0, 4.0])

@@ -78,7 +78,7 @@ def refined(plane: Plane, outline: Outline, accuracy: float, report: Progress) -
 
     Returns whether all is done as asked; not where there was no end after many rounds.
     """
-    blunt: dict[int, bool] = {}
+    wide_ends: dict[int, bool] = {}
     for _ in range(_MOST_ROUNDS):
         some = np.flatnonzero(~outline.done)
         start, end = outline.sides(some)
@@ -86,20 +86,20 @@ def refined(plane: Plane, outline: Outline, accuracy: float, report: Progress) -
         some = np.flatnonzero(~outline.done)
         report(outline.size - some.size, outline.size)
         if not some.size:
-            sides = np.array([side for side in blunt if outline.done[side]], dtype=np.int64)
+            sides = np.array([side for side in wide_ends if outline.done[side]], dtype=np.int64)
             start, end = outline.sides(sides)
             sides = sides[np.hypot(*(end - start).T) >= THINNEST * plane.vertex]  # others have met since
             if not sides.size:
                 return True
-            colour = np.array([blunt[side] for side in sides.tolist()])
-            blunt = {}
+            colour = np.array([wide_ends[side] for side in sides.tolist()])
+            wide_ends = {}
             if follow(plane, outline, sides, colour, 0.5 * accuracy):
                 return False
             continue
         departs = ~_agrees(plane, outline, some, 0.5 * accuracy)
         outline.done[some[~departs]] = True
         if departs.any():
-            _move(plane, outline, some[departs], accuracy, blunt)
+            _move(plane, outline, some[departs], accuracy, wide_ends)
     return False
 
 
@@ -135,8 +135,8 @@ def _agrees(plane: Plane, outline: Outline, some: Ints, tolerance: float) -> Boo
     return result
 
 
-def _move(plane: Plane, outline: Outline, some: Ints, accuracy: float, blunt: dict[int, bool]) -> None:
-    """Put a vertex on the boundary next to the middle of sides; join sides that meet; note those that end bluntly."""
+def _move(plane: Plane, outline: Outline, some: Ints, accuracy: float, wide_ends: dict[int, bool]) -> None:
+    """Put a vertex on the boundary next to the middle of sides; join sides that meet; note wide ends."""
     normal, length = _normals(outline, some)
     start, end = outline.sides(some)
     middle = 0.5 * (start + end)
@@ -158,4 +158,4 @@ def _move(plane: Plane, outline: Outline, some: Ints, accuracy: float, blunt: di
             outline.divide(side, place[k])
         else:
             outline.done[side] = True
-            blunt[side] = bool(colour[k])
+            wide_ends[side] = bool(colour[k])

@@ -1,4 +1,4 @@
-"""Tongues followed from where an outline ends bluntly to their tips, cross-section by cross-section.
+"""Tongues followed from where an outline ends with a wide side to their tips, cross-section by cross-section.
 
 A tongue may be of either colour: an unstable one going out of a region, or a stable one that goes into it.
 """
@@ -21,7 +21,7 @@ _LONGEST = 0.08  # step along a tongue, as a share of the axes (a choice)
 _OFFSETS = np.array([-1, 1, -2, 2, -3, 3, -4, 4]) / 3.0  # across a tongue, in widths, where its middle is missed
 
 
-class _Front:
+class _Tongue:
     """The last cross-section of a tongue that is followed, and the middles of those before it."""
 
     def __init__(self, outline: Outline, side: int, unstable: bool) -> None:
@@ -79,7 +79,7 @@ class _Front:
 
 
 def follow(plane: Plane, outline: Outline, sides: Ints, unstable: Bools, accuracy: float) -> int:
-    """Follow the tongues that begin at blunt sides to their tips, the edge of the plane, or another outline.
+    """Follow the tongues that begin at wide sides to their tips, the edge of the plane, or another outline.
 
     Parameters
     ----------
@@ -92,42 +92,42 @@ def follow(plane: Plane, outline: Outline, sides: Ints, unstable: Bools, accurac
     -------
     Number of tips that were given up before that.
     """
-    fronts = [_Front(outline, int(side), bool(colour)) for side, colour in zip(sides, unstable, strict=True)]
+    tongues = [_Tongue(outline, int(side), bool(colour)) for side, colour in zip(sides, unstable, strict=True)]
     for side in sides.tolist():
         outline.done[side] = True
     given_up = 0
-    while fronts:
-        for front in fronts:
-            front.steps += 1
-            front.plan()
-        hit = _hits(plane, fronts)
-        for front, place in zip(fronts, hit, strict=True):
+    while tongues:
+        for tongue in tongues:
+            tongue.steps += 1
+            tongue.plan()
+        hit = _hits(plane, tongues)
+        for tongue, place in zip(tongues, hit, strict=True):
             if place is None:
-                front.retreat()
-        some = [(front, place) for front, place in zip(fronts, hit, strict=True) if place is not None]
+                tongue.retreat()
+        some = [(tongue, place) for tongue, place in zip(tongues, hit, strict=True) if place is not None]
         ended = _advance(plane, outline, some, accuracy) if some else set()
         rest = []
-        for front in fronts:
-            if id(front) in ended or front.is_at_tip(accuracy) or front.width < THINNEST * plane.vertex:
+        for tongue in tongues:
+            if id(tongue) in ended or tongue.is_at_tip(accuracy) or tongue.width < THINNEST * plane.vertex:
                 continue
-            if front.steps > _MOST_STEPS:
+            if tongue.steps > _MOST_STEPS:
                 given_up += 1
                 continue
-            rest.append(front)
-        # another front may have been joined to this one, or have taken its side
-        fronts = [front for front in rest if outline.done[front.side]]
+            rest.append(tongue)
+        # another tongue may have been joined to this one, or have taken its side
+        tongues = [tongue for tongue in rest if outline.done[tongue.side]]
     return given_up
 
 
-def _hits(plane: Plane, fronts: list[_Front]) -> list[Floats | None]:
+def _hits(plane: Plane, tongues: list[_Tongue]) -> list[Floats | None]:
     """Return a place in each tongue near where its middle is expected, None where there is none."""
-    colour = np.array([front.colour for front in fronts])
-    places = np.array([front.target for front in fronts])
+    colour = np.array([tongue.colour for tongue in tongues])
+    places = np.array([tongue.target for tongue in tongues])
     found = _inside(places) & (plane.unstable(places, quick=True)[0] == colour)
     result: list[Floats | None] = [place if hit else None for place, hit in zip(places, found, strict=True)]
     missed = np.flatnonzero(~found)
     if missed.size:
-        across = np.array([fronts[i].next_across * fronts[i].expected for i in missed])
+        across = np.array([tongues[i].next_across * tongues[i].expected for i in missed])
         tries = places[missed, None] + _OFFSETS[:, None] * across[:, None]
         verdict, _ = plane.unstable(tries.reshape(-1, 2), quick=True)
         good = (verdict.reshape(missed.size, -1) == colour[missed, None]) & _inside(tries)
@@ -141,12 +141,12 @@ def _inside(places: Floats) -> Bools:
     return np.asarray(((places >= 0.0) & (places <= 1.0)).all(axis=-1))
 
 
-def _advance(plane: Plane, outline: Outline, some: list[tuple[_Front, Floats]], accuracy: float) -> set[int]:
-    """Find the cross-sections about places in tongues and append them; return which fronts have come to their end."""
-    across = np.array([front.next_across for front, _ in some])
+def _advance(plane: Plane, outline: Outline, some: list[tuple[_Tongue, Floats]], accuracy: float) -> set[int]:
+    """Find the cross-sections about places in tongues and append them; return which tongues have come to their end."""
+    across = np.array([tongue.next_across for tongue, _ in some])
     start = np.array([place for _, place in some])
-    width = np.array([max(front.width, front.expected) for front, _ in some])
-    colour = np.array([front.colour for front, _ in some])
+    width = np.array([max(tongue.width, tongue.expected) for tongue, _ in some])
+    colour = np.array([tongue.colour for tongue, _ in some])
     along = np.concatenate([-across, across])
     start2, colour2 = np.concatenate([start, start]), np.concatenate([colour, colour])
     width2 = np.concatenate([width, width])
@@ -156,65 +156,65 @@ def _advance(plane: Plane, outline: Outline, some: list[tuple[_Front, Floats]], 
     walls[found] = plane.boundary(ends[0][found], ends[1][found])
     first, second = walls[: len(some)], walls[len(some) :]
     both = found[: len(some)] & found[len(some) :]
-    ways = [_halfway(front, p, q) for (front, _), p, q in zip(some, first, second, strict=True)]
+    ways = [_halfway(tongue, p, q) for (tongue, _), p, q in zip(some, first, second, strict=True)]
     halfway, sags = np.array([way[0] for way in ways]), [way[1] for way in ways]
     connected = plane.unstable(np.where(both[:, None], halfway, -1.0))[0] == colour
     ended: set[int] = set()
-    for k, (front, _) in enumerate(some):
-        if not outline.done[front.side]:
+    for k, (tongue, _) in enumerate(some):
+        if not outline.done[tongue.side]:
             continue
         if not both[k] or not connected[k]:
-            front.retreat()
-            if front.step < front.width / 8.0:
-                ended.add(id(front))
+            tongue.retreat()
+            if tongue.step < tongue.width / 8.0:
+                ended.add(id(tongue))
             continue
         middle = 0.5 * (first[k] + second[k])
         sag = sags[k]
-        near_edge = front.at_edge and front.distance < 4.0 * front.width
-        if sag > accuracy and front.step > accuracy and not near_edge:
-            front.retreat(max(0.2, 0.8 * float(np.sqrt(accuracy / sag))))
+        near_edge = tongue.at_edge and tongue.distance < 4.0 * tongue.width
+        if sag > accuracy and tongue.step > accuracy and not near_edge:
+            tongue.retreat(max(0.2, 0.8 * float(np.sqrt(accuracy / sag))))
             continue
-        reach, hit = _met(outline, front, middle)
-        if front.at_edge and (hit < 0 or outline.on_edge(np.array([hit]))[0]):
-            _append(outline, front, first[k], second[k], done=False)
+        reach, hit = _met(outline, tongue, middle)
+        if tongue.at_edge and (hit < 0 or outline.on_edge(np.array([hit]))[0]):
+            _append(outline, tongue, first[k], second[k], done=False)
             if hit >= 0:
-                outline.join(front.side, hit)
-            ended.add(id(front))
+                outline.join(tongue.side, hit)
+            ended.add(id(tongue))
         elif hit < 0:
-            _append(outline, front, first[k], second[k], done=True)
-            front.failed = False
-            front.step = min(front.step * min(2.0, 0.9 * float(np.sqrt(accuracy / max(sag, 1e-300)))), _LONGEST)
-        elif reach > max(2.0 * accuracy, 2.0 * front.width):
-            front.step = 0.9 * reach
+            _append(outline, tongue, first[k], second[k], done=True)
+            tongue.failed = False
+            tongue.step = min(tongue.step * min(2.0, 0.9 * float(np.sqrt(accuracy / max(sag, 1e-300)))), _LONGEST)
+        elif reach > max(2.0 * accuracy, 2.0 * tongue.width):
+            tongue.step = 0.9 * reach
         else:
-            outline.join(front.side, hit)
-            ended.add(id(front))
+            outline.join(tongue.side, hit)
+            ended.add(id(tongue))
     return ended
 
 
-def _met(outline: Outline, front: _Front, middle: Floats) -> tuple[float, int]:
+def _met(outline: Outline, tongue: _Tongue, middle: Floats) -> tuple[float, int]:
     """Return how far along a tongue, on the way to a new middle, another side is met, and that side; -1 if none."""
-    length = float(np.hypot(*(middle - front.middles[-1])))
-    recent = np.array([*front.middles[-3:], middle])
+    length = float(np.hypot(*(middle - tongue.middles[-1])))
+    recent = np.array([*tongue.middles[-3:], middle])
     way = np.array([_curve(recent, -length * share, recent) for share in np.linspace(1.0, 0.0, _LOOKS + 1)])
     along = np.diff(way, axis=0)
-    distance, hit = outline.hits(way[:-1], along, np.full(_LOOKS, front.side))
-    met = np.flatnonzero(distance <= (1.0 + _TOUCHING if front.at_edge else 1.0))
+    distance, hit = outline.hits(way[:-1], along, np.full(_LOOKS, tongue.side))
+    met = np.flatnonzero(distance <= (1.0 + _TOUCHING if tongue.at_edge else 1.0))
     if not met.size:
         return np.inf, -1
     first = int(met[0])
     return length * (first + float(distance[first])) / _LOOKS, int(hit[first])
 
 
-def _halfway(front: _Front, first: Floats, second: Floats) -> tuple[Floats, float]:
+def _halfway(tongue: _Tongue, first: Floats, second: Floats) -> tuple[Floats, float]:
     """Return the middle of a tongue half-way to a new cross-section, and how far its walls are from straight lines.
 
     By polynomials of the last cross-sections and the new one.
     """
     middle = 0.5 * (first + second)
-    middles = np.array([*front.middles[-3:], middle])
-    widths = np.array([*front.widths[-3:], np.hypot(*(second - first))])[:, None]
-    back = -0.5 * float(np.hypot(*(middle - front.middles[-1])))
+    middles = np.array([*tongue.middles[-3:], middle])
+    widths = np.array([*tongue.widths[-3:], np.hypot(*(second - first))])[:, None]
+    back = -0.5 * float(np.hypot(*(middle - tongue.middles[-1])))
     place, width = _curve(middles, back, middles), _curve(middles, back, widths)[0]
     sag = np.hypot(*(place - 0.5 * (middles[-2] + middle))) + 0.5 * abs(width - widths[-2:].mean())
     return place, float(sag)
@@ -229,18 +229,18 @@ def _curve(places: Floats, at: float, values: Floats) -> Floats:
     return result
 
 
-def _append(outline: Outline, front: _Front, first: Floats, second: Floats, done: bool) -> None:
-    """Append a cross-section to a tongue; its side becomes the front's, its walls need work unless done.
+def _append(outline: Outline, tongue: _Tongue, first: Floats, second: Floats, done: bool) -> None:
+    """Append a cross-section to a tongue; which goes on from its side; its walls need work unless done.
 
     The first walls always do: they lead from a side that may be wider than the tongue, and nothing tells how they bend.
     """
-    node = outline.divide(front.side, first, done)
+    node = outline.divide(tongue.side, first, done)
     last = outline.divide(node, second, done)
-    if len(front.middles) == 1:
-        outline.done[[front.side, last]] = False
+    if len(tongue.middles) == 1:
+        outline.done[[tongue.side, last]] = False
     middle = 0.5 * (first + second)
-    front.width = float(np.hypot(*(second - first)))
-    front.widths.append(front.width)
-    front.across = (second - first) / max(front.width, 1e-300)
-    front.middles.append(middle)
-    front.side = node
+    tongue.width = float(np.hypot(*(second - first)))
+    tongue.widths.append(tongue.width)
+    tongue.across = (second - first) / max(tongue.width, 1e-300)
+    tongue.middles.append(middle)
+    tongue.side = node

@@ -42,8 +42,8 @@ def traced(
     Notes
     -----
     Marching squares over the grid give the regions; sides are divided, on the boundary itself, until they lie within
-    the accuracy; where a region ends bluntly, its tongue is followed to its tip, and joined to what it meets.  Regions,
-    and gaps in them, that no point of the grid shows are missed.
+    the accuracy; where a region ends with a wide side, its tongue is followed to its tip, and joined to what it meets.
+    Regions, and gaps in them, that no point of the grid shows are missed.
     """
     plane = Plane(family, x, y, max(_FEWEST, _EACH * unstable.size))
     u, v = _grid(x, y)

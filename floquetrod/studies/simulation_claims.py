@@ -237,7 +237,7 @@ def f7(study: SimulationStudy) -> Claim:
 def f7_c(study: SimulationStudy) -> Claim:
     """Isolate why case C at 150 rad/s buckles where the paper has it stay."""
     buckled = [draw for draw in study.draws if draw.whole.buckled]
-    quiet = all(not draw.without.buckled for draw in study.draws)
+    none_buckles = all(not draw.without.buckled for draw in study.draws)
     alone = [outcome for draw in buckled for outcome in draw.alone]
     return Claim(
         "F7-C",
@@ -246,7 +246,7 @@ def f7_c(study: SimulationStudy) -> Claim:
         not buckled,
         "A mode that friction holds when it moves alone escapes when others move as well, for friction opposes the "
         "sign of the sum and is shared among them. What was drawn decides; the paper does not tell its draw.",
-        quiet and len(buckled) > 0 and sum(o.buckled for o in alone) < 0.25 * len(alone),
+        none_buckles and len(buckled) > 0 and sum(o.buckled for o in alone) < 0.25 * len(alone),
     )
 
 
@@ -278,26 +278,26 @@ def draw_text(draws: Sequence[Draw]) -> str:
 def e(study: SimulationStudy) -> Claim:
     """Compute the part of torsion and shear in the elastic energy of buckled rods."""
     says = "Torsion and shear carry less than 2 % of the elastic energy"
-    free, rubbed = (
+    smooth, rough = (
         [torsion_and_shear_share(outcome.run) for outcome in group if outcome.buckled]
         for group in (study.figure_4, study.figure_7)
     )
-    if not (free and rubbed):
+    if not (smooth and rough):
         return Claim("E", says, "no rod buckles", False, "", False)
-    overall, most = max(share.overall for share in rubbed), max(rubbed, key=lambda share: share.most)
-    quiet, torsion = max(share.most for share in free), min(share.torsion for share in rubbed)
+    overall, most = max(share.overall for share in rough), max(rough, key=lambda share: share.most)
+    largest, torsion = max(share.most for share in smooth), min(share.torsion for share in rough)
     return Claim(
         "E",
         says,
         "of the energy of bending, torsion and shear, with shear estimated from the forces that bend the rod and "
-        f"torsion at its most, in the {len(free)} rods that buckle without friction at most {100.0 * quiet:.1g} % at "
-        f"any time; in the {len(rubbed)} with friction at most {100.0 * overall:.1f} % over the whole run, but up to "
+        f"torsion at its most, in the {len(smooth)} rods that buckle without friction at most {100.0 * largest:.1g} % "
+        f"at any time; in the {len(rough)} with friction at most {100.0 * overall:.1f} % over the whole run, but up to "
         f"{100.0 * most.most:.0f} % at single instants",
-        max(overall, quiet) < 0.02,
+        max(overall, largest) < 0.02,
         f"At those instants the rod swings through the straight: bending holds {100.0 * most.bend:.0f} % of its "
         f"largest energy, and torsion remains, which is {100.0 * torsion:.0f} % or more of both. It is friction that "
         "twists the rod, for a rod that rubs rolls: the runs without it show next to no torsion.",
-        max(overall, quiet) < 0.02 and quiet < 1e-3 and most.bend < 0.1,
+        max(overall, largest) < 0.02 and largest < 1e-3 and most.bend < 0.1,
     )
 
 
