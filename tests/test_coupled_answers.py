@@ -380,7 +380,7 @@ def test_a_margin_ends_where_a_strong_vibration_displaces_a_resonance() -> None:
 def test_a_search_takes_waveforms_of_many_harmonics() -> None:
     def growth(waveform: tuple[complex, ...]) -> list[float]:
         load = fr.AxialLoad(MEAN, AMPLITUDE, FREQUENCY, waveform=waveform)
-        search = sampled._Search("frequency", CoupledModes.of(ROD, load, 8), load, 0.0)
+        search = sampled._SampledSearch("frequency", CoupledModes.of(ROD, load, 8), load, 0.0)
         return search._growth_of_few(np.linspace(1.0, 3.0, 9) * SWING, (-math.inf, 2.5)).tolist()
 
     few = growth((-1j, 0.1))

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod._util.arrays import Floats
+from floquetrod._util.arrays import Floats, Ints
 from floquetrod._util.compilation import over_chunks
 from floquetrod._util.roots import bisected
 from floquetrod.friction.kernels import escape as escape
@@ -19,7 +19,6 @@ from floquetrod.friction.kernels.cell import CELL_WAVE, TERMS, at_the_end, serie
 from floquetrod.friction.kernels.records import BASIS, CELL, LEFT_VECTOR, PERIOD
 
 Records = NDArray[np.void]
-Integers = NDArray[np.int64]
 
 _FEWEST_CELLS = 32  # a period
 _BLOCK = 8192  # cells at a time (measured: fastest; some 6 MB)
@@ -42,16 +41,16 @@ class Propagators(NamedTuple):
         Proved: every kick above it escapes; infinite where no such kick is known.
     """
 
-    first: Integers
+    first: Ints
     cells: Records
     bases: Records
     ceiling: Floats
 
 
-def cell_counts(alpha: Floats, beta: Floats, damping: Floats) -> Integers:
+def cell_counts(alpha: Floats, beta: Floats, damping: Floats) -> Ints:
     """Return the number of cells of a period: short against every wave."""
     wave = np.maximum(np.sqrt(np.abs(alpha) + np.abs(beta)), 2.0 * damping)
-    counts: Integers = np.maximum(_FEWEST_CELLS, (2.0 * math.pi * wave / CELL_WAVE).astype(np.int64) + 1)
+    counts: Ints = np.maximum(_FEWEST_CELLS, (2.0 * math.pi * wave / CELL_WAVE).astype(np.int64) + 1)
     return counts
 
 

@@ -14,7 +14,7 @@ from floquetrod.plotting.charts import typeset
 from floquetrod.plotting.shapes import fill
 
 
-class UnstableInterval(NamedTuple):
+class UnstableForces(NamedTuple):
     """An unstable interval of mean force (F_cr) of one mode; ``seen``: growth passes the test's threshold."""
 
     low: float
@@ -98,7 +98,7 @@ def draw_map(
     _frame(ax, (omega[0], omega[-1]), (force[0], force[-1]), r"$\omega$ / (rad/s)", r"$F_\mathrm{ave} / F_\mathrm{cr}$")
 
 
-def draw_intervals(ax: Any, intervals: list[UnstableInterval], upto: float) -> None:
+def draw_intervals(ax: Any, intervals: list[UnstableForces], upto: float) -> None:
     """Draw the unstable intervals of the mean force, a row for each mode."""
     for low, high, mode, seen in intervals:
         colour = palette.UNSTABLE if seen else palette.UNSEEN

@@ -18,7 +18,7 @@ from floquetrod.plane import Axis, Band, Bands, charted
 from floquetrod.plane.family import Judged
 from floquetrod.plotting import palette
 from floquetrod.plotting import paper as drawing
-from floquetrod.plotting.paper import UnstableInterval
+from floquetrod.plotting.paper import UnstableForces
 from floquetrod.rod.loads.load import AxialLoad
 from floquetrod.rod.map import stability_map
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
@@ -91,12 +91,12 @@ def figure_3(points: tuple[int, int]) -> Any:
     return figure
 
 
-def unstable_intervals(amplitude: float, frequency: float, upto: float) -> list[UnstableInterval]:
+def unstable_intervals(amplitude: float, frequency: float, upto: float) -> list[UnstableForces]:
     """Return every unstable interval of the mean force (all in F_cr), mode by mode, thin ones first."""
     last = ROD.modes_needed(AxialLoad(upto * UNIT, amplitude * UNIT, frequency))[0]
     system = ModalSystem(mode_constants(ROD), AxialLoad(0.0, amplitude * UNIT, frequency), tuple(range(1, last + 1)))
     return [
-        UnstableInterval(r.low / UNIT, r.high / UNIT, r.mode, tolerance > 0.0)
+        UnstableForces(r.low / UNIT, r.high / UNIT, r.mode, tolerance > 0.0)
         for tolerance in (0.0, EXACT.threshold * frequency)
         for r in unstable_loads("mean", system, tolerance, (0.0, upto * UNIT)).intervals
     ]

@@ -15,7 +15,7 @@ from floquetrod._util.compilation import cores, in_threads
 from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
-from floquetrod.equations.batches import pick
+from floquetrod.equations.batches import System, pick
 from floquetrod.equations.hill_system import EvenForm
 from floquetrod.equations.matrices import flat
 from floquetrod.floquet.dispatch import judge
@@ -26,8 +26,6 @@ from floquetrod.floquet.systems import even, many, whole
 from floquetrod.floquet.systems.classification import MOST_SECONDS, undamped_pairs
 from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.floquet.systems.whole import PeriodMaps
-
-System = HillSystem | PeriodicSystem
 
 _ACCURACY = 1e-12
 _MOST_DIGITS = 60  # for a system that is open: the square of a double's last digit and as much again (a choice)

@@ -89,7 +89,7 @@ def certify_family(
     if not box:
         return prove(made.at({}))
     _require_affine(made, box)
-    return _Search(made, box, prove).result(max_boxes, time.monotonic() + seconds)
+    return _Subdivision(made, box, prove).result(max_boxes, time.monotonic() + seconds)
 
 
 def _require_affine(family: _Family, box: Box) -> None:
@@ -118,7 +118,7 @@ def _weight(corner: tuple[float, ...], point: Mapping[str, float], box: Box) -> 
     return weight
 
 
-class _Search:
+class _Subdivision:
     """The subdivision of a box."""
 
     def __init__(self, family: _Family, box: Box, prove: Callable[[Problem], Proof]) -> None:

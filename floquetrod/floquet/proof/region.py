@@ -217,7 +217,7 @@ def side_ends(name: str, value: Any, element: Callable[[str, Any], Any]) -> tupl
     return low, high
 
 
-Bounds: TypeAlias = tuple[float, float]
+LowHigh: TypeAlias = tuple[float, float]
 
 
 class ModeBox(NamedTuple):
@@ -233,13 +233,13 @@ class ModeBox(NamedTuple):
         c1, c2, Omega^2 and c.
     """
 
-    mean: Bounds
-    amplitude: Bounds
-    frequency: Bounds
-    bending: Bounds
-    per_newton: Bounds
-    pendulum_squared: Bounds
-    damping_rate: Bounds
+    mean: LowHigh
+    amplitude: LowHigh
+    frequency: LowHigh
+    bending: LowHigh
+    per_newton: LowHigh
+    pendulum_squared: LowHigh
+    damping_rate: LowHigh
 
 
 class Subdivision(NamedTuple):

@@ -15,7 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations import HillSystem
+from floquetrod.equations.batches import System
 from floquetrod.floquet import pairs
 from floquetrod.floquet.systems import resonances, spectra
 from floquetrod.floquet.systems.result import SystemStability
@@ -23,7 +24,6 @@ from floquetrod.floquet.systems.spectra import Discs
 from floquetrod.floquet.systems.symplectic import krein_form
 from floquetrod.floquet.verdict import Cost, Status, static_status
 
-System = HillSystem | PeriodicSystem
 Krein = Callable[[NDArray[np.intp]], int]
 
 _EPS = 2.220446049250313e-16

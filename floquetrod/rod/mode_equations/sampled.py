@@ -63,7 +63,7 @@ def unstable_parts(
     samples: int = SAMPLES,
 ) -> tuple[list[UnstablePart], float]:
     """Return the parts of ``bounds`` that are not stable, in order, and the distance of samples."""
-    search = _Search(varied, modes, load, tolerance)
+    search = _SampledSearch(varied, modes, load, tolerance)
     even = np.linspace(*bounds, samples)
     answers = []
     for start in range(0, even.size, _AT_ONCE):
@@ -115,7 +115,7 @@ def first_change(
     that many would take more than ``most_seconds``, as estimated; nothing is searched where even few would.
     ``progress`` is called with the numbers of samples looked at and to look at.
     """
-    search = _Search(varied, modes, load, tolerance)
+    search = _SampledSearch(varied, modes, load, tolerance)
     if not search.costs(piece, grows=not begins_stable).steps(most_seconds):
         return Change(None, piece[0], 0.0)
     here = search.stable(np.array(piece[:1]))
@@ -143,7 +143,7 @@ def first_change(
     return Change(None, piece[1], step, spent)
 
 
-class _Search(NamedTuple):
+class _SampledSearch(NamedTuple):
     """What is asked along one quantity of a load: where coupled modes grow faster than a tolerance."""
 
     varied: Quantity
