@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from floquetrod import friction as friction
     from floquetrod import mathieu as mathieu
     from floquetrod import methods as methods
+    from floquetrod import simulation as simulation
     from floquetrod import systems as systems
     from floquetrod._util.implausible import PlausibilityWarning as PlausibilityWarning
     from floquetrod._util.version import __version__ as __version__
@@ -68,6 +69,7 @@ if TYPE_CHECKING:
     from floquetrod.simulation.resolution import ResolutionWarning as ResolutionWarning
     from floquetrod.simulation.simulate import simulate as simulate
     from floquetrod.simulation.start import Perturbation as Perturbation
+    from floquetrod.systems.charts import chart as chart
     from floquetrod.wells.path import WellPath as WellPath
 
 _WHERE = {

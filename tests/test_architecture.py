@@ -12,6 +12,8 @@ from pathlib import Path
 
 import pytest
 
+import floquetrod
+
 ROOT = Path(__file__).parents[1]
 PACKAGE = "floquetrod"
 LAZY = {"numba", "llvmlite", "scipy", "mpmath", "sympy", "matplotlib", "contourpy"}
@@ -248,3 +250,9 @@ def test_methods_of_a_rod_only_call_what_computes() -> None:
         assert len(statements) <= 3, method.name
         works = (ast.For, ast.While, ast.Try, ast.comprehension)
         assert not [node for node in ast.walk(method) if isinstance(node, works)], method.name
+
+
+def test_type_checkers_know_every_public_name() -> None:
+    listed = next(node for node in parse("__init__").body if isinstance(node, ast.If))
+    named = {alias.asname for node in listed.body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    assert named == set(floquetrod.__all__)
