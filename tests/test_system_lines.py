@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 import floquetrod as fr
 from conftest import depth
+from coupled_cases import known
 from floquetrod._util.arrays import norms
 from floquetrod.floquet.systems import lines
 from floquetrod.floquet.systems.lines import Line, maps_along, verdicts_along
@@ -67,7 +68,7 @@ def test_a_polynomial_leaves_out_less_than_it_says(even: bool) -> None:
     assert told[-1] <= 1e-12
 
 
-@settings(max_examples=depth(100, 10))
+@settings(max_examples=depth(100, 5))
 @given(
     seed=st.integers(0, 10**6),
     n=st.integers(1, 3),
@@ -182,3 +183,15 @@ def test_a_map_is_that_of_its_loads_one_by_one() -> None:
     x, y = found.x.values, found.y.values
     each = [[fr.Rod.verdicts(rod, mean, 0.2 * UNIT, w) == 1 for w in x] for mean in y[::6]]
     assert (found.stable[::6] == np.array(each)).all()
+
+
+@pytest.mark.parametrize("name", ["wire at 75 degrees", "wire at 60 degrees, even", "tubing of 60 m, c = 0.2"])
+@pytest.mark.parametrize("varied", ["mean", "amplitude"])
+def test_growth_along_a_line_is_that_of_an_independent_integrator(name: str, varied: Quantity) -> None:
+    case = known()[name]
+    value = getattr(case.load, varied)
+    loads = Loads.along(case.load, varied, np.append(np.linspace(0.6, 1.3, 32) * value, value))
+    model = case.rod.modes_under(case.load)
+    found = model.in_modes(model.count_for(loads, 0.0))._along(loads, varied)
+    assert found is not None
+    assert found.growth[-1] == pytest.approx(case.rate, abs=case.slack + 1e-7)
