@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import mpmath
@@ -12,6 +13,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
+from scipy.linalg import expm
 
 import floquetrod as fr
 from conftest import depth
@@ -20,11 +22,18 @@ from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.inertia import inertia
 from floquetrod.floquet.proof.integers import Integers
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.krein import krein_sums
 from floquetrod.floquet.proof.result import Proof
 from floquetrod.floquet.proof.system_counts import _matrix, _truncation, count
 from floquetrod.floquet.proof.system_discs import enclose_eigenvalues
 from floquetrod.floquet.proof.system_flow import monodromy
-from floquetrod.floquet.proof.system_problem import flow, flow_of_oscillators, oscillators, system_problem
+from floquetrod.floquet.proof.system_problem import (
+    canonical_form,
+    flow,
+    flow_of_oscillators,
+    oscillators,
+    system_problem,
+)
 from floquetrod.floquet.proof.systems import _attempt, certify_system
 
 ARITHMETICS = [Doubles(), Integers(12), Integers(40)]
@@ -148,11 +157,13 @@ def integrated(system: HillSystem | PeriodicSystem) -> Any:
 
 @pytest.mark.parametrize("n", [2, 3])
 def test_identical_oscillators_are_proved_strongly_stable(n: int) -> None:
-    """Their multipliers are multiple and definite: discs cannot tell, counts can."""
+    """Their multipliers are multiple and definite: discs cannot tell, Krein signs can, and so can counts."""
     system = HillSystem(1.3 * np.eye(n), [0.2 * np.eye(n)], period=2.0 * math.pi / 1.7)
     proof = fr.certify(system)
     assert proof.status == "stable"
-    assert f"vary by {n}" in proof.statement
+    assert f"Krein signs of multipliers, by angle in turns, add up to: {n} from 0 to 0.5" in proof.statement
+    arithmetic, problem = Doubles(), system_problem(system)
+    assert count(arithmetic, oscillators(arithmetic, problem, problem.period, freed=True), [0.0, 0.5]).variation == n
 
 
 def test_counts_decide_near_the_boundaries_of_real_multipliers() -> None:
@@ -581,3 +592,62 @@ def dense(system: HillSystem, angle: float, last: int) -> Any:
                 matrix[k + j, :, k, :] = -amplitude / 2.0
                 matrix[k, :, k + j, :] = -amplitude.conj() / 2.0
     return matrix.reshape(blocks * n, blocks * n)
+
+
+# --- Krein signs of a map ---------------------------------------------------------------------------------------------
+
+
+def jumping(n: int, apart: float = 0.0, **others: Any) -> fr.HillSystem:
+    """Return n oscillators whose stiffness jumps, each ``apart`` from the next: their multipliers meet, of one sign."""
+    spread = apart * np.diag(np.arange(n))
+    return fr.HillSystem.from_pieces([(1.0, 1.5 * np.eye(n) + spread), (1.0, 0.5 * np.eye(n) + spread)], **others)
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        jumping(2),
+        jumping(3, 1e-15),
+        jumping(2, mass=2.0 * np.eye(2)),
+        jumping(2, gyroscopic=[[0.0, 1e-15], [-1e-15, 0.0]]),
+        jumping(2, damping=1e-15 * np.eye(2)),
+        jumping(2).as_periodic_system(),
+    ],
+)
+def test_multipliers_of_one_krein_sign_that_meet_are_proved_stable(system: Any) -> None:
+    proof = fr.certify(system)
+    assert proof.status == "stable"
+    assert "Krein signs" in proof.statement
+    assert float(proof.enclosures[0].low) > 0.5
+
+
+def test_multipliers_of_opposite_krein_signs_that_meet_are_not() -> None:
+    """Of the energy (q1^2 + p1^2 - q2^2 - p2^2) / 2, times what jumps: any coupling decides."""
+    first, unit = (
+        np.diag([1.0, -1.0, 1.0, -1.0]),
+        np.block([[np.zeros((2, 2)), np.eye(2)], [-np.eye(2), np.zeros((2, 2))]]),
+    )
+    for size, status in ((0.0, "undecided"), (1e-3, "unstable")):
+        couple = size * (np.eye(4)[[0]].T @ np.eye(4)[[1]])
+        pieces = [(1.0, unit @ first), (0.5, unit @ (2.0 * first + couple + couple.T))]
+        assert fr.certify(fr.PeriodicSystem.from_pieces(pieces)).status == status
+
+
+def test_sums_of_krein_signs_on_arcs(rng: np.random.Generator) -> None:
+    """Against the signs of the eigenvectors of random symplectic maps, pairs off the circle among them."""
+    arithmetic, off = Doubles(), 0
+    for _ in range(depth(200, 30)):
+        n = int(rng.integers(1, 4))
+        unit = np.block([[np.zeros((n, n)), np.eye(n)], [-np.eye(n), np.zeros((n, n))]])
+        energy = rng.normal(size=(2 * n, 2 * n))
+        matrix = expm(unit @ (energy + energy.T))
+        values, vectors = np.linalg.eig(matrix)
+        signs = np.sign(np.einsum("ij,ij->j", vectors.conj(), 1j * (unit @ vectors)).real)
+        on = np.abs(np.abs(values) - 1.0) < 1e-9
+        off += not on.all()
+        turns = np.angle(values) / (2.0 * np.pi)
+        angles = [0.0, *np.sort(np.round(rng.uniform(0.0, 0.5, 2) * 1024.0) / 1024.0), 0.5]
+        found = krein_sums(arithmetic, arithmetic.exact(matrix), arithmetic.exact(canonical_form(2 * n)), angles)
+        for total, (low, high) in zip(found.sums, pairwise(angles), strict=True):
+            assert abs(total) == abs(signs[on & (low < turns) & (turns < high)].sum())
+    assert off > 5

@@ -22,6 +22,7 @@ from floquetrod.floquet.proof.system_problem import (
     SecondOrder,
     Stretch,
     balanced,
+    canonical_form,
     congruence,
     oscillators,
     row_sum,
@@ -261,7 +262,7 @@ class BoxOfFirstOrder(FirstOrder):
         middle = stretches(arithmetic, self.pieces, period)
         scaled = [piece.each(lambda m: m * factor, lambda m: m * factor) for piece in middle]
         wide = [_widened(arithmetic, piece, i, radius) for i, piece in enumerate(scaled)]
-        return balanced(wide, np.zeros(stretch.shape))
+        return balanced(wide, np.zeros(stretch.shape), arithmetic.exact(canonical_form(len(stretch))))
 
 
 def _reach(radii: Array, stretch: Array) -> Array:

@@ -92,13 +92,14 @@ class SecondOrder:
 class FirstOrder:
     """x' = A(t) x, all numbers exact, A known but for ``error`` in each entry.
 
-    ``is_paired``: with every multiplier mu there is 1 / conj(mu).
+    ``is_paired``: with every multiplier mu there is 1 / conj(mu).  ``is_hamiltonian``: x are positions and momenta.
     """
 
     pieces: tuple[TimedPiece, ...]
     period: Fraction
     error: float = 0.0
     is_paired: bool = False
+    is_hamiltonian: bool = False
 
     @property
     def is_constant(self) -> bool:
@@ -118,8 +119,8 @@ def system_problem(system: HillSystem | PeriodicSystem) -> SecondOrder | FirstOr
     if system.is_constant:
         pieces = (pieces[0]._replace(length=period),)
     if isinstance(system, PeriodicSystem):
-        paired = not error and (reversible or system.structure == "hamiltonian")
-        return FirstOrder(pieces, period, error, paired)
+        hamiltonian = not error and system.structure == "hamiltonian"
+        return FirstOrder(pieces, period, error, (reversible and not error) or hamiltonian, hamiltonian)
     n = system.order
     mass = np.eye(n) if system.mass is None else system.mass
     damping, gyroscopic = (np.zeros((n, n)) if m is None else m for m in (system.damping, system.gyroscopic))
@@ -177,10 +178,14 @@ class Oscillators(NamedTuple):
 
 
 class Flow(NamedTuple):
-    """x' = A(t) x with the period as the unit of time; ``error`` bounds the row sums of the error of A(t)."""
+    """x' = A(t) x with the period as the unit of time; ``error`` bounds the row sums of the error of A(t).
+
+    ``form`` is the Hermitian form i (q^H p - p^H q) of positions and momenta, which Hamiltonian motion keeps.
+    """
 
     pieces: list[Stretch]
     error: float
+    form: Matrix
 
 
 def row_sum(matrix: Matrix) -> float:
@@ -265,7 +270,13 @@ def flow_of_oscillators(arithmetic: Arithmetic, system: Oscillators) -> Flow:
     errors[n:, :n] = up(
         system.error / (1.0 - system.defect)
     )  # row sums of the inverse of I + E are at most 1 / (1 - d)
-    return balanced([piece.each(whole, other) for piece in system.pieces], errors)
+    unit = arithmetic.exact(np.eye(n))
+    mass = unit if system.excess is None else unit + system.excess
+    form = arithmetic.zeros((2 * n, 2 * n), real=False)  # p = M q' + G q / 2
+    form[:n, n:], form[n:, :n] = mass.times_i(), -mass.times_i()
+    if system.gyroscopic is not None:
+        form[:n, :n] = system.gyroscopic.times_i()
+    return balanced([piece.each(whole, other) for piece in system.pieces], errors, form)
 
 
 def _inverse_mass(arithmetic: Arithmetic, system: Oscillators) -> Matrix:
@@ -292,10 +303,17 @@ def flow(arithmetic: Arithmetic, system: FirstOrder, period: Fraction) -> Flow:
         return matrix * factor
 
     pieces = [piece.each(scaled, scaled) for piece in stretches(arithmetic, system.pieces, period)]
-    return balanced(pieces, np.full(pieces[0].mean.shape, up(system.error * float(period)) if system.error else 0.0))
+    errors = np.full(pieces[0].mean.shape, up(system.error * float(period)) if system.error else 0.0)
+    return balanced(pieces, errors, arithmetic.exact(canonical_form(len(errors))))
 
 
-def balanced(pieces: list[Stretch], errors: Array) -> Flow:
+def canonical_form(order: int) -> Array:
+    """Return the form of positions and momenta of equal numbers; of an odd order one that nothing keeps."""
+    half = np.eye(order, order, order // 2)
+    return 1j * (half - half.T)
+
+
+def balanced(pieces: list[Stretch], errors: Array, form: Matrix) -> Flow:
     """Scale the unknowns by powers of two so that rows and columns have alike sums; ``errors`` are those of entries."""
     from scipy.linalg import matrix_balance
 
@@ -309,4 +327,6 @@ def balanced(pieces: list[Stretch], errors: Array) -> Flow:
     def shifted(matrix: Matrix) -> Matrix:
         return matrix.shifted(ratio)
 
-    return Flow([piece.each(shifted, shifted) for piece in pieces], error)
+    return Flow(
+        [piece.each(shifted, shifted) for piece in pieces], error, form.shifted(scale[:, None] * scale[None, :])
+    )

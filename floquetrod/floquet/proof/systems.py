@@ -2,8 +2,8 @@
 
 Two ways, each in balls.  The multipliers lie in discs: one of modulus above 1 proves instability, all of modulus below
 1 prove decay, and where with every mu there is 1 / conj(mu), a disc that holds one multiplier and whose mirror image
-meets no other holds it on the circle.  Where discs touch each other, as at 1 and -1, Hill's operator is counted: see
-`system_counts`.
+meets no other holds it on the circle.  Where discs touch each other, the Krein signs of what they hold are summed: see
+`krein`.  Where that fails, as at 1 and -1, or the map takes too long, Hill's operator is counted: see `system_counts`.
 
 Uniform damping 2 c M: q = exp(-c t) u takes M c^2 from the stiffness and leaves u without damping.  A strongly stable u
 proves that q decays.
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +23,7 @@ from floquetrod.floquet.proof.balls import Doubles, up
 from floquetrod.floquet.proof.digits import settled
 from floquetrod.floquet.proof.integers import Integers
 from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.krein import krein_sums
 from floquetrod.floquet.proof.result import Enclosure, Proof
 from floquetrod.floquet.proof.system_counts import Counts, angles_between, count
 from floquetrod.floquet.proof.system_discs import Discs, enclose_eigenvalues
@@ -29,6 +31,7 @@ from floquetrod.floquet.proof.system_flow import monodromy
 from floquetrod.floquet.proof.system_problem import (
     Arithmetic,
     FirstOrder,
+    Matrix,
     SecondOrder,
     flow_of_oscillators,
     system_problem,
@@ -75,7 +78,7 @@ def status_of_all(problem: SecondOrder | FirstOrder, multipliers: Array) -> Stat
     """
     arithmetic = Doubles()
     with np.errstate(all="ignore"):
-        for attempt in (_by_counts_between, _attempt_by_discs):
+        for attempt in (_by_count_between, _by_map):
             try:
                 finding = attempt(arithmetic, problem, multipliers)
             except (Unresolved, TooMuchWork, np.linalg.LinAlgError):
@@ -85,61 +88,74 @@ def status_of_all(problem: SecondOrder | FirstOrder, multipliers: Array) -> Stat
     return None
 
 
-def _by_counts_between(
-    arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, multipliers: Array
-) -> _Finding | None:
+def _by_count_between(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, multipliers: Array) -> _Finding | None:
     """Conclude from counts at angles between multipliers; None where nothing follows, or there is nothing to count."""
     if isinstance(problem, FirstOrder) or not (problem.is_hamiltonian and problem.is_series):
         return None
     freed = problem.oscillators(arithmetic, _unit_of_time(problem), freed=True)
     counts = count(arithmetic, freed, angles_between(multipliers))
-    return _by_count(counts, problem.order, damped=bool(problem.damping.any()))
+    return _by_count(counts, problem.order, damped=_is_damped(problem))
 
 
-def _attempt_by_discs(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, _: Array) -> _Finding:
-    """Conclude from discs that contain the multipliers."""
-    unit = _unit_of_time(problem)
-    if isinstance(problem, FirstOrder):
-        found = problem.flow(arithmetic, unit)
-    else:
-        found = flow_of_oscillators(arithmetic, problem.oscillators(arithmetic, unit, freed=False))
-    return _by_discs(enclose_eigenvalues(arithmetic, monodromy(arithmetic, found)), paired=problem.is_paired)
+def _by_map(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, _: Array) -> _Finding:
+    """Conclude from the map over a period."""
+    enclosed = _enclosed_map(arithmetic, problem, freed=False)
+    return _of_map(arithmetic, problem, enclosed, enclose_eigenvalues(arithmetic, enclosed.matrix))
 
 
 def _attempt(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder) -> _Finding:
-    """Prove a verdict with the digits of an arithmetic; raises `Unresolved` if they are too few."""
-    unit = _unit_of_time(problem)
-    if isinstance(problem, FirstOrder):
-        matrix = monodromy(arithmetic, problem.flow(arithmetic, unit))
-        finding = _by_discs(enclose_eigenvalues(arithmetic, matrix), paired=problem.is_paired)
-    else:
-        finding = _of_second_order(arithmetic, problem, unit)
+    """Prove a verdict by the map or else by counting; raises `Unresolved` if the digits are too few."""
+    multipliers = np.exp(2j * np.pi * np.linspace(0.0, 0.5, 17))  # where the map does not tell them
+    try:
+        enclosed = _enclosed_map(arithmetic, problem, freed=False)
+        discs = enclose_eigenvalues(arithmetic, enclosed.matrix)
+        multipliers = discs.centres
+        finding = _of_map(arithmetic, problem, enclosed, discs)
+    except (Unresolved, TooMuchWork):
+        counted = _by_count_between(arithmetic, problem, multipliers)
+        if counted is None:
+            raise
+        finding = counted
     if not problem.is_constant:
         return finding
-    constant = f"the coefficients are constant; over a time of {float(unit):g}, {finding.statement}"
+    constant = f"the coefficients are constant; over a time of {float(_unit_of_time(problem)):g}, {finding.statement}"
     return finding._replace(statement=constant)
 
 
-def _of_second_order(arithmetic: Arithmetic, problem: SecondOrder, unit: Fraction) -> _Finding:
-    """Prove a verdict by discs, or else by counting."""
-    moving, multipliers = problem.oscillators(arithmetic, unit, freed=False), None
+class _Enclosed(NamedTuple):
+    """The map over a period in balls, and the form that it keeps where the system is Hamiltonian."""
+
+    matrix: Matrix
+    form: Matrix
+
+
+def _enclosed_map(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, *, freed: bool) -> _Enclosed:
+    """Return the map over a period, ``freed`` of uniform damping."""
+    unit = _unit_of_time(problem)
+    if isinstance(problem, FirstOrder):
+        flow = problem.flow(arithmetic, unit)
+    else:
+        flow = flow_of_oscillators(arithmetic, problem.oscillators(arithmetic, unit, freed=freed))
+    return _Enclosed(monodromy(arithmetic, flow), flow.form)
+
+
+def _of_map(arithmetic: Arithmetic, problem: SecondOrder | FirstOrder, enclosed: _Enclosed, discs: Discs) -> _Finding:
+    """Conclude from discs that contain the multipliers of a map, or else from their Krein signs."""
     try:
-        matrix = monodromy(arithmetic, flow_of_oscillators(arithmetic, moving))
-        discs = enclose_eigenvalues(arithmetic, matrix)
-        multipliers = discs.centres
         return _by_discs(discs, paired=problem.is_paired)
-    except (Unresolved, TooMuchWork) as why:
-        if not (problem.is_hamiltonian and problem.is_series):
+    except Unresolved:
+        if not problem.is_hamiltonian:
             raise
-        reason = why
-    if multipliers is None:
-        multipliers = np.exp(2j * np.pi * np.arange(0.0, 0.51, 0.5 / (2 * problem.order)))
-    damped = bool(problem.damping.any())
-    freed = problem.oscillators(arithmetic, unit, freed=True) if damped else moving
-    finding = _by_count(count(arithmetic, freed, angles_between(multipliers)), problem.order, damped=damped)
-    if finding is None:
-        raise reason
-    return finding
+        damped = _is_damped(problem)
+        freed = _enclosed_map(arithmetic, problem, freed=True) if damped else enclosed
+        finding = _by_signs(arithmetic, freed, angles_between(discs.centres), damped=damped)
+        if finding is None:
+            raise
+        return finding
+
+
+def _is_damped(problem: SecondOrder | FirstOrder) -> bool:
+    return isinstance(problem, SecondOrder) and bool(problem.damping.any())
 
 
 def _unit_of_time(problem: SecondOrder | FirstOrder) -> Fraction:
@@ -186,6 +202,28 @@ def _by_discs(discs: Discs, *, paired: bool) -> _Finding:
         raise Unresolved(f"a multiplier {where} cannot be distinguished from the unit circle")
     krein = ", nor do counts show their Krein signs to agree" if paired else ""
     raise Unresolved(f"{len(part)} multipliers {where} cannot be distinguished{krein},")
+
+
+def _by_signs(arithmetic: Arithmetic, enclosed: _Enclosed, angles: list[float], *, damped: bool) -> _Finding | None:
+    """Conclude from sums of Krein signs between angles, None where nothing follows."""
+    try:
+        arcs = krein_sums(arithmetic, enclosed.matrix, enclosed.form, angles)
+    except Unresolved:
+        return None
+    if 2 * arcs.definite != enclosed.matrix.shape[0]:
+        return None
+    between = pairwise(arcs.angles)
+    listed = ", ".join(
+        f"{total} from {low:.6g} to {high:.6g}" for total, (low, high) in zip(arcs.sums, between, strict=True)
+    )
+    end = "every solution decays" if damped else "every solution is bounded"
+    statement = (
+        f"the Krein signs of multipliers, by angle in turns, add up to: {listed}; these are as many as there is room "
+        f"for, so all multipliers are on the unit circle and definite, and {end}"
+    )
+    if damped:
+        statement = f"freed of its damping, {statement}"
+    return _Finding("stable", statement, (_enclose("least margin of a sign", arcs.margin, 1.0),))
 
 
 def _by_count(counts: Counts, order: int, *, damped: bool) -> _Finding | None:
