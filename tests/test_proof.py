@@ -22,7 +22,6 @@ from floquetrod.floquet.proof import certify
 from floquetrod.floquet.proof.intervals import arithmetic, cosh_sinhc, pi
 from floquetrod.floquet.proof.problem import problem_of
 from floquetrod.floquet.proof.scalar import by_trace
-from floquetrod.floquet.proof.series import Series, Wave
 from floquetrod.floquet.proof.trace import enclose_trace
 from floquetrod.floquet.verdict import Interval
 from strategies import hills, mathieu_points, mathieus, near_boundary_points, numbers, square_waves, transition_betas
@@ -183,11 +182,9 @@ def test_mathieu_as_hill_lies_in_the_same_interval(point: tuple[float, float]) -
 @pytest.mark.parametrize("digits", [15, 30])
 def test_trace_is_enclosed(equation: Mathieu | Hill, digits: int) -> None:
     context = arithmetic(digits)
-    hill = equation.as_hill()
-    unit = context.mpf(hill.period) / (2 * pi(context)) if isinstance(equation, Hill) else context.one
-    mean = unit**2 * (context.mpf(hill.mean) + context.mpf(hill.damping) ** 2)
-    waves = [Wave(unit**2 * z.real, -(unit**2) * z.imag) for z in hill.harmonics]
-    trace = enclose_trace(context, Series(mean, waves))
+    problem = problem_of(equation)
+    assert problem is not None
+    trace = enclose_trace(context, problem)
     found = discriminant_excess(equation, 60)
     with mpmath.mp.workdps(60):
         assert holds(trace, found.sign * (2 + 4 * found.excess))

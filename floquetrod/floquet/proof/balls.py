@@ -67,6 +67,13 @@ class Balls:
         """Return an upper bound of the distance between an entry and the one of `centre`."""
         return self.rad
 
+    def ends(self) -> tuple[Fraction, Fraction]:
+        """Return exact ends of what a single real ball holds; `Unresolved` where it is not finite."""
+        if not np.isfinite(self.mid + self.rad):
+            raise Unresolved("the map over a period is too large")
+        mid, rad = Fraction(float(self.mid)), Fraction(float(self.rad))
+        return mid - rad, mid + rad
+
     def lower(self) -> Array:
         """Return a lower bound of each modulus, as doubles."""
         return np.maximum(down(np.abs(self.mid)) - self.rad, 0.0) * (1.0 - 4.0 * _UNIT)

@@ -56,6 +56,13 @@ class Wide:
         """Return an upper bound of each modulus, as doubles."""
         return up(up(self._size()) + self.rad)
 
+    def ends(self) -> tuple[Fraction, Fraction]:
+        """Return exact ends of what a single real ball holds; `Unresolved` where it is not finite."""
+        if not np.isfinite(self.rad):
+            raise Unresolved("the map over a period is too large")
+        mid, rad = Fraction(int(self.real), 1 << self.bits), Fraction(float(self.rad))
+        return mid - rad, mid + rad
+
     def lower(self) -> Array:
         """Return a lower bound of each modulus, as doubles."""
         return np.maximum(self._size() * (1.0 - 1e-11) - self.rad, 0.0) * (1.0 - _ROUND)

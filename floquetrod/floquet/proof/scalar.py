@@ -108,7 +108,7 @@ def by_trace(context: Any, problem: ExactProblem, interval: Interval | None) -> 
     """Conclude from the undamped trace and 2 cosh(c period)."""
     rate = rational(context, problem.damping) * time_unit(context, problem) * 2 * pi(context)
     limit = cosh_sinhc(context, rate**2).cosh / 2
-    trace = enclose_trace(context, undamped_series(context, problem))
+    trace = enclose_trace(context, problem)
     return _against_damping(context, problem, trace / 4 - limit, -trace / 4 - limit, interval)
 
 
