@@ -43,6 +43,13 @@ _UNITS: dict[str, dict[str, float]] = {
     "rate": {"1/s": 1.0, "/s": 1.0},
     "speed": {"m/s": 1.0, "cm/s": 1e-2, "mm/s": 1e-3, "ft/s": 0.3048},
     "angle": {"rad": 1.0, "deg": math.pi / 180.0},
+    "curvature": {
+        "1/m": 1.0,
+        "rad/m": 1.0,
+        "deg/m": math.pi / 180.0,
+        "deg/30m": math.pi / 5400.0,
+        "deg/100ft": math.pi / (180.0 * 30.48),
+    },
     "ratio": {"": 1.0},
 }
 """Kinds of quantity: units and their size in the SI unit, which comes first."""
@@ -79,6 +86,8 @@ ROD_KINDS = {
     "fluid_outside": "density",
     "added_mass_coefficient": "ratio",
     "inclination": "angle",
+    "curvature": "curvature",
+    "depth": "length",
     "diameter": "length",
     "inner_diameter": "length",
     "channel_diameter": "length",

@@ -66,10 +66,11 @@ def test_numbers_of_rods_are_those_of_the_formulas_as_first_written() -> None:
         assert rod.critical_force == 2.0 * math.sqrt(rod.youngs_modulus * moment * mass) * swing
 
 
-def from_the_data_sheet(rod: fr.Rod) -> tuple[float, float, float, float]:
+def from_the_data_sheet(rod: fr.Rod) -> tuple[float, ...]:
     """Return the constants of the mode equations by the inertia, weight and stiffness of the data sheet."""
     w2, mass = (math.pi / rod.length) ** 2, rod.mass_per_length
-    return rod.flexural_rigidity / mass * w2**2, w2 / mass, rod.pendulum_frequency**2, rod.damping_rate
+    held = rod.curvature / (rod.radial_clearance * w2)
+    return rod.flexural_rigidity / mass * w2**2, w2 / mass, rod.pendulum_frequency**2, held, rod.damping_rate
 
 
 def test_modes_have_the_inertia_weight_and_stiffness_of_the_data_sheet() -> None:

@@ -15,8 +15,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.load import Load
+from floquetrod.rod.model.contact import added_mean
 
 ROD = fr.Rod.nitinol()
 TUBING = fr.Rod(
@@ -169,7 +169,7 @@ def test_the_mean_force_holds_where_it_is_said_to(mean_at: float | None) -> None
     x = np.array([0.0, 0.3, 0.5, 1.0])
     along = 0.0 if mean_at is None else rod.weight_per_length * math.cos(math.radians(30.0)) * rod.length
     expected = along * (x - (mean_at or 0.0))
-    assert axial.added_mean(load, rod.weight_along, rod.length, x) == pytest.approx(expected, rel=1e-12, abs=1e-9)
+    assert added_mean(rod, load, x) == pytest.approx(expected, rel=1e-12, abs=1e-9)
     assert rod.weight_along == pytest.approx(rod.weight_per_length * math.cos(math.radians(30.0)), rel=1e-12)
     # The same force, said to hold elsewhere.
     there = load.mean + rod.weight_along * rod.length * (1.0 - (0.0 if mean_at is None else mean_at))

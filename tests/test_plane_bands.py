@@ -110,7 +110,7 @@ def test_bands_of_a_chart_of_the_equation(damping: float, tolerance: float) -> N
 def mode_equation(rod: fr.Rod, band: Band, load: dict[str, float]) -> fr.Mathieu:
     """Return the equation of a band's mode under a load."""
     assert band.mode is not None
-    family = rod_modes.mode_family(*mode_constants(rod)[:3], load["mean"], load["amplitude"], load["frequency"])
+    family = rod_modes.mode_family(*mode_constants(rod)[:4], load["mean"], load["amplitude"], load["frequency"])
     return fr.Mathieu(*rod_modes.mode_coefficients(*family, band.mode), rod.damping_rate / load["frequency"])
 
 
@@ -165,7 +165,7 @@ def test_largest_growth_is_that_of_a_dense_grid() -> None:
     bands = sorted(found.bands, key=lambda band: -band.largest_growth)[:10]
     for band in bands:
         x, y = np.linspace(band.x.min(), band.x.max(), 300), np.linspace(band.y.min(), band.y.max(), 300)[:, None]
-        family = rod_modes.mode_family(*mode_constants(ROD)[:3], y, 0.3 * UNIT, x)
+        family = rod_modes.mode_family(*mode_constants(ROD)[:4], y, 0.3 * UNIT, x)
         alpha, beta = np.broadcast_arrays(*rod_modes.mode_coefficients(*family, band.mode))
         rate = fr.mathieu.growth_rate(alpha, beta) * x
         own = covered(
@@ -210,7 +210,7 @@ def test_without_vibration_only_buckling_is_left() -> None:
     assert found.bands.tongues_left_out == 0
     for band in found.bands:
         assert band.x.size == 4
-        family = rod_modes.mode_family(*mode_constants(ROD)[:3], band.y.min(), 0.0, 1.0)
+        family = rod_modes.mode_family(*mode_constants(ROD)[:4], band.y.min(), 0.0, 1.0)
         assert rod_modes.mode_coefficients(*family, band.mode)[1] == pytest.approx(0.0, abs=1e-9)
 
 

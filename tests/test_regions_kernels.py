@@ -352,7 +352,7 @@ def test_flux_bound_holds_in_every_tongue_and_is_tight() -> None:
 
 
 def rod_box(rod: fr.Rod, mean: Any, amplitude: Any, frequency: Any) -> Floats:
-    box = np.empty((7, 2))
+    box = np.empty((8, 2))
     for row, value in zip(box, (mean, amplitude, frequency, *mode_constants(rod)), strict=True):
         row[:] = value
     box[[3, 4, 5], 0] *= 1.0 - 1e-15
@@ -455,7 +455,7 @@ def test_rods_within_tolerances() -> None:
     assert bound <= 0.5
     assert counts[regions.WAITING] == counts[regions.OPEN_PARTS] == counts[regions.GROWING_PARTS] == 0
     for _ in range(100):
-        f, df, w, c1, c2, swing, damping = rng.uniform(box[:, 0], box[:, 1])
+        f, df, w, c1, c2, swing, _, damping = rng.uniform(box[:, 0], box[:, 1])
         for mode in range(1, last + 4):
             kappa = c1 * mode**4 - c2 * mode**2 * f + swing - damping**2
             assert growth_at(float(kappa), float(c2 * mode**2 * df), float(w)) <= damping + 0.5 + 1e-7

@@ -226,7 +226,7 @@ def _naming(path: Path, table: str = "") -> Iterator[None]:
 def _rod(path: Path, given: Any) -> Rod:
     """Return the rod: a table as in rod files, or nitinol or the name of a rod file."""
     if isinstance(given, dict):
-        return rod_of(given, Rod, INSTEAD)
+        return rod_of(given, Rod, INSTEAD, path.parent)
     if not isinstance(given, str):
         raise ValueError(f"must be a table as in rod files, nitinol or a rod file, got {validate.short(given)}")
     if is_pipe(given):

@@ -21,7 +21,7 @@ from floquetrod.rod.answers.intervals import QUANTITIES, Cause, Search, Stabilit
 from floquetrod.rod.loads.axial import AxialGap, between
 from floquetrod.rod.loads.load import KINDS, Load, Loads, Quantity, load_bounds
 from floquetrod.rod.model.assumptions import warn_unless_uniform
-from floquetrod.rod.model.constants import mode_constants
+from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.modes.mode_model import ModeModel
 
 
@@ -250,11 +250,11 @@ def stable_values(
 ) -> StabilityIntervals:
     """Return the stability intervals of one quantity; see `floquetrod.Rod.stable_mean_forces`."""
     if bounds is None and varied != "frequency":
-        bounds = 0.0, _largest(model, varied)
+        bounds = 0.0, _largest(model, varied, others)
     low, high = load_bounds(varied, bounds)
     largest = _load(model, {**others, varied: high})
     if varied == "frequency":
-        mode_constants(model.rod).require_in_reach(Loads.single(largest.varied(varied, low)))
+        constants_under(model.rod, largest.mean).require_in_reach(Loads.single(largest.varied(varied, low)))
     validate.progress(progress)
     search = Search(varied, largest, (low, high), validate.tolerance("growth_tolerance", growth_tolerance))
     warn_unless_uniform(model.rod, largest)
@@ -280,7 +280,7 @@ def first_unstable(
     progress: Progress | None = None,
 ) -> float:
     """Return where one quantity, going up from zero, first meets growth; infinite without any."""
-    largest = _load(model, {**others, varied: _largest(model, varied)})
+    largest = _load(model, {**others, varied: _largest(model, varied, others)})
     validate.progress(progress)
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
     warn_unless_uniform(model.rod, largest)
@@ -288,9 +288,10 @@ def first_unstable(
     return model.first_unstable(search, _saying_how_far(progress, varied, largest))
 
 
-def _largest(model: ModeModel, varied: Quantity) -> float:
-    """Return up to which force in N is searched by default."""
-    return _SEARCHED[varied] * model.rod.critical_force
+def _largest(model: ModeModel, varied: Quantity, others: Mapping[Quantity, float]) -> float:
+    """Return up to which force in N is searched by default; where the channel bends at most until its wall is left."""
+    most = _SEARCHED[varied] * model.rod.critical_force
+    return up_to_wall(model.rod, _load(model, {**others, varied: most}), varied, (0.0, most), only_low=True)[1]
 
 
 def _load(model: ModeModel, numbers: Mapping[Quantity, float]) -> Load:

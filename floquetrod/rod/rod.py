@@ -123,7 +123,7 @@ class Rod(RodData):
         ('CoupledModel', ('clamped ends',))
         """
         like = kind(like)
-        if not coupling(self.end_conditions, self.weight_along, like):
+        if not coupling(self, like):
             return IndependentModel(self, like)
         # Loaded where it is needed: a rod with hinged ends answers without.
         from floquetrod.rod.modes.coupled import CoupledModel

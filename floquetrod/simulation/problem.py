@@ -294,6 +294,11 @@ class SimulationProblem:
     def _require_possible_ends(self) -> None:
         """Raise ValueError for a load that cannot be simulated, and for ends that are to do two things at once."""
         load = self.load
+        if not self.rod.course.is_straight:
+            raise validate.wrong_value(
+                "rod",
+                "must lie in a straight channel to be simulated, and this one bends; give it an inclination alone",
+            )
         if len(load.harmonics) > MOST_HARMONICS:
             raise validate.wrong_value(
                 "load",

@@ -221,7 +221,7 @@ LowHigh: TypeAlias = tuple[float, float]
 
 
 class ModeBox(NamedTuple):
-    """Low and high ends of all numbers in q'' + 2 c q' + (c1 m^4 - c2 m^2 F(t) + Omega^2) q = 0, in SI units.
+    """Low and high ends of all numbers in q'' + 2 c q' + (c1 m^4 - c2 (m^2 - m_0^2) F(t) + Omega^2) q = 0, in SI units.
 
     In the order of the rows that kernels take, `floquetrod.floquet.proof.kernels.regions_boxes`.
 
@@ -229,8 +229,8 @@ class ModeBox(NamedTuple):
     ----------
     mean, amplitude, frequency : (float, float)
         Of the load: N, N, rad/s.
-    bending, per_newton, pendulum_squared, damping_rate : (float, float)
-        c1, c2, Omega^2 and c.
+    bending, per_newton, pendulum_squared, held, damping_rate : (float, float)
+        c1, c2, Omega^2, m_0^2 and c.
     """
 
     mean: LowHigh
@@ -239,6 +239,7 @@ class ModeBox(NamedTuple):
     bending: LowHigh
     per_newton: LowHigh
     pendulum_squared: LowHigh
+    held: LowHigh
     damping_rate: LowHigh
 
 

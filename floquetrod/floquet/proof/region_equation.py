@@ -33,9 +33,9 @@ def certify_box(
     """
     sides = _sides(parameters)
     alpha, beta, damping = (Interval.hull(ends) for ends in sides)
-    # A mode of a rod with c1 = Omega^2 = 0, c2 = 1 and omega = 1; the sign of alpha only shifts time.
+    # A mode of a rod with c1 = Omega^2 = m_0 = 0, c2 = 1 and omega = 1; the sign of alpha only shifts time.
     unit, none = Interval.of(1.0), Interval.of(0.0)
-    numbers = (beta, abs(alpha), unit, none, unit, none, damping)
+    numbers = (beta, abs(alpha), unit, none, unit, none, none, damping)
     box = ModeBox(*((side.low, side.high) for side in numbers))
     found = subdivide(box, 1, tolerance, max_boxes)
     status: RegionStatus = "undecided"

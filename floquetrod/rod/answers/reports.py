@@ -11,8 +11,9 @@ from floquetrod._util import validate
 from floquetrod._util.report import Report, Reported, number
 from floquetrod.floquet.verdict import Status
 from floquetrod.rod.answers.margins import Margin
-from floquetrod.rod.loads.axial import AxialResonance, added_mean
+from floquetrod.rod.loads.axial import AxialResonance
 from floquetrod.rod.loads.load import Load, Quantity
+from floquetrod.rod.model.contact import added_mean
 from floquetrod.rod.model.data import RodData, special_parameters
 from floquetrod.units import Unit
 
@@ -66,10 +67,8 @@ def describe_load(load: Load, shown: Mapping[str, Unit], rod: RodData) -> str:
 def describe_kind(load: Load, shown: Mapping[str, Unit], rod: RodData) -> list[str]:
     """Return lines about what varies along the rod, and about the waveform."""
     lines = [load.features] if load.features else []
-    if rod.weight_along > 0.0 and load.mean_at is not None:
-        upper, lower = (
-            shown["mean"].show(load.mean + added_mean(load, rod.weight_along, rod.length, x)) for x in (0.0, 1.0)
-        )
+    if (rod.weight_along > 0.0 or not rod.course.is_uniform) and load.mean_at is not None:
+        upper, lower = (shown["mean"].show(float(load.mean + added_mean(rod, load, x))) for x in (0.0, 1.0))
         lines.append(f"mean force {upper} at the upper end, {lower} at the lower")
     if not load.is_uniform:
         found = rod.axial_response(load)

@@ -90,7 +90,7 @@ class RodBox:
         loads = {name: _load_side(name, value) for name, value in given.items()}
         box = cls(rod, like.with_numbers(0.0, 0.0, 1.0), loads, _rod_sides(rod, parameters))
         for each in box._extreme_rods():
-            coupled_by = coupling(each.end_conditions, each.weight_along, box.like)
+            coupled_by = coupling(each, box.like)
             if coupled_by:
                 raise refusal("certify", coupled_by)
         return box

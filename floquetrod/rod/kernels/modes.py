@@ -1,7 +1,8 @@
-"""Kernels for the modes of a rod: a family of Mathieu equations alpha_m = A m^2, beta_m = B m^2 - C m^4 - D.
+"""Kernels for the modes of a rod: a family of Mathieu equations alpha_m = A (m^2 - h), beta_m = B m^2 - C m^4 - D.
 
 A comes from the forcing, the amplitude of the axial force; B from its mean, a compression where positive; C from
-bending; D from gravity, which makes the rod swing in the channel like a pendulum.
+bending; D from gravity, which makes the rod swing in the channel like a pendulum; h = m_0^2 from the curvature of the
+channel, with which compression holds the rod down, so that D includes B h.
 """
 
 from __future__ import annotations
@@ -16,34 +17,44 @@ from floquetrod.floquet.kernels.mathieu_counts import STABLE, shown_by_count
 
 @kernel
 def mode_family(
-    bending: Any, per_newton: Any, pendulum_squared: Any, mean: Any, amplitude: Any, frequency: Any
-) -> tuple[Any, Any, Any, Any]:
-    """Return A, B, C, D of a rod's modes, Eq. (4) of DOI 10.1115/1.4031710.
+    bending: Any, per_newton: Any, pendulum_squared: Any, held: Any, mean: Any, amplitude: Any, frequency: Any
+) -> tuple[Any, Any, Any, Any, Any]:
+    """Return A, B, C, D and h of a rod's modes, Eq. (4) of DOI 10.1115/1.4031710 where h = 0.
 
-    The first three are those of `floquetrod.rod.model.constants.ModeConstants`; mean and amplitude in N, the frequency
+    The first four are those of `floquetrod.rod.model.constants.ModeConstants`; mean and amplitude in N, the frequency
     in rad/s.
     """
     squared = frequency * frequency
     unit = per_newton / squared
-    return unit * amplitude, unit * mean, bending / squared, pendulum_squared / squared
+    push = unit * mean
+    return unit * amplitude, push, bending / squared, pendulum_squared / squared + push * held, held
 
 
 @kernel
-def mode_coefficients(forcing: Any, compression: Any, bending: Any, gravity: Any, mode: Any) -> tuple[Any, Any]:
-    """Return alpha = A m^2 and beta = B m^2 - C m^4 - D of a mode m, or of an array of them."""
+def mode_coefficients(
+    forcing: Any, compression: Any, bending: Any, gravity: Any, held: Any, mode: Any
+) -> tuple[Any, Any]:
+    """Return alpha = A (m^2 - h) and beta = B m^2 - C m^4 - D of a mode m, or of an array of them."""
     m2 = 1.0 * mode * mode
-    return forcing * m2, (compression - bending * m2) * m2 - gravity
+    return forcing * (m2 - held), (compression - bending * m2) * m2 - gravity
 
 
 @kernel
-def modes_left_out(forcing: float, compression: float, bending: float, gravity: float, last: int) -> float:
+def modes_left_out(forcing: float, compression: float, bending: float, gravity: float, held: float, last: int) -> float:
     """Return a bound on the growth per unit tau of every mode after ``last``, infinite where none is known.
+
+    In y = m^2 - h the family is that of h = 0, alpha = A y and beta = (B - 2 C h) y - C y^2 - (D - B h + C h^2); so
+    what follows holds with y in place of m^2.
 
     From m = last + 1 on, and m^4 >= D / C, the ratio a / q grows with m and so does k1, so that the products of
     `growth_bound` only fall; its prefactor is A / 4 over the square root of C - (A + B) / m^2 + D / m^4, which is at
     least what it is with (A + B) and -D replaced by zero where negative.
     """
-    m2 = (last + 1.0) * (last + 1.0)
+    m2 = (last + 1.0) * (last + 1.0) - held
+    if not m2 > 0.0:
+        return math.inf
+    gravity += (bending * held - compression) * held
+    compression -= 2.0 * bending * held
     room = bending - max(forcing + compression, 0.0) / m2 + min(gravity, 0.0) / (m2 * m2)
     if room <= 0.0 or bending * m2 * m2 < gravity:
         return math.inf
@@ -58,26 +69,28 @@ def modes_left_out(forcing: float, compression: float, bending: float, gravity: 
 
 
 @kernel
-def modes_needed(forcing: float, compression: float, bending: float, gravity: float, target: float, guess: int) -> int:
+def modes_needed(
+    forcing: float, compression: float, bending: float, gravity: float, held: float, target: float, guess: int
+) -> int:
     """Return the least M >= 1 such that every mode after M grows at no more than ``target`` per unit tau.
 
     A good ``guess``, the answer for a load nearby, makes it quick.
     """
     low, high = 0, guess
     step = 1
-    if modes_left_out(forcing, compression, bending, gravity, guess) > target:
+    if modes_left_out(forcing, compression, bending, gravity, held, guess) > target:
         low, high = guess, guess + 1
-        while modes_left_out(forcing, compression, bending, gravity, high) > target:
+        while modes_left_out(forcing, compression, bending, gravity, held, high) > target:
             step *= 2
             low, high = high, high + step
     else:
-        while high > 1 and modes_left_out(forcing, compression, bending, gravity, max(1, high - step)) <= target:
+        while high > 1 and modes_left_out(forcing, compression, bending, gravity, held, max(1, high - step)) <= target:
             high = max(1, high - step)
             step *= 2
         low = max(0, high - step)
     while high - low > 1:
         middle = (low + high) // 2
-        if modes_left_out(forcing, compression, bending, gravity, middle) > target:
+        if modes_left_out(forcing, compression, bending, gravity, held, middle) > target:
             low = middle
         else:
             high = middle
@@ -85,34 +98,43 @@ def modes_needed(forcing: float, compression: float, bending: float, gravity: fl
 
 
 @kernel
-def modes_needed_fill(forcing: Any, compression: Any, bending: Any, gravity: Any, target: Any, out: Any) -> None:
+def modes_needed_fill(
+    forcing: Any, compression: Any, bending: Any, gravity: Any, target: Any, out: Any, held: float
+) -> None:
     """Fill ``out`` with `modes_needed`."""
     last = 1
     for i in range(len(forcing)):
-        last = modes_needed(forcing[i], compression[i], bending[i], gravity[i], target[i], last)
+        last = modes_needed(forcing[i], compression[i], bending[i], gravity[i], held, target[i], last)
         out[i] = last
 
 
 @kernel
 def _modes_of_load(
     constants: Any, mean: float, amplitude: float, omega: float, slowest: float, guess: int
-) -> tuple[float, float, float, float, float, int]:
-    """Return A, B, C, D and c of a rod under a load, and how many modes to test if ``slowest`` (1/s) is to be seen."""
-    bending, per_newton, pendulum_squared, damping_rate = constants
+) -> tuple[float, float, float, float, float, float, int]:
+    """Return A, B, C, D, h and c of a rod under a load, and how many modes show growth of ``slowest`` (1/s)."""
+    bending, per_newton, pendulum_squared, held, damping_rate = constants
     c = damping_rate / omega
-    forcing, compression, stiffness, gravity = mode_family(
-        bending, per_newton, pendulum_squared, mean, amplitude, omega
+    forcing, compression, stiffness, gravity, held = mode_family(
+        bending, per_newton, pendulum_squared, held, mean, amplitude, omega
     )
-    last = modes_needed(forcing, compression, stiffness, gravity - c * c, c + slowest / omega, guess)
-    return forcing, compression, stiffness, gravity, c, last
+    last = modes_needed(forcing, compression, stiffness, gravity - c * c, held, c + slowest / omega, guess)
+    return forcing, compression, stiffness, gravity, held, c, last
 
 
 @kernel
 def _mode_stable(
-    forcing: float, compression: float, bending: float, gravity: float, mode: int, damping: float, tolerance: float
+    forcing: float,
+    compression: float,
+    bending: float,
+    gravity: float,
+    held: float,
+    mode: int,
+    damping: float,
+    tolerance: float,
 ) -> bool:
     """Return whether one mode of a family grows no faster than ``tolerance``."""
-    alpha, beta = mode_coefficients(forcing, compression, bending, gravity, mode)
+    alpha, beta = mode_coefficients(forcing, compression, bending, gravity, held, mode)
     return is_stable(alpha, beta, damping, tolerance)
 
 
@@ -129,17 +151,19 @@ def rod_is_stable(
 ) -> tuple[bool, int, int]:
     """Return whether no mode of a rod grows faster than ``tolerance`` (1/s), how many were needed and which to suspect.
 
-    ``constants`` are the four of `floquetrod.rod.model.constants.ModeConstants`.  Growth below ``slowest`` (1/s) may be
+    ``constants`` are the five of `floquetrod.rod.model.constants.ModeConstants`.  Growth below ``slowest`` (1/s) may be
     left out.  ``last`` and ``suspect`` are the answers for a rod and load nearby: neighbours need about as many modes
     and mostly fail in the same one, which is tested first.
     """
-    forcing, compression, bending, gravity, c, last = _modes_of_load(constants, mean, amplitude, omega, slowest, last)
+    forcing, compression, bending, gravity, held, c, last = _modes_of_load(
+        constants, mean, amplitude, omega, slowest, last
+    )
     level = tolerance / omega
     suspect = min(suspect, last)
-    if not _mode_stable(forcing, compression, bending, gravity, suspect, c, level):
+    if not _mode_stable(forcing, compression, bending, gravity, held, suspect, c, level):
         return False, last, suspect
     for mode in range(1, last + 1):
-        if mode != suspect and not _mode_stable(forcing, compression, bending, gravity, mode, c, level):
+        if mode != suspect and not _mode_stable(forcing, compression, bending, gravity, held, mode, c, level):
             return False, last, mode
     return True, last, suspect
 
@@ -166,13 +190,13 @@ def modes_growth_fill(mean: Any, amplitude: Any, frequency: Any, out: Any, const
     """Fill ``out`` (n, 2) with the largest growth rate per second and the mode that has it (0 where none grows)."""
     last = 1
     for i in range(len(mean)):
-        forcing, compression, bending, gravity, c, last = _modes_of_load(
+        forcing, compression, bending, gravity, held, c, last = _modes_of_load(
             constants, mean[i], amplitude[i], frequency[i], smallest, last
         )
         best = 0.0
         first = 0
         for mode in range(1, last + 1):
-            alpha, beta = mode_coefficients(forcing, compression, bending, gravity, mode)
+            alpha, beta = mode_coefficients(forcing, compression, bending, gravity, held, mode)
             if shown_by_count(alpha, beta + c * c) != STABLE:
                 rate = growth(alpha, beta, c)
                 if rate > best:

@@ -16,6 +16,7 @@ def samples_stable_fill(
     bending: Any,
     per_newton: Any,
     pendulum_squared: Any,
+    held: Any,
     damping_rate: Any,
     out: Any,
     tolerance: float,
@@ -29,7 +30,7 @@ def samples_stable_fill(
     last = 1
     suspect = 1
     for i in range(len(mean)):
-        constants = bending[i], per_newton[i], pendulum_squared[i], damping_rate[i]
+        constants = bending[i], per_newton[i], pendulum_squared[i], held[i], damping_rate[i]
         out[i], last, suspect = rod_is_stable(
             constants, mean[i], amplitude[i], frequency[i], tolerance, slowest, last, suspect
         )

@@ -148,11 +148,6 @@ def axial_response(load: Load, wave_speed: float, length: float, critical_force:
     return AxialResponse(amplitude, largest, position, factor, largest / critical_force, nearest)
 
 
-def added_mean(load: Load, weight_along: float, length: float, x: Any) -> Any:
-    """Return what a weight in N/m along a rod of a length in m adds to the mean force at x = s / L, in N."""
-    return 0.0 * x if load.mean_at is None else weight_along * length * (x - load.mean_at)
-
-
 def along(load: Load, wave_speed: float, length: float, s: NDArray[np.float64], frequency: float) -> NDArray[Any]:
     """Return the vibration of every harmonic along the rod for an amplitude of one newton, complex (H, len(s))."""
     return np.array(

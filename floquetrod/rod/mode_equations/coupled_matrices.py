@@ -5,6 +5,8 @@ In beam functions phi_j(x), x = s / L, of unit norm the deflection sum q_j phi_j
     q'' + 2 c q' + K(t) q = 0,  K_ij = (E I / m L^4) int phi_i'' phi_j'' + (w_e sin(inc) / (R m)) delta_ij
                                        - (1 / m L^2) int F(s, t) phi_i' phi_j'.
 
+Where the channel bends (1 / (R m)) int N(s, t) phi_i phi_j stands in place of the second term, N the contact force.
+
 Ritz's method: what is left out of the series only ever stiffens the rod.
 """
 
@@ -20,7 +22,9 @@ from numpy.typing import NDArray
 from floquetrod._util.arguments import Mention, wrong_value
 from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
+from floquetrod._util.progress import Progress
 from floquetrod.equations import HillSystem
+from floquetrod.floquet.systems.many import ManyVerdicts
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.axial import AxialResonanceError
 from floquetrod.rod.loads.load import AxialLoad, Load, Loads
@@ -28,6 +32,7 @@ from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.model.beam import Basis, basis, has_polynomials
 from floquetrod.rod.model.constants import SLOW_GROWTH, ModeConstants, mode_constants
+from floquetrod.rod.model.contact import Lying, Wall, added_mean, constants_under, on_wall
 from floquetrod.rod.model.data import RodData
 
 MOST_COUPLED = 2000  # modes of a system: half a minute each verdict
@@ -42,7 +47,7 @@ def modes_needed(rod: RodData, like: Load, loads: Loads, growth_tolerance: float
     """
     require_few(rod, like, loads, growth_tolerance)
     uniform = largest_uniform(rod, like, loads)
-    needed, _ = mode_constants(rod).modes_needed(uniform, max(growth_tolerance, SLOW_GROWTH))
+    needed, _ = constants_under(rod, uniform.mean).modes_needed(uniform, max(growth_tolerance, SLOW_GROWTH))
     if needed > MOST_COUPLED:
         raise _too_many(needed, rod, uniform, loads, like, growth_tolerance)
     return max(math.ceil(1.5 * rod.critical_mode) + LEAST_COUPLED, needed + 2)
@@ -53,7 +58,7 @@ def _too_many(
 ) -> ValueError:
     """Return the error that says why so many modes are needed, and the remedies that are left."""
     given = float(loads.amplitude.max())
-    without_waves, _ = mode_constants(rod).modes_needed(
+    without_waves, _ = constants_under(rod, uniform.mean).modes_needed(
         uniform.varied("amplitude", given), max(growth_tolerance, SLOW_GROWTH)
     )
     if without_waves <= MOST_COUPLED:
@@ -82,7 +87,7 @@ def _too_many(
 def require_few(rod: RodData, like: Load, loads: Loads, growth_tolerance: float) -> None:
     """Raise ValueError, at once, where the modes alone that the largest force outweighs are too many."""
     uniform = largest_uniform(rod, like, loads)
-    constants, push = mode_constants(rod), max(0.0, uniform.mean + uniform.amplitude)
+    constants, push = constants_under(rod, uniform.mean), max(0.0, uniform.mean + uniform.amplitude)
     needed = math.ceil(math.sqrt(push * constants.per_newton / constants.bending))
     if needed > MOST_COUPLED:
         raise _too_many(needed, rod, uniform, loads, like, growth_tolerance)
@@ -95,8 +100,7 @@ def largest_uniform(rod: RodData, like: Load, loads: Loads) -> AxialLoad:
         _largest_along(rod, like, frequency)
         for frequency in (frequencies[:1] if like.is_uniform else frequencies).tolist()
     )
-    added = (axial.added_mean(like, rod.weight_along, rod.length, x) for x in (0.0, 1.0))
-    mean = float(loads.mean.max()) + max(added)
+    mean = float(loads.mean.max()) + float(np.max(added_mean(rod, like, rod.course.samples)))
     fastest = float(loads.frequency.max()) * len(like.harmonics)
     return AxialLoad(mean, float(loads.amplitude.max()) * largest, fastest)
 
@@ -129,25 +133,25 @@ class CoupledModes(CoupledEquations):
         Beam functions; polynomials may be added to them.
     constants : ModeConstants
         Of the rod, or a little others.
-    weight_along : float
-        w_e cos(inclination) in N/m, of the rod, or a little other.
+    along : float
+        Weight along the rod over that of the rod: 1, or a little other.
     """
 
     rod: RodData
     like: Load
     count: int
     constants: ModeConstants
-    weight_along: float
+    along: float = 1.0
 
     @classmethod
     def of(cls, rod: RodData, like: Load, count: int) -> Self:
         """Return the first modes of a rod."""
-        return cls(rod, like, count, mode_constants(rod), rod.weight_along)
+        return cls(rod, like, count, mode_constants(rod))
 
     @cached_property
     def basis(self) -> Basis:
         """The functions along the rod."""
-        return basis(self.rod.end_conditions, self.count)
+        return basis(self.rod.end_conditions, self.count, self.rod.course.breaks)
 
     @property
     def size(self) -> int:
@@ -158,9 +162,38 @@ class CoupledModes(CoupledEquations):
     def _static(self) -> tuple[Floats, Floats]:
         """Stiffness without mean force in 1/s^2, and what a newton of uniform compression takes from it."""
         bending = self.constants.bending / math.pi**4 * self.basis.bending
-        weight = self._coupling(axial.added_mean(self.like, self.weight_along, self.rod.length, self.basis.nodes))
-        swing = self.constants.pendulum_squared * np.eye(self.size)
+        weight = self._coupling(self._added)
+        swing = self.constants.pendulum_squared * np.eye(self.size) if self.rod.course.is_straight else 0.0
         return bending + swing - weight, self._coupling(np.ones_like(self.basis.nodes))
+
+    @cached_property
+    def _added(self) -> Floats:
+        """What the weight along the rod adds to the mean force at the nodes, in N."""
+        return np.asarray(self.along * added_mean(self.rod, self.like, self.basis.nodes))
+
+    @cached_property
+    def _wall(self) -> Wall:
+        """The wall of a channel that bends, at the nodes; contact forces in its units are N / (R m), in 1/s^2."""
+        rod = self.rod
+        per_newton = self.constants.per_newton * (rod.length / math.pi) ** 2 / rod.radial_clearance
+        weight = self.constants.pendulum_squared / math.sin(rod.inclination)
+        return Wall(rod.course.place(self.basis.nodes), weight, per_newton)
+
+    def _lying(self, mean: float) -> Lying:
+        """Return the string at rest on the wall under a mean force in N."""
+        return self._wall.lying(mean + self._added)
+
+    def _pressed(self, mean: Floats) -> Floats:
+        """Return what the mean contact force adds to the stiffness, in 1/s^2: (loads, size, size)."""
+        values, inverse = np.unique(mean, return_inverse=True)
+        if self._wall.place.turns or len(values) < 3:
+            every = np.array([self.basis.pressing(self._lying(value).contact) for value in values.tolist()])
+            return np.asarray(every[inverse])
+        # In a plane it is affine in the mean force on either side of the channel.
+        unit = self.basis.pressing(self._wall.per_newton * self._wall.place.kappa_n)
+        none = self.basis.pressing(self._wall.across(self._added))
+        side = np.array([self._lying(value).side for value in values.tolist()])[inverse]
+        return np.asarray(side[:, None, None] * (none + mean[:, None, None] * unit))
 
     def _coupling(self, force: NDArray[Any]) -> Floats:
         """Return (1 / m L^2) int F phi_i' phi_j' for a force in N at the nodes."""
@@ -174,6 +207,25 @@ class CoupledModes(CoupledEquations):
         found = [(-self._coupling(force.real), self._coupling(force.imag)) for force in every]
         return np.array(found).swapaxes(0, 1)
 
+    def _pressing(self, mean: float, frequency: float) -> NDArray[np.float64]:
+        """Return what the vibration of the contact force adds to the matrices of `_vibration`, under a mean force."""
+        along = self.rod.wave_speed, self.rod.length
+        every = axial.along(self.like, *along, self.basis.nodes * self.rod.length, frequency)
+        bend = self._wall.per_newton * self._lying(mean).bend
+        found = [(self.basis.pressing(bend * f.real), -self.basis.pressing(bend * f.imag)) for f in every]
+        return np.array(found).swapaxes(0, 1)
+
+    def _bent_vibration(self, loads: Loads) -> NDArray[np.float64]:
+        """Return `_pressing` under each load, (loads, 2, H, n, n)."""
+        mean, frequency = loads.mean, loads.frequency
+        if not self._wall.place.turns:  # it depends on the side alone
+            sides = {value: self._lying(value).side for value in np.unique(mean).tolist()}
+            mean = np.array([next(v for v in sides if sides[v] == sides[value]) for value in mean.tolist()])
+        if self.like.is_uniform:
+            frequency = np.full_like(frequency, frequency[0])
+        pairs, inverse = np.unique(np.stack([mean, frequency]), axis=1, return_inverse=True)
+        return np.array([self._pressing(*pair) for pair in pairs.T.tolist()])[inverse.ravel()]
+
     def system(self, loads: Loads) -> HillSystem:
         """Return the systems of flat loads as one batch, or a single one where there is one load of the shape ()."""
         frequencies, inverse = np.unique(loads.frequency, return_inverse=True)
@@ -182,8 +234,10 @@ class CoupledModes(CoupledEquations):
             inverse = np.zeros_like(inverse)
         else:
             vibration = np.array([self._vibration(float(frequency)) for frequency in frequencies])
-        mean = self.stiffness(loads.mean)
-        forcing = loads.amplitude[:, None, None, None, None] * vibration[inverse]
+        mean, vibration = self.stiffness(loads.mean), vibration[inverse]
+        if not self.rod.course.is_straight:
+            vibration = vibration + self._bent_vibration(loads)
+        forcing = loads.amplitude[:, None, None, None, None] * vibration
         single = loads.shape == ()
         parts = [[m[0] if single else m for m in np.moveaxis(forcing[:, i], 1, 0)] for i in (0, 1)]
         cosines, sines = ([] if not any(m.any() for m in series) else series for series in parts)
@@ -215,17 +269,42 @@ class CoupledModes(CoupledEquations):
         constants = self.constants._replace(
             bending=bending * self.constants.bending, pendulum_squared=weight * self.constants.pendulum_squared
         )
-        return replace(self, constants=constants, weight_along=force * self.weight_along)
+        return replace(self, constants=constants, along=force * self.along)
 
     def stiffness(self, mean: Floats) -> Floats:
         """Return the stiffness under mean forces in N, in 1/s^2: (loads, size, size)."""
         stiffness, push = self._static
-        return np.asarray(stiffness - mean[:, None, None] * push)
+        found = np.asarray(stiffness - mean[:, None, None] * push)
+        return found if self.rod.course.is_straight else found + self._pressed(mean)
+
+    @property
+    def is_affine(self) -> bool:
+        """Whether the mean of K is affine in the mean force: not where the string lies aside, or on either side."""
+        return self.rod.course.is_straight or not (self._wall.place.turns or self._wall.place.kappa_n.min() < 0.0)
+
+    def answers(
+        self,
+        loads: Loads,
+        growth_tolerance: float = 0.0,
+        workers: int | None = None,
+        *,
+        quick: bool = False,
+        progress: Progress | None = None,
+    ) -> ManyVerdicts:
+        """Return what `CoupledEquations.answers` does; -1 and NaN under loads with which the rod leaves its wall."""
+        lies = np.flatnonzero(on_wall(self.rod, self.like, loads))
+        if lies.size == loads.size:
+            return super().answers(loads, growth_tolerance, workers, quick=quick, progress=progress)
+        status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
+        if lies.size:
+            some = super().answers(loads.some(lies), growth_tolerance, workers, quick=quick, progress=progress)
+            status[lies], growth[lies] = some
+        return ManyVerdicts(status, growth)
 
     @property
     def are_apart(self) -> bool:
         """Whether the functions are the modes themselves, each with an equation of its own."""
-        return set(coupling(self.rod.end_conditions, self.weight_along, self.like)) <= {WAVEFORM}
+        return set(coupling(self.rod, self.like)) <= {WAVEFORM}
 
     @property
     def are_nested(self) -> bool:

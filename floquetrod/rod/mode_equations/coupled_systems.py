@@ -55,7 +55,8 @@ class CoupledEquations(ABC):
     def system(self, loads: Loads) -> HillSystem:
         """Return the systems of flat loads as one batch, or a single one where there is one load of the shape ().
 
-        The mean of K is affine in the mean force, the rest of K proportional to the amplitude.
+        The mean of K is affine in the mean force, unless `is_affine` denies it, the rest of K proportional to the
+        amplitude.
         """
 
     @abstractmethod
@@ -65,6 +66,11 @@ class CoupledEquations(ABC):
     def shapes(self, x: Floats) -> Floats:
         """Return the deflection along the rod of each coordinate, at x = s / L: (size, len(x))."""
         raise ValueError(f"{type(self).__name__} does not say how its coordinates bend the rod, so there is no shape")
+
+    @property
+    def is_affine(self) -> bool:
+        """Whether the mean of K is affine in the mean force."""
+        return True
 
     @property
     def are_apart(self) -> bool:
@@ -128,6 +134,8 @@ class CoupledEquations(ABC):
         """Return quick verdicts on loads of which one force alone varies, None where that would save no time."""
         from floquetrod.floquet.systems.lines import verdicts_along
 
+        if varied == "mean" and not self.is_affine:
+            return None
         values: Floats = getattr(loads, varied)
         ends = loads.some(np.array([values.argmin(), values.argmax()]))
         low, high = getattr(ends, varied)

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 from floquetrod._util.arguments import Mention, wrong_value
 from floquetrod.rod.loads.load import Load
-from floquetrod.rod.model.parts import Ends
+from floquetrod.rod.model.data import RodData
 
 WAVEFORM = "a waveform other than a sine"
 """It leaves each mode an equation of its own."""
 
 
-def coupling(ends: Ends, weight_along: float, load: Load) -> tuple[str, ...]:
+def coupling(rod: RodData, load: Load) -> tuple[str, ...]:
     """Return in words what keeps the modes from obeying an equation of Mathieu's each, empty where nothing does.
 
-    They do with hinged ends, under a force that is a sine and uniform along the rod; ``weight_along`` in N/m.
+    They do with hinged ends, under a force that is a sine and uniform along the rod, in a channel whose inclination and
+    curvature are told as uniform, or on a path that is straight there: along an arc the inclination changes, and with
+    it the weight across.
     """
+    ends = rod.end_conditions
     every = (
         (f"{ends} ends", not ends.are_hinged),
-        ("weight along the rod", weight_along > 0.0 and load.mean_at is not None),
+        ("a path that bends", not rod.course.is_uniform),
+        ("weight along the rod", rod.course.is_uniform and rod.weight_along > 0.0 and load.mean_at is not None),
         ("axial waves", not load.is_uniform),
         (WAVEFORM, load.waveform != "sine"),
     )

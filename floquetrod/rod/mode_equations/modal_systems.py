@@ -1,8 +1,9 @@
 """From a rod and a load to its equations: the modal system of one load, and those of arrays of loads.
 
 The modes of a rod with hinged ends are independent, each an equation of Mathieu's with coefficients
-alpha_m = A m^2 and beta_m = B m^2 - C m^4 - D, Eq. (4) of DOI 10.1115/1.4031710.  Nothing outside this module and
-`tongues` depends on that form: what else asks for equations, coefficients or verdicts asks the system.
+alpha_m = A (m^2 - h) and beta_m = B m^2 - C m^4 - D, Eq. (4) of DOI 10.1115/1.4031710 in a straight channel, where
+h = 0; in one that bends modes of m^2 < h are held by compression, and driven in opposite phase.  Nothing outside this
+module and `tongues` depends on that form: what else asks for equations, coefficients or verdicts asks the system.
 """
 
 from __future__ import annotations
@@ -58,10 +59,10 @@ class ModalSystem:
         return float(self.constants.damping_rate / self.load.frequency)
 
     @cached_property
-    def coefficients(self) -> tuple[float, float, float, float]:
-        """A, B, C, D of alpha_m = A m^2, beta_m = B m^2 - C m^4 - D."""
+    def coefficients(self) -> tuple[float, float, float, float, float]:
+        """A, B, C, D, h of alpha_m = A (m^2 - h), beta_m = B m^2 - C m^4 - D."""
         load = self.load
-        return kernels.mode_family(*self.constants[:3], load.mean, load.amplitude, load.frequency)
+        return kernels.mode_family(*self.constants[:4], load.mean, load.amplitude, load.frequency)
 
     @property
     def alpha(self) -> Floats:
@@ -76,13 +77,13 @@ class ModalSystem:
     @property
     def per_newton(self) -> Floats:
         """What a newton of amplitude adds to each alpha, and a newton of mean force to each beta."""
-        unit, *_ = kernels.mode_family(*self.constants[:3], 0.0, 1.0, self.load.frequency)
-        return np.asarray(unit * self._numbers**2)
+        unit, *_ = kernels.mode_family(*self.constants[:4], 0.0, 1.0, self.load.frequency)
+        return np.asarray(unit * (self._numbers**2 - self.constants.held))
 
     @property
     def in_seconds(self) -> tuple[Floats, Floats]:
         """Alpha omega^2 and beta omega^2 in 1/s^2, which do not depend on the frequency."""
-        family = kernels.mode_family(*self.constants[:3], self.load.mean, self.load.amplitude, 1.0)
+        family = kernels.mode_family(*self.constants[:4], self.load.mean, self.load.amplitude, 1.0)
         alpha, beta = kernels.mode_coefficients(*family, self._numbers)
         return np.asarray(alpha), np.asarray(beta)
 
@@ -185,15 +186,16 @@ class ModalSystems:
         Half the threshold of growth bounds the modes left out: they are far from resonance, abs(A) / A'(0) is below 1
         at first, and what grows at half the rate ends at the square root of the limit.
         """
-        a, b, c, d = (np.broadcast_to(part, self.loads.frequency.shape) for part in self._family())
+        *family, held = self._family()
+        a, b, c, d = (np.broadcast_to(part, self.loads.frequency.shape) for part in family)
         damping = self._damping()
         last = np.empty(damping.size, dtype=np.int64)
         inputs = (a, b, c, d - damping * damping, damping + 0.5 * criterion.threshold)
-        over_chunks(kernels.modes_needed_fill, inputs, last, workers=workers, chunk=4096)
+        over_chunks(kernels.modes_needed_fill, inputs, last, held, workers=workers, chunk=4096)
         out = np.ones(damping.size, dtype=np.bool_)
         for mode in range(1, int(last.max(initial=0)) + 1):
             at = np.flatnonzero(out & (mode <= last))
-            alpha, beta = kernels.mode_coefficients(a[at], b[at], c[at], d[at], mode)
+            alpha, beta = kernels.mode_coefficients(a[at], b[at], c[at], d[at], held, mode)
             out[at] = criterion.is_stable(alpha, beta, damping[at], workers=workers)
         return out
 
@@ -202,8 +204,9 @@ class ModalSystems:
         mean, amplitude, frequency = self.loads.flat
         last, _ = self.constants.modes_needed(AxialLoad(mean.max(), amplitude.max(), frequency.max()), growth_tolerance)
         modes = np.arange(1, last + 1)
-        a, b, c, d = (np.reshape(part, (-1, 1)) for part in self._family())
-        alpha, beta = kernels.mode_coefficients(a, b, c, d, modes)
+        *family, held = self._family()
+        a, b, c, d = (np.reshape(part, (-1, 1)) for part in family)
+        alpha, beta = kernels.mode_coefficients(a, b, c, d, held, modes)
         damping = np.broadcast_to(self._damping()[:, None], alpha.shape)
         load, column = np.nonzero(~mathieu.is_stable(alpha, beta, damping, workers=workers))
         chosen = alpha[load, column], beta[load, column], damping[load, column]
@@ -214,8 +217,8 @@ class ModalSystems:
             found = GrowingModes(*(part[fast] for part in found))
         return found
 
-    def _family(self) -> tuple[Any, Any, Any, Any]:
-        return kernels.mode_family(*self.constants[:3], *self.loads.flat)
+    def _family(self) -> tuple[Any, Any, Any, Any, Any]:
+        return kernels.mode_family(*self.constants[:4], *self.loads.flat)
 
     def _damping(self) -> Floats:
         return np.asarray(self.constants.damping_rate / self.loads.frequency)

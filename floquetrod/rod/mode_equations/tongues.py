@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from floquetrod._util.arrays import Floats, Ints
+from floquetrod._util.arrays import Bools, Floats, Ints
 from floquetrod._util.progress import Progress
 from floquetrod.mathieu import tongues
 from floquetrod.mathieu.tongues import Tongues
@@ -103,6 +103,11 @@ def tongues_within(
     varied: Quantity, system: ModalSystem, tolerance: float, intervals: Sequence[tuple[float, float]]
 ) -> UnstableLoads:
     """Search every mode over every interval: return all that grows there, ends to the bit those of the intervals."""
+    still = system.per_newton == 0.0
+    if still.any():
+        moved = replace(system, modes=tuple(np.array(system.modes)[~still].tolist()))
+        rest = tongues_within(varied, moved, tolerance, intervals)
+        return rest._replace(intervals=rest.intervals + _unmoved(system, still, tolerance, intervals))
     mode = np.repeat(np.arange(len(system.modes)), len(intervals))  # the index of each search's mode
     low, high = (
         np.tile(np.asarray(ends, dtype=np.float64), len(system.modes)) for ends in zip(*intervals, strict=True)
@@ -119,20 +124,34 @@ def tongues_within(
     return UnstableLoads(unstable, found.left_out, resolution)
 
 
+def _unmoved(
+    system: ModalSystem, still: Bools, tolerance: float, intervals: Sequence[tuple[float, float]]
+) -> list[UnstableInterval]:
+    """Return all of the intervals for every mode that no force moves, at m_0, where it grows by itself."""
+    squared = (system.beta + system.damping**2) * system.frequency**2
+    grows = still & (squared > (system.constants.damping_rate + tolerance) ** 2)
+    return [UnstableInterval(*ends, int(system.modes[i]), 0) for i in np.flatnonzero(grows) for ends in intervals]
+
+
 def _along_mean(system: ModalSystem, mode: Ints, tolerance: float, low: Floats, high: Floats) -> tuple[Tongues, float]:
-    """At a given amplitude a mode's alpha is fixed, and beta is linear in the mean force."""
+    """At a given amplitude a mode's alpha is fixed, and beta is linear in the mean force: it falls where held by it."""
     c, gain = system.damping, system.per_newton[mode]
     offset = system.load.mean - (system.beta[mode] + c * c) / gain
+    falls = gain < 0.0
+    low, high = np.where(falls, high, low), np.where(falls, low, high)  # of the mean force, at which beta is
     ends = [(force - offset) * gain for force in (low, high)]
     found = tongues.along_mean(system.alpha[mode], _level(system, mode, tolerance), *ends)
-    return _converted(found, lambda b, i: offset[i] + b / gain[i], ends, (low, high)), 0.0
+    found = _converted(found, lambda b, i: offset[i] + b / gain[i], ends, (low, high))
+    turned = falls[found.which]
+    first, last = np.where(turned, found.last, found.first), np.where(turned, found.first, found.last)
+    return found._replace(first=first, last=last), 0.0
 
 
 def _along_amplitude(
     system: ModalSystem, mode: Ints, tolerance: float, low: Floats, high: Floats
 ) -> tuple[Tongues, float]:
     """At a given mean force a mode's beta is fixed, and alpha is proportional to the amplitude."""
-    c, gain = system.damping, system.per_newton[mode]
+    c, gain = system.damping, np.abs(system.per_newton[mode])
     ends = [force * gain for force in (low, high)]
     found = tongues.along_amplitude(system.beta[mode] + c * c, _level(system, mode, tolerance), *ends)
     resolution = float(np.max(found.resolution / gain, initial=0.0))

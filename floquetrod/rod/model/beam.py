@@ -76,27 +76,41 @@ class Basis(ByContent):
         found = (self.slopes * (force * self.weights)[..., None, :]) @ self.slopes.T
         return np.asarray(0.5 * (found + np.swapaxes(found, -1, -2)))
 
+    def pressing(self, density: Floats) -> Floats:
+        """Return the integrals of d phi_i phi_j, symmetric to the bit; density (..., q) at the nodes."""
+        found = (self.values * (density * self.weights)[..., None, :]) @ self.values.T
+        return np.asarray(0.5 * (found + np.swapaxes(found, -1, -2)))
+
     def shapes(self, x: Floats) -> Floats:
         """Return the functions at points, (n, len(x))."""
         return np.asarray(self.transform @ _all_functions(self.ends, self.count, x)[0])
 
 
-def basis(ends: Ends, count: int) -> Basis:
+def basis(ends: Ends, count: int, breaks: tuple[float, ...] = ()) -> Basis:
     """Return the first ``count`` beam functions, rigid motions included, and polynomials where they help.
 
-    The last ones are kept, but of those with more than 200 functions, up to a hundred megabytes each, only one.
+    Panels of the quadrature end at ``breaks`` between 0 and 1, where what is integrated may jump.  The last ones are
+    kept, but of those with more than 200 functions, up to a hundred megabytes each, only one.
     """
-    return (_large_basis if count > _LARGE else _small_basis)(ends, count)
+    return (_large_basis if count > _LARGE else _small_basis)(ends, count, breaks)
 
 
-def _basis(ends: Ends, count: int) -> Basis:
+def _quadrature(panels: int, breaks: tuple[float, ...]) -> tuple[Floats, Floats]:
+    """Return nodes and weights on panels of equal length, cut at breaks."""
+    points, weights = np.polynomial.legendre.leggauss(_POINTS)
+    edges, share = np.arange(panels) / panels, np.full(panels, float(panels))
+    if breaks:
+        edges = np.unique(np.concatenate([edges, breaks]))
+        share = 1.0 / np.diff(np.append(edges, 1.0))
+    nodes = (edges[:, None] + 0.5 * (points + 1.0) / share[:, None]).ravel()
+    return nodes, (0.5 * weights / share[:, None]).ravel()
+
+
+def _basis(ends: Ends, count: int, breaks: tuple[float, ...] = ()) -> Basis:
     """Return what `basis` does, computed."""
     waves = wavenumbers(ends, count)
     panels = math.ceil(float(waves[-1]) / _PER_PANEL) + 1
-    points, weights = np.polynomial.legendre.leggauss(_POINTS)
-    edges = np.arange(panels) / panels
-    nodes = (edges[:, None] + 0.5 * (points + 1.0) / panels).ravel()
-    weights = np.tile(0.5 * weights / panels, panels)
+    nodes, weights = _quadrature(panels, breaks)
     values, slopes, curvatures = _all_functions(ends, count, nodes)
     root = np.sqrt(weights)
     transform = _orthogonal(values * root, count)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 
@@ -48,3 +49,25 @@ def buckling_forces(sinusoidal: float, rigidity: float, weight: float) -> dict[s
             "Lubinski 1950",
         ),
     }
+
+
+_SQUARES = {"helical, energy": 2.0, "helical, loading": 1.83**2, "helical, alone": 8.0}
+"""Of the criteria for a helix in straight channels: the ratio of F^2 R / (4 E I) to the contact force."""
+
+
+def in_a_bend(straight: Mapping[str, BucklingForce], force_at: Callable[[float], float]) -> dict[str, BucklingForce]:
+    """Return the criteria where the channel bends.
+
+    ``force_at`` returns the force in N at a ratio of F^2 R / (4 E I) to the contact force.
+    """
+    found = {
+        "sinusoidal": BucklingForce(
+            straight["sinusoidal"].force,
+            "F^2 = 4 E I N / R, N the contact force: the rod begins to snake",
+            "He & Kyllingstad 1995",
+        )
+    }
+    for name, ratio in _SQUARES.items():
+        meaning = f"F^2 = {ratio:.4g} times that; in a straight channel {straight[name].meaning}"
+        found[name] = BucklingForce(force_at(ratio), meaning, straight[name].source)
+    return found

@@ -26,10 +26,11 @@ _MOST_PER_CYCLE = math.sqrt(validate.LARGEST)  # rates in frequencies of the loa
 
 
 class ModeConstants(NamedTuple):
-    """What the equations of a rod's modes need of it: q'' + 2 c q' + (c1 m^4 - c2 m^2 F(t) + Omega^2) q = 0.
+    """What the equations of a rod's modes need of it: q'' + 2 c q' + (c1 m^4 - c2 (m^2 - m_0^2) F(t) + Omega^2) q = 0.
 
     F is a compression, m the number of half waves between hinged ends; of coupled modes integrals of their functions
-    stand in place of its powers.  The numbers are floats, or what `of` was given: arrays, intervals.
+    stand in place of its powers.  Where the channel bends a compression holds modes longer than m_0 down, and drives
+    the others.  The numbers are floats, or what `of` was given: arrays, intervals.
 
     Attributes
     ----------
@@ -39,6 +40,8 @@ class ModeConstants(NamedTuple):
         c2 = (pi / L)^2 / m_t in 1/(N s^2).
     pendulum_squared : float
         Omega^2 in 1/s^2, of swinging in the channel.
+    held : float
+        m_0^2 = (L / pi)^2 curvature / R, zero in a straight channel, negative where it drops.
     damping_rate : float
         c in 1/s, of the decay of free motion.
     """
@@ -46,6 +49,7 @@ class ModeConstants(NamedTuple):
     bending: Any
     per_newton: Any
     pendulum_squared: Any
+    held: Any
     damping_rate: Any
 
     @classmethod
@@ -78,28 +82,43 @@ class ModeConstants(NamedTuple):
         across = formulas.gravity_across(p["gravity"], p["inclination"], sin)
         pull = formulas.effective_gravity(across, 1.0 - displaced)
         w = formulas.first_wavenumber(p["length"], pi)
+        room = formulas.clearance(p["radius"], p["channel_radius"])
         return cls(
             p["youngs_modulus"] * (0.25 * (outer + inner)) / mass * w**4,
             w**2 / (formulas.ring(p["radius"], p["inner_radius"], pi) * mass),
-            formulas.pendulum_squared(pull, formulas.clearance(p["radius"], p["channel_radius"])),
+            formulas.pendulum_squared(pull, room),
+            formulas.held_modes_squared(p["curvature"], room, w),
             p["damping_rate"],
         )
+
+    def on_side(self, side: Any) -> ModeConstants:
+        """Return those of a rod that lies on the low side, 1, or on the high side, -1."""
+        return self._replace(pendulum_squared=side * self.pendulum_squared, held=side * self.held)
+
+    def sides(self, mean: Any, amplitude: Any) -> Any:
+        """Return on which side a rod lies at all times, 1 low, -1 high, 0 where it leaves the wall, under forces in N.
+
+        By its contact force over inertia and clearance, Omega^2 + c2 m_0^2 F.
+        """
+        bend = self.per_newton * self.held
+        press, lost = self.pendulum_squared + bend * mean, np.abs(bend) * amplitude
+        return np.where(press - lost > 0.0, 1, np.where(press + lost < 0.0, -1, 0))
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes decide a verdict and a bound in 1/s on all others; see `Rod.modes_needed`."""
         self.require_in_reach(Loads.single(load))
-        a, b, stiffness, d = kernels.mode_family(*self[:3], load.mean, load.amplitude, load.frequency)
+        a, b, stiffness, d, held = kernels.mode_family(*self[:4], load.mean, load.amplitude, load.frequency)
         c = self.damping_rate / load.frequency
         d -= c * c
         target = c + max(growth_tolerance, NEGLIGIBLE_GROWTH) / load.frequency
-        last = kernels.modes_needed(a, b, stiffness, d, target, 1)
+        last = kernels.modes_needed(a, b, stiffness, d, held, target, 1)
         if last > MOST_MODES:
             raise validate.wrong_value(
                 "load",
                 f"needs {last} modes, more than {MOST_MODES}: its frequency {load.frequency:g} rad/s or its "
                 f"forces are far beyond those of this rod; check the units",
             )
-        bound = kernels.modes_left_out(a, b, stiffness, d, last)
+        bound = kernels.modes_left_out(a, b, stiffness, d, held, last)
         return last, max(0.0, bound - c) * load.frequency
 
     def require_in_reach(self, loads: Loads) -> None:
@@ -111,7 +130,9 @@ class ModeConstants(NamedTuple):
         modes, fastest = self._extent(loads)
         if modes > MOST_MODES:
             push = float(np.max(loads.mean, initial=-math.inf) + np.max(loads.amplitude, initial=0.0))
-            critical = 2.0 * math.sqrt(self.bending * self.pendulum_squared) / self.per_newton
+            half = 0.5 * self.held * self.bending
+            critical = 2.0 * (half + math.sqrt(max(0.0, half * half + self.bending * self.pendulum_squared)))
+            critical /= self.per_newton
             raise validate.wrong_value(
                 "load",
                 Message(
@@ -164,11 +185,12 @@ def extent(constants: ModeConstants, push: Any, force: Any) -> tuple[Any, Any]:
 
     Of one rod or of many: ``push`` is the largest compression in N, zero or more, ``force`` the largest force in size.
     """
-    bending, per_newton, pendulum_squared, _ = constants
+    bending, per_newton, pendulum_squared, held, _ = constants
     with np.errstate(over="ignore"):  # infinite is out of reach, too
-        modes = np.sqrt(push * per_newton / bending)
+        modes = np.sqrt(push * per_newton / bending + np.abs(held))
         highest = np.maximum(1.0, modes) ** 2
-        return modes, np.sqrt(per_newton * force * highest + bending * highest * highest + pendulum_squared)
+        bent = np.abs(pendulum_squared) + per_newton * force * np.abs(held)
+        return modes, np.sqrt(per_newton * force * highest + bending * highest * highest + bent)
 
 
 def highest_frequency(bending: Any) -> Any:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +19,13 @@ from floquetrod.rod.loads.axial import AxialResponse, axial_response
 from floquetrod.rod.loads.load import AnyLoad, Load, require_load
 from floquetrod.rod.model import formulas
 from floquetrod.rod.model.beam import wavenumbers
-from floquetrod.rod.model.buckling import BucklingForce, buckling_forces
+from floquetrod.rod.model.buckling import BucklingForce, buckling_forces, in_a_bend
 from floquetrod.rod.model.catalogue import pipe_in_a_hole
+from floquetrod.rod.model.course import Along, Course, Told, course_of, critical_forces, push
 from floquetrod.rod.model.files import read_rod
 from floquetrod.rod.model.lock_up import LockUp
 from floquetrod.rod.model.parts import (
+    LIMITS,
     MEANT,
     ON_A_FLOOR,
     Channel,
@@ -30,15 +33,20 @@ from floquetrod.rod.model.parts import (
     Fluids,
     Material,
     Section,
+    bend,
     decay_rate,
     friction_coefficient,
     in_si,
     inside_wall,
+    on_path,
     parameter,
     radius_of,
     size,
 )
 from floquetrod.rod.model.plausibility import warn_of_rod
+
+if TYPE_CHECKING:
+    from floquetrod.wells.path import WellPath
 
 MOST_MODES = 20_000  # beyond it the unit of a length or a force is wrong (a choice)
 
@@ -55,15 +63,19 @@ _PLAIN: dict[str, float | str] = {
     "fluid_inside": 0.0,
     "fluid_outside": 0.0,
     "inclination": 0.5 * math.pi,
+    "curvature": 0.0,
     "ends": "hinged",
 }
-"""Values of a solid rod in a horizontal channel without fluids."""
+"""Values of a solid rod in a horizontal straight channel without fluids."""
+
+_NO_NUMBERS = ("ends", "path", "depth")
+_OF_A_LINE = ("inclination", "curvature")  # what a path takes the place of
 
 
 @constructor_hints(**MEANT)
 @dataclass(frozen=True, init=False, repr=False)
 class RodData(TellsAttributes):
-    """Data sheet of a straight elastic rod or tube on the floor of a straight circular channel.
+    """Data sheet of an elastic rod or tube on the floor of a circular channel, straight or bent.
 
     Its parameters, in SI units, are described at `floquetrod.Rod`, which adds the verdicts.  They are what is typed,
     compared and stored; the parts made of them, `material`, `section`, `fluids`, `channel` and `end_conditions`, are
@@ -72,7 +84,8 @@ class RodData(TellsAttributes):
     Notes
     -----
     Eq. (1) of DOI 10.1115/1.4031710.  Force uniform along the rod, small angles.  Inertia is not weight: the fluid
-    outside adds to the one and takes from the other.
+    outside adds to the one and takes from the other.  Of a rod on a path that bends ``inclination`` and ``curvature``
+    are those where a constant push buckles it first, and so is all that follows from them.
 
     Examples
     --------
@@ -96,6 +109,9 @@ class RodData(TellsAttributes):
     added_mass_coefficient: float = ON_A_FLOOR
     inclination: float = 0.5 * math.pi
     ends: str = "hinged"
+    curvature: float = 0.0
+    path: WellPath | None = None
+    depth: float = 0.0
 
     def __init__(
         self,
@@ -111,8 +127,11 @@ class RodData(TellsAttributes):
         fluid_inside: float | str = 0.0,
         fluid_outside: float | str = 0.0,
         added_mass_coefficient: float | str = ON_A_FLOOR,
-        inclination: float | str = 0.5 * math.pi,
+        inclination: float | str | None = None,
         ends: str = "hinged",
+        curvature: float | str | None = None,
+        path: WellPath | Mapping[str, Any] | None = None,
+        depth: float | str = 0.0,
         diameter: float | str | None = None,
         inner_diameter: float | str | None = None,
         channel_diameter: float | str | None = None,
@@ -133,6 +152,8 @@ class RodData(TellsAttributes):
         material = Material(in_si("youngs_modulus", youngs_modulus), in_si("density", density))
         section = Section(outer, 0.0 if inner is None else inner)
         length = parameter("length", length, "m")
+        well, start = on_path(path, depth, length, {"inclination": inclination, "curvature": curvature})
+        inclination = 0.5 * math.pi if inclination is None else inclination
         channel = Channel(hole, in_si("gravity", gravity), in_si("inclination", inclination))
         inside, outside = in_si("fluid_inside", fluid_inside), in_si("fluid_outside", fluid_outside)
         fluids = Fluids(inside, outside, in_si("added_mass_coefficient", added_mass_coefficient))
@@ -150,10 +171,13 @@ class RodData(TellsAttributes):
             "added_mass_coefficient": fluids.added_mass_coefficient,
             "inclination": channel.inclination,
             "ends": str(Ends.of(ends)),
+            "curvature": bend("curvature", 0.0 if curvature is None else curvature),
+            "depth": start,
         }
-        channel.clearance(section)  # raises where the rod does not fit
+        room = channel.clearance(section)  # raises where the rod does not fit
         for name, number in cleaned.items():
             object.__setattr__(self, name, number)
+        object.__setattr__(self, "path", well)
         if not formulas.sinks(self._own_mass, self._weighing):
             raise validate.wrong_value(
                 "fluid_outside",
@@ -161,7 +185,29 @@ class RodData(TellsAttributes):
                 f"for density = {self.density:g} and fluid_inside = {self.fluid_inside:g}, a weight of "
                 f"{self.weight_per_length:.4g} N/m: this rod floats",
             )
+        if well is not None:
+            self._keep_weakest_place(room)
         warn_of_rod(self)
+
+    def _keep_weakest_place(self, room: float) -> None:
+        """Set inclination and curvature to those where a push buckles the rod first; ``room`` its clearance."""
+        course = self.course
+        x = course.samples
+        place = course.place(x)
+        forces = critical_forces(place, self.flexural_rigidity, self.gravity * self._weighing, room)
+        weakest = int(np.argmin(forces))
+        if not forces[weakest] > 0.0:
+            raise validate.wrong_value(
+                "path",
+                f"must press the rod to a wall, and at {x[weakest] * self.length:.6g} m from its upper end, measured "
+                f"depth {self.depth + x[weakest] * self.length:.6g} m, it is straight and vertical; choose depth and "
+                "length off it",
+            )
+        sine = max(LIMITS["inclination"][0], float(place.sine[weakest]))
+        inclination = float(course.inclination) if isinstance(course, Told) else math.asin(min(sine, 1.0))
+        object.__setattr__(self, "inclination", inclination)
+        object.__setattr__(self, "curvature", float(place.kappa_n[weakest]))
+        object.__setattr__(self, "_least_force", float(forces[weakest]))
 
     def __repr__(self) -> str:
         """Return the expression that makes this rod."""
@@ -216,6 +262,10 @@ class RodData(TellsAttributes):
     def replace(self, **changes: Any) -> Self:
         """Return a copy with some parameters changed, also by ``diameter``, ``wall_thickness`` and so on."""
         replaced = {INSTEAD[name] for name in changes if name in INSTEAD}
+        if changes.get("path") is not None:
+            replaced |= set(_OF_A_LINE)
+        elif self.path is not None:
+            replaced |= {*_OF_A_LINE, *(("path", "depth") if set(_OF_A_LINE) & changes.keys() else ())}
         kept = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in replaced}
         return type(self)(**(kept | changes))
 
@@ -228,13 +278,18 @@ class RodData(TellsAttributes):
         ['damping_rate', 'inner_radius']
         """
         sheet: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
-        optional = _PLAIN | {"added_mass_coefficient": ON_A_FLOOR}
-        return {name: value for name, value in sheet.items() if value != optional.get(name)}
+        optional: dict[str, Any] = _PLAIN | {"added_mass_coefficient": ON_A_FLOOR}
+        if self.path is None:
+            optional |= {"path": None, "depth": 0.0}
+        else:
+            optional |= {name: sheet[name] for name in _OF_A_LINE}
+            sheet["path"] = self.path.as_dict()
+        return {name: value for name, value in sheet.items() if name not in optional or value != optional[name]}
 
     @property
     def parameters(self) -> dict[str, float]:
-        """All parameters but the ends, numbers in SI units by name."""
-        return {f.name: getattr(self, f.name) for f in fields(self) if f.name != "ends"}
+        """All parameters that are numbers, in SI units by name; ends and path are none."""
+        return {f.name: getattr(self, f.name) for f in fields(self) if f.name not in _NO_NUMBERS}
 
     # --- parts ---
 
@@ -257,6 +312,11 @@ class RodData(TellsAttributes):
     def channel(self) -> Channel:
         """Inner radius, inclination, and gravity across it."""
         return Channel(self.channel_radius, self.gravity, self.inclination)
+
+    @cached_property
+    def course(self) -> Course:
+        """The channel along the rod."""
+        return course_of(self.inclination, self.curvature, self.path, self.depth, self.length)
 
     @cached_property
     def end_conditions(self) -> Ends:
@@ -304,8 +364,20 @@ class RodData(TellsAttributes):
 
     @property
     def weight_along(self) -> float:
-        """Weight in fluid along the channel, w_e cos(inclination) in N/m, by which compression grows downwards."""
+        """Weight in fluid along the channel, w_e cos(inclination) in N/m, by which compression grows downwards.
+
+        On a path that bends its mean along the rod.
+        """
+        if isinstance(self.course, Along):
+            return float(self.weight_gained(1.0, 0.0)) / self.length
         return self.channel.gravity_along * self._weighing
+
+    def weight_gained(self, x: Any, at: float) -> Any:
+        """Return the weight in N that is hung along the channel between places x = s / L of the rod and one of them."""
+        course = self.course
+        if isinstance(course, Along):
+            return self.weight_per_length * (course.vertical(np.asarray(x)) - course.vertical(np.asarray(at)))
+        return self.weight_along * self.length * (x - at)
 
     @property
     def effective_gravity(self) -> float:
@@ -335,18 +407,35 @@ class RodData(TellsAttributes):
 
     @property
     def critical_force(self) -> float:
-        """F_cr = 2 sqrt(E I w_e sin(inclination) / R) in N; a constant push beyond it buckles a long rod."""
-        return 2.0 * math.sqrt(self.flexural_rigidity * self.mass_per_length) * self.pendulum_frequency
+        """F_cr = 2 sqrt(E I w_e sin(inclination) / R) in N; a constant push beyond it buckles a long rod.
+
+        In a channel that bends 2 E I (k + sqrt(k^2 + q / (E I))), k = curvature / R, q = w_e sin(inclination) / R,
+        which solves F^2 = 4 E I (q + F k) (He & Kyllingstad 1995); along a path the least of all places.
+        """
+        across = math.sqrt(self.flexural_rigidity * self.mass_per_length) * self.pendulum_frequency
+        if self.path is not None:
+            return float(self._least_force)  # type: ignore[attr-defined]
+        return float(push(np.asarray(self._bend), np.asarray(across))) if self.curvature else 2.0 * across
+
+    @property
+    def _bend(self) -> float:
+        """E I k in N, k = curvature / R."""
+        return self.flexural_rigidity * self.curvature / self.radial_clearance
 
     @property
     def critical_mode(self) -> float:
-        """m_cr = [w_e sin(inclination) L^4 / (pi^4 R E I)]^(1/4), the mode (not rounded) that F_cr buckles."""
+        """m_cr = [w_e sin(inclination) L^4 / (pi^4 R E I)]^(1/4), the mode (not rounded) that F_cr buckles.
+
+        In a channel that bends F_cr = 2 E I (pi m_cr / L)^2 all the same.
+        """
+        if self.curvature or self.path is not None:
+            return self.length / math.pi * math.sqrt(0.5 * self.critical_force / self.flexural_rigidity)
         stiffness = self.flexural_rigidity / self.mass_per_length
         return self.length / math.pi * math.sqrt(self.pendulum_frequency / math.sqrt(stiffness))
 
     @property
     def critical_half_wave(self) -> float:
-        """L / m_cr = pi [E I R / (w_e sin(inclination))]^(1/4) in m."""
+        """L / m_cr in m, in a straight channel pi [E I R / (w_e sin(inclination))]^(1/4)."""
         return self.length / self.critical_mode
 
     def critical_forces(self) -> dict[str, BucklingForce]:
@@ -364,7 +453,16 @@ class RodData(TellsAttributes):
         helical, alone   4.797 N  Mitchell 1996
         vertical         0.138 N  Lubinski 1950
         """
-        return buckling_forces(self.critical_force, self.flexural_rigidity, self.weight_per_length)
+        straight = buckling_forces(self.critical_force, self.flexural_rigidity, self.weight_per_length)
+        if not self.curvature and self.path is None:
+            return straight
+        return in_a_bend(straight, self._force_at)
+
+    def _force_at(self, ratio: float) -> float:
+        """Return the least force in N with F^2 = 4 ratio E I N(F) / R along the rod."""
+        place = self.course.place(self.course.samples)
+        rigidity = ratio * self.flexural_rigidity
+        return float(critical_forces(place, rigidity, self.weight_per_length, self.radial_clearance).min())
 
     def lock_up(self, friction: float, far_force: float = 0.0) -> LockUp:
         """Return how far a string of this section, of any length, can be pushed down the channel from its upper end.
@@ -376,6 +474,12 @@ class RodData(TellsAttributes):
         <locks up 103.9 m from the far end with friction 0.2>
         """
         friction = friction_coefficient(friction)
+        if not self.course.is_straight:
+            raise validate.wrong_value(
+                "friction",
+                "is asked of a straight channel, and this one bends, where the closed form of lock-up does not hold; "
+                "give the rod an inclination and no curvature",
+            )
         across = self.channel.gravity_across * self._weighing
         return LockUp(friction, far_force, self.critical_force, across, self.weight_along)
 
@@ -446,5 +550,11 @@ def _modes(mode: Any) -> NDArray[np.float64]:
 
 def special_parameters(rod: RodData) -> str:
     """Return what a rod has that a solid one with hinged ends, horizontal and without fluids, has not; "" for none."""
-    found = ((name, getattr(rod, name)) for name, plain in _PLAIN.items() if getattr(rod, name) != plain)
-    return ", ".join(f"{name} = {value if isinstance(value, str) else f'{value:g}'}" for name, value in found)
+    left_out = () if rod.path is None else _OF_A_LINE
+    found = (
+        (name, getattr(rod, name))
+        for name, plain in _PLAIN.items()
+        if getattr(rod, name) != plain and name not in left_out
+    )
+    words = [f"{name} = {value if isinstance(value, str) else f'{value:g}'}" for name, value in found]
+    return ", ".join(words if rod.path is None else [*words, f"{rod.path!r} from {rod.depth:g} m on"])

@@ -40,16 +40,19 @@ def read_rod(path: str | Path, kind: type[T], instead: Mapping[str, str]) -> T:
     path = validate.path("path", path)
     table = read_toml(path, "rod file")
     try:
-        return rod_of(table, kind, instead)
+        return rod_of(table, kind, instead, path.parent)
     except (TypeError, ValueError) as error:
         raise located(f"rod file {path}", error) from None
 
 
-def rod_of(table: Mapping[str, Any], kind: type[T], instead: Mapping[str, str]) -> T:
-    """Return the rod that the table of a file describes; TypeError or ValueError, naming the key, as `read_rod`."""
+def rod_of(table: Mapping[str, Any], kind: type[T], instead: Mapping[str, str], folder: Path) -> T:
+    """Return the rod that the table of a file in a folder describes, with the survey that it names.
+
+    TypeError or ValueError, naming the key, as `read_rod`.
+    """
     needed = {f.name: f.default is MISSING for f in fields(kind)}  # type: ignore[arg-type]  # a dataclass
     _require_keys(table, needed, instead)
-    given = {key: _value(key, value) for key, value in table.items()}
+    given = {key: _value(key, value, folder) for key, value in table.items()}
     if "catalogue" not in given:
         return kind(**given)
     return kind.catalogue(given.pop("catalogue"), **given)  # type: ignore[attr-defined,no-any-return]
@@ -75,6 +78,10 @@ def _require_keys(table: Mapping[str, Any], needed: Mapping[str, bool], instead:
         raise ValueError(f"{', '.join(missing)}; the keys are {', '.join(known)}")
 
 
-def _value(key: str, value: Any) -> Any:
-    """Return a quantity in SI units; anything else, such as a word, unchanged."""
+def _value(key: str, value: Any, folder: Path) -> Any:
+    """Return a quantity in SI units, or the path in a survey; anything else, such as a word, unchanged."""
+    if key == "path" and isinstance(value, str):
+        from floquetrod.wells.path import WellPath
+
+        return WellPath.from_csv(folder / value)
     return units.quantity(value, key, units.ROD_KINDS[key]) if key in units.ROD_KINDS else value

@@ -94,3 +94,8 @@ def pendulum_squared(gravity: Any, room: Any) -> Any:
 def first_wavenumber(length: Any, pi: Any = math.pi) -> Any:
     """Return w_1 = pi / L; mode m of a rod with hinged ends has m times as much."""
     return pi / length
+
+
+def held_modes_squared(curvature: Any, room: Any, first: Any) -> Any:
+    """Return m_0^2 = (kappa / R) / w_1^2: what compression holds down equals what it drives at so many half waves."""
+    return curvature / (room * first**2)

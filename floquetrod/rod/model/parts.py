@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.rod.model import formulas
 
+if TYPE_CHECKING:
+    from floquetrod.wells.path import WellPath
+
 _LEAST, _LARGEST = 1e-12, 1e15  # of any parameter in its SI unit: what is computed from them stays in range (a choice)
+_SHARPEST = 1e3  # curvature of a channel in 1/m: a bend of a millimetre (a choice: beyond any)
 _LARGEST_FRICTION = 1e6  # (a choice: beyond any)
 
 ON_A_FLOOR = math.pi**2 / 3.0 - 1.0
@@ -23,6 +27,7 @@ LIMITS: dict[str, tuple[float, float]] = {
     **dict.fromkeys(("damping_rate", "inner_radius", "fluid_inside", "fluid_outside"), (0.0, _LARGEST)),
     "added_mass_coefficient": (0.0, _LARGEST),
     "inclination": (_LEAST, 0.5 * math.pi),
+    "curvature": (-_SHARPEST, _SHARPEST),
 }
 """Least and largest of each parameter of a rod that is a number, whatever the others are."""
 
@@ -92,6 +97,45 @@ def decay_rate(value: Any) -> float:
     """Return the decay rate of free motion in 1/s, zero or more."""
     rate = validate.nonnegative("damping_rate", in_si("damping_rate", value), "give the decay rate in 1/s")
     return validate.within("damping_rate", rate, 0.0, _LARGEST)
+
+
+def bend(name: str, value: Any) -> float:
+    """Return a curvature in 1/m, of either sign."""
+    number = validate.finite(name, in_si(name, value), "give it in 1/m, positive where the channel builds")
+    return validate.within(name, number, -_SHARPEST, _SHARPEST, "give it in 1/m")
+
+
+def on_path(path: Any, depth: Any, length: float, instead: Mapping[str, Any]) -> tuple[WellPath | None, float]:
+    """Return the path of a rod of a length in m, given as one or by its arguments, and the depth in m of its upper end.
+
+    ``instead`` must hold only None with a path.
+    """
+    start = size("depth", depth, "m, along the path")
+    if path is None:
+        if start:
+            raise validate.wrong_value(
+                "depth",
+                f"is the measured depth of the rod's upper end on a path, got {start:g} m without one; give path",
+            )
+        return None, start
+    from floquetrod.wells.path import WellPath
+
+    for name, value in instead.items():
+        if value is not None:
+            raise validate.wrong_value(
+                name, f"must not be given with path, which tells it, got {validate.short(value)}; give one of them"
+            )
+    if isinstance(path, Mapping):
+        path = WellPath(**path)
+    path = validate.instance("path", path, WellPath, "WellPath.from_csv(file), say")
+    room = 1e-9 * max(path.end, length)
+    if not path.start - room <= start <= start + length <= path.end + room:
+        raise validate.wrong_value(
+            "depth",
+            f"must leave all of the rod on its path from {path.start:g} to {path.end:g} m, and from {start:g} m it "
+            f"reaches to {start + length:g} m",
+        )
+    return path, start
 
 
 def friction_coefficient(value: Any) -> float:

@@ -22,6 +22,7 @@ from floquetrod.rod.loads.load import Load, Loads
 from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, CoupledModes, modes_needed
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.model.constants import SLOW_GROWTH
+from floquetrod.rod.model.contact import require_on_wall
 from floquetrod.rod.modes.coupled_verdict import classify_coupled
 from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
 from floquetrod.rod.modes.sampled_ranges import sampled_first_unstable, sampled_ranges
@@ -65,6 +66,7 @@ class CoupledModel(ModeModel):
         progress: Progress | None = None,
     ) -> RodStability:
         """Return the verdict under one load, with as many modes as two numbers of them agree upon."""
+        require_on_wall(self.rod, load)
         count = None if modes is None else chosen_count(modes)
         return classify_coupled(self, load, count, growth_tolerance, progress)
 
@@ -103,8 +105,13 @@ class CoupledModel(ModeModel):
         quick: bool = False,
         progress: Progress | None = None,
     ) -> ManyVerdicts:
-        """Return statuses and growth rates in 1/s as `CoupledEquations.answers`; -1 and NaN at axial resonances."""
+        """Return statuses and growth rates in 1/s as `CoupledEquations.answers`.
+
+        -1 and NaN at axial resonances, and where the rod leaves its wall; a single load is refused there.
+        """
         status, growth = np.full(loads.size, -1, dtype=np.int8), np.full(loads.size, np.nan)
+        if loads.shape == ():
+            require_on_wall(self.rod, self.like.with_numbers(*(float(part[0]) for part in loads.flat)))
         done = 0
         for chosen, modes, part in self._groups(loads, growth_tolerance):
             told = shifted(progress, done, loads.size - part.size)
@@ -147,10 +154,12 @@ class CoupledModel(ModeModel):
 
     def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
         """Return the stability intervals of one quantity of the load, sampled; ``resolution`` is their distance."""
+        self.require_on_wall(search)
         return sampled_ranges(self, search, progress)
 
     def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
         """Return where a quantity that grows from zero first meets growth; infinite without any."""
+        self.require_on_wall(search)
         return sampled_first_unstable(self, search, progress)
 
     def unstable_bands(

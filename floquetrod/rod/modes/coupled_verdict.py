@@ -30,7 +30,7 @@ from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.mode_equations.sampled import first_change
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.beam import has_polynomials
-from floquetrod.rod.model.constants import mode_constants
+from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.modes.fewer_modes import Fastest
 from floquetrod.rod.modes.mode_model import ModeModel
 
@@ -203,10 +203,11 @@ class ModesTogether(Evidence):
         progress: Progress | None,
     ) -> Edge:
         """Return where the verdict first changes, with as many modes as the piece needs."""
+        piece = up_to_wall(self.model.rod, self.load, varied, piece)
         if varied == "frequency":
             piece = up_to_resonance(self.model.rod, self.load, piece)
-            if piece[0] == piece[1]:
-                return Edge(None, piece[0], 0.0)
+        if piece[0] == piece[1]:
+            return Edge(None, piece[0], 0.0)
         begins = None if piece[0] == getattr(self.load, varied) else verdict.stable
         try:
             modes = self._modes_for(varied, piece, verdict.margin_tolerance)
@@ -345,10 +346,10 @@ def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) 
     rod, loads = model.rod, Loads.single(load)
     require_few(rod, load, loads, growth_tolerance)
     uniform = largest_uniform(rod, load, loads)
-    every, _ = mode_constants(rod).modes_needed(uniform, growth_tolerance)
+    every, _ = constants_under(rod, uniform.mean).modes_needed(uniform, growth_tolerance)
     if every <= _LONG:
         return model.count_for(loads, growth_tolerance)
-    fastest = float(ModalSystems(mode_constants(rod), Loads.single(uniform)).fastest(1)[0][0])
+    fastest = float(ModalSystems(constants_under(rod, uniform.mean), Loads.single(uniform)).fastest(1)[0][0])
     return model.count_for(loads, max(growth_tolerance, 0.25 * fastest))
 
 

@@ -27,6 +27,7 @@ from floquetrod.rod.model.constants import (
     extent,
     mode_constants,
 )
+from floquetrod.rod.model.contact import LeavesWallError, constants_under, require_on_wall
 from floquetrod.rod.modes.independent_verdict import classify_modes
 from floquetrod.rod.modes.mode_model import BandFinder, ModeModel, Statuses
 
@@ -54,7 +55,13 @@ class IndependentModel(ModeModel):
     damping_found: ClassVar[str] = "sampled over the band; null where no damping suffices"
 
     def require(self, name: str) -> None:
-        """Do nothing: independent modes are what all can be asked of."""
+        """Raise ValueError for friction where the channel bends; else do nothing: all can be asked."""
+        if name == "friction" and not self.rod.course.is_straight:
+            raise validate.wrong_value(
+                name,
+                "with a kick is judged in straight channels only: in this one the contact force changes with the force "
+                "along the rod; leave friction out, or give no curvature",
+            )
 
     @cached_property
     def constants(self) -> ModeConstants:
@@ -68,17 +75,36 @@ class IndependentModel(ModeModel):
         if modes is None:
             return self._equations(load, 0.0)
         chosen = validate.modes(modes)
-        self.constants.require_in_reach(Loads.single(load))
-        return ModalSystem(self.constants, load, chosen)
+        constants = self._lying(load)
+        constants.require_in_reach(Loads.single(load))
+        return ModalSystem(constants, load, chosen)
 
     def _equations(self, load: Load, tolerance: float) -> ModalSystem:
         """Return the equations of all modes that can grow faster than the tolerance."""
         last, left_out = self.modes_needed(load, tolerance)
-        return ModalSystem(self.constants, load, tuple(range(1, last + 1)), left_out)
+        return ModalSystem(self._lying(load), load, tuple(range(1, last + 1)), left_out)
+
+    def _lying(self, load: Load) -> ModeConstants:
+        """Return the constants on the side where the rod lies; LeavesWallError where it does not stay there."""
+        require_on_wall(self.rod, load)
+        return constants_under(self.rod, load.mean)
+
+    def _sides(self, loads: Loads) -> Iterator[tuple[Ints, ModalSystems]]:
+        """Yield the systems of flat loads on either side of the channel, with their places among all."""
+        if self.rod.course.is_straight:
+            yield np.arange(loads.size), self.systems(loads)
+            return
+        sides = self.constants.sides(*loads.flat[:2])
+        if loads.shape == () and not sides.all():
+            self._lying(self.like.with_numbers(*(float(part[0]) for part in loads.flat)))
+        for side in (1, -1):
+            at = np.flatnonzero(sides == side)
+            if at.size:
+                yield at, ModalSystems(self.constants.on_side(side), loads.some(at))
 
     def modes_needed(self, load: Load, growth_tolerance: float) -> tuple[int, float]:
         """Return how many modes decide a verdict, and a bound in 1/s on the growth of every mode beyond them."""
-        return self.constants.modes_needed(load, growth_tolerance)
+        return constants_under(self.rod, load.mean).modes_needed(load, growth_tolerance)
 
     def in_modes(self, count: int) -> CoupledEquations:
         """Return the first modes as systems of equations, one by one."""
@@ -94,6 +120,10 @@ class IndependentModel(ModeModel):
     def systems(self, loads: Loads) -> ModalSystems:
         """Return the equations of all modes under many loads."""
         self.constants.require_in_reach(loads)
+        if not self.rod.course.is_straight and not (self.constants.sides(*loads.flat[:2]) == 1).all():
+            raise LeavesWallError(
+                "loads must leave the rod on the low side of its channel; ask for each by modal_system"
+            )
         return ModalSystems(self.constants, loads)
 
     def among_tongues(self, load: Load, modes: Iterable[int]) -> ModalSystem:
@@ -121,17 +151,30 @@ class IndependentModel(ModeModel):
         progress: Progress | None = None,
     ) -> Statuses:
         """Return 1 where no mode grows faster than the tolerance, else 0."""
-        parts = [
-            self.systems(part).are_stable(growth_tolerance, workers).view(np.int8) for part in loads.in_parts(progress)
-        ]
-        return np.concatenate(parts)
+        self.constants.require_in_reach(loads)
+        found = []
+        for part in loads.in_parts(progress):
+            status = np.full(part.size, -1, dtype=np.int8)
+            for at, systems in self._sides(part):
+                status[at] = systems.are_stable(growth_tolerance, workers)
+            found.append(status)
+        return np.concatenate(found)
 
     def fastest(
         self, loads: Loads, workers: int | None = None, progress: Progress | None = None
     ) -> tuple[Floats, Ints]:
-        """Return the growth in 1/s and the number of the fastest mode; 0, 0 where none grows."""
-        growth, mode = zip(*(self.systems(part).fastest(workers) for part in loads.in_parts(progress)), strict=True)
-        return np.concatenate(growth), np.concatenate(mode)
+        """Return the growth in 1/s and the number of the fastest mode; 0, 0 where none grows.
+
+        NaN and 0 where the rod leaves its wall.
+        """
+        self.constants.require_in_reach(loads)
+        found = []
+        for part in loads.in_parts(progress):
+            growth, mode = np.full(part.size, np.nan), np.zeros(part.size, dtype=np.int64)
+            for at, systems in self._sides(part):
+                growth[at], mode[at] = systems.fastest(workers)
+            found.append((growth, mode))
+        return tuple(map(np.concatenate, zip(*found, strict=True)))  # type: ignore[return-value]
 
     def growth_of_modes(self, load: Load, modes: Iterable[int]) -> tuple[float, ...]:
         """Return the growth in 1/s of modes."""
@@ -144,6 +187,7 @@ class IndependentModel(ModeModel):
         from floquetrod.rod.answers.intervals import FoundIntervals
 
         varied, load, bounds, tolerance = search
+        self.require_on_wall(search)
         system = self._equations(load, tolerance)
         found = unstable_loads(varied, system, tolerance, bounds, union=True, progress=progress)
         stable = tuple(_between(found.intervals, bounds))
@@ -152,6 +196,7 @@ class IndependentModel(ModeModel):
     def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
         """Return where a quantity that grows from zero first meets growth; infinite without any."""
         varied, load, bounds, tolerance = search
+        self.require_on_wall(search)
         ends = np.linspace(*bounds, _PIECES[varied] + 1).tolist()
         for done, piece in enumerate(pairwise(ends), start=1):
             modes = self._equations(load.varied(varied, piece[1]), tolerance).modes
@@ -171,8 +216,10 @@ class IndependentModel(ModeModel):
 
         return BandSearch(self.rod, search, modes).unstable_bands(bands)
 
-    def bands(self, across: Quantity, up: Quantity, fixed: float, growth_tolerance: float) -> BandFinder:
-        """Return what finds the unstable bands of a map between exact curves."""
+    def bands(self, across: Quantity, up: Quantity, fixed: float, growth_tolerance: float) -> BandFinder | None:
+        """Return what finds the unstable bands of a map between exact curves; None where compression holds modes."""
+        if not 0.0 <= self.constants.held < 1.0:
+            return None
         from floquetrod.rod.modes.independent_bands import ExactBands
 
         return ExactBands(self.constants, across, up, fixed, growth_tolerance)
@@ -180,12 +227,18 @@ class IndependentModel(ModeModel):
     # --- a kick against friction, and a test of finite time ---
 
     def passing(self, loads: Loads, criterion: FiniteTimeCriterion, workers: int | None) -> Statuses:
-        """Return 1 where every mode passes the test, else 0."""
-        return self.systems(loads).pass_test(criterion, workers).astype(np.int8)
+        """Return 1 where every mode passes the test, else 0; -1 where the rod leaves its wall."""
+        self.constants.require_in_reach(loads)
+        found = np.full(loads.size, -1, dtype=np.int8)
+        for at, systems in self._sides(loads):
+            found[at] = systems.pass_test(criterion, workers)
+        return found
 
     def kicked(self, loads: Loads, friction: float, kick: float, tolerance: float, workers: int | None) -> Statuses:
         """Return 1 where a kick in m/s destabilises no mode, 0 where one, and -1 where that could not be decided."""
         from floquetrod.rod.friction.kicks import kicked_loads
+
+        self.require("friction")
 
         return kicked_loads(self.rod, self.systems(loads), friction, kick, tolerance, workers)
 
@@ -193,11 +246,15 @@ class IndependentModel(ModeModel):
         """Return the verdict with friction that follows on one without."""
         from floquetrod.rod.friction.kicks import classify_kick
 
+        self.require("friction")
+
         return classify_kick(linear, friction, kick)
 
     def critical_kicks(self, loads: Loads, friction: float, tolerance: float, workers: int | None) -> CriticalKick:
         """Return the smallest kicks that destabilise a mode."""
         from floquetrod.rod.friction.kicks import critical_kicks
+
+        self.require("friction")
 
         return critical_kicks(self.rod, self.systems(loads), friction, tolerance, workers)
 
@@ -214,11 +271,18 @@ class IndependentModel(ModeModel):
         workers: int | None,
         require: Callable[[Bools], None],
     ) -> Statuses:
-        """Return the status of rods, by what is not given as a number an array, under loads, one by one."""
+        """Return the status of rods, by what is not given as a number an array, under loads, one by one.
+
+        Those that leave their wall are not decided.
+        """
         from floquetrod.rod.kernels.samples import samples_stable_fill
 
         mean, amplitude, frequency = loads.flat
         constants = ModeConstants.of(rods, sin=np.sin)
+        side: Any = 1.0
+        if np.any(constants.held):
+            side = constants.sides(mean, amplitude)
+            constants = constants.on_side(np.where(side == 0, 1, side))
         extents = extent(constants, np.maximum(0.0, mean + amplitude), np.abs(mean) + amplitude)
         require(are_in_reach(constants, extents, frequency))
         modes, fastest = extents
@@ -232,7 +296,7 @@ class IndependentModel(ModeModel):
             workers=workers,
             chunk=at_once(float(np.max(modes)), float(np.max(fastest / frequency))),
         )
-        return out.view(np.int8)
+        return np.where(side == 0, np.int8(-1), out.view(np.int8))
 
     def certify(
         self,

@@ -46,7 +46,7 @@ class ExactBands:
         largest = (ranges.get(name, (self.fixed, self.fixed))[1] for name in LIMITS)
         last, _ = self.constants.modes_needed(AxialLoad(*largest), self.growth_tolerance)
         modes = np.arange(1.0, last + 1.0)
-        gain, stiffness = mode_coefficients(*mode_family(*self.constants[:3], 0.0, 1.0, 1.0), modes)
+        gain, stiffness = mode_coefficients(*mode_family(*self.constants[:4], 0.0, 1.0, 1.0), modes)
         damping = self.constants.damping_rate
         oscillators = UndampedEquations(-stiffness - damping**2, gain, damping, self.growth_tolerance, SLOW_GROWTH)
         # Parts of tongues are single intervals on lines along the mean, and on those along the frequency.

@@ -23,7 +23,7 @@ from floquetrod.rod.loads.load import Load, Quantity
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem
 from floquetrod.rod.mode_equations.tongues import gaps, unstable_loads
 from floquetrod.rod.model.assumptions import assumptions
-from floquetrod.rod.model.constants import mode_constants
+from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.model.data import RodData
 
 
@@ -182,7 +182,7 @@ class ModeVerdicts(Evidence):
         """Return the modes that matter for another rod or load; those the caller chose stay as they are."""
         if math.isinf(self.left_out_bound):
             return self.modes
-        last, _ = mode_constants(rod).modes_needed(load, growth_tolerance)
+        last, _ = constants_under(rod, load.mean).modes_needed(load, growth_tolerance)
         return tuple(range(1, max(last, self.modes[-1]) + 1))
 
     def edge(
@@ -194,7 +194,10 @@ class ModeVerdicts(Evidence):
         progress: Progress | None,
     ) -> Edge:
         """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, which takes milliseconds."""
+        piece = up_to_wall(verdict.rod, self.load, varied, piece)
         low, high = sorted(piece)
+        if low == high:
+            return Edge(None, piece[0], 0.0)
         tolerance = verdict.margin_tolerance
         modes = self._modes_for(verdict.rod, self.load.varied(varied, high), tolerance)
         start = piece[0] if verdict.stable else None  # nothing beyond the first unstable part matters

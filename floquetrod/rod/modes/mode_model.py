@@ -20,6 +20,7 @@ from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.loads.load import LIMITS, Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
+from floquetrod.rod.model.contact import require_on_wall
 from floquetrod.rod.model.data import RodData
 
 # What a first verdict needs not.
@@ -85,11 +86,17 @@ class ModeModel(ABC):
     @property
     def coupling(self) -> tuple[str, ...]:
         """What couples the modes, in words; empty where nothing does."""
-        return coupling(self.rod.end_conditions, self.rod.weight_along, self.like)
+        return coupling(self.rod, self.like)
 
     def require(self, name: str) -> None:
         """Raise ValueError, with the remedy, unless this model can do what an argument or method asks for."""
         raise refusal(name, self.coupling)
+
+    def require_on_wall(self, search: Search) -> None:
+        """Raise LeavesWallError unless a rod lies on the low side of its channel all along a search."""
+        varied, load, bounds, _ = search
+        for value in bounds:
+            require_on_wall(self.rod, load.varied(varied, value), only_low=True)
 
     # --- equations ---
 

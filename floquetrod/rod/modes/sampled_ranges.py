@@ -14,10 +14,11 @@ from floquetrod._util.calling import level_of_caller
 from floquetrod._util.progress import Progress, shifted
 from floquetrod.floquet.status import UndecidedWarning
 from floquetrod.rod.answers.intervals import QUANTITIES, BucklingWarning, FoundIntervals, Search, StabilityInterval
-from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, added_mean, axial_response, between, gaps, joined
+from floquetrod.rod.loads.axial import AxialGap, AxialResonanceError, axial_response, between, gaps, joined
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.sampled import SAMPLES, UnstablePart, first_change, unstable_parts
+from floquetrod.rod.model.contact import added_mean
 from floquetrod.rod.modes.mode_model import ModeModel
 
 _GROUPS = 16  # of neighbouring frequencies of a wave, each with its own number of modes (a choice)
@@ -51,8 +52,7 @@ def _say_why_at_zero(model: ModeModel, varied: Quantity, modes: CoupledEquations
             stacklevel=level_of_caller(),
         )
         return
-    along = model.rod.weight_along, model.rod.length
-    added = [float(added_mean(load, *along, x)) for x in (0.0, 1.0)]
+    added = [float(added_mean(model.rod, load, x)) for x in (0.0, 1.0)]
     alone = modes.static_answers(np.array([0.0, load.mean])).status
     if not any(added) or alone[1] != 0:
         return

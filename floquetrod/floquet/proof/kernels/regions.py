@@ -17,6 +17,7 @@ from floquetrod.floquet.proof.kernels.regions_boxes import (
     BENDING,
     DAMPING,
     FREQUENCY,
+    HELD,
     MEAN,
     PUSH,
     SWING,
@@ -39,7 +40,7 @@ class BoxSearch(NamedTuple):
 
     Attributes
     ----------
-    boxes : ndarray, shape (n, 7, 2)
+    boxes : ndarray, shape (n, 8, 2)
         Boxes still to be examined, in a ring.
     pending : ndarray of int, shape (n, 1 + listed)
         Of each, how many modes have not been proved quiet, then which; -1 and the first where they are too many.
@@ -49,7 +50,7 @@ class BoxSearch(NamedTuple):
         Boxes examined; boxes waiting and where the first of them is; parts proved quiet, proved growing (single points
         found on the way count as parts), given up (too small to be bisected); the mode that grows in the growing
         example, 0 where there is none.
-    examples : ndarray, shape (2, 7, 2)
+    examples : ndarray, shape (2, 8, 2)
         A box proved quiet and a box proved growing; NaN where there is none.  They may be single points.
     last : int
         Modes 1 to ``last`` are looked at.
@@ -64,17 +65,17 @@ class BoxSearch(NamedTuple):
 
 
 def box_search(box: NDArray[np.float64], last: int, max_boxes: int) -> BoxSearch:
-    """Return the beginning of a subdivision of a box, shape (7, 2), which may come to ``max_boxes`` boxes.
+    """Return the beginning of a subdivision of a box, shape (8, 2), which may come to ``max_boxes`` boxes.
 
     Its fields are the first arguments of `certify_box`.
     """
     room = max_boxes + 2
     search = BoxSearch(
-        np.empty((room, 7, 2)),
+        np.empty((room, 8, 2)),
         np.empty((room, 1 + min(last, _LISTED)), dtype=np.int64),
         np.empty(room + 3),
         np.empty(7, dtype=np.int64),
-        np.empty((2, 7, 2)),
+        np.empty((2, 8, 2)),
         last,
     )
     search.boxes[0] = box
@@ -90,7 +91,7 @@ def start_search(boxes: Any, pending: Any, shares: Any, counts: Any, examples: A
     for i in range(3):
         shares[i] = 0.0
     for i in range(2):
-        for row in range(7):
+        for row in range(8):
             examples[i, row, 0] = math.nan
             examples[i, row, 1] = math.nan
     shares[3] = 1.0
@@ -113,7 +114,7 @@ def _side_to_bisect(box: Any, mode: int) -> int:
     kappa = bending - push * mean + swing
     best = -1
     widest = 0.0
-    for row in range(7):
+    for row in range(8):
         low = box[row, 0]
         high = box[row, 1]
         width = high - low
@@ -131,6 +132,8 @@ def _side_to_bisect(box: Any, mode: int) -> int:
             effect = m2 * (abs(mean) + 0.5 * amplitude) * width
         elif row == SWING:
             effect = width
+        elif row == HELD:
+            effect = 0.5 * (box[PUSH, 0] + box[PUSH, 1]) * (abs(mean) + 0.5 * amplitude) * width
         else:
             effect = width * max(abs(low), abs(high)) * 2.0 + width * (slow + fast)
         if not effect <= widest:
@@ -142,7 +145,7 @@ def _side_to_bisect(box: Any, mode: int) -> int:
 @kernel
 def _at(box: Any, along: float, force: float, point: Any) -> None:
     """Fill ``point`` with a point of a box: on the way to the smallest a, and on that to the largest amplitude."""
-    for row in range(7):
+    for row in range(8):
         falls = row in (BENDING, SWING)
         share = 1.0 - along if falls else along
         if row == AMPLITUDE:
@@ -219,7 +222,7 @@ def _quiet(box: Any, last: int, tolerance_low: float, tolerance_high: float) -> 
 @kernel
 def _copy(box: Any, boxes: Any, place: int) -> None:
     """Store a box among others."""
-    for row in range(7):
+    for row in range(8):
         boxes[place, row, 0] = box[row, 0]
         boxes[place, row, 1] = box[row, 1]
 
@@ -243,7 +246,7 @@ def certify_box(
     or is waiting, and so on.  "Quiet" is said of modes 1 to ``last``; `tail_modes` covers the others.
     """
     room = len(boxes)
-    point = np.empty((7, 2))
+    point = np.empty((8, 2))
     for _ in range(steps):
         if counts[WAITING] == 0 or (counts[QUIET_PARTS] > 0 and counts[GROWING_PARTS] > 0):
             return False
@@ -336,14 +339,14 @@ def certify_cells(
     """Fill ``out`` (int8) with what is proved of many boxes of loads, subdividing each into at most ``max_boxes``.
 
     1: no mode grows faster than the tolerance; 0: one does everywhere; 2: both are proved of parts; -1: undecided.
-    ``rod``, shape (4, 2), are the last rows of a box; ``smallest`` and ``most`` as in `tail_modes`.
+    ``rod``, shape (5, 2), are the last rows of a box; ``smallest`` and ``most`` as in `tail_modes`.
     """
     room = max_boxes + 2
-    boxes = np.empty((room, 7, 2))
+    boxes = np.empty((room, 8, 2))
     pending = np.empty((room, 1 + _LISTED), dtype=np.int64)
     shares = np.empty(room + 3)
     counts = np.empty(7, dtype=np.int64)
-    examples = np.empty((2, 7, 2))
+    examples = np.empty((2, 8, 2))
     for i in range(len(out)):
         box = boxes[0]
         box[MEAN, 0] = mean_low[i]

@@ -1,6 +1,6 @@
 """Kernels for boxes of loads and rods: what they are to each mode, and to all modes that are not looked at.
 
-A box is an array (7, 2) of doubles: the lowest and highest values of
+A box is an array (8, 2) of doubles: the lowest and highest values of
 
     0  F       mean force, N                     3  c1       E I w^4 / mu, 1/s^2       w = pi / length
     1  dF      amplitude of the force, N         4  c2       w^2 / mu, 1/(N s^2)       mu mass per length
@@ -18,9 +18,9 @@ from typing import Any
 
 from floquetrod._util.compilation import kernel
 from floquetrod.floquet.proof.kernels.intervals import down, multiply, square, up
-from floquetrod.floquet.proof.kernels.regions_modes import mode_status
+from floquetrod.floquet.proof.kernels.regions_modes import UNKNOWN, mode_status
 
-MEAN, AMPLITUDE, FREQUENCY, BENDING, PUSH, SWING, DAMPING = range(7)
+MEAN, AMPLITUDE, FREQUENCY, BENDING, PUSH, SWING, HELD, DAMPING = range(8)
 """Rows of a box."""
 
 
@@ -37,12 +37,16 @@ def mode_box(box: Any, mode: int) -> tuple[float, float, float, float]:
     kappa_low, kappa_high, p_low, p_high : float
     """
     m2 = float(mode) * float(mode)
-    pl, ph = multiply(box[PUSH, 0], box[PUSH, 1], m2, m2)
+    driven_low, driven_high = m2, m2
+    if box[HELD, 0] != 0.0 or box[HELD, 1] != 0.0:
+        driven_low, driven_high = down(m2 - box[HELD, 1]), up(m2 - box[HELD, 0])
+    pl, ph = multiply(box[PUSH, 0], box[PUSH, 1], driven_low, driven_high)
     fl, fh = multiply(pl, ph, box[MEAN, 0], box[MEAN, 1])
     al, ah = 0.0, 0.0
     if box[AMPLITUDE, 1] > 0.0:
         al, ah = multiply(pl, ph, box[AMPLITUDE, 0], box[AMPLITUDE, 1])
-        al = max(al, 0.0)
+        # Of a mode that is held the vibration has the opposite phase; of one about m_0 no sign is known.
+        al, ah = (max(al, 0.0), ah) if driven_low >= 0.0 else (max(-ah, 0.0), max(ah, -al))
     bl, bh = multiply(box[BENDING, 0], box[BENDING, 1], m2, m2)
     bl, bh = multiply(bl, bh, m2, m2)  # m2 is exact as a double, its square need not be
     dl, dh = square(box[DAMPING, 0], box[DAMPING, 1])
@@ -58,16 +62,30 @@ def tail_bound(box: Any, last: int) -> float:
     Let level be the least lambda.  From m0 = last + 1 on, and c1 m^4 >= Omega^2 - lambda^2 + level^2, kappa / p grows
     with m, and every factor of `flux_bound` falls, but the first times p: that one is at most (c2 dF)^2 over a lower
     bound of its pivot / m^4.  Growth up to the level is not bounded: the larger of both counts.
+
+    Where the channel bends the same holds in y = m^2 - h >= (last + 1)^2 - h: kappa is c1 y^2 - (c2 F - 2 c1 h) y +
+    Omega^2 + c1 h^2 - lambda^2.
     """
     level = box[DAMPING, 0]
     m0 = last + 1.0
     m2 = m0 * m0
-    m4 = down(m2 * m2)
     c1 = box[BENDING, 0]
     push = up(box[PUSH, 1] * box[AMPLITUDE, 1])
     mean = up(box[MEAN, 1] * (box[PUSH, 1] if box[MEAN, 1] > 0.0 else box[PUSH, 0]))
+    bent_low, bent_high = 0.0, 0.0
+    if box[HELD, 0] != 0.0 or box[HELD, 1] != 0.0:
+        m2 = down(m2 - box[HELD, 1])
+        if not m2 > 0.0:
+            return math.inf
+        bent, _ = multiply(2.0 * c1, 2.0 * box[BENDING, 1], box[HELD, 0], box[HELD, 1])
+        mean = up(mean - bent)
+        squared_low, squared_high = square(box[HELD, 0], box[HELD, 1])
+        bent_low, bent_high = multiply(c1, box[BENDING, 1], squared_low, squared_high)
+    m4 = down(m2 * m2)
     swing = down(down(box[SWING, 0] - up(box[DAMPING, 1] * box[DAMPING, 1])) + max(0.0, down(level * level)))
     most = up(up(box[SWING, 1] - max(0.0, down(box[DAMPING, 0] * box[DAMPING, 0]))) + up(level * level))
+    if bent_high != 0.0:
+        swing, most = down(swing + bent_low), up(most + bent_high)
     if not down(c1 * m4) >= most:
         return math.inf
     kappa = down(down(down(c1 * m4) - up(mean * m2)) + swing)
@@ -118,7 +136,7 @@ def tail_modes(box: Any, tolerance: float, smallest: float, most: int) -> tuple[
 
     Parameters
     ----------
-    box : ndarray, shape (7, 2)
+    box : ndarray, shape (8, 2)
         See above.
     tolerance : float
         Growth in 1/s that counts as none.
@@ -151,7 +169,16 @@ def tail_modes(box: Any, tolerance: float, smallest: float, most: int) -> tuple[
 
 @kernel
 def status_of_mode(box: Any, mode: int, tolerance_low: float, tolerance_high: float) -> int:
-    """Return `mode_status` of a mode over a box; its growth is judged against damping plus tolerance."""
+    """Return `mode_status` of a mode over a box; its growth is judged against damping plus tolerance.
+
+    Nothing is said where the contact force, Omega^2 + c2 h F in these units, may come to zero.
+    """
+    if box[HELD, 0] != 0.0 or box[HELD, 1] != 0.0:
+        bend_low, bend_high = multiply(box[PUSH, 0], box[PUSH, 1], box[HELD, 0], box[HELD, 1])
+        least, most = down(box[MEAN, 0] - box[AMPLITUDE, 1]), up(box[MEAN, 1] + box[AMPLITUDE, 1])
+        press, _ = multiply(bend_low, bend_high, least, most)
+        if not down(box[SWING, 0] + press) > 0.0:
+            return UNKNOWN
     kl, kh, pl, ph = mode_box(box, mode)
     low = max(0.0, down(box[DAMPING, 0] + tolerance_low)) if box[DAMPING, 0] > 0.0 else tolerance_low
     high = up(box[DAMPING, 1] + tolerance_high) if box[DAMPING, 1] > 0.0 else tolerance_high

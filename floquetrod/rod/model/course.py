@@ -1,0 +1,150 @@
+"""The channel along a rod: its inclination and curvature, told once for the whole rod or by a well's path."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.roots import bisected
+
+if TYPE_CHECKING:
+    from floquetrod.wells.path import WellPath
+
+_IN_AN_ARC = np.linspace(0.0, 1.0, 17)  # places of each arc at which the least of something is looked for (a choice)
+_INSIDE = 1e-12  # of an arc, by which its ends are kept off the stations, where curvature jumps
+
+
+class Place(NamedTuple):
+    """The channel at some places: sine of its inclination, and curvatures in 1/m, in its vertical plane and aside."""
+
+    sine: Floats
+    kappa_n: Floats
+    kappa_b: Floats
+
+    @property
+    def turns(self) -> bool:
+        """Whether it bends sideways anywhere."""
+        return bool(np.any(self.kappa_b))
+
+
+class Course(ABC):
+    """The channel at x = s / L along a rod, from its upper end."""
+
+    is_uniform: bool
+    """Whether inclination and curvature are the same all along, none of it sideways."""
+    is_straight: bool
+    breaks: tuple[float, ...] = ()
+    """Places in between at which curvature jumps."""
+
+    @abstractmethod
+    def place(self, x: Floats) -> Place:
+        """Return the channel at places."""
+
+    @property
+    @abstractmethod
+    def samples(self) -> Floats:
+        """Places among which the least of what changes along the channel is."""
+
+
+@dataclass(frozen=True)
+class Told(Course):
+    """A channel whose inclination in rad and curvature in 1/m are told as uniform."""
+
+    inclination: float
+    curvature: float
+    is_uniform = True
+
+    @property
+    def is_straight(self) -> bool:  # type: ignore[override]
+        """Whether it does not bend."""
+        return self.curvature == 0.0
+
+    def place(self, x: Floats) -> Place:
+        """Return the channel at places."""
+        ones = np.ones_like(x)
+        return Place(math.sin(self.inclination) * ones, self.curvature * ones, 0.0 * ones)
+
+    @property
+    def samples(self) -> Floats:
+        """Both ends."""
+        return np.array([0.0, 1.0])
+
+
+@dataclass(frozen=True)
+class Along(Course):
+    """A channel along a path that bends, from a measured depth in m over a length in m."""
+
+    path: WellPath
+    depth: float
+    length: float
+    is_uniform = False
+    is_straight = False
+
+    @property
+    def breaks(self) -> tuple[float, ...]:  # type: ignore[override]
+        """The stations in between."""
+        x = (self.path.stations - self.depth) / self.length
+        return tuple(x[(x > 0.0) & (x < 1.0)].tolist())
+
+    def depths(self, x: Floats) -> Floats:
+        """Return measured depths in m."""
+        return self.depth + self.length * x
+
+    def place(self, x: Floats) -> Place:
+        """Return the channel at places."""
+        depths = np.clip(self.depths(x), self.path.start, self.path.end)
+        return Place(np.sin(self.path.inclination_at(depths)), *self.path.curvature(depths))
+
+    def vertical(self, x: Floats) -> Floats:
+        """Return the true vertical depth in m."""
+        return np.asarray(self.path.position(np.clip(self.depths(x), self.path.start, self.path.end))[..., 2])
+
+    @property
+    def samples(self) -> Floats:
+        """Places in every arc, up to its ends."""
+        ends = np.array([0.0, *self.breaks, 1.0])
+        inside = np.clip(_IN_AN_ARC, _INSIDE, 1.0 - _INSIDE)
+        return (ends[:-1, None] + np.diff(ends)[:, None] * inside).ravel()
+
+
+def course_of(inclination: float, curvature: float, path: WellPath | None, depth: float, length: float) -> Course:
+    """Return the channel along a rod; a path that is straight there is told by its inclination."""
+    if path is None:
+        return Told(inclination, curvature)
+    upper = max(0, int(np.searchsorted(path.stations, depth, side="right")) - 1)
+    around = slice(upper, 1 + int(np.searchsorted(path.stations, depth + length)))
+    phi, psi = path.inclination[around], path.azimuth[around]
+    if (phi == phi[0]).all() and ((psi == psi[0]).all() or phi[0] == 0.0):
+        return Told(float(phi[0]), 0.0)
+    return Along(path, depth, length)
+
+
+def critical_forces(place: Place, rigidity: float, weight: float, clearance: float) -> Floats:
+    """Return the least constant push in N that buckles a long rod at each place.
+
+    F^2 = 4 E I N(F) / R with the contact force N = hypot(w sin(phi) + F kappa_n, F kappa_b), the criterion of He and
+    Kyllingstad (SPE 25370, 1995); in a plane F = 2 E I (k + sqrt(k^2 + q / E I)), k = kappa_n / R, q = w sin(phi) / R,
+    which is exact where both are uniform.
+    """
+    across = np.sqrt(rigidity * (weight / clearance) * place.sine)
+    bend, aside = (rigidity / clearance * kappa for kappa in (place.kappa_n, place.kappa_b))
+    low = push(bend, across)
+    if not np.any(place.kappa_b):
+        return low
+
+    def holds(force: Floats) -> Bools:
+        return np.asarray(force * force <= 4.0 * np.hypot(across**2 + force * bend, force * aside))
+
+    return bisected(holds, low, push(bend + np.abs(aside), across), 60)[0]
+
+
+def push(bend: Floats, across: Floats) -> Floats:
+    """Return 2 (b + sqrt(b^2 + a^2)) without cancellation: to the bit 2 a where b = 0."""
+    root = np.hypot(bend, across)
+    with np.errstate(invalid="ignore", divide="ignore"):  # of what is not taken
+        return np.asarray(2.0 * np.where(bend >= 0.0, bend + root, across * across / (root - bend)))
