@@ -421,3 +421,22 @@ def test_growth_of_random_bends_is_that_of_their_modes() -> None:
         except LeavesWallError:
             continue
         assert found == pytest.approx(float(mode_growth(rod, mean, amplitude, frequency)[0]), rel=1e-8, abs=1e-7)
+
+
+@pytest.mark.parametrize("curvature", [0.2, -0.2])
+@pytest.mark.parametrize("reach", [(0.3, 2.0), (-1.0, 2.0)])
+def test_mean_forces_on_a_line_that_moves_the_rod_to_the_other_side_are_judged_one_by_one(
+    curvature: float, reach: tuple[float, float]
+) -> None:
+    """A pull lifts what builds, a push what drops: the stiffness then has a kink in the mean force."""
+    rod = ROD.replace(curvature=curvature, ends="clamped", inclination=1.2)
+    modes = rod.modes_under(None).in_modes(6)
+    loads = Loads.of(-math.copysign(1.0, curvature) * np.linspace(*reach, 30), 0.1, 150.0)
+    together = modes.answers(loads)
+    each = [modes.answers(loads.some(slice(i, i + 1))) for i in range(loads.size)]
+    assert together.status.tolist() == [int(one.status[0]) for one in each]
+    expected = np.array([one.growth[0] for one in each])
+    np.testing.assert_allclose(together.growth, expected, rtol=1e-8, atol=1e-8)
+    ends = sorted(loads.mean[[0, -1]].tolist())
+    sides = {modes._lying(mean).side for mean in loads.mean.tolist()}  # type: ignore[attr-defined]
+    assert modes.is_affine(*ends) == (len(sides) == 1)

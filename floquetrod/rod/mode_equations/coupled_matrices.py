@@ -277,10 +277,13 @@ class CoupledModes(CoupledEquations):
         found = np.asarray(stiffness - mean[:, None, None] * push)
         return found if self.rod.course.is_straight else found + self._pressed(mean)
 
-    @property
-    def is_affine(self) -> bool:
-        """Whether the mean of K is affine in the mean force: not where the string lies aside, or on either side."""
-        return self.rod.course.is_straight or not (self._wall.place.turns or self._wall.place.kappa_n.min() < 0.0)
+    def is_affine(self, low: float, high: float) -> bool:
+        """Return whether the mean of K is affine in the mean force between two: where the string stays on one side."""
+        if self.rod.course.is_straight or self._wall.place.turns:
+            return self.rod.course.is_straight
+        # What presses a place down is itself affine, so that a place on one side at both ends is there between them.
+        one, other = (self._lying(mean).side for mean in (low, high))
+        return one == other != 0.0
 
     def answers(
         self,

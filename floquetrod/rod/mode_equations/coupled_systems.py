@@ -55,8 +55,7 @@ class CoupledEquations(ABC):
     def system(self, loads: Loads) -> HillSystem:
         """Return the systems of flat loads as one batch, or a single one where there is one load of the shape ().
 
-        The mean of K is affine in the mean force, unless `is_affine` denies it, the rest of K proportional to the
-        amplitude.
+        The mean of K is affine in the mean force where `is_affine` says so, the rest proportional to the amplitude.
         """
 
     @abstractmethod
@@ -67,9 +66,8 @@ class CoupledEquations(ABC):
         """Return the deflection along the rod of each coordinate, at x = s / L: (size, len(x))."""
         raise ValueError(f"{type(self).__name__} does not say how its coordinates bend the rod, so there is no shape")
 
-    @property
-    def is_affine(self) -> bool:
-        """Whether the mean of K is affine in the mean force."""
+    def is_affine(self, low: float, high: float) -> bool:
+        """Return whether the mean of K is affine in the mean force between two, and the rest does not depend on it."""
         return True
 
     @property
@@ -134,12 +132,10 @@ class CoupledEquations(ABC):
         """Return quick verdicts on loads of which one force alone varies, None where that would save no time."""
         from floquetrod.floquet.systems.lines import verdicts_along
 
-        if varied == "mean" and not self.is_affine:
-            return None
         values: Floats = getattr(loads, varied)
         ends = loads.some(np.array([values.argmin(), values.argmax()]))
         low, high = getattr(ends, varied)
-        if not low < high:
+        if not low < high or (varied == "mean" and not self.is_affine(float(low), float(high))):
             return None
         return verdicts_along(self.system(ends), np.clip((values - low + (values - high)) / (high - low), -1.0, 1.0))
 
