@@ -43,6 +43,7 @@ html_theme_options = {"footer_icons": [], "top_of_page_buttons": []}
 html_copy_source = False
 html_show_sourcelink = False
 html_domain_indices = False  # a list of modules, which the reference is already
+html_use_index = False  # a page of all names, which nothing links to: the search finds them
 
 
 def mathjax() -> Path:

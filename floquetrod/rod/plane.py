@@ -78,7 +78,7 @@ class LoadPlane(Family):
 
     @property
     def by_columns(self) -> bool:
-        """Yes: along a column a force varies alone, so that a few of its systems tell of all."""
+        """Yes, along a column a force varies alone, so that a few of its systems tell of all."""
         return True
 
     @property

@@ -119,7 +119,7 @@ class Points(ByContent):
 
     @property
     def moved(self) -> Floats:
-        """Distance from the upper end of the arc: north, east and down, in m, (..., 3)."""
+        """Distance from the upper end of the arc, north, east and down, in m, (..., 3)."""
         phi, psi, angle = self.arcs.inclination[self.arc], self.arcs.azimuth[self.arc], self._angle
         forward = self.below * np.sinc(angle / math.pi)
         aside = 0.5 * self.below**2 * np.sinc(0.5 * angle / math.pi) ** 2

@@ -239,7 +239,7 @@ class WellPath(Reported, ByContent, TellsAttributes):
 
     @property
     def stations(self) -> Floats:
-        """Measured depths in m at which curvature may jump: integrate from one to the next."""
+        """Measured depths in m at which curvature may jump; integrate from one to the next."""
         return self.depth
 
     def position(self, depth: Any) -> Floats:

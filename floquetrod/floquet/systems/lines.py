@@ -151,8 +151,8 @@ class Line(ByContent):
         return Nodes(maps, float(((found.error + rounding) * stretch).max()))
 
     @cached_property
-    def doubt(self) -> float:
-        """Return the error of K in the coordinates of the line, times the duration: given, and from rounding."""
+    def uncertainty(self) -> float:
+        """Return the error of K in the coordinates of the line, times the duration; what is given and the rounding."""
         rounding = 4.0 * _EPS * (norms(self.stiffness).sum() + norms(self._waves).sum())
         return self.duration * (self.error + float(rounding)) / float(self.basis[1].min())
 
@@ -192,7 +192,7 @@ def maps_along(line: Line, nodes: Nodes, places: Floats) -> tuple[Floats, Floats
     maps = (weights @ nodes.maps.reshape(count, -1)).reshape(-1, *nodes.maps.shape[1:])
     rounding = count * _EPS * float(norms(nodes.maps).max())
     error = np.abs(weights).sum(axis=1) * (nodes.error + rounding) + line.left_out(count - 1)
-    return maps, error + line.doubt * norms(maps) ** 2
+    return maps, error + line.uncertainty * norms(maps) ** 2
 
 
 def _half_maps(stiffness: Floats, amplitudes: Floats, period: Floats) -> PeriodMaps | None:

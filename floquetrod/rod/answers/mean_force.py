@@ -70,7 +70,7 @@ class MeanForce(Reported, ByContent):
 
     @property
     def at_top(self) -> float:
-        """Compression in N at the upper end: what the injector must push, negative for a pull; infinite locked up."""
+        """Compression in N at the upper end, which the injector must push, negative for a pull; infinite locked up."""
         return float(self.force[0])
 
     @property
