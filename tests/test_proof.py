@@ -16,7 +16,7 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from conftest import depth
-from floquetrod.equations import Equation, FrictionalMathieu, Hill, Mathieu, Meissner
+from floquetrod.equations import Equation, FrictionalMathieu, Hill, HillSystem, Mathieu, Meissner
 from floquetrod.floquet.methods.reference import discriminant_excess, reference
 from floquetrod.floquet.proof import certify
 from floquetrod.floquet.proof.intervals import arithmetic, cosh_sinhc, pi
@@ -189,6 +189,18 @@ def test_trace_is_enclosed(equation: Mathieu | Hill, digits: int) -> None:
     with mpmath.mp.workdps(60):
         assert holds(trace, found.sign * (2 + 4 * found.excess))
     assert trace.delta.b < 1e6 * context.mpf(10) ** -digits * (1 + abs(found.excess))
+
+
+@pytest.mark.parametrize(
+    ("equation", "status"),
+    [
+        (HillSystem([[-2000.0]], [[[-500.0]]], period=8.0, damping=[[0.2]]), "unstable"),
+        (Mathieu(2000.0, 30000.0, 0.1), "unstable"),
+        (Mathieu(2e5, -0.25, 300.0), "stable"),  # whose trace and whose bound 2 cosh(c period) are beyond doubles
+    ],
+)
+def test_growth_beyond_the_range_of_doubles_is_proved(equation: Any, status: str) -> None:
+    assert certify(equation).status == status
 
 
 @given(square_waves(largest=10.0))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod.equations import Hill
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.proof.balls import Doubles
 from floquetrod.floquet.proof.integers import Integers
@@ -34,11 +35,13 @@ def enclose_trace(context: Any, problem: ExactProblem) -> Any:
 def _shift(problem: ExactProblem) -> int:
     """Return the s of exp(s t), t in periods, to take out of solutions that would leave the range of doubles."""
     (piece,) = problem.pieces
-    equation: Any = problem.equation
+    period = 2.0 * math.pi if problem.period is None else float(problem.period)
     highest = float(piece.mean + problem.damping**2 + sum(abs(x) + abs(y) for x, y in piece.waves))
-    if highest <= 0.0 or math.sqrt(highest) * equation.period <= _LARGEST:
+    if highest <= 0.0 or math.sqrt(highest) * period <= _LARGEST:
         return 0
-    growth = float((stability(equation).growth_rate + equation.damping) * equation.period)
+    cosines, sines = ([float(wave[i]) for wave in piece.waves] for i in (0, 1))
+    nearest = Hill(float(piece.mean), tuple(cosines), tuple(sines), period, float(problem.damping))
+    growth = (stability(nearest).growth_rate + nearest.damping) * period
     return round(growth) if growth > _LARGEST else 0
 
 
