@@ -57,7 +57,9 @@ if TYPE_CHECKING:
     from floquetrod.rod.loads.record import ForceRecord as ForceRecord
     from floquetrod.rod.loads.tool import VibrationTool as VibrationTool
     from floquetrod.rod.map import stability_map as stability_map
+    from floquetrod.rod.model.assumptions import ForcedAngleWarning as ForcedAngleWarning
     from floquetrod.rod.model.assumptions import UniformForceWarning as UniformForceWarning
+    from floquetrod.rod.model.contact import LeavesWallError as LeavesWallError
     from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
@@ -115,6 +117,8 @@ _WHERE = {
     "Study": "ensembles.study",
     "UndecidedWarning": "floquet.status",
     "UniformForceWarning": "rod.model.assumptions",
+    "ForcedAngleWarning": "rod.model.assumptions",
+    "LeavesWallError": "rod.model.contact",
     "MeanForce": "rod.answers.mean_force",
     "VibrationTool": "rod.loads.tool",
     "WellPath": "wells.path",

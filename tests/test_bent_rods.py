@@ -18,7 +18,6 @@ from conftest import depth
 from floquetrod import mathieu
 from floquetrod.rod.loads.load import Loads
 from floquetrod.rod.model.constants import mode_constants
-from floquetrod.rod.model.contact import LeavesWallError
 
 Floats = NDArray[np.float64]
 
@@ -179,7 +178,7 @@ def test_on_the_high_side_stiffness_is_the_magnitude() -> None:
 def test_where_the_wall_is_left_there_is_no_verdict() -> None:
     limit = DROPS.weight_per_length / 0.2
     message = rf"leaves the wall when its force comes to {limit:.6g} N, and it comes to 0.7 N"
-    with pytest.raises(LeavesWallError, match=message):
+    with pytest.raises(fr.LeavesWallError, match=message):
         DROPS.stability(fr.AxialLoad(0.6, 0.1, 150.0))
     means = [0.2, 0.6, 1.5]
     assert DROPS.verdicts(means, 0.1, 150.0).tolist() == [1, -1, 1]
@@ -187,16 +186,16 @@ def test_where_the_wall_is_left_there_is_no_verdict() -> None:
     with pytest.warns(fr.UndecidedWarning):
         assert DROPS.is_stable(means, 0.1, 150.0).tolist() == [True, False, True]
     assert DROPS.stable_mean_forces(0.05, 150.0).bounds[1] == pytest.approx(limit - 0.05, rel=1e-9)
-    with pytest.raises(LeavesWallError):
+    with pytest.raises(fr.LeavesWallError):
         DROPS.stable_mean_forces(0.05, 150.0, (0.0, 1.0))
 
 
 def test_where_a_path_is_left_is_said_with_its_measured_depth() -> None:
     drop = fr.WellPath([100.0, 101.0, 104.0], np.radians([88.0, 88.0, 60.0]))
     rod = ROD.replace(path=drop, depth=100.4)
-    with pytest.raises(LeavesWallError, match=r"measured depth 103.5 m, .* when its force comes to 0\.\d+ N"):
+    with pytest.raises(fr.LeavesWallError, match=r"measured depth 103.5 m, .* when its force comes to 0\.\d+ N"):
         rod.stability(fr.AxialLoad(0.5, 0.3, 150.0))
-    with pytest.raises(LeavesWallError, match=r"low side above and on the high side below"):
+    with pytest.raises(fr.LeavesWallError, match=r"low side above and on the high side below"):
         rod.stability(fr.AxialLoad(1.5, 0.01, 150.0))
 
 
@@ -292,6 +291,7 @@ def test_finite_elements_converge_to_the_truth_on_an_arc() -> None:
     assert extrapolated(arc(80.0, 90.0), load, 40) == pytest.approx(5.8427648, rel=2e-6)
 
 
+@pytest.mark.filterwarnings("ignore::floquetrod.ForcedAngleWarning")
 @pytest.mark.parametrize("side", [0.0, 1.0])
 def test_finite_elements_converge_to_the_modes_on_a_path_that_turns(side: float) -> None:
     rod, load = s_shaped(side), fr.AxialLoad(0.5 * UNIT, 0.3 * UNIT, 133.0)
@@ -301,17 +301,35 @@ def test_finite_elements_converge_to_the_modes_on_a_path_that_turns(side: float)
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::floquetrod.ForcedAngleWarning")
 @pytest.mark.parametrize("side", [0.0, 1.0, 3.0])
 def test_finer_elements_converge_to_the_modes(side: float) -> None:
     rod, load = s_shaped(side), fr.AxialLoad(0.5 * UNIT, 0.3 * UNIT, 133.0)
     assert rod.stability(load, range(1, 101)).growth_rate == pytest.approx(extrapolated(rod, load, 160, 80), rel=1e-6)
 
 
+@pytest.mark.filterwarnings("ignore::floquetrod.ForcedAngleWarning")
 def test_a_path_that_turns_the_other_way_is_the_mirror_image() -> None:
     load = fr.AxialLoad(0.5 * UNIT, 0.3 * UNIT, 133.0)
     one, other, plane = (s_shaped(side).stability(load).growth_rate for side in (1.0, -1.0, 0.0))
     assert one == pytest.approx(other, rel=1e-12)
     assert abs(one - plane) > 1e-3 * plane
+
+
+def test_the_forced_angle_of_a_turn_is_told_and_warned_of() -> None:
+    """Of a slow force on a level turn: theta_0 = atan2(F kappa_b, w) at its largest less that at the mean."""
+    level = fr.WellPath([0.0, 3.1], [0.5 * math.pi] * 2, [0.0, 0.02])
+    rod = ROD.replace(path=level, ends="guided")
+    load = fr.AxialLoad(0.2 * UNIT, 0.02 * UNIT, 0.5)
+    found = rod.modes_under(load).in_modes(12).forced_angle(load)
+    per_newton = 0.02 / 3.1 / ROD.weight_per_length
+    exact = math.atan(per_newton * 0.22 * UNIT) - math.atan(per_newton * 0.2 * UNIT)
+    assert found == pytest.approx(exact, rel=1e-2)
+    with pytest.warns(fr.ForcedAngleWarning, match="turns"):
+        verdict = s_shaped(3.0).stability(fr.AxialLoad(0.5 * UNIT, 0.3 * UNIT, 133.0))
+    assert any("from which the vibration moves the rod by up to" in line for line in verdict.assumptions)
+    assert any("curvature times clearance is" in line for line in verdict.assumptions)
+    assert arc(80.0, 90.0).modes_under(load).in_modes(12).forced_angle(load) is None
 
 
 def test_a_straight_path_is_the_inclination() -> None:
@@ -418,7 +436,7 @@ def test_growth_of_random_bends_is_that_of_their_modes() -> None:
         mean, amplitude, frequency = rng.uniform(0.0, 1.0), rng.uniform(0.0, 0.4), rng.uniform(60.0, 300.0)
         try:
             found = rod.stability(fr.AxialLoad(mean, amplitude, frequency)).growth_rate
-        except LeavesWallError:
+        except fr.LeavesWallError:
             continue
         assert found == pytest.approx(float(mode_growth(rod, mean, amplitude, frequency)[0]), rel=1e-8, abs=1e-7)
 

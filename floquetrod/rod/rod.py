@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, init=False, repr=False)
 class Rod(RodData):
-    """A straight elastic rod or tube of circular section on the floor of a straight circular channel.
+    """An elastic rod or tube of circular section on the floor of a circular channel, straight or bent.
 
     Parameters
     ----------
@@ -74,10 +74,17 @@ class Rod(RodData):
         pi^2/3 - 1 = 2.29, that of a cylinder touching a plane floor; more in a narrow gap.
     inclination : float or str
         Angle of the channel from the vertical in rad, or with a unit such as "60deg"; above 0 and at most pi/2, which
-        is horizontal and the default.
+        is horizontal and the default.  Of a channel that bends that in the middle of the rod.
     ends : str
         "hinged", the default, "clamped", "guided" or "free", or two of them, the upper end first: "clamped-hinged".
         See `floquetrod.rod.Ends`.
+    curvature : float or str
+        Curvature of the channel in its vertical plane in 1/m, or with a unit such as "3deg/30m"; positive where it
+        builds, 0 by default.  It and the weight across are taken as uniform, so that modes stay independent.
+    path : WellPath, optional
+        Path of the well in place of ``inclination`` and ``curvature``, or a mapping of its arguments.
+    depth : float or str
+        Measured depth of the upper end on the path in m, or with a unit, 0 by default.
     diameter : float or str, optional
         Outer diameter in m, or with a unit, in place of ``radius``.
     inner_diameter : float or str, optional
@@ -97,6 +104,11 @@ class Rod(RodData):
     Eq. (1) of DOI 10.1115/1.4031710, with the inertia, weight and bending stiffness of a tube in fluids.  Its parts,
     and what follows from them, are those of `floquetrod.rod.model.data.RodData`, the data sheet.
 
+    Where the channel bends the force enters twice, m R theta_tt + E I R theta_ssss + (F R theta_s)_s + N theta = 0 with
+    the contact force N = w_e sin(inclination) + F curvature per length: it holds long waves down where the channel
+    builds.  On a path that turns N = hypot(w_e sin(phi) + F kappa_n, F kappa_b), and verdicts are those on small motion
+    about the mean position.  On an arc the inclination changes along the rod, which couples the modes.
+
     Examples
     --------
     >>> import floquetrod as fr
@@ -108,6 +120,9 @@ class Rod(RodData):
     ... )
     >>> round(tubing.critical_force), round(tubing.weight_per_length, 3)
     (11941, 39.158)
+    >>> well = fr.WellPath.arc(length=600.0, inclination=("30deg", "90deg"), depth=1000.0)
+    >>> round(tubing.replace(path=well, depth=1200.0).critical_force)
+    15390
     """
 
     # --- modes ---

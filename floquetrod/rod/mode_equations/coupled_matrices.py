@@ -285,6 +285,23 @@ class CoupledModes(CoupledEquations):
         one, other = (self._lying(mean).side for mean in (low, high))
         return one == other != 0.0
 
+    def forced_angle(self, load: Load) -> float | None:
+        """Return how far in rad the vibration moves a rod in a channel that turns along the wall, to first order.
+
+        That of (K + 2 i c w - w^2) q = (1 / (R m)) int f aside phi, all harmonics in phase; None in a plane.
+        """
+        if self.rod.course.is_straight or not self._wall.place.turns:
+            return None
+        aside = self._wall.per_newton * self._lying(load.mean).aside * self.basis.weights
+        along = self.rod.wave_speed, self.rod.length
+        every = axial.along(load, *along, self.basis.nodes * self.rod.length, load.frequency)
+        stiffness, angle = self.stiffness(np.array([load.mean]))[0], np.zeros(self.basis.nodes.size)
+        for k, force in enumerate(every, start=1):
+            w = k * load.frequency
+            resisting = stiffness + (2j * self.damping_rate * w - w * w) * np.eye(self.size)
+            angle += np.abs(np.linalg.solve(resisting, self.basis.values @ (aside * force)) @ self.basis.values)
+        return load.amplitude * float(angle.max())
+
     def answers(
         self,
         loads: Loads,

@@ -66,6 +66,10 @@ class CoupledEquations(ABC):
         """Return the deflection along the rod of each coordinate, at x = s / L: (size, len(x))."""
         raise ValueError(f"{type(self).__name__} does not say how its coordinates bend the rod, so there is no shape")
 
+    def forced_angle(self, load: Load) -> float | None:
+        """Return how far in rad a load moves the rod along its wall by itself; None where it only pushes along."""
+        return None
+
     def is_affine(self, low: float, high: float) -> bool:
         """Return whether the mean of K is affine in the mean force between two, and the rest does not depend on it."""
         return True

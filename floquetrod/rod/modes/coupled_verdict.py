@@ -28,7 +28,7 @@ from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, largest
 from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.mode_equations.sampled import first_change
-from floquetrod.rod.model.assumptions import assumptions
+from floquetrod.rod.model.assumptions import assumptions, forced_in_words
 from floquetrod.rod.model.beam import has_polynomials
 from floquetrod.rod.model.contact import constants_under, up_to_wall
 from floquetrod.rod.modes.fewer_modes import Fastest
@@ -256,6 +256,7 @@ def classify_coupled(
     final = found[-1]
     status, error, note = final.concluded(found[-2] if len(found) > 1 else None, growth_tolerance)
     whole = final.whole
+    forced = final.modes.forced_angle(load)
     return RodStability(
         rod=model.rod,
         evidence=ModesTogether(
@@ -274,7 +275,7 @@ def classify_coupled(
         error=error,
         cost=whole.cost,
         note=note,
-        assumptions=assumptions(model.rod, load),
+        assumptions=assumptions(model.rod, load) + (() if forced is None else (forced_in_words(forced),)),
     )
 
 
