@@ -122,7 +122,7 @@ class Rod(RodData):
     (11941, 39.158)
     >>> well = fr.WellPath.arc(length=600.0, inclination=("30deg", "90deg"), depth=1000.0)
     >>> round(tubing.replace(path=well, depth=1200.0).critical_force)
-    15390
+    14101
     """
 
     # --- modes ---

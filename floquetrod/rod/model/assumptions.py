@@ -70,8 +70,8 @@ def in_a_channel(rod: RodData) -> tuple[str, ...]:
     share = rod.flexural_rigidity * kappa * kappa / rod.critical_force
     found = [
         "a wall which the rod never leaves; no torque",
-        f"gentle bends: curvature times clearance is {room:.2g}, E I curvature^2 {share:.2g} of the critical force; both "
-        "should be far below 1",
+        f"gentle bends: curvature times clearance is {room:.2g}, E I curvature^2 {share:.2g} of the critical force; "
+        "both should be far below 1",
     ]
     if "hinged" in rod.ends:
         found.append(
