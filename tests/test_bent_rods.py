@@ -458,3 +458,15 @@ def test_mean_forces_on_a_line_that_moves_the_rod_to_the_other_side_are_judged_o
     ends = sorted(loads.mean[[0, -1]].tolist())
     sides = {modes._lying(mean).side for mean in loads.mean.tolist()}  # type: ignore[attr-defined]
     assert modes.is_affine(*ends) == (len(sides) == 1)
+
+
+@pytest.mark.filterwarnings("ignore:station 2")
+def test_numbers_of_modes_that_agree_by_chance_do_not_hide_the_error() -> None:
+    # Growth with 15, 17, 19 and 80 modes: 4.601411, 4.601337, 4.601410, 4.601497 (4.601499 by finite elements).
+    path = fr.WellPath([0.0, 1.63946228, 3.1], ["81.323deg", "79.928deg", "89.639deg"])
+    rod = fr.Rod.nitinol().replace(path=path, ends="clamped", damping_rate=0.3)
+    unit = fr.Rod.nitinol().critical_force
+    load = fr.AxialLoad(0.257932806 * unit, 0.387046927 * unit, 142.134649, mean_at=0.5)
+    found, many = rod.stability(load), rod.stability(load, range(1, 61))
+    assert abs(found.growth_rate - many.growth_rate) <= found.error
+    assert len(found.convergence) >= 3

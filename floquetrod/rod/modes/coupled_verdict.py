@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, NamedTuple
 
@@ -254,7 +255,7 @@ def classify_coupled(
     model = model.under(load)
     found = _trials(model, load, count, growth_tolerance, progress)
     final = found[-1]
-    status, error, note = final.concluded(found[-2] if len(found) > 1 else None, growth_tolerance)
+    status, error, note = final.concluded(_compared(model, found), growth_tolerance)
     whole = final.whole
     forced = final.modes.forced_angle(load)
     return RodStability(
@@ -301,15 +302,27 @@ def _trials(
         add(needed, 1, 2)
     else:
         add(last - max(2, last // _share(model, last)), 0, 2)
-    while _may_be_concluded(found[-1], found[-2], growth_tolerance):
+    middle = (found[0].modes.count + found[1].modes.count) // 2
+    if model.rod.course.breaks and middle > found[0].modes.count:
+        add(middle, 1, 3)
+    begun = len(found)
+    while _may_be_concluded(found[-1], _compared(model, found), growth_tolerance):
         larger = math.ceil(1.25 * found[-1].modes.count)
-        if len(found) == 2 + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
+        if len(found) == begun + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
             break
         add(larger, len(found), 2)
     needed = _more_needed(model, load, found[-1], growth_tolerance)
     if needed:
         add(needed, len(found), 2)
     return found
+
+
+def _compared(model: ModeModel, found: Sequence[_WithModes]) -> Sequence[_WithModes]:
+    """Return the trials that tell how the growth of the last one depends on the number of modes.
+
+    Where the curvature of a channel jumps, growth goes up and down with it: two numbers of modes may agree by chance.
+    """
+    return found[-3:-1] if model.rod.course.breaks else found[-2:-1]
 
 
 def _share(model: ModeModel, count: int) -> int:
@@ -323,7 +336,7 @@ def _share(model: ModeModel, count: int) -> int:
     return 6 if count <= _LONG else 10
 
 
-def _may_be_concluded(trial: _WithModes, fewer: _WithModes, tolerance: float) -> bool:
+def _may_be_concluded(trial: _WithModes, fewer: Sequence[_WithModes], tolerance: float) -> bool:
     """Return whether more modes may decide what these leave open: not where rounding hides the multipliers."""
     status, error, _ = trial.concluded(fewer, tolerance)
     return status == "undecided" and error < math.inf
@@ -425,9 +438,9 @@ class _WithModes(NamedTuple):
         """Return the error for the modes left out over the change from fewer modes."""
         return _LEFT_OUT_BY_MORE if 9 * fewer.modes.count <= 7 * self.modes.count else _LEFT_OUT
 
-    def concluded(self, fewer: _WithModes | None, tolerance: float) -> tuple[Status, float, str]:
-        """Return verdict, error of the growth rate in 1/s and note, given another trial with fewer modes."""
-        change = 0.0 if fewer is None else self._factor(fewer) * abs(self.rate - fewer.rate)
+    def concluded(self, fewer: Sequence[_WithModes], tolerance: float) -> tuple[Status, float, str]:
+        """Return verdict, error of the growth rate in 1/s and note, given other trials with fewer modes."""
+        change = max((self._factor(other) * abs(self.rate - other.rate) for other in fewer), default=0.0)
         error = max(self.most - self.rate, self.rate - self.least) + change
         if not error < math.inf:
             if self.whole.status == "unstable" and self.least - change > tolerance:
@@ -440,8 +453,8 @@ class _WithModes(NamedTuple):
             if self.most + change <= tolerance:
                 return "stable", error, self.whole.note
             return "undecided", error, f"growth {self.rate:.3g} 1/s is within its error {error:.1g} of the tolerance"
-        if fewer is not None and fewer.whole.status != self.whole.status:
-            counts = f"{fewer.modes.count} modes say {fewer.whole.status}, {self.modes.count} {self.whole.status}"
+        for other in (other for other in fewer if other.whole.status != self.whole.status):
+            counts = f"{other.modes.count} modes say {other.whole.status}, {self.modes.count} {self.whole.status}"
             return "undecided", error, counts
         # Without damping stable rates are zero, and as sure as the multipliers' verdict; all others may change sign.
         if abs(self.rate) <= change and change > self.most - self.rate:
