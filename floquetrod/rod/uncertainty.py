@@ -17,6 +17,7 @@ from floquetrod.rod.distributions import Sampling, distributions
 from floquetrod.rod.loads.load import AnyLoad, require_load
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import SLOW_GROWTH
+from floquetrod.rod.model.data import require_not_of_path
 from floquetrod.rod.rod import Rod
 
 _MOST_SAMPLES = 10**8  # a minute or two
@@ -223,6 +224,7 @@ def probability_of_instability(
     workers = validate.workers(workers)
     validate.progress(progress)
     sampling = Sampling(rod, load, distributions(parameters), tolerance, workers)
+    require_not_of_path(rod, sampling.parameters, "parameters")
     sampling.model.require_varied(parameters)
 
     from scipy.stats import binomtest

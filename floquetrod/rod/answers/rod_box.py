@@ -15,7 +15,7 @@ from floquetrod.floquet.proof.region import ModeBox, Side, side_ends
 from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Load, Quantity, load_number
 from floquetrod.rod.mode_equations.coupling import coupling, refusal
 from floquetrod.rod.model.constants import ModeConstants
-from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.data import RodData, require_not_of_path
 from floquetrod.units import Unit
 
 """What a box of loads has sides of, in the order of the kernels."""
@@ -170,6 +170,7 @@ def _rod_sides(rod: RodData, given: Mapping[str, Any] | None) -> dict[str, Inter
         raise validate.wrong_type(
             "rod", f'must be a mapping such as {{"length": (3.05, 3.15)}}, got {validate.short(given)}'
         )
+    require_not_of_path(rod, given, "rod")
     sides: dict[str, Interval] = {}
     for word, value in given.items():
         name = DIAMETERS.get(word, word)

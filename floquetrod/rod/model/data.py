@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
@@ -546,6 +546,15 @@ class RodData(TellsAttributes):
 
 def _modes(mode: Any) -> NDArray[np.float64]:
     return validate.array("mode", mode, least=0.0, largest=10.0 * MOST_MODES)
+
+
+def require_not_of_path(rod: RodData, names: Iterable[str], argument: str) -> None:
+    """Raise ValueError where parameters that are to vary are told by the path of a rod."""
+    told = next((name for name in names if name in _OF_A_LINE), None)
+    if rod.path is not None and told is not None:
+        raise validate.wrong_value(
+            argument, f"must not name {told} of a rod on a path, which tells it; give the rod an inclination instead"
+        )
 
 
 def special_parameters(rod: RodData) -> str:
