@@ -166,12 +166,12 @@ def test_probability_of_curvature_is_that_of_samples() -> None:
 
 
 def test_what_a_path_tells_cannot_vary() -> None:
-    """Also where the path is straight, so that the modes are independent: copies of another inclination have no path."""
+    """Also where the path is straight, so that modes are independent: copies of another inclination have no path."""
     load = fr.AxialLoad(0.3 * UNIT, 0.2 * UNIT, 150.0, mean_at=None)
     for rod in (arc(80.0, 90.0), ROD.replace(path=fr.WellPath([0.0, 50.0], [1.2, 1.2]))):
         with pytest.raises(ValueError, match="parameters must not name inclination of a rod on a path"):
             fr.probability_of_instability(rod, load, {"inclination": (1.4, 1.5)}, samples=8)
-        with pytest.raises(ValueError, match="rod must not name curvature of a rod on a path|a path that bends"):
+        with pytest.raises(ValueError, match=r"rod must not name curvature of a rod on a path|a path that bends"):
             rod.certify(0.3, 0.1, 150.0, rod={"curvature": (0.0, 0.1)}, like=load)
 
 

@@ -99,6 +99,7 @@ ELSEWHERE = {"theory/agreement.md"} | {f"how_to/{story}.md" for story in STORIES
 LONG = {
     "theory/simulator.md",
     "theory/real_rods.md",
+    "theory/bends.md",
     "theory/friction.md",
     "theory/thin_tongues.md",
     "theory/regions.md",
