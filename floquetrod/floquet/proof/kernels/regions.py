@@ -355,7 +355,7 @@ def certify_cells(
         box[AMPLITUDE, 1] = amplitude_high[i]
         box[FREQUENCY, 0] = frequency_low[i]
         box[FREQUENCY, 1] = frequency_high[i]
-        for row in range(4):
+        for row in range(5):
             box[BENDING + row, 0] = rod[row, 0]
             box[BENDING + row, 1] = rod[row, 1]
         last, bound = tail_modes(box, tolerance_low, smallest, most)
