@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from floquetrod.plane import Bands as Bands
     from floquetrod.plane import Chart as Chart
     from floquetrod.rod.answers.mean_force import MeanForce as MeanForce
+    from floquetrod.rod.answers.reach import Reach as Reach
     from floquetrod.rod.answers.safe_box import SafeBox as SafeBox
     from floquetrod.rod.answers.verdict import CoupledRodStability as CoupledRodStability
     from floquetrod.rod.answers.verdict import RodStability as RodStability
@@ -120,6 +121,7 @@ _WHERE = {
     "ForcedAngleWarning": "rod.model.assumptions",
     "LeavesWallError": "rod.model.contact",
     "MeanForce": "rod.answers.mean_force",
+    "Reach": "rod.answers.reach",
     "VibrationTool": "rod.loads.tool",
     "WellPath": "wells.path",
     "certify": "floquet.proof",

@@ -166,6 +166,11 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"path": WELL, "friction": 0.2, "motion": "pushed", "far_force": 0.1, "bottom": 20.0, "depth": [10.0]}
         | {"tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05, "helical": "energy"},
     ),
+    (
+        ROD.reach,
+        {"path": WELL, "friction": 0.2, "tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05}
+        | {"far_force": 0.1, "push": 3.0, "depth": [10.0], "helical": "energy"},
+    ),
     (fr.WellPath, {"depth": [0.0, 900.0], "inclination": [0.0, 0.1], "azimuth": [0.0, 0.5]}),
     (fr.WellPath.arc, {"length": 30.0, "inclination": (0.0, 0.1), "azimuth": 0.5, "depth": 900.0}),
     (fr.WellPath.straight, {"length": 30.0, "inclination": 0.1, "azimuth": 0.5, "depth": 900.0}),
@@ -536,6 +541,7 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "Margin",
         "MeanForce",
         "Proof",
+        "Reach",
         "RegionProof",
         "SafeBox",
         "CoupledRodStability",

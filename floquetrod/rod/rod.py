@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
@@ -32,6 +33,7 @@ from floquetrod.rod.modes.mode_model import ModeModel
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
     from floquetrod.rod.answers.mean_force import MeanForce
+    from floquetrod.rod.answers.reach import Reach
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.answers.verdict import RodStability
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
@@ -267,6 +269,48 @@ class Rod(RodData):
         drag = mean_force.drag_of(self, path, friction, motion, helical, tool, speed)
         force = mean_force.force_in_newtons("far_force", far_force)
         return mean_force.mean_force(drag, force, mean_force.lower_end(path, bottom), depth)
+
+    def reach(
+        self,
+        path: WellPath,
+        friction: Any,
+        *,
+        tool: VibrationTool | None = None,
+        speed: float | str = 0.05,
+        far_force: float | str = 0.0,
+        push: float | str | None = None,
+        depth: Any = None,
+        helical: str = "energy",
+    ) -> Reach:
+        """Return how far a string of this section can be pushed into a well, without and with a tool that shakes it.
+
+        Arguments are as in `mean_force`, and besides:
+
+        Parameters
+        ----------
+        push : float or str, optional
+            Greatest compression in N that the upper end can be given; by default any, so that lock-up alone stops it.
+        depth : array_like, optional
+            Measured depths in m of the lower end at which the force at the upper end is wanted; 100 by default.  The
+            reach is searched for between the first of them at which the string is stopped and the one before.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> well = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
+        >>> tubing = Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
+        >>> tubing.reach(well, 0.3, depth=[2000.0, 3000.0, 4000.0])
+        <can be pushed to 2937 m>
+        """
+        from floquetrod.rod.answers import mean_force, reach
+
+        drags = [mean_force.drag_of(self, path, friction, "pushed", helical, each, speed) for each in (None, tool)]
+        forces = [
+            mean_force.force_in_newtons(n, v) for n, v in (("far_force", far_force), ("push", push)) if v is not None
+        ]
+        return reach.reach(
+            self, (drags[0], drags[1]), tool, forces[0], forces[1] if push is not None else math.inf, depth
+        )
 
     # --- verdicts ---
 

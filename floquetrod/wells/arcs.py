@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -107,15 +108,21 @@ class Points(ByContent):
     @property
     def curvature(self) -> tuple[Floats, Floats]:
         """Curvature in the vertical plane and sideways in 1/m."""
-        phi, angle = self.arcs.inclination[self.arc], self._angle
-        build, side = self.arcs.kappa_n[self.arc], self.arcs.kappa_b[self.arc]
-        back = self.arcs.curvature[self.arc] * np.sin(angle)
-        ahead = np.cos(angle) * build * np.cos(phi) - back * np.sin(phi)
-        down = -np.cos(angle) * build * np.sin(phi) - back * np.cos(phi)
-        across = np.cos(angle) * side
-        now, turned = self.inclination, self.azimuth - self.arcs.azimuth[self.arc]
-        radial = ahead * np.cos(turned) + across * np.sin(turned)
-        return radial * np.cos(now) - down * np.sin(now), across * np.cos(turned) - ahead * np.sin(turned)
+        return self.seen[2:]
+
+    @property
+    def seen(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Sine and cosine of the inclination, and both curvatures."""
+        arcs, i, angle = self.arcs, self.arc, self._angle
+        run = self.below * np.sinc(angle / math.pi)
+        back = arcs.curvature[i] * np.sin(angle)
+        phi = np.sin(arcs.inclination[i]), np.cos(arcs.inclination[i])
+        level, down, moving = turned(np.hypot, *phi, np.cos(angle), run, back, arcs.kappa_n[i], arcs.kappa_b[i])
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ahead, aside = (
+                np.where(level[2] > 0.0, each / level[2], one) for each, one in zip(level, (1.0, 0.0), strict=False)
+            )
+        return level[2], down, *curvatures(level[2], down, ahead, aside, moving)
 
     @property
     def moved(self) -> Floats:
@@ -128,6 +135,27 @@ class Points(ByContent):
         north = ahead * np.cos(psi) - side * np.sin(psi)
         east = ahead * np.sin(psi) + side * np.cos(psi)
         return np.stack([north, east, forward * np.cos(phi) - build * np.sin(phi)], axis=-1)
+
+
+def turned(
+    hypot: Any, sine: Any, cosine: Any, along: Any, run: Any, back: Any, build: Any, side: Any
+) -> tuple[tuple[Any, Any, Any], Any, tuple[Any, Any, Any]]:
+    """Return the direction at a point of an arc, and its change, from those at the upper end.
+
+    Of floats or arrays: sine and cosine of the inclination at the upper end, cosine of the angle, run for a unit of
+    curvature, sine of the angle times the curvature, and both curvatures at the upper end.  The direction is its level
+    part ahead, aside and altogether, and its part down; the change is ahead, aside and down.
+    """
+    ahead, aside = sine * along + cosine * build * run, side * run
+    down = cosine * along - sine * build * run
+    moving = along * build * cosine - back * sine, along * side, -along * build * sine - back * cosine
+    return (ahead, aside, hypot(ahead, aside)), down, moving
+
+
+def curvatures(level: Any, down: Any, ahead: Any, aside: Any, moving: tuple[Any, Any, Any]) -> tuple[Any, Any]:
+    """Return the curvatures where the level part of the direction points to (ahead, aside), a unit vector."""
+    radial = moving[0] * ahead + moving[1] * aside
+    return radial * down - moving[2] * level, moving[1] * ahead - moving[0] * aside
 
 
 def doglegs(inclination: Floats, azimuth: Floats, apart: int = 1) -> Floats:

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
-from floquetrod.wells.arcs import Floats, Points
+from floquetrod.wells.arcs import Floats, Points, curvatures, turned
 from floquetrod.wells.path import WellPath
 
 HELICAL = {"energy": 2.0, "loading": 1.83**2, "alone": 8.0, "always": 0.0}
@@ -41,8 +41,8 @@ class Effort(NamedTuple):
     steps: int
 
 
-FINE, CHECKED, FAST = Effort(1e-12, 2), Effort(1e-10, 1), Effort(1e-8, 1)
-"""Of one string; of what it is compared with, whose error is the difference; of many strings."""
+FINE, CHECKED, FAST, SOUGHT = Effort(1e-12, 2), Effort(1e-10, 1), Effort(1e-8, 1), Effort(1e-6, 1)
+"""Of one string; of what it is compared with, whose error is the difference; of many strings; of a depth sought."""
 
 _NEARLY = 0.5 * math.pi - 1e-13  # y beyond which the force is infinite to rounding
 _MOST_CHANGES = 1000  # of shape on a piece: all strings change theirs a few times at most
@@ -88,16 +88,15 @@ class Pipe:
 class Place(NamedTuple):
     """A well at measured depths: sine and cosine of the inclination, and curvatures in 1/m."""
 
-    sine: Floats
-    cosine: Floats
-    kappa_n: Floats
-    kappa_b: Floats
+    sine: Any
+    cosine: Any
+    kappa_n: Any
+    kappa_b: Any
 
     @classmethod
     def at(cls, points: Points) -> Place:
         """Return a well at points of its arcs."""
-        phi = points.inclination
-        return cls(np.sin(phi), np.cos(phi), *points.curvature)
+        return cls(*points.seen)
 
 
 @dataclass(frozen=True)
@@ -141,6 +140,10 @@ class Shaking:
     def wave(self) -> float:
         """W in m/s at the tool."""
         return math.sqrt(max(self.source**2 - self.speed**2, 0.0))
+
+    def speed_of(self, wave: Floats) -> Floats:
+        """Return the amplitude V in m/s for W: from that of sliding on friction takes nothing from a wave."""
+        return np.asarray(np.hypot(np.maximum(wave, 0.0), min(self.speed, self.source)))
 
     def left(self, wave: Floats) -> Floats:
         """Return mean friction over that without vibration, (2 / pi) asin(v / V), for W in m/s."""
@@ -250,13 +253,42 @@ class _Piece:
     effort: Effort
     towards: float
 
-    def place(self, depth: Any) -> Place:
+    def place(self, depth: float) -> Place:
+        """Return the well at a measured depth, in floats: what `Points.seen` does at twenty times the cost."""
+        below = depth - self._start
+        angle = self._kappa * below
+        run = math.sin(angle) / self._kappa if angle else below
+        level, down, moving = turned(
+            math.hypot, *self._phi, math.cos(angle), run, self._kappa * math.sin(angle), *self._bend
+        )
+        ahead, aside = (level[0] / level[2], level[1] / level[2]) if level[2] else (1.0, 0.0)
+        return Place(level[2], down, *curvatures(level[2], down, ahead, aside, moving))
+
+    def places(self, depths: Floats) -> Place:
         """Return the well at measured depths."""
-        return Place.at(Points(self.drag.path.arcs, self._arc, depth - self.drag.path.arcs.start[self._arc]))
+        return Place.at(Points(self.drag.path.arcs, np.full(depths.size, self._arc), depths - self._start))
 
     @cached_property
-    def _arc(self) -> NDArray[np.intp]:
-        return self.drag.path.arcs.at(self._middle).arc
+    def _arc(self) -> int:
+        return int(self.drag.path.arcs.at(self._middle).arc[0])
+
+    @cached_property
+    def _start(self) -> float:
+        return float(self.drag.path.arcs.start[self._arc])
+
+    @cached_property
+    def _kappa(self) -> float:
+        return float(self.drag.path.arcs.curvature[self._arc])
+
+    @cached_property
+    def _phi(self) -> tuple[float, float]:
+        phi = float(self.drag.path.arcs.inclination[self._arc])
+        return math.sin(phi), math.cos(phi)
+
+    @cached_property
+    def _bend(self) -> tuple[float, float]:
+        arcs = self.drag.path.arcs
+        return float(arcs.kappa_n[self._arc]), float(arcs.kappa_b[self._arc])
 
     @property
     def _middle(self) -> Floats:
@@ -299,7 +331,7 @@ class _Piece:
     def _first_change(self, solved: Any, is_helix: NDArray[np.bool_]) -> tuple[float, int | None]:
         """Return where the first string changes its shape, and which; the upper end and None where none does."""
         y = solved.y[: is_helix.size]
-        wants = self.drag.wants_helix(self.place(solved.t), y)
+        wants = self.drag.wants_helix(self.places(solved.t), y)
         changes = ((wants >= 0.0) != is_helix[:, None]) & (y < 0.5 * math.pi)
         changes[:, 0] = False  # where it has just changed
         if not changes.any():
@@ -317,4 +349,4 @@ class _Piece:
 
         if wants(ends[0]) * wants(ends[1]) >= 0.0:  # it begins on the very edge
             return ends[1]
-        return float(brentq(wants, *ends, xtol=1e-12 * ends[1], maxiter=1000))
+        return float(brentq(wants, *ends, xtol=self.effort.tolerance * ends[1], maxiter=1000))

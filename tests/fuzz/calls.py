@@ -123,6 +123,7 @@ LEFT_OUT = {
         for kind in ("ForceRecord", "SafeBox", "Simulation", "StabilityIntervals")
     },
     "MeanForce": "constructed by Rod.mean_force",
+    "Reach": "constructed by Rod.reach",
     "VibrationTool.as_dict": "takes no argument",
     "WellPath.as_dict": "takes no argument",
     "WellPath.report": "takes no argument",
@@ -335,10 +336,13 @@ def _of_wells() -> dict[str, Call]:
     arc = {"length": 450.0, "inclination": (0.0, 1.5), "azimuth": 0.5, "depth": 900.0}
     path = fr.WellPath(**survey)
     along = {"path": path, "friction": 0.2, "motion": "pushed", "far_force": 0.1, "bottom": 1200.0, "depth": [300.0]}
-    along |= {"tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05, "helical": "energy"}
+    tool = {"tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05, "helical": "energy"}
+    along |= tool
+    pushed = {"path": path, "friction": 0.2, "far_force": 0.1, "push": 30.0, "depth": [300.0], **tool}
     return {
         "VibrationTool": Call(fr.VibrationTool, {"amplitude": 5e3, "frequency": 113.0, "above_end": 30.0}),
         "Rod.mean_force": Call(ROD.mean_force, along),
+        "Rod.reach": Call(ROD.reach, pushed),
         "WellPath": Call(fr.WellPath, survey),
         "WellPath.from_csv": Call(
             fr.WellPath.from_csv,

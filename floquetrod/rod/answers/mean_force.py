@@ -47,7 +47,7 @@ class MeanForce(Reported, ByContent):
     friction : ndarray (n,)
         Mean coefficient of friction, less where a tool shakes the string.
     speed : ndarray (n,)
-        Amplitude in m/s of the axial vibration where it exceeds the speed of sliding, else 0: it then does nothing.
+        Amplitude in m/s of the axial vibration, 0 without a tool; slower than the string slides it loses nothing.
     is_snaking : ndarray of bool (n,)
         Whether the string is buckled, into waves or a helix.
     is_helix : ndarray of bool (n,)
@@ -195,7 +195,8 @@ def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanF
     contact = lying + np.where(is_helix, drag.pipe.helix(held), 0.0)
     shaking = drag.shaking
     left = np.ones(depths.size) if shaking is None else shaking.left(wave)
-    speed = np.zeros(depths.size) if shaking is None else np.where(wave > 0.0, np.hypot(wave, shaking.speed), 0.0)
+    is_shaken = shaking is not None and bottom - shaking.above_end > path.start
+    speed = np.zeros(depths.size) if shaking is None or not is_shaken else shaking.speed_of(wave)
     return MeanForce(
         depth=depths,
         force=force,

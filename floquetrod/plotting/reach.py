@@ -1,0 +1,98 @@
+"""The drawing of how far a string can be pushed into a well."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from floquetrod.plotting import palette
+
+
+def draw_reach(found: Any) -> Any:
+    """Return a figure of a `floquetrod.Reach`: the well's section, the force at the injector, and along the string."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(7.2, 9.6), layout="constrained")
+    section, injector, force, contact, friction = figure.subplots(5, 1, height_ratios=[1.5, 1.2, 1.2, 1.0, 1.0])
+    _draw_section(found, section)
+    _draw_injector(found, injector)
+    along = found.along
+    _draw_line(force, along.depth, 1e-3 * along.force, "force in the string / kN")
+    _draw_line(contact, along.depth, 1e-3 * along.contact, "contact / (kN/m)")
+    _draw_line(friction, along.depth, along.friction, "friction")
+    friction.set_ylim(bottom=0.0)
+    if along.is_helix.any():
+        contact.set_yscale("log")
+        finite = along.contact[np.isfinite(along.contact)]
+        contact.set_ylim(bottom=1e-6 * finite.max())  # of the largest, in N: a thousandth
+    for ax in (force, contact, friction):
+        _shade(found, ax)
+    for ax in (injector, force, contact, friction):
+        ax.set_xlim(found.path.start, found.path.end)
+    force.legend(handles=_areas(found), loc="best", fontsize="x-small", frameon=False)
+    friction.set_xlabel("measured depth / m")
+    figure.suptitle(repr(found)[1:-1], fontsize="medium")
+    return figure
+
+
+def _draw_section(found: Any, ax: Any) -> None:
+    """Draw the well from its side, the string as deep as it gets."""
+    path, end = found.path, found.along.depth[-1]
+    depths = np.unique(np.concatenate([np.linspace(path.start, path.end, 400), path.stations]))
+    places = path.position(depths)
+    run = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(places[:, :2], axis=0).T))])
+    ax.plot(run, places[:, 2], color="0.7", linewidth=4.0, solid_capstyle="butt", label="well")
+    inside = depths <= end
+    ax.plot(run[inside], places[inside, 2], color="black", linewidth=1.4, label="string")
+    grows = np.interp(depths, found.along.depth, found.growth) > 0.0
+    ax.plot(*_only(run, places[:, 2], grows & inside), color=palette.UNSTABLE, linewidth=1.8, label="grows")
+    ax.set_xlabel("along the level / m")
+    ax.set_ylabel("true vertical depth / m")
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.invert_yaxis()
+    ax.legend(loc="best", fontsize="x-small", frameon=False)
+
+
+def _only(x: Any, y: Any, kept: Any) -> tuple[Any, Any]:
+    return np.where(kept, x, np.nan), np.where(kept, y, np.nan)
+
+
+def _draw_injector(found: Any, ax: Any) -> None:
+    """Draw the force at the injector over the depth of the lower end."""
+    label = "no tool" if found.tool else None
+    ax.plot(found.depth, 1e-3 * found.injector, color="black", linestyle="--" if found.tool else "-", label=label)
+    ax.axvline(found.reach, color="0.5", linestyle="--", linewidth=0.8)
+    if found.tool:
+        ax.plot(found.depth, 1e-3 * found.injector_shaken, color="black", label="with the tool")
+        ax.axvline(found.reach_shaken, color="0.5", linewidth=0.8)
+        ax.legend(loc="best", fontsize="x-small", frameon=False)
+    ax.axhline(0.0, color="0.7", linewidth=0.6)
+    ax.set_ylabel("injector / kN")
+    ax.set_xlabel("measured depth of the lower end / m")
+
+
+def _draw_line(ax: Any, depth: Any, values: Any, label: str) -> None:
+    ax.plot(depth, np.where(np.isfinite(values), values, np.nan), color="black", linewidth=1.2)
+    ax.set_ylabel(label)
+
+
+def _shade(found: Any, ax: Any) -> None:
+    """Shade where the string is buckled or unstable."""
+    from matplotlib.transforms import blended_transform_factory
+
+    over = blended_transform_factory(ax.transData, ax.transAxes)
+    along = found.along
+    for is_so, style in (
+        (along.is_snaking & ~along.is_helix, {"facecolor": palette.UNKNOWN}),
+        (along.is_helix, {"facecolor": palette.NEUTRAL}),
+        (found.growth > 0.0, {"facecolor": palette.UNSEEN}),
+    ):
+        ax.fill_between(along.depth, 0.0, 1.0, where=is_so, transform=over, linewidth=0.0, zorder=0.0, **style)
+
+
+def _areas(found: Any) -> list[Any]:
+    from matplotlib.patches import Patch
+
+    areas = [Patch(facecolor=palette.UNKNOWN, label="snaking"), Patch(facecolor=palette.NEUTRAL, label="helix")]
+    return areas + ([Patch(facecolor=palette.UNSEEN, label="waves across it grow")] if found.tool else [])

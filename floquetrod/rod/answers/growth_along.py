@@ -1,0 +1,82 @@
+"""How fast waves across a string grow while a tool shakes it, place by place along a well."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.mathieu import growth_rate
+from floquetrod.rod.model.data import RodData
+from floquetrod.wells.drag import Pipe, Place
+
+Floats = NDArray[np.float64]
+
+_TONGUES = 2  # subharmonics whose waves are looked at closely: those of a higher order hardly grow
+_CLOSE = np.linspace(-1.0, 1.0, 25)  # of a tongue's width about its middle
+_WIDE = np.linspace(0.02, 1.5, 60)  # of the wavenumber that resonates
+
+
+class Growth(NamedTuple):
+    """Fastest growth in 1/s at each place, and the half wave in m that grows so; 0 and NaN where none does."""
+
+    rate: Floats
+    half_wave: Floats
+
+
+def growth_along(rod: RodData, place: Place, force: Floats, amplitude: Floats, frequency: float) -> Growth:
+    """Return the fastest growth at places under a mean compression and a vibration in N, without friction across.
+
+    Of all wavelengths, as if force and well were the same around: the waves that grow are short against both.  A wave
+    k obeys Mathieu's equation with m beta w^2 = -(E I k^4 - F k^2 + N / R) and m alpha w^2 = dF (k^2 - N' / R), N the
+    contact force of the string that lies and N' its slope over F.
+    """
+    pipe = Pipe(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance)
+    held = pipe.lying(force, place) / pipe.clearance
+    slope = _slope(pipe, place, force) / pipe.clearance
+    scale = rod.mass_per_length * frequency**2
+    squares = _squares(pipe.rigidity, force, held, slope, amplitude, scale)
+    columns = (each[:, None] for each in (force, held, slope, amplitude))
+    mean, hold, tilt, size = columns
+    beta = -(pipe.rigidity * squares**2 - mean * squares + hold) / scale
+    alpha = size * (squares - tilt) / scale
+    limits = (np.abs(alpha) < 1e6) & (np.abs(beta) < 1e6)
+    damping = rod.damping_rate / frequency
+    rates = frequency * growth_rate(np.where(limits, alpha, 0.0), np.where(limits, beta, -0.1), damping)
+    best = np.argmax(rates, axis=1)[:, None]
+    rate = np.take_along_axis(rates, best, axis=1)[:, 0]
+    wave = np.sqrt(np.take_along_axis(squares, best, axis=1)[:, 0])
+    return Growth(rate, np.where(rate > 0.0, math.pi / wave, math.nan))
+
+
+def _slope(pipe: Pipe, place: Place, force: Floats) -> Floats:
+    """Return the change of the contact force with the compression, in 1/m."""
+    bent, side = pipe.weight * place.sine + force * place.kappa_n, force * place.kappa_b
+    contact = np.hypot(bent, side)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(contact > 0.0, (bent * place.kappa_n + side * place.kappa_b) / contact, 0.0)
+
+
+def _squares(rigidity: float, force: Floats, held: Floats, slope: Floats, amplitude: Floats, scale: float) -> Floats:
+    """Return the squares of wavenumbers to look at in 1/m^2, those about each subharmonic closely, (n, m)."""
+    found = []
+    for order in range(1, _TONGUES + 1):
+        middle = (0.5 * order) ** 2
+        for sign in (1.0, -1.0):
+            centre = _resonant(rigidity, force, held, middle * scale, sign)
+            alpha = np.abs(amplitude * (centre - slope) / scale)
+            width = np.minimum(alpha**order, 0.9 * middle)
+            shifted = (middle + _CLOSE * width[:, None]) * scale
+            found.append(_resonant(rigidity, force[:, None], held[:, None], shifted, sign))
+    top = _resonant(rigidity, force, held, scale, 1.0)
+    found.append((_WIDE * np.sqrt(top)[:, None]) ** 2)
+    return np.concatenate(found, axis=1)
+
+
+def _resonant(rigidity: float, force: Floats, held: Floats, inertia: Any, sign: float) -> Floats:
+    """Return the squares k^2 of waves whose stiffness E I k^4 - F k^2 + N / R is ``inertia``; some square for none."""
+    under = np.maximum(force**2 - 4.0 * rigidity * (held - inertia), 0.0)
+    smallest = 1e-3 * np.sqrt((np.abs(held) + np.abs(inertia)) / rigidity)
+    return np.asarray(np.maximum((force + sign * np.sqrt(under)) / (2.0 * rigidity), smallest))

@@ -1,0 +1,297 @@
+"""How far a string can be pushed into a well, and what a tool that shakes it changes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.content import ByContent
+from floquetrod._util.report import Report, Reported, Table, number
+from floquetrod.rod.answers.growth_along import growth_along
+from floquetrod.rod.answers.mean_force import ASSUMED, MeanForce, mean_force, spans
+from floquetrod.rod.loads.tool import VibrationTool
+from floquetrod.rod.model.data import RodData
+from floquetrod.units import with_unit
+from floquetrod.wells import strings
+from floquetrod.wells.drag import FAST, SOUGHT, Drag, Effort, Place
+from floquetrod.wells.path import WellPath
+
+Floats = NDArray[np.float64]
+
+_DEPTHS = 100  # where none are asked for
+_PARTS = 25  # into which what holds the depth sought is divided, so often:
+_ROUNDS = 2
+_GROWS = 1e-6  # 1/s: tenfold in a month (a choice)
+_FREQUENCIES = np.linspace(0.25, 2.0, 36)  # of the tool's, which is among them
+_PLACES = 50  # along the string, for each of them
+_ROWS = 10  # of a report
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reach(Reported, ByContent):
+    """How far a string can be pushed into a well.
+
+    Attributes
+    ----------
+    path : WellPath
+    depth : ndarray (n,)
+        Measured depths of the lower end in m.
+    injector, injector_shaken : ndarray (n,)
+        Compression in N at the upper end that it takes to push the lower end there, without and with the tool; negative
+        for a pull that holds it, infinite where it is locked up.
+    far_force, push : float
+        Compression in N at the lower end, and the greatest that the upper end can be given, infinite for any.
+    reach, reach_shaken : float
+        Measured depth in m down to which the string can be pushed, without and with the tool; that of the end of the
+        path where nothing stops it before.
+    is_stopped, is_stopped_shaken : bool
+        Whether the string is stopped before the end of the path.
+    tool : VibrationTool or None
+    along : MeanForce
+        Along the string with the tool, its lower end as deep as it gets.
+    amplitude : ndarray
+        Vibration of the force in N at the depths of ``along``.
+    growth, half_wave : ndarray
+        Fastest growth in 1/s of a wave across the string that the vibration causes there, without friction across, and
+        its half wave in m; 0 and NaN where nothing grows, and where the string is buckled by the mean force already.
+    frequencies, frequency_growth : ndarray
+        Frequencies of the tool in rad/s, and the fastest growth in 1/s with each, at fifty places along the string.
+    """
+
+    path: WellPath
+    depth: Floats
+    injector: Floats
+    injector_shaken: Floats
+    far_force: float
+    push: float
+    reach: float
+    reach_shaken: float
+    is_stopped: bool
+    is_stopped_shaken: bool
+    tool: VibrationTool | None
+    along: MeanForce
+    amplitude: Floats
+    growth: Floats
+    half_wave: Floats
+    frequencies: Floats
+    frequency_growth: Floats
+
+    @property
+    def gain(self) -> float:
+        """What the tool adds to the reach in m."""
+        return self.reach_shaken - self.reach
+
+    @property
+    def stable_frequencies(self) -> tuple[tuple[float, float], ...]:
+        """Ranges of the tool's frequency in rad/s, of those looked at, with which nothing across the string grows."""
+        return tuple(spans(self.frequencies, self.frequency_growth <= _GROWS))
+
+    def __repr__(self) -> str:
+        """Return the reach as a sentence."""
+        return f"<{self._in_words}>"
+
+    @property
+    def _in_words(self) -> str:
+        text = _reached(self.reach, self.is_stopped)
+        if self.tool is None:
+            return f"can be pushed {text}"
+        return f"can be pushed {text}, and with the tool {_reached(self.reach_shaken, self.is_stopped_shaken)}"
+
+    def report(self) -> Report:
+        """Return the reach, the buckled and the unstable depths, and the force at the upper end."""
+        along = self.along
+        lines = [
+            ("at", f"{along.depth[-1]:.6g} m, {'with the tool' if self.tool else 'pushed'}:"),
+            ("snaking", _listed(along.depth, along.is_snaking)),
+            ("helix", _listed(along.depth, along.is_helix)),
+        ]
+        if self.tool is not None:
+            lines += [("shaken", self._shaken_in_words), ("grows", self._growth_in_words)]
+        lines.append(("assumed", "; ".join(self.assumptions)))
+        return Report(self._in_words, lines, self._table)
+
+    @property
+    def assumptions(self) -> tuple[str, ...]:
+        """What is taken for granted."""
+        more = (
+            ("growth place by place, without friction across, which holds what nothing disturbs",) if self.tool else ()
+        )
+        return (*ASSUMED, *more, "linear elasticity: yielding is not checked")
+
+    @property
+    def _shaken_in_words(self) -> str:
+        least = self.along.friction.min()
+        return f"vibration of {with_unit(self.amplitude.max(), 'N', 3)} at most, friction {least:.3g} at least"
+
+    @property
+    def _growth_in_words(self) -> str:
+        grows = self.growth > _GROWS
+        if not grows.any():
+            return "nothing across the string"
+        k = int(np.argmax(self.growth))
+        stable = ", ".join(f"{a / 2 / math.pi:.3g} to {b / 2 / math.pi:.3g} Hz" for a, b in self.stable_frequencies)
+        return (
+            f"{_listed(self.along.depth, grows)}: {self.growth[k]:.3g} 1/s at {self.along.depth[k]:.6g} m in half "
+            f"waves of {self.half_wave[k]:.3g} m; nowhere with a tool of {stable or 'no frequency looked at'}"
+        )
+
+    @property
+    def _table(self) -> Table:
+        chosen = np.unique(np.linspace(0, self.depth.size - 1, _ROWS).round().astype(int))
+        columns = [("depth m", ">9"), ("injector kN", ">11")] + ([("with tool kN", ">12")] if self.tool else [])
+        forces = (self.injector, self.injector_shaken)[: len(columns) - 1]
+        return Table(columns, [[f"{self.depth[i]:.0f}", *(_kilo(each[i]) for each in forces)] for i in chosen])
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as numbers for JSON, units in the keys; None where a force is infinite."""
+        return {
+            "depth_m": self.depth.tolist(),
+            "injector_N": _numbers(self.injector),
+            "injector_with_tool_N": _numbers(self.injector_shaken) if self.tool else None,
+            "far_force_N": self.far_force,
+            "push_N": number(self.push),
+            "reach_m": self.reach,
+            "is_stopped": self.is_stopped,
+            "reach_with_tool_m": self.reach_shaken if self.tool else None,
+            "is_stopped_with_tool": self.is_stopped_shaken if self.tool else None,
+            "tool": None if self.tool is None else self.tool.as_dict(),
+            "along": self.along.as_dict(),
+            "amplitude_N": self.amplitude.tolist(),
+            "growth_per_s": self.growth.tolist(),
+            "half_wave_m": _numbers(self.half_wave),
+            "frequencies_rad_per_s": self.frequencies.tolist(),
+            "growth_by_frequency_per_s": self.frequency_growth.tolist(),
+            "assumptions": list(self.assumptions),
+        }
+
+    def plot(self) -> Any:
+        """Return a figure: the section of the well, the force at the injector, and along the string what there is."""
+        from floquetrod.plotting.reach import draw_reach
+
+        return draw_reach(self)
+
+
+def _reached(depth: float, is_stopped: bool) -> str:
+    return f"to {depth:.5g} m" if is_stopped else f"to the end of the well at {depth:.6g} m"
+
+
+def _listed(depth: Floats, is_so: NDArray[np.bool_]) -> str:
+    return ", ".join(f"{a:.4g} to {b:.4g} m" for a, b in spans(depth, is_so)) or "nowhere"
+
+
+def _kilo(force: float) -> str:
+    return f"{force / 1e3:.2f}" if math.isfinite(force) else "locked"
+
+
+def _numbers(values: Floats) -> list[float | None]:
+    return [number(each) for each in values.tolist()]
+
+
+def reach(
+    rod: RodData, drags: tuple[Drag, Drag], tool: VibrationTool | None, far_force: float, push: float, depth: Any
+) -> Reach:
+    """Return what `Rod.reach` does; ``drags`` are without and with the tool."""
+    path = drags[0].path
+    depths = _depths_of(path, depth)
+    searches = [_Search(drag, far_force, push) for drag in (drags if tool else drags[:1])]
+    forces = [each.injector(depths) for each in searches]
+    ends = [each.end(depths, force) for each, force in zip(searches, forces, strict=True)]
+    along = mean_force(searches[-1].drag, far_force, _standing_end(path, *ends[-1]), None)
+    place = Place.at(path.arcs.at(along.depth))
+    amplitude = along.speed * rod.mass_along * rod.wave_speed
+    growth, waves, frequencies, by_frequency = _growth(rod, place, along, amplitude, tool)
+    return Reach(
+        path=path,
+        depth=depths,
+        injector=forces[0],
+        injector_shaken=forces[-1],
+        far_force=far_force,
+        push=push,
+        reach=ends[0][0],
+        reach_shaken=ends[-1][0],
+        is_stopped=ends[0][1],
+        is_stopped_shaken=ends[-1][1],
+        tool=tool,
+        along=along,
+        amplitude=amplitude,
+        growth=growth,
+        half_wave=waves,
+        frequencies=frequencies,
+        frequency_growth=by_frequency,
+    )
+
+
+def _depths_of(path: WellPath, depth: Any) -> Floats:
+    """Return the measured depths of the lower end that are asked for, increasing."""
+    if depth is None:
+        return np.linspace(path.start, path.end, _DEPTHS + 1)[1:]
+    asked = np.unique(validate.array("depth", depth, least=0.0, largest=1e6))
+    if not asked.size or asked[0] < path.start + 1e-6 or asked[-1] > path.end:
+        raise validate.wrong_value(
+            "depth", f"must lie below {path.start:g} and not below {path.end:g} m, got {validate.short(depth)}"
+        )
+    return asked
+
+
+def _standing_end(path: WellPath, depth: float, is_stopped: bool) -> float:
+    """Return a depth at which the string is not locked up yet, to rounding of the search."""
+    return float(max(depth - 1e-3 * (depth - path.start), path.start + 1e-6)) if is_stopped else depth
+
+
+@dataclass(frozen=True)
+class _Search:
+    """Pushes a string as far as it goes."""
+
+    drag: Drag
+    far_force: float
+    push: float
+
+    def injector(self, depths: Floats, effort: Effort = FAST) -> Floats:
+        """Return the compression in N at the upper end of strings to measured depths."""
+        start = self.drag.path.start
+        found = strings.run(self.drag, start, depths, self.far_force, np.empty(0), effort)
+        return self.drag.force(found.y[0])
+
+    def end(self, depths: Floats, forces: Floats) -> tuple[float, bool]:
+        """Return how deep the lower end gets, and whether it is stopped there."""
+        low = self.drag.path.start
+        low, high = self._around(low, depths, forces)
+        if high is None:
+            return float(depths[-1]), False
+        for _ in range(_ROUNDS):
+            depths = np.linspace(low, high, _PARTS + 1)[1:]
+            low, found = self._around(low, depths, self.injector(depths, SOUGHT))
+            high = depths[-1] if found is None else found  # to rounding at the last of them
+        return 0.5 * (low + float(high)), True
+
+    def _around(self, low: float, depths: Floats, forces: Floats) -> tuple[float, float | None]:
+        """Return the last depth before the first at which the string is stopped, and that one, None for none."""
+        stopped = np.flatnonzero(np.isinf(forces) | (forces > self.push))
+        if not stopped.size:
+            return float(depths[-1]), None
+        first = int(stopped[0])
+        return float(depths[first - 1]) if first else low, float(depths[first])
+
+
+def _growth(
+    rod: RodData, place: Place, along: MeanForce, amplitude: Floats, tool: VibrationTool | None
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return growth and half wave along a string with a tool, and frequencies with the fastest growth for each."""
+    nothing = np.zeros(along.depth.size), np.full(along.depth.size, math.nan), np.empty(0), np.empty(0)
+    chosen = np.flatnonzero(~along.is_snaking & np.isfinite(along.force) & (amplitude > 0.0))
+    if tool is None or not chosen.size:
+        return nothing
+    at = Place(*(each[chosen] for each in place))
+    given = at, along.force[chosen], amplitude[chosen]
+    rate, half_wave = nothing[:2]
+    rate[chosen], half_wave[chosen] = growth_along(rod, *given, tool.frequency)
+    frequencies = tool.frequency * _FREQUENCIES
+    few = np.unique(np.linspace(0, chosen.size - 1, _PLACES).round().astype(int))
+    some = Place(*(each[few] for each in at)), given[1][few], given[2][few]
+    fastest = [float(growth_along(rod, *some, each).rate.max()) for each in frequencies.tolist()]
+    return rate, half_wave, frequencies, np.array(fastest)

@@ -1,0 +1,103 @@
+"""How far a string can be pushed into a well, and what a tool changes."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from floquetrod.rod.answers.growth_along import growth_along
+from floquetrod.wells.drag import Place
+
+TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
+WELL = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
+DEPTHS = np.linspace(1000.0, 4000.0, 4)
+TOOL = fr.VibrationTool("8kN", "18Hz", "30m")
+
+
+def test_in_a_level_hole_it_ends_where_lock_up_does() -> None:
+    expected = TUBING.lock_up(0.3, 900.0).length
+    path = fr.WellPath.straight(length=1.5 * expected, inclination=math.pi / 2.0)
+    found = TUBING.reach(path, 0.3, far_force=900.0, helical="always", depth=np.linspace(100.0, path.end, 10))
+    assert found.is_stopped
+    assert found.reach == pytest.approx(expected, abs=path.end / 10.0 / 25.0**2)
+
+
+def test_where_it_ends_mean_forces_become_infinite() -> None:
+    found = TUBING.reach(WELL, 0.3, depth=DEPTHS)
+    step = 1000.0 / 25.0**2
+    assert not TUBING.mean_force(WELL, 0.3, bottom=found.reach - step, depth=[0.0]).is_locked
+    assert TUBING.mean_force(WELL, 0.3, bottom=found.reach + step, depth=[0.0]).is_locked
+    for depth, force in zip(DEPTHS[:2], found.injector[:2], strict=True):
+        one = TUBING.mean_force(WELL, 0.3, bottom=depth, depth=[0.0])
+        assert force == pytest.approx(one.at_top, rel=1e-6)
+
+
+def test_a_weak_injector_stops_it_before_lock_up() -> None:
+    path = fr.WellPath.straight(length=1000.0, inclination=math.pi / 2.0)
+    found = TUBING.reach(path, 0.3, push="3kN", depth=np.linspace(100.0, 1000.0, 5))
+    assert found.reach == pytest.approx(3000.0 / (0.3 * TUBING.weight_per_length), abs=1.0)
+    assert TUBING.reach(path, 0.1, depth=[1000.0]).reach == 1000.0
+
+
+@pytest.mark.slow
+def test_a_tool_gains_reach_and_says_where_it_hurts() -> None:
+    still, shaken = TUBING.reach(WELL, 0.3, depth=DEPTHS), TUBING.reach(WELL, 0.3, tool=TOOL, depth=DEPTHS)
+    assert (still.gain, still.reach) == (0.0, shaken.reach)
+    assert shaken.gain > 50.0
+    assert (shaken.injector_shaken <= shaken.injector + 1.0).all()
+    grows = shaken.growth > 0.0
+    assert grows.any()
+    assert not (grows & shaken.along.is_snaking).any()
+    assert np.isfinite(shaken.half_wave[grows]).all()
+    assert shaken.frequency_growth[np.isclose(shaken.frequencies, TOOL.frequency)] > 0.0
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")
+def test_growth_along_a_level_hole_is_that_of_a_long_rod() -> None:
+    """Of the modes of a rod of 300 half waves, which stand close, the fastest grows like the fastest wave."""
+    rod = fr.Rod.nitinol().replace(length=60.0, damping_rate=0.3)
+    mean, amplitude = 0.2 * rod.critical_force, 0.2 * rod.critical_force
+    verdict = rod.stability(fr.AxialLoad(mean, amplitude, 150.0))
+    level = Place(np.ones(1), np.zeros(1), np.zeros(1), np.zeros(1))
+    found = growth_along(rod, level, np.array([mean]), np.array([amplitude]), 150.0)
+    assert found.rate[0] == pytest.approx(verdict.growth_rate, rel=5e-3)
+
+
+def test_in_a_bend_the_force_enters_twice() -> None:
+    """Waves as long as the bend holds down, k^2 = kappa / R, feel no vibration: there no tongue lies."""
+    rod = fr.Rod.nitinol()
+    force, size = np.array([0.2 * rod.critical_force]), np.array([0.1 * rod.critical_force])
+    bends = [Place(np.ones(1), np.zeros(1), np.array([k]), np.zeros(1)) for k in (0.0, 0.05)]
+    straight, bent = (growth_along(rod, each, force, size, 150.0) for each in bends)
+    wave = (math.pi / straight.half_wave[0]) ** 2
+    stiffer = force[0] * 0.05 / rod.radial_clearance
+    assert bent.half_wave[0] > straight.half_wave[0]  # held by the bend, so that longer waves resonate
+    assert stiffer > 0.0
+    assert bent.rate[0] < straight.rate[0] * (1.0 - 0.5 * 0.05 / rod.radial_clearance / wave)
+
+
+@pytest.mark.slow
+def test_what_it_says_and_draws() -> None:
+    tool = fr.VibrationTool("8kN", "18Hz")
+    found = TUBING.reach(WELL, [(0, 0.2), (1450, 0.3)], tool=tool, depth=DEPTHS)
+    assert repr(found).startswith("<can be pushed to 3")
+    assert "with the tool" in repr(found)
+    text = str(found.report())
+    assert "kN at most" in text
+    assert "locked" in text
+    sheet = json.loads(json.dumps(found.as_dict(), allow_nan=False))
+    assert sheet["reach_m"] == found.reach
+    assert sheet["injector_N"][-1] is None
+    assert [ax.get_ylabel() for ax in found.plot().axes][:2] == ["true vertical depth / m", "injector / kN"]
+    plain = TUBING.reach(WELL, 0.1, depth=[1000.0])
+    assert plain.as_dict()["tool"] is None
+    assert "grows" not in str(plain.report())
+
+
+def test_depths_off_the_path_are_refused() -> None:
+    with pytest.raises(ValueError, match="depth must lie below 0 and not below 4000 m"):
+        TUBING.reach(WELL, 0.3, depth=[5000.0])
