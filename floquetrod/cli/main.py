@@ -186,7 +186,10 @@ _COMMANDS = {
     "ensemble": _Command(
         "simulate a rod many times, with statistics", lambda: import_module("floquetrod.cli.ensemble")
     ),
-    "lock-up": _Command("say how far a string can be pushed", lambda: import_module("floquetrod.cli.lock_up")),
+    "lock-up": _Command(
+        "say how far a string can be pushed down a straight channel", lambda: import_module("floquetrod.cli.lock_up")
+    ),
+    "reach": _Command("say how far a string can be pushed into a well", lambda: import_module("floquetrod.cli.reach")),
     "reproduce": _Command("make the published study again", lambda: import_module("floquetrod.cli.reproduce")),
 }
 """The commands in the order of the help; what one of them imports is imported for it alone."""

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from floquetrod import units
 from floquetrod._util.arguments import argument_of, located
+from floquetrod._util.suggest import short
 from floquetrod._util.tables import require_file
 from floquetrod.rod.loads.load import KINDS, LIMITS, AxialWave, Load, Quantity, kind
+from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.rod import Rod
 
 if TYPE_CHECKING:
@@ -137,3 +139,23 @@ def named_rod(name: str, text: str, folder: Path | None = None) -> Rod:
         return Rod.from_toml(path if text else text)
     except (ValueError, OSError) as error:
         raise located(name, error) from None
+
+
+def read_tool(text: str, name: str) -> VibrationTool:
+    """Return a tool written as amplitude@frequency, or amplitude@frequency@distance from the lower end."""
+    parts = text.split("@")
+    if len(parts) not in (2, 3):
+        raise ValueError(f"{name} must be such as 5kN@18Hz or, 30 m above the end, 5kN@18Hz@30m, got {short(text)}")
+    return VibrationTool(*parts)  # type: ignore[arg-type]
+
+
+def read_friction(text: str, name: str) -> list[tuple[float | str, float]]:
+    """Return coefficients of friction written as 0.2 or, with the depths from which others hold, 0.2,0.35@1500m."""
+    pairs: list[tuple[float | str, float]] = []
+    for part in text.split(","):
+        coefficient, at, depth = part.partition("@")
+        if bool(at) != bool(pairs):
+            wanted = "0.2 or, with another from 1500 m on, 0.2,0.35@1500m"
+            raise ValueError(f"{name} must be such as {wanted}, got {short(text)}")
+        pairs.append((depth.strip() if at else 0.0, units.quantity(coefficient, name, "ratio")))
+    return pairs

@@ -1,0 +1,84 @@
+"""`floquetrod reach`: how far a string can be pushed into a well that bends, and whether a vibration tool helps."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import floquetrod as fr
+from floquetrod import units
+from floquetrod.cli.common import add_rod, check_out, describe_command, read_rod
+from floquetrod.cli.output import Output, output
+from floquetrod.cli.waiting import Waiting
+
+_HELP = """\
+Say how far a string of this section can be pushed into a well, and what a tool that shakes it changes.
+
+examples:
+  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3
+  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --tool 5kN@18Hz@30m
+  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.25,0.35@1500m --push 50kN
+  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --tool 5kN@18Hz --plot reach.png
+
+The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is pushed at the first station; its length
+and inclination follow from the well.  At lock-up no force there moves the lower end.  A tool inside the string sends
+half its force each way, one at the lower end all of it up.  Friction is less as far as the wave moves the string faster
+than it slides, --speed.  The wave may make the string unstable: the answer says where, how fast and in which half wave,
+and with which frequencies of the tool it would not.  Depths are measured depths; forces are effective, push positive.
+"""
+
+
+def add(command: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(command, _HELP, _reach)
+    command.add_argument("--well", required=True, metavar="FILE", type=Path, help="survey, a text file of columns")
+    command.add_argument("--depth-unit", metavar="UNIT", help="unit of its depths, where the headings name none")
+    command.add_argument("--angle-unit", metavar="UNIT", help="unit of its angles, where the headings name none: deg")
+    add_rod(command, classified=False)
+    command.add_argument(
+        "--friction",
+        "--mu",
+        required=True,
+        metavar="MU",
+        help="coefficient of friction with the wall, such as 0.3, or 0.2,0.35@1500m with another from 1500 m on",
+    )
+    command.add_argument(
+        "--tool", metavar="FORCE@FREQUENCY[@LENGTH]", help="a tool that shakes the string, that far above its lower end"
+    )
+    command.add_argument("--speed", default="0.05m/s", help="speed at which the string slides (default 0.05m/s)")
+    command.add_argument("--far-force", metavar="FORCE", default="0", help="force on the lower end (default: 0)")
+    command.add_argument("--push", metavar="FORCE", help="greatest force of the injector (default: any)")
+    command.add_argument(
+        "--helical",
+        choices=("energy", "loading", "alone", "always"),
+        default="energy",
+        help="when it becomes a helix: from sqrt(2), 1.83 or 2 sqrt(2) times the force at which it snakes, or always",
+    )
+    command.add_argument("--plot", metavar="FILE", type=Path, help="write a figure of all of it (.png, .pdf, .svg)")
+
+
+def _reach(options: argparse.Namespace) -> Output:
+    from floquetrod.plotting import charts
+    from floquetrod.rod import reading
+
+    if options.plot is not None:
+        check_out(options.plot, charts.FIGURES, "--plot")
+    rod = read_rod(options)
+    path = fr.WellPath.from_csv(options.well, depth_unit=options.depth_unit, angle_unit=options.angle_unit)
+    with Waiting("pushing the string"):
+        found = rod.reach(
+            path,
+            reading.read_friction(options.friction, "--friction"),
+            tool=None if options.tool is None else reading.read_tool(options.tool, "--tool"),
+            speed=units.quantity(options.speed, "--speed", "speed"),
+            far_force=_force(options.far_force, "--far-force", rod),
+            push=None if options.push is None else _force(options.push, "--push", rod),
+            helical=options.helical,
+        )
+    if options.plot is not None:
+        charts.save_figure(found.plot(), options.plot)
+    return output(options, found.report, found.as_dict)
+
+
+def _force(text: str, name: str, rod: fr.Rod) -> float:
+    return units.quantity(text, name, "force", critical_force=rod.critical_force)

@@ -1,0 +1,70 @@
+"""The command that says how far a string can be pushed into a well."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+import floquetrod as fr
+from floquetrod import cli
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+SURVEY = "MD (m),Inc (deg),Azi (deg)\n0,0,0\n1000,0,0\n1450,90,0\n2000,90,0\n"
+
+
+@pytest.fixture
+def line(tmp_path: Path) -> list[str]:
+    """Return a command about a short well."""
+    (tmp_path / "survey.csv").write_text(SURVEY, encoding="utf-8")
+    return ["reach", "--well", str(tmp_path / "survey.csv"), "--rod", str(EXAMPLES / "tubing.toml")]
+
+
+def test_it_says_what_the_library_finds(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*line, "--friction", "0.2,0.3@1450m", "--push", "1kN", "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    rod, path = fr.Rod.from_toml(EXAMPLES / "tubing.toml"), fr.WellPath.from_csv(tmp_path / "survey.csv")
+    found = rod.reach(path, [(0.0, 0.2), (1450.0, 0.3)], push=1000.0)
+    assert record["reach_m"] == found.reach
+    assert record["injector_N"] == found.injector.tolist()
+    assert cli.main([*line, "--friction", "0.2"]) == 0
+    assert capsys.readouterr().out.startswith("can be pushed to the end of the well at 2000 m")
+
+
+@pytest.mark.slow
+def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    picture = tmp_path / "reach.png"
+    assert cli.main([*line, "--friction", "0.3", "--tool", "5kN@18Hz@30m", "--plot", str(picture)]) == 0
+    assert "grows" in capsys.readouterr().out
+    assert picture.stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--friction", "0.3@1500m"], "--friction must be such as 0.2 or"),
+        (["--friction", "0.3,0.2"], "--friction must be such as 0.2 or"),
+        (["--friction", "much"], "--friction must be a number"),
+        (["--friction", "0.3", "--tool", "5kN"], "--tool must be such as 5kN@18Hz"),
+        (["--friction", "0.3", "--tool", "5kN@18m"], "frequency must be a number with"),
+        (["--friction", "0.3", "--push", "3 furlong"], "--push must be a number with"),
+        (["--friction", "0.3", "--plot", "reach.doc"], "--plot must end in"),
+        ([], "--friction"),
+    ],
+)
+def test_bad_options_are_refused(
+    options: list[str], words: str, line: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    try:
+        status = cli.main([*line, *options])
+    except SystemExit as ended:
+        status = int(ended.code or 0)
+    assert status == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_bad_survey_is_refused_with_its_line(line: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    Path(line[2]).write_text(SURVEY + "1900,90,0\n", encoding="utf-8")
+    assert cli.main([*line, "--friction", "0.3"]) == 2
+    assert "line 6: depth at station 5 must increase" in capsys.readouterr().err
