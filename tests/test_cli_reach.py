@@ -35,7 +35,7 @@ def test_it_says_what_the_library_finds(line: list[str], tmp_path: Path, capsys:
 @pytest.mark.slow
 def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     picture = tmp_path / "reach.png"
-    assert cli.main([*line, "--friction", "0.3", "--tool", "5kN@18Hz@30m", "--plot", str(picture)]) == 0
+    assert cli.main([*line, "--friction", "0.3", "--tool", "5kN@18Hz@30m", "--figure", str(picture)]) == 0
     assert "grows" in capsys.readouterr().out
     assert picture.stat().st_size > 10_000
 
@@ -49,7 +49,7 @@ def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture
         (["--friction", "0.3", "--tool", "5kN"], "--tool must be such as 5kN@18Hz"),
         (["--friction", "0.3", "--tool", "5kN@18m"], "frequency must be a number with"),
         (["--friction", "0.3", "--push", "3 furlong"], "--push must be a number with"),
-        (["--friction", "0.3", "--plot", "reach.doc"], "--plot must end in"),
+        (["--friction", "0.3", "--figure", "reach.doc"], "--figure must end in"),
         ([], "--friction"),
     ],
 )

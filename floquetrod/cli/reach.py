@@ -18,7 +18,7 @@ examples:
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --tool 5kN@18Hz@30m
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.25,0.35@1500m --push 50kN
-  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --tool 5kN@18Hz --plot reach.png
+  floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --figure reach.png
 
 The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is pushed at the first station; its length
 and inclination follow from the well.  At lock-up no force there moves the lower end.  A tool inside the string sends
@@ -46,23 +46,25 @@ def add(command: argparse.ArgumentParser) -> None:
         "--tool", metavar="FORCE@FREQUENCY[@LENGTH]", help="a tool that shakes the string, that far above its lower end"
     )
     command.add_argument("--speed", default="0.05m/s", help="speed at which the string slides (default 0.05m/s)")
-    command.add_argument("--far-force", metavar="FORCE", default="0", help="force on the lower end (default: 0)")
-    command.add_argument("--push", metavar="FORCE", help="greatest force of the injector (default: any)")
+    command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
+    command.add_argument(
+        "--push", metavar="FORCE", help="force at the upper end, such as 20kN (the greatest there is; default: any)"
+    )
     command.add_argument(
         "--helical",
         choices=("energy", "loading", "alone", "always"),
         default="energy",
         help="when it becomes a helix: from sqrt(2), 1.83 or 2 sqrt(2) times the force at which it snakes, or always",
     )
-    command.add_argument("--plot", metavar="FILE", type=Path, help="write a figure of all of it (.png, .pdf, .svg)")
+    command.add_argument("--figure", metavar="FILE", type=Path, help="write a figure of all of it (.png, .pdf, .svg)")
 
 
 def _reach(options: argparse.Namespace) -> Output:
     from floquetrod.plotting import charts
     from floquetrod.rod import reading
 
-    if options.plot is not None:
-        check_out(options.plot, charts.FIGURES, "--plot")
+    if options.figure is not None:
+        check_out(options.figure, charts.FIGURES, "--figure")
     rod = read_rod(options)
     path = fr.WellPath.from_csv(options.well, depth_unit=options.depth_unit, angle_unit=options.angle_unit)
     with Waiting("pushing the string"):
@@ -75,8 +77,8 @@ def _reach(options: argparse.Namespace) -> Output:
             push=None if options.push is None else _force(options.push, "--push", rod),
             helical=options.helical,
         )
-    if options.plot is not None:
-        charts.save_figure(found.plot(), options.plot)
+    if options.figure is not None:
+        charts.save_figure(found.plot(), options.figure)
     return output(options, found.report, found.as_dict)
 
 

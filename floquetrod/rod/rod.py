@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
@@ -302,15 +301,9 @@ class Rod(RodData):
         >>> tubing.reach(well, 0.3, depth=[2000.0, 3000.0, 4000.0])
         <can be pushed to 2937 m>
         """
-        from floquetrod.rod.answers import mean_force, reach
+        from floquetrod.rod.answers import reach
 
-        drags = [mean_force.drag_of(self, path, friction, "pushed", helical, each, speed) for each in (None, tool)]
-        forces = [
-            mean_force.force_in_newtons(n, v) for n, v in (("far_force", far_force), ("push", push)) if v is not None
-        ]
-        return reach.reach(
-            self, (drags[0], drags[1]), tool, forces[0], forces[1] if push is not None else math.inf, depth
-        )
+        return reach.reach(self, path, friction, helical, tool, speed, (far_force, push), depth)
 
     # --- verdicts ---
 

@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.mathieu import growth_rate
 from floquetrod.rod.model.data import RodData
 from floquetrod.wells.drag import Pipe, Place
 
@@ -20,7 +19,7 @@ _WIDE = np.linspace(0.02, 1.5, 60)  # of the wavenumber that resonates
 
 
 class Growth(NamedTuple):
-    """Fastest growth in 1/s at each place, and the half wave in m that grows so; 0 and NaN where none does."""
+    """Fastest growth in 1/s at each place, and the half wave in m that grows so; both 0 where none does."""
 
     rate: Floats
     half_wave: Floats
@@ -33,6 +32,8 @@ def growth_along(rod: RodData, place: Place, force: Floats, amplitude: Floats, f
     k obeys Mathieu's equation with m beta w^2 = -(E I k^4 - F k^2 + N / R) and m alpha w^2 = dF (k^2 - N' / R), N the
     contact force of the string that lies and N' its slope over F.
     """
+    from floquetrod.mathieu import growth_rate
+
     pipe = Pipe(rod.flexural_rigidity, rod.weight_per_length, rod.radial_clearance)
     held = pipe.lying(force, place) / pipe.clearance
     slope = _slope(pipe, place, force) / pipe.clearance
@@ -48,7 +49,7 @@ def growth_along(rod: RodData, place: Place, force: Floats, amplitude: Floats, f
     best = np.argmax(rates, axis=1)[:, None]
     rate = np.take_along_axis(rates, best, axis=1)[:, 0]
     wave = np.sqrt(np.take_along_axis(squares, best, axis=1)[:, 0])
-    return Growth(rate, np.where(rate > 0.0, math.pi / wave, math.nan))
+    return Growth(rate, np.where(rate > 0.0, math.pi / wave, 0.0))
 
 
 def _slope(pipe: Pipe, place: Place, force: Floats) -> Floats:

@@ -13,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.content import ByContent
 from floquetrod._util.report import Report, Reported, Table, number
 from floquetrod.rod.answers.growth_along import growth_along
-from floquetrod.rod.answers.mean_force import ASSUMED, MeanForce, mean_force, spans
+from floquetrod.rod.answers.mean_force import ASSUMED, MeanForce, drag_of, force_in_newtons, mean_force, spans
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.units import with_unit
@@ -58,7 +58,7 @@ class Reach(Reported, ByContent):
         Vibration of the force in N at the depths of ``along``.
     growth, half_wave : ndarray
         Fastest growth in 1/s of a wave across the string that the vibration causes there, without friction across, and
-        its half wave in m; 0 and NaN where nothing grows, and where the string is buckled by the mean force already.
+        its half wave in m; both 0 where nothing grows, and where the string is buckled by the mean force already.
     frequencies, frequency_growth : ndarray
         Frequencies of the tool in rad/s, and the fastest growth in 1/s with each, at fifty places along the string.
     """
@@ -163,7 +163,7 @@ class Reach(Reported, ByContent):
             "along": self.along.as_dict(),
             "amplitude_N": self.amplitude.tolist(),
             "growth_per_s": self.growth.tolist(),
-            "half_wave_m": _numbers(self.half_wave),
+            "half_wave_m": self.half_wave.tolist(),
             "frequencies_rad_per_s": self.frequencies.tolist(),
             "growth_by_frequency_per_s": self.frequency_growth.tolist(),
             "assumptions": list(self.assumptions),
@@ -193,15 +193,24 @@ def _numbers(values: Floats) -> list[float | None]:
 
 
 def reach(
-    rod: RodData, drags: tuple[Drag, Drag], tool: VibrationTool | None, far_force: float, push: float, depth: Any
+    rod: RodData,
+    path: Any,
+    friction: Any,
+    helical: Any,
+    tool: VibrationTool | None,
+    speed: Any,
+    ends: tuple[Any, Any],
+    depth: Any,
 ) -> Reach:
-    """Return what `Rod.reach` does; ``drags`` are without and with the tool."""
-    path = drags[0].path
+    """Return what `Rod.reach` does; ``ends`` are the force at the lower end and the greatest at the upper one."""
+    drags = [drag_of(rod, path, friction, "pushed", helical, each, speed) for each in (None, tool)]
+    far_force = force_in_newtons("far_force", ends[0])
+    push = math.inf if ends[1] is None else force_in_newtons("push", ends[1])
     depths = _depths_of(path, depth)
     searches = [_Search(drag, far_force, push) for drag in (drags if tool else drags[:1])]
     forces = [each.injector(depths) for each in searches]
-    ends = [each.end(depths, force) for each, force in zip(searches, forces, strict=True)]
-    along = mean_force(searches[-1].drag, far_force, _standing_end(path, *ends[-1]), None)
+    reached = [each.end(depths, force) for each, force in zip(searches, forces, strict=True)]
+    along = mean_force(searches[-1].drag, far_force, _standing_end(path, *reached[-1]), None)
     place = Place.at(path.arcs.at(along.depth))
     amplitude = along.speed * rod.mass_along * rod.wave_speed
     growth, waves, frequencies, by_frequency = _growth(rod, place, along, amplitude, tool)
@@ -212,10 +221,10 @@ def reach(
         injector_shaken=forces[-1],
         far_force=far_force,
         push=push,
-        reach=ends[0][0],
-        reach_shaken=ends[-1][0],
-        is_stopped=ends[0][1],
-        is_stopped_shaken=ends[-1][1],
+        reach=reached[0][0],
+        reach_shaken=reached[-1][0],
+        is_stopped=reached[0][1],
+        is_stopped_shaken=reached[-1][1],
         tool=tool,
         along=along,
         amplitude=amplitude,
@@ -282,7 +291,7 @@ def _growth(
     rod: RodData, place: Place, along: MeanForce, amplitude: Floats, tool: VibrationTool | None
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Return growth and half wave along a string with a tool, and frequencies with the fastest growth for each."""
-    nothing = np.zeros(along.depth.size), np.full(along.depth.size, math.nan), np.empty(0), np.empty(0)
+    nothing = np.zeros(along.depth.size), np.zeros(along.depth.size), np.empty(0), np.empty(0)
     chosen = np.flatnonzero(~along.is_snaking & np.isfinite(along.force) & (amplitude > 0.0))
     if tool is None or not chosen.size:
         return nothing
