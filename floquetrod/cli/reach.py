@@ -24,7 +24,8 @@ The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is p
 and inclination follow from the well.  At lock-up no force there moves the lower end.  A tool inside the string sends
 half its force each way, one at the lower end all of it up.  Friction is less as far as the wave moves the string faster
 than it slides, --speed.  The wave may make the string unstable: the answer says where, how fast and in which half wave,
-and with which frequencies of the tool it would not.  Depths are measured depths; forces are effective, push positive.
+and with which frequencies of the tool it would not.  Depths are measured depths;
+forces are effective, push positive; without --push the upper end is pushed as hard as it takes.
 """
 
 
@@ -47,9 +48,7 @@ def add(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("--speed", default="0.05m/s", help="speed at which the string slides (default 0.05m/s)")
     command.add_argument("--far-force", metavar="FORCE", default="0", help="mean force at the lower end (default: 0)")
-    command.add_argument(
-        "--push", metavar="FORCE", help="force at the upper end, such as 20kN (the greatest there is; default: any)"
-    )
+    command.add_argument("--push", metavar="FORCE", help="force at the upper end, such as 20kN")
     command.add_argument(
         "--helical",
         choices=("energy", "loading", "alone", "always"),
