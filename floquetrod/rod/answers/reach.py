@@ -41,26 +41,38 @@ class Reach(Reported, ByContent):
     path : WellPath
     depth : ndarray (n,)
         Measured depths of the lower end in m.
-    injector, injector_shaken : ndarray (n,)
-        Compression in N at the upper end that it takes to push the lower end there, without and with the tool; negative
-        for a pull that holds it, infinite where it is locked up.
-    far_force, push : float
-        Compression in N at the lower end, and the greatest that the upper end can be given, infinite for any.
-    reach, reach_shaken : float
-        Measured depth in m down to which the string can be pushed, without and with the tool; that of the end of the
-        path where nothing stops it before.
-    is_stopped, is_stopped_shaken : bool
-        Whether the string is stopped before the end of the path.
+    injector : ndarray (n,)
+        Compression in N at the upper end that it takes to push the lower end there, without a tool; negative for a pull
+        that holds it, infinite where it is locked up.
+    injector_shaken : ndarray (n,)
+        The same with the tool.
+    far_force : float
+        Compression in N at the lower end.
+    push : float
+        Greatest compression in N that the upper end can be given, infinite for any.
+    reach : float
+        Measured depth in m down to which the string can be pushed without a tool, that of the end of the path where
+        nothing stops it before.
+    reach_shaken : float
+        The same with the tool.
+    is_stopped : bool
+        Whether the string without a tool is stopped before the end of the path.
+    is_stopped_shaken : bool
+        The same with the tool.
     tool : VibrationTool or None
     along : MeanForce
         Along the string with the tool, its lower end as deep as it gets.
     amplitude : ndarray
         Vibration of the force in N at the depths of ``along``.
-    growth, half_wave : ndarray
-        Fastest growth in 1/s of a wave across the string that the vibration causes there, without friction across, and
-        its half wave in m; both 0 where nothing grows, and where the string is buckled by the mean force already.
-    frequencies, frequency_growth : ndarray
-        Frequencies of the tool in rad/s, and the fastest growth in 1/s with each, at fifty places along the string.
+    growth : ndarray
+        Fastest growth in 1/s there of a wave across the string that the vibration causes, without friction across; 0
+        where nothing grows, and where the string is buckled by the mean force already.
+    half_wave : ndarray
+        Half wave in m that grows so, 0 where none does.
+    frequencies : ndarray
+        Frequencies of the tool in rad/s that were looked at.
+    frequency_growth : ndarray
+        Fastest growth in 1/s with each of them, at fifty places along the string.
     """
 
     path: WellPath
