@@ -16,7 +16,6 @@ from floquetrod._util import files
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.locks import Lock, lock_beside
 from floquetrod._util.version import __version__
-from floquetrod.simulation import rod_motion
 from floquetrod.simulation.arithmetic import arithmetic
 from floquetrod.simulation.mesh import ENERGIES
 from floquetrod.simulation.result import RecordedMotion
@@ -56,17 +55,19 @@ class RunState(NamedTuple):
 class Resumable(NamedTuple):
     """What the content of a file is checked against.
 
-    The segments and time steps of the run, the steps there may be between its two records, and what computes them.
+    The segments, record type and time steps of the run, the steps there may be between its two records, and what
+    computes them.
     """
 
     segments: int
+    layout: np.dtype[np.void]
     time_steps: TimeSteps
     most_steps: int
     advance: Callable[[Any, int], Any]
 
     def record(self, arrays: Mapping[str, NDArray[Any]], name: str) -> Any:
         """Return the record of the rod that a file holds under ``name``."""
-        layout = rod_motion.rod_type(self.segments)
+        layout = self.layout
         (rod,) = np.frombuffer(bytearray(files.field(arrays, name, np.uint8, (layout.itemsize,))), dtype=layout)
         clock = float(rod["clock"][0])
         if not (0.0 <= clock <= self.time_steps.count and clock == int(clock)):

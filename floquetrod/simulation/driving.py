@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod.rod.loads.load import AxialWave, Load, with_waves
 from floquetrod.rod.model.data import RodData
 from floquetrod.simulation.rod_motion import CLAMPED, FREE, GUIDED, HINGED, End
+from floquetrod.simulation.well_axis import WellAxis
 
 MOST_HARMONICS = 100  # of a simulated force: they are summed in every step
 _ACROSS = {"hinged": HINGED, "clamped": CLAMPED, "guided": GUIDED, "free": FREE}
@@ -52,10 +54,25 @@ class Driving:
     @property
     def mean_forces(self) -> tuple[float, float]:
         """Means of the forces in N that push the upper and the lower end, or would if it were not held or moved."""
-        upper, grown = self.load.mean, self.weight_along * self.rod.length
+        upper, grown = self.load.mean, float(self._gained(1.0))
         if self.load.mean_at is not None:
-            upper -= self.load.mean_at * grown
+            upper -= float(self._gained(self.load.mean_at))
         return upper, upper + grown if self.far_force is None else self.far_force
+
+    def mean_force(self, s: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the mean force in N at places ``s`` of the rod; another force at the lower end grows evenly to it."""
+        (first, last), x = self.mean_forces, s / self.rod.length
+        return np.asarray(first + self._gained(x) + (last - first - self._gained(1.0)) * x)
+
+    def _gained(self, x: Any) -> Any:
+        """Return the weight in N that is hung along the channel between the upper end and places x = s / L."""
+        return 0.0 * x if self.load.mean_at is None else self.rod.weight_gained(x, 0.0)
+
+    @cached_property
+    def axis(self) -> WellAxis | None:
+        """The axis of the channel of a rod on a path, else None."""
+        path = self.rod.path
+        return None if path is None else WellAxis(path, self.rod.depth, self.rod.length)
 
     @property
     def far_end(self) -> str:

@@ -102,7 +102,7 @@ class Integration(Generic[Result]):
     def run(self, progress: Progress | None) -> Result:
         """Continue to the end, or to Ctrl-C; a checkpoint that cannot be written does not stop the run."""
         # Compiled before the clock starts: the first run of a process, or ever, takes no longer than the others.
-        advance = compiled_for(rod_motion.advance, self.rod, 1, self.physics)
+        advance = compiled_for(self.mesh.motion.advance, self.rod, 1, self.physics)
         compiled_for(rod_motion.drift, self.rod, 1.0, self.physics)
         started, earlier = time.monotonic(), self.seconds
         checkpoint, count = self._checkpoint, self.time_steps.count
@@ -180,15 +180,13 @@ class Integration(Generic[Result]):
         place = self.done // self.time_steps.per_frame
         rod = self.rod.copy()
         compiled(rod_motion.drift)(rod, -0.5 * self.physics.step, self.physics)
-        for axis, name in enumerate("xyz"):
-            self._frames["positions"][place, :, axis] = self.mesh.nodes(rod, name)
-            self._frames["velocities"][place, :, axis] = self.mesh.nodes(rod, f"v{name}")
+        self._frames["positions"][place], self._frames["velocities"][place] = self.mesh.recorded(rod)
         self._frames["energies"][place] = list(self.mesh.energies(rod, self.driving).values())
         self._frames["impulses"][place] = rod["impulse"][:2]
 
     def _require_sound(self) -> None:
         """Raise `SimulationDiverged` when a node has left the channel or a segment has been torn or crushed."""
-        x, y, z = (self.mesh.nodes(self.rod, axis) for axis in "xyz")
+        x, y, z = self.mesh.recorded(self.rod)[0].T
         step = self.time_steps.size
         far = float(np.hypot(y, z).max())
         stretch = float(np.abs(np.diff(x)).max()) / self.mesh.segment_length
@@ -219,9 +217,11 @@ class Integration(Generic[Result]):
         """Take over the state in a checkpoint."""
 
         def advance(rod: Any, steps: int) -> None:
-            compiled(rod_motion.advance)(rod, steps, self.physics)
+            compiled(self.mesh.motion.advance)(rod, steps, self.physics)
 
-        expected = Resumable(self.mesh.segments, self.time_steps, self._piece, advance)
+        expected = Resumable(
+            self.mesh.segments, self.mesh.motion.rod_type(self.mesh.segments), self.time_steps, self._piece, advance
+        )
         self.rod, self._before, frames, self.seconds = checkpoint.load(expected)
         for name, values in frames.items():
             self._frames[name][: len(values)] = values

@@ -13,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod.rod.model.data import RodData
 from floquetrod.simulation import rod_motion
 from floquetrod.simulation.driving import Driving
-from floquetrod.simulation.rod_motion import CLAMPED, FIRST, FREE, GUIDED, HINGED
+from floquetrod.simulation.rod_motion import CLAMPED, FIRST, FREE, GUIDED
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS
 
 ENERGIES = (
@@ -116,6 +116,11 @@ class DiscreteRod:
         return self.rod.length / self.segments
 
     @property
+    def places(self) -> NDArray[np.float64]:
+        """Distances of the nodes from the upper end along the rod in m, (nodes,)."""
+        return np.asarray(np.arange(self.segments + 1) * self.segment_length, dtype=np.float64)
+
+    @property
     def segment_mass(self) -> float:
         """Mass m_t l of a segment in motion across the channel, and of every node but those next to the ends, in kg."""
         return self.rod.mass_per_length * self.segment_length
@@ -141,6 +146,11 @@ class DiscreteRod:
         return 2.0 * self.rod.density * self.rod.second_moment * self.segment_length
 
     @property
+    def gravity_on_wall(self) -> float:
+        """Acceleration in m/s^2 with which the rod at rest presses on the wall that `indentation` is about."""
+        return self.rod.effective_gravity
+
+    @property
     def depth_at_rest(self) -> float:
         """Depth to which the weight of the rod at rest indents the floor, in m."""
         return self.indentation * self.rod.radial_clearance
@@ -150,12 +160,12 @@ class DiscreteRod:
         """Factor k of the contact's acceleration k sqrt(d) (d + C v), which at rest carries the weight."""
         gap, depth = self.rod.radial_clearance, self.depth_at_rest
         d = depth * (1.0 + 0.5 * depth / gap)  # the measure of indentation of the kernels
-        return self.rod.effective_gravity / (math.sqrt(d) * d * (1.0 + depth / gap))
+        return self.gravity_on_wall / (math.sqrt(d) * d * (1.0 + depth / gap))
 
     @property
     def contact_time(self) -> float:
         """C of the contact's acceleration in s, from the damping of small motion about rest."""
-        return 2.0 * self.contact_damping * math.sqrt(1.5 * self.depth_at_rest / self.rod.effective_gravity)
+        return 2.0 * self.contact_damping * math.sqrt(1.5 * self.depth_at_rest / self.gravity_on_wall)
 
     def physics(self, driving: Driving, step: float, friction: float = 0.0) -> rod_motion.Physics:
         """Return what the kernels compute with."""
@@ -194,7 +204,7 @@ class DiscreteRod:
         """
         rod = np.zeros(1, rod_motion.rod_type(self.segments))[0]
         n, nodes = self.segments, slice(FIRST, FIRST + self.segments + 1)
-        s = np.asarray(np.arange(n + 1) * self.segment_length, dtype=np.float64)
+        s = self.places
         rod["x"][nodes] = driving.squeezed(s)
         if friction == 0.0:
             displacement, speed = driving.wave(s)
@@ -202,25 +212,43 @@ class DiscreteRod:
             rod["vx"][nodes] = speed
         rod["z"][nodes] = -(self.rod.radial_clearance + self.depth_at_rest)
         rod["vy"][nodes] = velocities
-        rod["share"][nodes], rod["grip"][nodes] = 1.0, friction
-        for place, (end, node, inwards) in enumerate(zip(driving.ends, (FIRST, FIRST + n), (1, -1), strict=True)):
-            held = end.across in (HINGED, CLAMPED)
+        for place, (end, node) in enumerate(zip(driving.ends, (FIRST, FIRST + n), strict=True)):
+            if end.is_held:
+                rod["vy"][node] = 0.0
+            rod["anchor"][2 * place : 2 * place + 2] = rod["y"][node], rod["z"][node]
+        self._set_parts(rod, driving, friction)
+        return rod
+
+    def _set_parts(self, rod: Any, driving: Driving, friction: float) -> None:
+        """Write the parts of the rod that nodes have, their friction, and the vibration."""
+        rod["share"][FIRST : FIRST + self.segments + 1], rod["grip"][FIRST : FIRST + self.segments + 1] = 1.0, friction
+        for end, node, inwards in zip(driving.ends, (FIRST, FIRST + self.segments), (1, -1), strict=True):
             # Of the trapezoidal rule, and of Gregory's where an end may move with a slope.
             for distance, share in enumerate(_FREE_END if end.across == FREE else (0.5,)):
                 rod["share"][node + distance * inwards] = share
-            if held or end.moved:
+            if end.is_held or end.moved:
                 rod["grip"][node] = 0.0  # the kernels take its friction apart
-            if held:
-                rod["vy"][node] = 0.0
-            rod["anchor"][2 * place : 2 * place + 2] = rod["y"][node], rod["z"][node]
         for name, values in (("cosines", driving.harmonics.real), ("sines", -driving.harmonics.imag)):
             rod[name][: values.size] = values
-        return rod
 
     def nodes(self, rod: Any, name: str) -> NDArray[np.float64]:
         """Return the view of a field of a record that belongs to the nodes."""
         values: NDArray[np.float64] = rod[name][FIRST : FIRST + self.segments + 1]
         return values
+
+    @property
+    def motion(self) -> Any:
+        """The module of the kernels that move it."""
+        return rod_motion
+
+    def recorded(self, rod: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return positions and velocities of a record as frames hold them, (nodes, 3) each."""
+        places, moving = (np.stack([self.nodes(rod, p + name) for name in "xyz"], axis=1) for p in ("", "v"))
+        return places, moving
+
+    def cartesian(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the Cartesian places of nodes at recorded positions."""
+        return positions
 
     def energies(self, rod: Any, driving: Driving) -> dict[str, float]:
         """Return the energies in J of a record whose positions are those of its velocities' time; see `ENERGIES`.
@@ -242,7 +270,7 @@ class DiscreteRod:
         values = (
             0.5 * np.sum(moving) + 0.5 * np.sum(turning),
             0.5 * self.rod.axial_rigidity / length * np.sum((lengths - length) ** 2),
-            0.5 * self.rod.flexural_rigidity / length * self._curved(tangents / lengths[:, None], driving),
+            0.5 * self.rod.flexural_rigidity / length * self._curved(tangents / lengths[:, None], driving, _ALONG),
             0.5 * self.torsional_rigidity / length * np.sum(np.diff(node["angle"]) ** 2),
             self.rod.effective_gravity * np.sum(mass * (node["z"] + rest))
             - driving.gravity_along * np.sum(along * (node["x"] - straight)),
@@ -264,13 +292,15 @@ class DiscreteRod:
         found = 27.0 * np.diff(places, axis=0) - (all_places[3:] - all_places[:-3])
         return np.asarray(found / 24.0)
 
-    def _curved(self, directions: NDArray[np.float64], driving: Driving) -> float:
-        """Return the sum of squares by which bending stores energy, see `floquetrod.simulation.rod_motion`."""
-        axis = np.array([1.0, 0.0, 0.0])
+    def _curved(self, directions: NDArray[np.float64], driving: Driving, axes: NDArray[np.float64]) -> float:
+        """Return the sum of squares by which bending stores energy, see `floquetrod.simulation.rod_motion`.
+
+        ``axes`` are the directions of the channel at both ends.
+        """
         inner = np.diff(directions, axis=0)
         total = np.sum(inner**2) + np.sum(np.diff(inner, axis=0) ** 2) / 12.0
-        for end, sign, first, next_one in zip(
-            driving.ends, (1.0, -1.0), directions[[0, -1]], inner[[0, -1]], strict=True
+        for end, axis, sign, first, next_one in zip(
+            driving.ends, axes, (1.0, -1.0), directions[[0, -1]], inner[[0, -1]], strict=True
         ):
             if end.across in (CLAMPED, GUIDED):
                 bent = 2.0 * sign * (first - axis)
@@ -279,5 +309,7 @@ class DiscreteRod:
                 total += next_one @ next_one / 12.0
         return float(total)
 
+
+_ALONG = np.array([[1.0, 0.0, 0.0], [1.0, 0.0, 0.0]])  # the straight channel, at both ends
 
 _FREE_END = (3.0 / 8.0, 7.0 / 6.0, 23.0 / 24.0)

@@ -34,6 +34,7 @@ from floquetrod.simulation.resolution import GrowingWaves, ResolutionWarning, gr
 from floquetrod.simulation.result import ENDINGS, EarlyEnd, RecordedMotion
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS, Perturbation
 from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
+from floquetrod.simulation.well_mesh import RodInWell
 
 _SEGMENTS_IN_HALF_WAVE = 10  # by default, with which bending is 2e-4 too soft (a choice)
 _SEGMENTS_OF_FASTEST = 8  # in half a wave of what grows fastest, where that is shorter: 6e-4 too soft
@@ -41,13 +42,16 @@ _LEAST_HALF_WAVES = 5.0  # that are resolved so in a short rod, where the ends m
 _OFF_THE_WALL = 0.01  # of the clearance, a hundred times the depth at rest (a choice)
 _MOSTLY_ON = 0.5  # of the frames in which a rod may be off the wall for its mode to be named (a choice)
 _FORMAT = "floquetrod simulation 4"
+_SHARPEST = 0.1  # of a radian, by which a channel may bend over a radial clearance (a choice; 1e-3 is much)
+_MOST_CURVED = 1e3  # 1/m, natural curvature (a choice: beyond any)
 
 
 @dataclass(frozen=True)
 class SimulationProblem:
     """A rod, its load, and how both are simulated: everything a simulation depends on, in SI units.
 
-    The rod starts straight on the floor, squeezed by the mean force, with the speeds of ``perturbation``.  Across the
+    The rod starts on the floor, squeezed by the mean force, with the speeds of ``perturbation``; in a well it starts
+    where weight and mean force press it to the wall.  Across the
     channel its ends are held as `Rod.ends` says.  Along it both are pushed inwards by the force of an `AxialLoad`;
     under an `AxialWave` the upper one alone, with the lower one held, pushed by the mean force, or pushed alike.
     Options are given by keyword.
@@ -122,6 +126,7 @@ class SimulationProblem:
     feed_speed: float | None = None
     far_force: float | None = None
     stop_early: bool = False
+    natural_curvature: float | str = 0.0
 
     def __post_init__(self) -> None:
         """Check and clean the parameters; the derived numbers raise for what they cannot be computed from."""
@@ -141,10 +146,12 @@ class SimulationProblem:
             if self.feed_speed is None
             else validate.nonnegative("feed_speed", self.feed_speed, "in m/s"),
             "far_force": None if self.far_force is None else load_number("mean", self.far_force, "far_force"),
+            "natural_curvature": _natural_curvature(self.natural_curvature),
         }
         self._hold(cleaned)
         try:
             self._require_possible_ends()
+            self._require_possible_channel()
             self._require_small_strain()
             self._hold({"segments": self._fair_segments() if self.segments is None else self.segments})
             mesh = self.mesh
@@ -164,7 +171,11 @@ class SimulationProblem:
     @cached_property
     def mesh(self) -> DiscreteRod:
         """The discretised rod."""
-        return DiscreteRod(self.rod, **{name: getattr(self, name) for name in _OF_THE_MESH})
+        parts = {name: getattr(self, name) for name in _OF_THE_MESH}
+        axis = self.driving.axis
+        if axis is None:
+            return DiscreteRod(self.rod, **parts)
+        return RodInWell(self.rod, **parts, axis=axis, driving=self.driving, natural_curvature=self.natural_curvature)
 
     @cached_property
     def driving(self) -> Driving:
@@ -246,6 +257,8 @@ class SimulationProblem:
         plain: dict[str, Any] = json.loads(
             json.dumps(asdict(self) | {"rod": self.rod.as_dict(), "load": self._load_as_dict()})
         )
+        if self.natural_curvature == 0.0:
+            del plain["natural_curvature"]  # files of straight rods are those of versions without it
         return plain
 
     @classmethod
@@ -294,11 +307,6 @@ class SimulationProblem:
     def _require_possible_ends(self) -> None:
         """Raise ValueError for a load that cannot be simulated, and for ends that are to do two things at once."""
         load = self.load
-        if not self.rod.course.is_straight:
-            raise validate.wrong_value(
-                "rod",
-                "must lie in a straight channel to be simulated, and this one bends; give it an inclination alone",
-            )
         if len(load.harmonics) > MOST_HARMONICS:
             raise validate.wrong_value(
                 "load",
@@ -318,6 +326,30 @@ class SimulationProblem:
                 f'must not be given with a lower end that is held, got {self.far_force:g} N; take far_end="free"',
             )
 
+    def _require_possible_channel(self) -> None:
+        """Raise ValueError for a channel that cannot be simulated, and a natural shape where there is none to have."""
+        axis, natural = self.driving.axis, self.natural_curvature
+        if axis is None and self.rod.curvature != 0.0:
+            raise validate.wrong_value(
+                "rod",
+                "must have a path to be simulated where its channel bends: a curvature alone does not tell how the "
+                "inclination changes; give path=WellPath.arc(...)",
+            )
+        if natural != 0.0 and axis is None:
+            raise validate.wrong_value(
+                "natural_curvature", f"is that of a rod with a path, got {natural!r} without one"
+            )
+        if natural != 0.0 and self.feed_speed is not None:
+            raise validate.wrong_value(
+                "natural_curvature", f"must not be given with feed_speed, got {natural!r}: it would stay behind"
+            )
+        if axis is not None and axis.sharpest * self.rod.radial_clearance > _SHARPEST:
+            raise validate.wrong_value(
+                "rod",
+                f"must lie on a path that bends by less than {_SHARPEST:g} of a radian over its radial clearance "
+                f"{self.rod.radial_clearance:g} m, got {axis.sharpest:.4g} 1/m; check the units of the survey",
+            )
+
     def _require_small_strain(self) -> None:
         """Raise ValueError for a load beyond linear elasticity."""
         force = max(map(abs, self.driving.mean_forces)) + self.load.amplitude * np.abs(self.load.harmonics).sum()
@@ -328,6 +360,13 @@ class SimulationProblem:
                 f"strains the rod by {strain:.2g}, must be at most {LARGEST_STRAIN:g}; its critical force is "
                 f"{self.rod.critical_force:.4g} N: check the units",
             )
+
+
+def _natural_curvature(value: Any) -> float | str:
+    """Return the natural curvature of a rod in 1/m, or "path"."""
+    if isinstance(value, str):
+        return validate.choice("natural_curvature", value, ("path",))
+    return validate.within("natural_curvature", value, -_MOST_CURVED, _MOST_CURVED, 'give it in 1/m, or "path"')
 
 
 _OF_THE_MESH = [part.name for part in fields(DiscreteRod) if part.name != "rod"]
@@ -346,7 +385,8 @@ class Simulation(Reported, RecordedMotion):
     time : ndarray (frames,)
         In s.
     positions : ndarray (frames, nodes, 3)
-        In m; x along the channel, z up, the axis of the channel at y = z = 0.
+        In m; x along the channel, z up, the axis of the channel at y = z = 0.  In a well x is the distance along its
+        axis from the middle of the rod, z to the high side.
     velocities : ndarray (frames, nodes, 3)
         In m/s.
     end_forces : ndarray (frames, 2)
@@ -427,7 +467,7 @@ class Simulation(Reported, RecordedMotion):
 
         By the contact law of the model.  What holds an end across the channel pushes on top of that.
         """
-        return contact_force(self.problem.mesh, self.problem.driving, self.positions, self.velocities)
+        return contact_force(self.problem.mesh, self.positions, self.velocities)
 
     @cached_property
     def axial_force(self) -> NDArray[np.float64]:

@@ -69,8 +69,8 @@ def rod_type(segments: int) -> np.dtype[np.void]:
 HINGED, CLAMPED, GUIDED, FREE = range(4)
 """What an end may be across the channel."""
 
-_TINY = 1e-300  # keeps 0 / 0 out of quotients whose value is not used
-_NEAR, _FAR = 27.0 / 24.0, 1.0 / 24.0
+TINY = 1e-300  # keeps 0 / 0 out of quotients whose value is not used
+NEAR, FAR = 27.0 / 24.0, 1.0 / 24.0
 
 # Of a clamped end, where K_0 = 2 (d_0 - e): the energy of its last nodes, A_00 K_0^2 + 2 A_01 K_0 K_1 + A_11 K_1^2 and
 # so on in place of the bulk's, integrates the square of the curvature to fourth order (docs/theory/simulator.md).
@@ -86,6 +86,11 @@ class End(NamedTuple):
     speed: float  # the speed, in the direction of a push
     mean: float  # mean of the force that pushes it
     drive: float  # the part of the vibration that pushes it, 0 or 1
+
+    @property
+    def is_held(self) -> bool:
+        """Whether it is held across the channel."""
+        return self.across in (HINGED, CLAMPED)
 
 
 class Physics(NamedTuple):
@@ -139,7 +144,7 @@ def _ghost_node(even: bool, v: Any, a: int, inward: int) -> None:
 
 
 @kernel
-def _ghost_direction(condition: int, d: Any, a: int, inward: int, axis: float) -> None:
+def ghost_direction(condition: int, d: Any, a: int, inward: int, axis: float) -> None:
     """Write both ghosts of a component of the directions beyond the end segment ``a``.
 
     With these ghosts the stencil of the bulk gives the gradient of the energy up to the end.  ``axis`` is this
@@ -161,7 +166,7 @@ def _ghost_direction(condition: int, d: Any, a: int, inward: int, axis: float) -
 
 
 @kernel
-def _ghost_force(even: bool, f: Any, a: int, inward: int, push: float) -> None:
+def ghost_force(even: bool, f: Any, a: int, inward: int, push: float) -> None:
     """Write both ghosts of a component of the forces beyond the end segment ``a``, with a push on the end node.
 
     They pass on to the end nodes what the ghost node would receive, which is ``even`` about the end or odd.
@@ -174,16 +179,16 @@ def _ghost_force(even: bool, f: Any, a: int, inward: int, push: float) -> None:
 
 
 @kernel
-def _directions(rod: Any, with_friction: Literal[True, False], p: Any) -> None:
+def directions(rod: Any, with_friction: Literal[True, False], p: Any) -> None:
     """Write direction, length and tension of every segment."""
     x, y, z = rod["x"], rod["y"], rod["z"]
     d1, d2, d3, inverse, tension = rod["d1"], rod["d2"], rod["d3"], rod["inverse"], rod["tension"]
     angle, torque = rod["angle"], rod["torque"]
     stretch, rest, twist = p.stretch / p.segment, p.stretch, p.twist / p.segment
     for i in range(p.segments):
-        t1 = _NEAR * (x[i + 3] - x[i + 2]) - _FAR * (x[i + 4] - x[i + 1])
-        t2 = _NEAR * (y[i + 3] - y[i + 2]) - _FAR * (y[i + 4] - y[i + 1])
-        t3 = _NEAR * (z[i + 3] - z[i + 2]) - _FAR * (z[i + 4] - z[i + 1])
+        t1 = NEAR * (x[i + 3] - x[i + 2]) - FAR * (x[i + 4] - x[i + 1])
+        t2 = NEAR * (y[i + 3] - y[i + 2]) - FAR * (y[i + 4] - y[i + 1])
+        t3 = NEAR * (z[i + 3] - z[i + 2]) - FAR * (z[i + 4] - z[i + 1])
         length = math.sqrt(t1 * t1 + t2 * t2 + t3 * t3)
         one_over = 1.0 / length
         d1[i + 2], d2[i + 2], d3[i + 2] = one_over * t1, one_over * t2, one_over * t3
@@ -229,9 +234,9 @@ def frictionless_step(rod: Any, p: Any) -> None:
         push = max(root * (depth + damping * before), 0.0)
         one_over = 1.0 / share[i + 2]
         kick = across * one_over
-        u = vx[i + 2] + along * one_over * (_NEAR * (f1[i + 2] - f1[i + 1]) - _FAR * (f1[i + 3] - f1[i])) + slide
-        v = vy[i + 2] + kick * (_NEAR * (f2[i + 2] - f2[i + 1]) - _FAR * (f2[i + 3] - f2[i])) - push * ny
-        w = vz[i + 2] + kick * (_NEAR * (f3[i + 2] - f3[i + 1]) - _FAR * (f3[i + 3] - f3[i])) - push * nz - fall
+        u = vx[i + 2] + along * one_over * (NEAR * (f1[i + 2] - f1[i + 1]) - FAR * (f1[i + 3] - f1[i])) + slide
+        v = vy[i + 2] + kick * (NEAR * (f2[i + 2] - f2[i + 1]) - FAR * (f2[i + 3] - f2[i])) - push * ny
+        w = vz[i + 2] + kick * (NEAR * (f3[i + 2] - f3[i + 1]) - FAR * (f3[i + 3] - f3[i])) - push * nz - fall
         lost[i + 2] += 0.5 * (push - root * depth) * (before + v * ny + w * nz)
         vx[i + 2], vy[i + 2], vz[i + 2] = u, v, w
         x[i + 2] += step * u
@@ -271,9 +276,9 @@ def _frictional_step(rod: Any, p: Any) -> None:
         old_x, old_t = vx[i + 2] + surface * roll_x, vy[i + 2] * e + vz[i + 2] * f + surface * roll_t
         one_over = 1.0 / share[i + 2]
         kick = across * one_over
-        u = vx[i + 2] + along * one_over * (_NEAR * (f1[i + 2] - f1[i + 1]) - _FAR * (f1[i + 3] - f1[i])) + slide
-        v = vy[i + 2] + kick * (_NEAR * (f2[i + 2] - f2[i + 1]) - _FAR * (f2[i + 3] - f2[i])) - push * ny
-        w = vz[i + 2] + kick * (_NEAR * (f3[i + 2] - f3[i + 1]) - _FAR * (f3[i + 3] - f3[i])) - push * nz - fall
+        u = vx[i + 2] + along * one_over * (NEAR * (f1[i + 2] - f1[i + 1]) - FAR * (f1[i + 3] - f1[i])) + slide
+        v = vy[i + 2] + kick * (NEAR * (f2[i + 2] - f2[i + 1]) - FAR * (f2[i + 3] - f2[i])) - push * ny
+        w = vz[i + 2] + kick * (NEAR * (f3[i + 2] - f3[i + 1]) - FAR * (f3[i + 3] - f3[i])) - push * nz - fall
         turn = spin[i + 2] + turning * one_over * (torque[i + 2] - torque[i + 1])
         lost[i + 2] += 0.5 * (push - root * depth) * (before + v * ny + w * nz)
         # Speed of the surface, and how an impulse changes it.
@@ -289,7 +294,7 @@ def _frictional_step(rod: Any, p: Any) -> None:
         square, squared_limit = free_x * free_x + free_t * free_t, limit * limit
         weight = 3.0 * c * squared_limit
         slip_x, slip_t = free_x * square + weight * opposed_x, free_t * square + weight * opposed_t
-        scale = limit / (math.sqrt(slip_x * slip_x + slip_t * slip_t) + _TINY)
+        scale = limit / (math.sqrt(slip_x * slip_x + slip_t * slip_t) + TINY)
         sticks = share_x * share_x + share_t * share_t <= squared_limit
         px = -share_x if sticks else -scale * slip_x
         pt = -share_t if sticks else -scale * slip_t
@@ -316,18 +321,18 @@ def _ghost_nodes(rod: Any, across: int, a: int, inward: int) -> None:
 @kernel
 def _ghost_directions(rod: Any, across: int, a: int, inward: int) -> None:
     """Write the ghosts of the directions beyond the end segment ``a``."""
-    _ghost_direction(across, rod["d1"], a, inward, 1.0)
-    _ghost_direction(across, rod["d2"], a, inward, 0.0)
-    _ghost_direction(across, rod["d3"], a, inward, 0.0)
+    ghost_direction(across, rod["d1"], a, inward, 1.0)
+    ghost_direction(across, rod["d2"], a, inward, 0.0)
+    ghost_direction(across, rod["d3"], a, inward, 0.0)
 
 
 @kernel
 def _ghost_forces(rod: Any, across: int, a: int, inward: int, push: float) -> None:
     """Write the ghosts of the forces beyond the end segment ``a``, with the force that pushes the end along."""
     even = across in (CLAMPED, GUIDED)
-    _ghost_force(False, rod["f1"], a, inward, push)
-    _ghost_force(even, rod["f2"], a, inward, 0.0)
-    _ghost_force(even, rod["f3"], a, inward, 0.0)
+    ghost_force(False, rod["f1"], a, inward, push)
+    ghost_force(even, rod["f2"], a, inward, 0.0)
+    ghost_force(even, rod["f3"], a, inward, 0.0)
 
 
 @kernel
@@ -355,12 +360,12 @@ def _brake_end(rod: Any, end: Any, i: int, push: float, limit: float, before: An
         return
     x, y, z, vx, vy, vz = rod["x"], rod["y"], rod["z"], rod["vx"], rod["vy"], rod["vz"]
     lighter = p.mass / p.mass_along  # speed along that an impulse gives, over that across
-    distance = math.sqrt(y[i] * y[i] + z[i] * z[i]) + _TINY
+    distance = math.sqrt(y[i] * y[i] + z[i] * z[i]) + TINY
     e, f = -z[i] / distance, y[i] / distance
     around = 0.0 if held else vy[i] * e + vz[i] * f
     if end.moved:
         along = push * end.speed
-        part = limit / (math.sqrt(along * along + around * around) + _TINY)
+        part = limit / (math.sqrt(along * along + around * around) + TINY)
         px, pt = -part * along, -min(part, 1.0) * around
     else:
         px, pt = -min(max(vx[i] / lighter, -limit), limit), 0.0
@@ -432,10 +437,10 @@ def gradient(rod: Any, p: Any, upper: float, lower: float) -> None:
     _ghost_nodes(rod, p.upper.across, a, 1)
     _ghost_nodes(rod, p.lower.across, b, -1)
     if p.friction > 0.0:
-        _directions(rod, True, p)
+        directions(rod, True, p)
         rod["torque"][a - 1] = rod["torque"][b] = 0.0
     else:
-        _directions(rod, False, p)
+        directions(rod, False, p)
     _ghost_directions(rod, p.upper.across, a, 1)
     _ghost_directions(rod, p.lower.across, b - 1, -1)
     _forces(rod, p)

@@ -27,6 +27,7 @@ def simulate(
     feed_speed: float | None = None,
     far_force: float | None = None,
     stop_early: bool = False,
+    natural_curvature: float | str = SimulationProblem.natural_curvature,
     progress: Progress | None = None,
     checkpoint: str | Path | None = None,
 ) -> Simulation:
@@ -62,6 +63,8 @@ def simulate(
         Mean effective compression at the lower end in N, where that end is pushed; by default the mean of the load.
     stop_early : bool
         Whether the run ends once the rod has buckled, or friction holds it at rest.
+    natural_curvature : float or "path"
+        Curvature in 1/m of a rod with a path when no load acts; "path" is that of the well.
     progress : callable, optional
         Called with the numbers of steps done and to do.
     checkpoint : path, optional
@@ -95,5 +98,6 @@ def simulate(
         feed_speed=feed_speed,
         far_force=far_force,
         stop_early=stop_early,
+        natural_curvature=natural_curvature,
     )
     return problem.run(progress, checkpoint)
