@@ -364,6 +364,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "feed_speed": None,
             "far_force": None,
             "stop_early": False,
+            "natural_curvature": 0.0,
         },
     ),
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -177,6 +178,23 @@ def test_a_run_does_not_depend_on_how_it_is_divided() -> None:
     assert whole.rod.tobytes() == parts.rod.tobytes()
 
 
+def test_resumes_saves_and_loads_to_the_bit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("floquetrod.simulation.integration._ELEMENT_STEPS", 1000 * 60)
+    problem = fr.SimulationProblem(
+        on_path(SURVEY), push(0.5, 0.3, 130.0), duration=0.03, segments=60, frames=3, natural_curvature="path"
+    )
+
+    def stop(done: int, of: int) -> None:
+        if done >= 2000:
+            raise KeyboardInterrupt
+
+    whole = problem.run()
+    assert not problem.run(stop, checkpoint=tmp_path / "run.ckpt").complete
+    resumed = problem.run(checkpoint=tmp_path / "run.ckpt")
+    assert resumed == whole
+    assert fr.Simulation.load(whole.save(tmp_path / "run.npz")) == whole
+
+
 # --- rest ---
 
 
@@ -230,6 +248,17 @@ def test_it_does_not_matter_where_north_is() -> None:
     np.testing.assert_allclose(one.positions, other.positions, rtol=0.0, atol=1e-10)
 
 
+def test_it_does_not_matter_how_far_down_it_lies() -> None:
+    angles, turns = np.radians([70.0, 85.0]), np.radians([20.0, 30.0])
+    near = WellPath([0.0, ROD.length], angles, turns)
+    far = WellPath([0.0, 2000.0, 6000.0, 6000.0 + ROD.length], [0.0, *angles[[0, 0]], angles[1]], turns[[0, 0, 0, 1]])
+    one, other = (
+        simulated(on_path(path, depth), push(0.5, 0.3, 130.0), 0.01, perturbation=KICK)
+        for path, depth in ((near, 0.0), (far, 6000.0))
+    )
+    np.testing.assert_allclose(one.positions, other.positions, rtol=0.0, atol=1e-9)
+
+
 # --- friction ---
 
 
@@ -256,6 +285,34 @@ def test_friction_on_the_way_down_takes_what_the_closed_form_says(upper: float, 
     run = simulated(soft, load, 1.0, friction=0.3, feed_speed=0.02, far_force=0.4, segments=270, frames=101)
     assert abs(run.end_forces[50:, 0].mean() / expected - 1.0) < 5e-3
     assert run.positions[-1, 0, 0] - run.positions[0, 0, 0] == pytest.approx(0.02, rel=2e-3)
+
+
+# --- what is refused ---
+
+
+@pytest.mark.parametrize(
+    ("rod", "options", "message"),
+    [
+        (ROD, {"natural_curvature": 0.1}, r"natural_curvature is that of a rod with a path, got 0\.1 without one"),
+        (ROD.replace(curvature=0.01), {}, r"rod must have a path to be simulated .* give path=WellPath\.arc"),
+        (None, {"natural_curvature": "well"}, "natural_curvature must be one of 'path', got 'well'"),
+        (None, {"natural_curvature": 1e4}, r"natural_curvature .*1/m, or \"path\""),
+        (
+            None,
+            {"natural_curvature": "path", "feed_speed": 0.01},
+            "natural_curvature must not be given with feed_speed",
+        ),
+    ],
+)
+def test_refuses_what_cannot_be(rod: fr.Rod | None, options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        simulated(rod or on_path(SURVEY), push(0.1), 0.01, **options)
+
+
+def test_refuses_a_path_that_bends_within_a_clearance() -> None:
+    sharp = on_path(bend(60.0, 90.0), rod=ROD.replace(channel_radius=1.0))
+    with pytest.raises(ValueError, match=r"rod must lie on a path that bends by less than 0\.1 of a radian"):
+        simulated(sharp, push(0.0), 0.01)
 
 
 # --- growth ---
@@ -359,6 +416,17 @@ def simulated_growth(
 def test_coupled_modes_are_those_of_the_record(angles: Any, numbers: Any, rate: float) -> None:
     # 5.8427648, 5.2757810 and 5.1337707 1/s without the axial wave.
     assert coupled_growth(*angles, *numbers, "hinged") == pytest.approx(rate, rel=1e-7)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("angles", "numbers"), LOADS[:3])
+def test_the_growth_rate_that_a_run_tells_holds_its_error(angles: Any, numbers: Any) -> None:
+    period, load, rod = 2.0 * math.pi / numbers[2], push(*numbers), on_path(bend(*angles))
+    wave = fr.AxialWave(load.mean, load.amplitude, load.frequency, mean_at=0.5, far_end="driven")
+    kick = fr.Perturbation.random(1e-7, seed=1)
+    options = {"perturbation": kick, "segments": None, "frames": 40 * 16 + 1, "natural_curvature": "path"}
+    fit = simulated(rod, load, 40 * period, **options).growth_rate()
+    assert abs(fit.rate - rod.stability(wave).growth_rate) < fit.error < 0.01
 
 
 @pytest.mark.slow

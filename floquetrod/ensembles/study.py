@@ -54,7 +54,7 @@ _OF_RUNS = {**units.ROD_KINDS, **KINDS, **_RUN, "mean_at": "ratio", "axial_dampi
 """Kinds of the quantities that may be varied."""
 
 _ARGUMENTS = {
-    **dict.fromkeys((*_RUN, *_COUNTS, "stop_early"), "run"),
+    **dict.fromkeys((*_RUN, *_COUNTS, "stop_early", "natural_curvature"), "run"),
     "rod": "rod",
     "load": "load",
     "perturbation": "start",
@@ -278,13 +278,15 @@ def _ends(varied: Any, own: float) -> list[float]:
 
 def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
     """Return the options of the problem in the table [run]."""
-    require_known(table, (*_RUN, *_COUNTS, "stop_early"))
+    require_known(table, (*_RUN, *_COUNTS, "stop_early", "natural_curvature"))
     found: dict[str, Any] = {}
     for key, value in table.items():
         if key in _RUN:
             found[key] = _quantity(key, value, rod)
         elif key in _COUNTS:
             found[key] = validate.integer(key, value, 2)
+        elif key == "natural_curvature":
+            found[key] = value  # the problem checks it
         else:
             found[key] = validate.flag(key, value)
     return found
