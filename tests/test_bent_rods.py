@@ -425,15 +425,15 @@ def test_what_is_no_rod_on_a_path_is_refused(changes: dict[str, Any], message: s
         fr.Rod(68e9, 6500.0, 0.8e-3, 3.1, 4.7e-3, inclination=1.0, path=fr.WellPath([0.0, 9.0], [1.0, 1.02]))
 
 
-def test_what_bends_is_not_simulated_or_kicked() -> None:
+def test_what_bends_is_not_kicked_and_without_a_path_not_simulated() -> None:
     load = fr.AxialLoad(0.2, 0.1, 150.0)
     for rod in (BUILDS, arc(80.0, 90.0)):
         with pytest.raises(ValueError, match="friction"):
             rod.stability(load, friction=0.1, kick=0.05)
         with pytest.raises(ValueError, match="bends"):
             rod.lock_up(0.2)
-        with pytest.raises(ValueError, match="bends"):
-            fr.simulate(rod, load, duration=0.1)
+    with pytest.raises(ValueError, match="rod must have a path to be simulated where its channel bends"):
+        fr.simulate(BUILDS, load, duration=0.1)
     with pytest.raises(ValueError, match="friction"):
         BUILDS.verdicts(0.2, 0.1, 150.0, friction=0.1, kick=0.05)
 
