@@ -261,7 +261,7 @@ class Rod(RodData):
         >>> well = fr.WellPath([0.0, 1000.0, 1450.0, 3000.0], ["0deg", "0deg", "90deg", "90deg"])
         >>> tubing = Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
         >>> tubing.mean_force(well, 0.2)
-        <string pushed to 3000 m needs 25.9 kN of pull at 0 m>
+        <string pushed to 3000 m needs 32.27 kN of pull at 0 m>
         """
         from floquetrod.rod.answers import mean_force
 
