@@ -253,7 +253,7 @@ class Rod(RodData):
         Notes
         -----
         dF/ds = w cos(phi) - mu N with the contact force N = hypot(w sin(phi) + F kappa_n, F kappa_b), plus
-        F^2 R / (4 E I) of a helix (docs/theory/wells.md).
+        F^2 R / (4 E I) of a helix (docs/theory/mean_force.md).
 
         Examples
         --------

@@ -30,7 +30,7 @@ HELICAL = {"energy": 2.0, "loading": 1.83**2, "alone": 8.0, "always": 0.0}
 
 In a straight well sqrt(2) (Chen, Lin & Cheatham 1990), 1.83 (Wu & Juvkam-Wold 1993) and 2 sqrt(2) (Mitchell 1996) times
 the critical force; or wherever the string is compressed.  The first follows by energy in bent wells too
-(docs/theory/wells.md), the other two are taken to keep their ratio to it.
+(docs/theory/mean_force.md), the other two are taken to keep their ratio to it.
 """
 
 

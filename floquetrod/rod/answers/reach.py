@@ -130,9 +130,8 @@ class Reach(Reported, ByContent):
     @property
     def assumptions(self) -> tuple[str, ...]:
         """What is taken for granted."""
-        more = (
-            ("growth place by place, without friction across, which holds what nothing disturbs",) if self.tool else ()
-        )
+        local = "growth place by place, at the rod's damping rate, without friction across, which holds what is at rest"
+        more = (local,) if self.tool else ()
         return (*ASSUMED, *more, "linear elasticity: yielding is not checked")
 
     @property
@@ -147,9 +146,10 @@ class Reach(Reported, ByContent):
             return "nothing across the string"
         k = int(np.argmax(self.growth))
         stable = ", ".join(f"{a / 2 / math.pi:.3g} to {b / 2 / math.pi:.3g} Hz" for a, b in self.stable_frequencies)
+        other = f"nowhere with a tool of {stable}" if stable else "somewhere with every frequency that was looked at"
         return (
             f"{_listed(self.along.depth, grows)}: {self.growth[k]:.3g} 1/s at {self.along.depth[k]:.6g} m in half "
-            f"waves of {self.half_wave[k]:.3g} m; nowhere with a tool of {stable or 'no frequency looked at'}"
+            f"waves of {self.half_wave[k]:.3g} m; {other}"
         )
 
     @property
