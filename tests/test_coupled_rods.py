@@ -418,7 +418,7 @@ def test_growth_beside_which_others_are_lost_is_a_lower_bound(tolerance: float, 
         coupled_stability._WithModes(SimpleNamespace(count=count), None, whole, least, math.inf)  # type: ignore[arg-type]
         for count, least in ((18, 1.9), (22, 1.95))
     )
-    found, error, note = trial.concluded(fewer, tolerance)
+    found, error, note = trial.concluded([fewer], tolerance)
     assert (found, error) == (status, math.inf)
     assert note == (
         "growth is at least 1.95 1/s, beside which slower solutions are lost in rounding"

@@ -49,7 +49,7 @@ def rods_and_loads(rod: fr.Rod, given: dict[str, Any], levels: NDArray[np.float6
 
 def buckling_force(modulus: float, length: float = ROD.length) -> float:
     """Return the smallest constant force that buckles a mode of the reference rod of another modulus."""
-    c1, c2, squared, _ = ModeConstants.of(ROD.parameters | {"youngs_modulus": modulus, "length": length})
+    c1, c2, squared, *_ = ModeConstants.of(ROD.parameters | {"youngs_modulus": modulus, "length": length})
     modes = np.arange(1.0, 40.0)
     return float(np.min((c1 * modes**4 + squared) / (c2 * modes**2)))
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from floquetrod._util.arguments import wrong_value
 from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.content import ByContent
 from floquetrod.rod.loads import axial
 from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.model.constants import ModeConstants, mode_constants
@@ -32,8 +33,8 @@ class LeavesWallError(ValueError):
     """A string leaves the wall that it lies on, or lies on both sides of it, so that no linear verdict holds."""
 
 
-@dataclass(frozen=True)
-class Lying:
+@dataclass(frozen=True, eq=False)
+class Lying(ByContent):
     """A string at rest on the wall at some places.
 
     Attributes
