@@ -265,6 +265,7 @@ def test_pieces_of_a_search_join(few: list[np.ndarray], monkeypatch: pytest.Monk
     assert found.not_computed == whole.not_computed == ()
 
 
+@pytest.mark.slow
 def test_ranges_go_round_a_damped_resonance_that_needs_too_many_modes(
     few: list[np.ndarray], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -57,6 +57,7 @@ def test_mixed_unstable_and_undecided_exit_statuses(capsys: pytest.CaptureFixtur
     assert [example["status"] for example in record["examples"]] == ["stable", "unstable"]
 
 
+@pytest.mark.slow
 def test_the_largest_safe_box(capsys: pytest.CaptureFixture[str]) -> None:
     status, text, _ = run(capsys, *POINT, "--largest")
     assert status == 0

@@ -293,6 +293,7 @@ def test_maps_say_what_kind_of_load_they_are_of(tmp_path: Path, capsys: pytest.C
 # --- refusals --------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_noise_of_a_record_counts_in_the_terminal_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rod = fr.Rod.nitinol().replace(damping_rate=0.3)
     shape = fr.AxialLoad(0.3 * rod.critical_force, 1.0, 150.0, waveform=(-1j, 0.5))

@@ -82,6 +82,7 @@ def test_all_streams_closed() -> None:
     assert run(f"{CHECK} <&- >&- 2>&-") == (2, "", "")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="needs /dev/full")
 def test_a_full_disk_is_an_error_on_one_line() -> None:
     message = "floquetrod: error: the answer could not be written: No space left on device\n"

@@ -247,6 +247,7 @@ def once():
 """
 
 
+@pytest.mark.slow
 @needs_jit
 def test_ctrl_c_where_numba_forgets_exceptions_is_heard_and_compiling_can_be_tried_again(tmp_path: Path) -> None:
     # LLVM calls this hook through ctypes, which prints an exception and goes on.
@@ -367,6 +368,7 @@ def test_other_threads_leave_signals_alone() -> None:
 # --- threads and forks -----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @needs_jit
 def test_many_threads_that_ask_first_get_one_compilation(tmp_path: Path) -> None:
     program = (

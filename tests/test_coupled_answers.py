@@ -618,6 +618,7 @@ def test_the_shape_belongs_to_the_fastest_solution(kind: str) -> None:
     assert envelope == pytest.approx(largest / largest.max(), abs=5e-3)
 
 
+@pytest.mark.slow
 def test_a_verdict_can_be_kept_and_compared() -> None:
     found = verdict()
     again = pickle.loads(pickle.dumps(found))

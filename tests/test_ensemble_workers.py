@@ -46,6 +46,7 @@ def test_bits_do_not_depend_on_who_makes_the_runs(workers: int | None) -> None:
     assert_same(fr.ensemble(PROBLEM, OVER, workers=workers, summary=depth), undisturbed(depth))
 
 
+@pytest.mark.slow
 def test_a_process_pool_that_is_given_is_not_shut_down() -> None:
     with ProcessPoolExecutor(1, get_context("spawn")) as pool:
         assert_same(fr.ensemble(PROBLEM, OVER, executor=pool), undisturbed())

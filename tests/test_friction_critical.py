@@ -94,6 +94,7 @@ def test_slow_growth_is_no_excuse() -> None:
     assert (result.none, result.below_the_proved) == (0, 0)
 
 
+@pytest.mark.slow
 def test_some_smallest_kicks_against_scans() -> None:
     result = scan(unstable_points(np.random.default_rng(5), 40), 200)
     assert result.too_high <= 1

@@ -663,6 +663,7 @@ def cut(rng: np.random.Generator, period: float, count: int) -> list[float]:
     return np.diff([0.0, *edges, period]).tolist()
 
 
+@pytest.mark.slow
 def test_a_series_cut_into_pieces_is_the_same_system(rng: np.random.Generator) -> None:
     """One path has the period as its piece, the other breaks anywhere: maps, many digits, proofs and solutions."""
     for _ in range(depth(60, 5)):

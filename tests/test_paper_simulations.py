@@ -66,6 +66,7 @@ def test_draws_that_end_as_expected_are_counted() -> None:
     assert first.agree == 3
 
 
+@pytest.mark.slow
 def test_everything_is_simulated_and_told(made: tuple[SimulationStudy, list[str]]) -> None:
     study, said = made
     assert (len(study.figure_4), len(study.figure_7), len(study.redrawn), len(study.draws)) == (10, 30, 5, 4)

@@ -72,6 +72,7 @@ def test_a_pickled_problem_holds_its_parameters_alone() -> None:
     assert twin.time_steps == PROBLEM.time_steps
 
 
+@pytest.mark.slow
 def test_another_process_makes_the_same_simulation() -> None:
     with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
         there = pool.submit(PROBLEM.run)

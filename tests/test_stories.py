@@ -184,6 +184,7 @@ def test_the_edge_of_the_damped_ion_trap(ran: Ran) -> None:
 # --- a recorded force -------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_record_is_what_was_recorded(ran: Ran) -> None:
     names, _ = ran("recorded_force")
     record = names["record"]

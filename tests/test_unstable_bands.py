@@ -61,6 +61,7 @@ QUESTIONS = given(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=depth(40, 4), deadline=None)
 @QUESTIONS
 def test_nothing_grows_faster_than_said(
