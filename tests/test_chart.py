@@ -65,7 +65,7 @@ def test_an_equation_chart_is_its_array_of_verdicts() -> None:
         (lambda a, b, c: fr.Hill(b, sines=(a, 0.4 * a), cosines=(0.2 * a,), damping=c), "Hill's equation"),
     ],
 )
-@pytest.mark.parametrize("damping", [0.0, 0.1])
+@pytest.mark.parametrize("damping", [0.1, pytest.param(0.0, marks=pytest.mark.slow)])
 def test_charts_of_other_equations(
     family: Callable[[float, float, float], Equation], kind: str, damping: float
 ) -> None:

@@ -341,6 +341,7 @@ def test_the_latest_job_replaces_the_others() -> None:
     background.stop()
 
 
+@pytest.mark.slow
 def test_the_picture_without_a_window(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "explorer.png"
     load = ["--mean", "0.2Fcr", "--amplitude", "0.2Fcr", "--frequency", "150"]

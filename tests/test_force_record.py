@@ -171,7 +171,7 @@ def wandering(case: Made, rng: np.random.Generator) -> tuple[Any, Any]:
     return case.time, case.force + 0.05 * walk / walk.std()
 
 
-@pytest.mark.parametrize("change", [gap, nan, uneven, trend, late, wandering])
+@pytest.mark.parametrize("change", [gap, nan, uneven, trend, late, wandering][:: depth(1, 2)])
 def test_imperfect_records(change: Callable[..., tuple[Any, Any]], rng: np.random.Generator) -> None:
     assert sum(right(fr.ForceRecord(*change(made(rng), rng))) for _ in range(20)) >= 18
 

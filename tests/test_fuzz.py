@@ -50,7 +50,7 @@ TRUST = (ROOT / "docs" / "theory" / "trust.md").read_text(encoding="utf-8")
 ROD = fr.Rod.nitinol()
 
 
-LONG = ("disks", "real_rods", "concurrency", "margins", "kills", "kicks")
+LONG = ("terminal", "disks", "real_rods", "concurrency", "margins", "kills", "kicks")
 """Attacks that take a second and more."""
 
 

@@ -26,8 +26,6 @@ from floquetrod.rod.friction.mode_friction import mode_friction
 from floquetrod.rod.model.data import special_parameters
 from floquetrod.rod.model.parts import ON_A_FLOOR, Channel, Fluids, Section
 
-pytestmark = pytest.mark.kernels
-
 ROOT = Path(__file__).parents[1]
 ROD = fr.Rod.nitinol()
 INCH = 0.0254

@@ -69,6 +69,7 @@ def test_verdicts_are_those_of_the_clean_force() -> None:
     assert 0.2 * count <= unstable <= 0.8 * count
 
 
+@pytest.mark.slow
 def test_near_a_boundary_the_noise_leaves_the_verdict_open() -> None:
     """On it some one in six is decided all the same: errors are drawn as if independent."""
     rng = np.random.default_rng(8)

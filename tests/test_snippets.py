@@ -83,7 +83,11 @@ def require_as_shown(block: str, folder: Path, run: Callable[[list[str], Path], 
 
 
 @pytest.mark.parametrize(
-    ("page", "run"), [("README.md", in_a_process), ("docs/start/first_ten_minutes.md", in_this_process)]
+    ("page", "run"),
+    [
+        ("README.md", in_a_process),
+        pytest.param("docs/start/first_ten_minutes.md", in_this_process, marks=pytest.mark.slow),
+    ],
 )
 def test_terminal_snippets(page: str, run: Callable[[list[str], Path], str], tmp_path: Path) -> None:
     (rod,) = blocks(page, "toml")

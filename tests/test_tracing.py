@@ -303,6 +303,7 @@ def test_meissner_and_the_finite_time_criterion() -> None:
     agree(chart.bands, criterion.is_stable)
 
 
+@pytest.mark.slow
 def test_rods_judged_by_a_criterion() -> None:
     rod = fr.Rod.nitinol()
     plane: dict[str, Any] = {"mean": (0.8, 1.7, 20), "amplitude": 0.34, "frequency": (120.0, 200.0, 20)}

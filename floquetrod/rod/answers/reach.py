@@ -109,10 +109,11 @@ class Reach(Reported, ByContent):
 
     @property
     def _in_words(self) -> str:
-        text = _reached(self.reach, self.is_stopped)
+        end = self.path.end
+        text = _reached(self.reach, self.is_stopped, end)
         if self.tool is None:
             return f"can be pushed {text}"
-        return f"can be pushed {text}, and with the tool {_reached(self.reach_shaken, self.is_stopped_shaken)}"
+        return f"can be pushed {text}, and with the tool {_reached(self.reach_shaken, self.is_stopped_shaken, end)}"
 
     def report(self) -> Report:
         """Return the reach, the buckled and the unstable depths, and the force at the upper end."""
@@ -188,8 +189,10 @@ class Reach(Reported, ByContent):
         return draw_reach(self)
 
 
-def _reached(depth: float, is_stopped: bool) -> str:
-    return f"to {depth:.5g} m" if is_stopped else f"to the end of the well at {depth:.6g} m"
+def _reached(depth: float, is_stopped: bool, end: float) -> str:
+    if is_stopped:
+        return f"to {depth:.5g} m"
+    return f"to the end of the well at {end:.6g} m" if depth >= end else f"to {depth:.6g} m, the deepest asked for"
 
 
 def _listed(depth: Floats, is_so: NDArray[np.bool_]) -> str:
