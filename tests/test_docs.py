@@ -128,7 +128,8 @@ def quick(pages: list[str]) -> list[Any]:
 @pytest.mark.parametrize(
     "page", quick([page for page in PAGES if page not in {*ELSEWHERE, *(row[0] for row in MISTAKES)}])
 )
-def test_pages_execute(page: str) -> None:
+def test_pages_execute(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)  # where `make docs` runs each in a folder of its own, too
     execute((DOCS / page).read_text(encoding="utf-8"))
 
 
