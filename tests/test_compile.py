@@ -58,6 +58,7 @@ def kept(cache: Path) -> list[Path]:
 # --- the cache -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @needs_jit
 def test_a_second_process_compiles_nothing_and_a_damaged_file_is_replaced(tmp_path: Path) -> None:
     first = python(TELL + SMALL + "print(once())", tmp_path)

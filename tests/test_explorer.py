@@ -69,6 +69,7 @@ def pixels(explorer: fr.Explorer) -> np.ndarray:
     return np.asarray(explorer.window.figure.canvas.buffer_rgba()).copy()
 
 
+@pytest.mark.slow
 def test_what_is_shown_at_once_and_in_time_is_the_verdict(explorer: fr.Explorer) -> None:
     sliders = explorer.window.sliders
     ends = limits.Scale.of(ROD).limits(explorer.load)

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 
 import floquetrod as fr
-from conftest import depth
+from conftest import depth, needs_jit
 from floquetrod.floquet.kernels import mathieu_counts
 from floquetrod.floquet.kernels.mathieu_counts import count_below
 from floquetrod.floquet.methods.reference import reference
@@ -196,6 +196,7 @@ def test_in_bands_that_only_determinants_are_asked_about_points_are_stable(place
     assert fr.mathieu.is_stable(10.0, beta, 1e-12)
 
 
+@needs_jit
 def test_workers_do_not_change_the_result(rng: np.random.Generator) -> None:
     alpha, beta = rng.uniform(0.0, 5.0, 40_000), rng.uniform(-4.0, 1.0, 40_000)
     alone, together = (fr.mathieu.is_stable(alpha, beta, workers=n) for n in (1, 2))

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from conftest import depth
+from conftest import depth, needs_jit
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.kernels.taylor import advance
 from floquetrod.floquet.methods.monodromy import monodromy, monodromy_matrix
@@ -189,6 +189,7 @@ def test_a_period_too_long_is_declined() -> None:
             monodromy_matrix(fr.Hill(-1e9, period=period))
 
 
+@needs_jit
 def test_maps_scaled_at_different_steps_still_compare() -> None:
     # Two maps of 20 and more rescalings each: steps are halved once, because the first halving already agrees.
     result = monodromy(fr.Meissner(1.0, 1e7))

@@ -13,7 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 import floquetrod as fr
-from conftest import JIT
+from conftest import JIT, needs_jit
 from floquetrod._util.compilation import compiled
 from floquetrod.floquet.kernels import mathieu
 from floquetrod.floquet.kernels.mathieu import undamped_growth
@@ -337,6 +337,7 @@ def test_without_force() -> None:
     assert status(-1.0, 1.0, 0.0) == UNKNOWN
 
 
+@needs_jit
 def test_flux_bound_holds_in_every_tongue_and_is_tight() -> None:
     bound = compiled(regions_modes.flux_bound)
     growth = compiled(undamped_growth)

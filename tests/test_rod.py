@@ -15,7 +15,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
-from conftest import depth
+from conftest import depth, needs_jit
 from floquetrod.mathieu.tongues import along_mean, damping_to_stabilise
 from floquetrod.rod.kernels import modes as kernels
 from floquetrod.rod.model.parts import Channel, Ends, Material, Section
@@ -336,6 +336,7 @@ def test_a_fast_load_gets_a_warning() -> None:
         ROD.stability(load(0.1, 0.1, 150.0))
 
 
+@needs_jit
 @pytest.mark.parametrize(
     "ask",
     [

@@ -231,6 +231,7 @@ def test_large_systems_by_blas_agree_with_their_parts(rng: np.random.Generator) 
 BAD = (np.nan, np.inf, -np.inf, 1e300, 1e149, 0.0)
 
 
+@needs_jit
 @pytest.mark.parametrize("compile_after", [0.0, 500.0])
 @pytest.mark.parametrize("bad", BAD)
 def test_unusable_coefficients_lose_only_their_own_system(
@@ -295,6 +296,7 @@ def test_free_coordinates_drift(n: int, compile_after: float, monkeypatch: pytes
     assert np.linalg.norm((whole.matrix[0] - true) * scale) <= whole.error[0] < 1e-9
 
 
+@needs_jit
 @pytest.mark.parametrize("n", [1, 2, 3, 5])
 @pytest.mark.parametrize("symmetric", [True, False])
 def test_small_work_is_done_without_the_compiler_to_the_same_bits(

@@ -196,14 +196,14 @@ def check_spectra(one: Any, other: Any, sign: float = 1.0) -> None:
     check_exponents(one, [sign * e for e in other.exponents], errors, 10.0 * slack)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [pytest.param(m, marks=[pytest.mark.slow] * (m == "reference")) for m in METHODS])
 @settings(max_examples=6)
 @given(system=systems(), phase=st.floats(0.1, 6.0))
 def test_time_may_begin_anywhere(method: str, system: System, phase: float) -> None:
     check_spectra(METHODS[method](system), METHODS[method](turned(system, phase)))
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", [pytest.param(m, marks=[pytest.mark.slow] * (m == "reference")) for m in METHODS])
 @settings(max_examples=6)
 @given(system=systems(), seed=st.integers(0, 2**32))
 def test_coordinates_do_not_matter(method: str, system: System, seed: int) -> None:
