@@ -98,6 +98,7 @@ ELSEWHERE = {"theory/agreement.md"} | {f"how_to/{story}.md" for story in STORIES
 
 LONG = {
     "theory/simulator.md",
+    "theory/simulated_wells.md",
     "theory/real_rods.md",
     "theory/bends.md",
     "theory/friction.md",
