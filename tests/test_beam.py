@@ -259,6 +259,7 @@ def test_beam_functions_alone_converge_like_the_cube_of_their_number(
     assert abs(enriched) < 1e-4 * errors[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("word", ["clamped", pytest.param("guided-free", marks=pytest.mark.slow)])
 def test_a_thousand_functions_are_orthonormal(word: str) -> None:
     found = beam.basis(Ends.of(word), 1000)

@@ -59,7 +59,7 @@ def scan(varied: str, values: np.ndarray, kind: str = "sine", rod: fr.Rod = ROD,
 
 
 @pytest.mark.parametrize(
-    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind == "harmonics")) for kind in KINDS]
+    "kind", [pytest.param(kind, marks=[pytest.mark.slow] * (kind in ("harmonics", "wave"))) for kind in KINDS]
 )
 def test_arrays_say_what_single_verdicts_do(kind: str, rng: np.random.Generator) -> None:
     size = 6
@@ -120,7 +120,9 @@ def test_maps_say_what_arrays_do(kind: str) -> None:
 # --- tolerance ---
 
 
-@pytest.mark.parametrize("kind", ["sine", pytest.param("harmonics", marks=pytest.mark.slow), "wave"])
+@pytest.mark.parametrize(
+    "kind", ["sine", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("harmonics", "wave"))]
+)
 def test_a_tolerance_divides_loads_by_their_growth(kind: str) -> None:
     rate, numbers = verdict(kind).growth_rate, (MEAN, AMPLITUDE, FREQUENCY)
     for tolerance, expected in ((0.99 * rate, "unstable"), (1.01 * rate, "stable")):
@@ -140,9 +142,9 @@ def test_a_tolerance_divides_loads_by_their_growth(kind: str) -> None:
 @pytest.mark.parametrize(
     ("kind", "quantity"),
     [
-        ("wave", "amplitude"),
+        pytest.param("wave", "amplitude", marks=pytest.mark.slow),
         pytest.param("sine", "mean", marks=pytest.mark.slow),
-        pytest.param("sine", "frequency", marks=pytest.mark.slow),
+        ("sine", "frequency"),
         pytest.param("wave", "mean", marks=pytest.mark.slow),
         pytest.param("sine", "amplitude", marks=pytest.mark.slow),
         pytest.param("wave", "frequency", marks=pytest.mark.slow),
@@ -363,6 +365,7 @@ def test_a_change_is_located_in_few_verdicts(monkeypatch: pytest.MonkeyPatch) ->
     assert sum(asked) <= 80  # of ten pieces; where each was sampled and halved it took 150
 
 
+@pytest.mark.slow
 def test_a_margin_ends_where_a_strong_vibration_displaces_a_resonance() -> None:
     """The amplitude is nine times the mean: few modes alone have the resonance at another mean, 20 steps away."""
     rod = fr.Rod(

@@ -166,6 +166,7 @@ def test_a_second_reader_sees_whole_runs_while_a_store_grows(tmp_path: Path) -> 
     assert seen[-1] == RUNS
 
 
+@pytest.mark.slow
 def test_a_store_that_a_living_process_fills_is_refused(tmp_path: Path) -> None:
     """Even if it does nothing for long, as a process that has been stopped; one that was killed hinders nobody."""
     places = [tmp_path / kind for kind in KINDS]

@@ -55,6 +55,7 @@ def test_a_process_pool_that_is_given_is_not_shut_down() -> None:
             fr.ensemble(PROBLEM, OVER, executor=pool, summary=lambda run: {"a": 1.0})
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_costs_the_others_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is replaced, a run that kills its workers has failed, and a run in progress meanwhile is made once."""
     monkeypatch.setattr(workers, "_DEATHS", 2)
@@ -264,6 +265,7 @@ def test_an_error_of_progress_ends_the_runs(tmp_path: Path) -> None:
     assert (fr.ensembles.Runs.load(tmp_path / "runs.npz")["status"] == 1).sum() >= 7
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", ["", pytest.param("workers=2,", marks=pytest.mark.slow)])
 def test_ctrl_c_returns_what_came_at_once(how: str, tmp_path: Path) -> None:
     body = f"""

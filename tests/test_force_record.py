@@ -242,6 +242,7 @@ def long_record(rng: np.random.Generator, fundamental: float, size: float) -> tu
     return time, 3.0 + size * waves + 0.5 * rng.standard_normal(time.size)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fundamental", "size"), [(0.1, 1.0), *(pytest.param(2.0, size, marks=pytest.mark.slow) for size in (0.01, 1.0))]
 )

@@ -150,7 +150,7 @@ def methods_of(system: Any) -> list[str]:
 # --- every method, comparison and proof -------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", MADE)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.slow] * (name == "waves")) for name in MADE])
 def test_every_method_finds_the_multipliers_of_the_product_of_exponentials(name: str) -> None:
     system, compared = MADE[name], fr.compare(MADE[name])
     truth = true_multipliers(system)
@@ -691,7 +691,7 @@ def test_a_series_cut_into_pieces_is_the_same_system(rng: np.random.Generator) -
 
 def test_the_same_ramps_written_otherwise(rng: np.random.Generator) -> None:
     """Cut further, begun later in the period, and in another unit of time."""
-    for _ in range(depth(60, 5)):
+    for _ in range(depth(60, 2)):
         n = int(rng.integers(1, 4))
         whole = []
         for _ in range(int(rng.integers(1, 4))):

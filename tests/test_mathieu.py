@@ -175,7 +175,7 @@ def test_compiled_and_interpreted_kernels_agree(rng: np.random.Generator) -> Non
     assert fr.mathieu.is_stable(alpha, beta).tolist() == counts
 
 
-@pytest.mark.parametrize("damping", [0.0, 1e-3, 0.3])
+@pytest.mark.parametrize("damping", [0.0, pytest.param(1e-3, marks=pytest.mark.slow), 0.3])
 def test_near_bands_thinner_than_rounding_verdict_and_growth_agree(damping: float) -> None:
     # An odd count of curves said stable there: two that coincide are computed with different rounding.
     beta = 59.14823157446198 - damping * damping + np.arange(-12, 13) * np.spacing(59.14823157446198)

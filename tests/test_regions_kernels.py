@@ -281,6 +281,7 @@ def test_broken_rounding_is_caught(monkeypatch: pytest.MonkeyPatch) -> None:
     assert wrong > 20
 
 
+@pytest.mark.slow
 @in_python_anyway
 def test_rounding_of_the_excess_is_needed(monkeypatch: pytest.MonkeyPatch) -> None:
     """The excess alone, at doubles beside boundaries of period pi: its sign is right only with rounding outwards."""

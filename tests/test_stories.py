@@ -194,6 +194,7 @@ def test_the_record_is_what_was_recorded(ran: Ran) -> None:
         assert abs(abs(found) - true) < 4.0 * error < 1.0
 
 
+@pytest.mark.slow
 def test_growth_under_the_record_and_none_under_the_sine(ran: Ran) -> None:
     names, _ = ran("recorded_force")
     rod, record = names["rod"], names["record"]

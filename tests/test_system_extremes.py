@@ -59,7 +59,7 @@ def test_strong_buckling_is_unstable(coupling: list[list[float]], growth: float)
     ("size", "equations"),
     [
         (1e6, 3),
-        (3e4, 21),
+        pytest.param(3e4, 21, marks=pytest.mark.slow),
         *(pytest.param(size, n, marks=pytest.mark.slow) for size in (1e6, 3e4) for n in (1, 2)),
         pytest.param(3e4, 3, marks=pytest.mark.slow),
     ],
