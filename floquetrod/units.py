@@ -88,6 +88,7 @@ ROD_KINDS = {
     "inclination": "angle",
     "curvature": "curvature",
     "depth": "length",
+    "yield_strength": "pressure",
     "diameter": "length",
     "inner_diameter": "length",
     "channel_diameter": "length",

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.mode_equations.modal_systems import ModalSystem, ModalSystems
     from floquetrod.rod.model.buckling import BucklingForce
     from floquetrod.rod.model.parts import Channel, Ends, Fluids, Material, Section
+    from floquetrod.rod.model.stress import Stress
 
 __all__ = [
     "AxialGap",
@@ -33,6 +34,7 @@ __all__ = [
     "ModeFriction",
     "Section",
     "StabilityInterval",
+    "Stress",
     "UnstableBand",
 ]
 
@@ -58,6 +60,7 @@ __getattr__ = names_of(
             "Material",
             "Section",
         ),
+        "rod.model.stress": ("Stress",),
         "rod.answers.intervals": (
             "BucklingWarning",
             "StabilityInterval",

@@ -86,6 +86,9 @@ class Rod(RodData):
         Path of the well in place of ``inclination`` and ``curvature``, or a mapping of its arguments.
     depth : float or str
         Measured depth of the upper end on the path in m, or with a unit, 0 by default.
+    yield_strength : float or str, optional
+        Yield strength of the material in Pa, or with a unit such as "620MPa", to which `stress` is compared; a pipe of
+        the catalogue has that of its grade.
     diameter : float or str, optional
         Outer diameter in m, or with a unit, in place of ``radius``.
     inner_diameter : float or str, optional

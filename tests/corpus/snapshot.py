@@ -65,6 +65,7 @@ RESULTS = {
     "Margin": "ROD.stability(LOAD).margin('mean')",
     "ModalSystem": "ROD.modal_system(LOAD)",
     "Pipe": "__import__('floquetrod.rod.model.catalogue').rod.model.catalogue.pipes()[0]",
+    "Stress": "ROD.stress(LOAD)",
     "StabilityInterval": "RANGES.intervals[0]",
     "SystemStability": "fr.stability(fr.HillSystem([[1.0]], [[[0.2]]]))",
     "UnstableBand": "RANGES.unstable[0]",

@@ -387,6 +387,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.modal_system": Call(ROD.modal_system, {"load": LOAD, "modes": [1, 2]}),
         "Rod.wave_ratio": Call(ROD.wave_ratio, {"load": LOAD}),
         "Rod.modal_systems": Call(ROD.modal_systems, {**load, "like": LOAD}),
+        "Rod.stress": Call(ROD.stress, {"load": TRAVELLING}),
         "Rod.axial_response": Call(ROD.axial_response, {"load": TRAVELLING}),
         "Rod.modes_needed": Call(ROD.modes_needed, {"load": LOAD, **tolerance}),
         "Rod.stability": Call(

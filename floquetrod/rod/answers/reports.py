@@ -179,6 +179,8 @@ class ReportedVerdict(Reported, _RodVerdict):
             bend = f"E I {rod.flexural_rigidity:.4g} N m^2, half wave {rod.critical_half_wave:.4g} m"
             lines += [("", f"{special}; SI units"), ("", f"{size}, {bend}")]
         lines += load_lines(load, shown, rod)
+        if rod.yield_strength is not None:
+            lines.append(("stress", f"{rod.stress(load)}"))
         if special or load.features:
             lines.append(("assumed", "; ".join(self.assumptions)))
         return lines
@@ -236,6 +238,7 @@ class ReportedVerdict(Reported, _RodVerdict):
             "amplitude_N": load.amplitude,
             "frequency_rad_per_s": load.frequency,
             **({} if load.is_uniform else {"axial_response": rod.axial_response(load).as_dict()}),
+            **({} if rod.yield_strength is None else {"stress": rod.stress(load).as_dict()}),
             **self.evidence.numbers(self),
         }
 

@@ -158,6 +158,11 @@ def along(load: Load, wave_speed: float, length: float, s: NDArray[np.float64], 
     )
 
 
+def largest_along(load: Load, wave_speed: float, length: float, s: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the largest size over a period of the vibration at places along the rod, in N."""
+    return load.amplitude * _over_a_period(along(load, wave_speed, length, s, load.frequency))
+
+
 def bound(load: Load, wave_speed: float, length: float, frequency: float) -> float:
     """Return the largest force along the rod for an amplitude of one newton if harmonics met in phase."""
     if load.is_uniform:

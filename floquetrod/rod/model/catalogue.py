@@ -176,7 +176,8 @@ def pipe_in_a_hole(name: str, bore: float | str, length: float | str, changes: d
             )
     if not {"inner_radius", "inner_diameter", "wall_thickness"} & given.keys():
         size["wall_thickness"] = found.wall_thickness
-    return {"youngs_modulus": YOUNGS_MODULUS, "density": DENSITY, **size, "channel_diameter": hole} | given
+    steel = {"youngs_modulus": YOUNGS_MODULUS, "density": DENSITY, "yield_strength": found.yield_strength}
+    return {**steel, **size, "channel_diameter": hole} | given
 
 
 def _inches(value: float) -> str:

@@ -44,6 +44,7 @@ from floquetrod.rod.model.parts import (
     size,
 )
 from floquetrod.rod.model.plausibility import warn_of_rod
+from floquetrod.rod.model.stress import Stress, stress
 
 if TYPE_CHECKING:
     from floquetrod.wells.path import WellPath
@@ -68,7 +69,7 @@ _PLAIN: dict[str, float | str] = {
 }
 """Values of a solid rod in a horizontal straight channel without fluids."""
 
-_NO_NUMBERS = ("ends", "path", "depth")
+_NO_NUMBERS = ("ends", "path", "depth", "yield_strength")  # yield_strength may be unknown, and moves nothing
 _OF_A_LINE = ("inclination", "curvature")  # what a path takes the place of
 
 
@@ -112,6 +113,7 @@ class RodData(TellsAttributes):
     curvature: float = 0.0
     path: WellPath | None = None
     depth: float = 0.0
+    yield_strength: float | None = None
 
     def __init__(
         self,
@@ -132,6 +134,7 @@ class RodData(TellsAttributes):
         curvature: float | str | None = None,
         path: WellPath | Mapping[str, Any] | None = None,
         depth: float | str = 0.0,
+        yield_strength: float | str | None = None,
         diameter: float | str | None = None,
         inner_diameter: float | str | None = None,
         channel_diameter: float | str | None = None,
@@ -178,6 +181,8 @@ class RodData(TellsAttributes):
         for name, number in cleaned.items():
             object.__setattr__(self, name, number)
         object.__setattr__(self, "path", well)
+        yields = None if yield_strength is None else parameter("yield_strength", yield_strength, "Pa")
+        object.__setattr__(self, "yield_strength", yields)
         if not formulas.sinks(self._own_mass, self._weighing):
             raise validate.wrong_value(
                 "fluid_outside",
@@ -242,8 +247,8 @@ class RodData(TellsAttributes):
         Parameters
         ----------
         name : str
-            Outer diameter x wall thickness in inches, and a grade if wanted: "2.00x0.156 CT90".  The grade does not
-            change the rod, which is linearly elastic; `floquetrod.rod.model.catalogue.pipe` returns its yield strength.
+            Outer diameter x wall thickness in inches, and a grade if wanted: "2.00x0.156 CT90".  The grade tells the
+            yield strength, to which `stress` is compared; the rod stays linearly elastic.
         bore : float or str
             Inner diameter of the hole in m, or a string with a unit such as "4.778in".
         length : float or str
@@ -254,8 +259,8 @@ class RodData(TellsAttributes):
         Examples
         --------
         >>> pipe = RodData.catalogue("2.00x0.156 CT90", bore="4.778in", length="200ft", inclination="60deg")
-        >>> round(pipe.flexural_rigidity), round(pipe.length, 2)
-        (33333, 60.96)
+        >>> round(pipe.flexural_rigidity), round(pipe.length, 2), round(pipe.yield_strength / 1e6)
+        (33333, 60.96, 621)
         """
         return cls(**pipe_in_a_hole(name, bore, length, changes))
 
@@ -278,7 +283,7 @@ class RodData(TellsAttributes):
         ['damping_rate', 'inner_radius']
         """
         sheet: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
-        optional: dict[str, Any] = _PLAIN | {"added_mass_coefficient": ON_A_FLOOR}
+        optional: dict[str, Any] = _PLAIN | {"added_mass_coefficient": ON_A_FLOOR, "yield_strength": None}
         if self.path is None:
             optional |= {"path": None, "depth": 0.0}
         else:
@@ -517,6 +522,21 @@ class RodData(TellsAttributes):
         """
         load = require_load("load", load)
         return axial_response(load, self.wave_speed, self.length, self.critical_force)
+
+    def stress(self, load: AnyLoad) -> Stress:
+        """Return the largest stress along the rod under a load, axial and of bending with the channel, in Pa.
+
+        Parameters
+        ----------
+        load : AxialLoad, AxialWave or ForceRecord
+
+        Returns
+        -------
+        Stress
+            Its ``largest`` in Pa at ``position`` in m, and ``share_of_yield``.  Before the rod moves: what grows, or
+            has buckled, bends it further.  Pressures inside and outside are taken as equal.
+        """
+        return stress(self, require_load("load", load))
 
     def wavenumber(self, mode: Any) -> Any:
         """Return the wavenumber in 1/m of free motion in a mode without axial force: m pi / L where ends are hinged.

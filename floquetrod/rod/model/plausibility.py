@@ -128,6 +128,12 @@ def _material(rod: Any) -> Iterator[str]:
             f"density = {density:g} kg/m^3 is too light for what has youngs_modulus = {modulus:g} Pa; was it in "
             f'g/cm^3? A number is taken in kg/m^3: density="{density:g}g/cm3"'
         )
+    strength = rod.yield_strength
+    if strength is not None and _is_typed(strength) and strength < 1e-6 * modulus:
+        yield (
+            f"yield_strength = {strength:g} Pa is that of no solid; was it in MPa? A number is taken in Pa: "
+            f'yield_strength="{strength:g}MPa"'
+        )
     for name in ("density", "fluid_inside", "fluid_outside"):
         if _is_typed(value := getattr(rod, name)) and _HEAVIEST < value <= 1e3 * _HEAVIEST:
             yield f"{name} = {value:g} kg/m^3 is heavier than any metal; a number is taken in kg/m^3"
