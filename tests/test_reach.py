@@ -10,7 +10,7 @@ import pytest
 
 import floquetrod as fr
 from floquetrod.rod.answers.growth_along import growth_along
-from floquetrod.wells.drag import Place
+from floquetrod.wells.drag import Drag, Place
 
 TUBING = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, fluid_inside=1e3, fluid_outside=1e3)
 WELL = fr.WellPath([0.0, 1000.0, 1450.0, 4000.0], ["0deg", "0deg", "90deg", "90deg"])
@@ -34,6 +34,33 @@ def test_where_it_ends_mean_forces_become_infinite() -> None:
     for depth, force in zip(DEPTHS[:2], found.injector[:2], strict=True):
         one = TUBING.mean_force(WELL, 0.3, bottom=depth, depth=[0.0])
         assert force == pytest.approx(one.at_top, rel=1e-6)
+
+
+@pytest.mark.parametrize("above_end", [0.0, 30.0])
+def test_each_force_with_the_tool_is_that_of_its_own_string(above_end: float) -> None:
+    tool = fr.VibrationTool("8kN", "18Hz", above_end)
+    found = TUBING.reach(WELL, 0.3, tool=tool, depth=[2500.0])
+    still, shaken = (TUBING.mean_force(WELL, 0.3, bottom=2500.0, tool=each, depth=[0.0]) for each in (None, tool))
+    assert found.injector[0] == pytest.approx(still.at_top, rel=1e-6)
+    assert found.injector_shaken[0] == pytest.approx(shaken.at_top, rel=1e-6)
+
+
+def test_strings_are_marched_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Sixty strings, which end and buckle at depths of their own, take hardly more steps than the longest alone."""
+    calls = []
+    slopes = Drag.slopes
+
+    def counted(self: Drag, *args: object) -> np.ndarray:
+        calls.append(1)
+        return slopes(self, *args)
+
+    monkeypatch.setattr(Drag, "slopes", counted)
+    numbers = []
+    for depths in ([2900.0], np.linspace(50.0, 2900.0, 60)):
+        calls.clear()
+        TUBING.reach(WELL, 0.3, depth=depths)
+        numbers.append(len(calls))
+    assert numbers[1] < 1.6 * numbers[0]
 
 
 def test_a_weak_injector_stops_it_before_lock_up() -> None:

@@ -19,7 +19,7 @@ from floquetrod.rod.model.data import RodData
 from floquetrod.rod.model.parts import friction_coefficient
 from floquetrod.units import with_unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import CHECKED, FINE, HELICAL, MOTIONS, Drag, Friction, Pipe, Place, Shaking
+from floquetrod.wells.drag import CHECKED, HELICAL, MOTIONS, Drag, Friction, Pipe, Place, Shaking
 from floquetrod.wells.path import WellPath
 from floquetrod.wells.survey import LENGTHS
 from floquetrod.wells.survey import number as in_si
@@ -180,12 +180,9 @@ def mean_force(drag: Drag, far_force: float, bottom: float, depth: Any) -> MeanF
     """Return what `Rod.mean_force` does."""
     path = drag.path
     depths = _asked(path.start, bottom, depth)
-    ends = np.array([bottom])
-    fine, coarse = (strings.run(drag, path.start, ends, far_force, depths, each) for each in (FINE, CHECKED))
-    rows = np.searchsorted(fine.depth, depths)
-    y, wave = fine.y[rows, 0], fine.wave[rows, 0]
-    force = drag.force(y)
-    other = drag.force(coarse.y[rows, 0])
+    found = strings.run(drag, path.start, np.array([bottom, bottom]), far_force, depths, CHECKED)
+    y, wave = found.y[:, 0], found.wave[:, 0]
+    force, other = drag.force(found.y).T
     is_free = np.isfinite(force) & np.isfinite(other)
     error = float(np.abs(force[is_free] - other[is_free]).max(initial=0.0))
     place = Place.at(path.arcs.at(depths))

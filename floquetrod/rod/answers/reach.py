@@ -218,14 +218,14 @@ def reach(
     depth: Any,
 ) -> Reach:
     """Return what `Rod.reach` does; ``ends`` are the force at the lower end and the greatest at the upper one."""
-    drags = [drag_of(rod, path, friction, "pushed", helical, each, speed) for each in (None, tool)]
+    drag = drag_of(rod, path, friction, "pushed", helical, tool, speed)
     far_force = force_in_newtons("far_force", ends[0])
     push = math.inf if ends[1] is None else force_in_newtons("push", ends[1])
     depths = _depths_of(path, depth)
-    searches = [_Search(drag, far_force, push) for drag in (drags if tool else drags[:1])]
-    forces = [each.injector(depths) for each in searches]
-    reached = [each.end(depths, force) for each, force in zip(searches, forces, strict=True)]
-    along = mean_force(searches[-1].drag, far_force, _standing_end(path, *reached[-1]), None)
+    search = _Search(drag, far_force, push)
+    forces = search.injector(np.tile(depths, (2 if tool else 1, 1)))
+    reached = search.ends(depths, forces)
+    along = mean_force(drag, far_force, _standing_end(path, *reached[-1]), None)
     place = Place.at(path.arcs.at(along.depth))
     amplitude = along.speed * rod.mass_along * rod.wave_speed
     growth, waves, frequencies, by_frequency = _growth(rod, place, along, amplitude, tool)
@@ -269,29 +269,38 @@ def _standing_end(path: WellPath, depth: float, is_stopped: bool) -> float:
 
 @dataclass(frozen=True)
 class _Search:
-    """Pushes a string as far as it goes."""
+    """Pushes a string as far as it goes, without its tool and with it, side by side."""
 
     drag: Drag
     far_force: float
     push: float
 
     def injector(self, depths: Floats, effort: Effort = FAST) -> Floats:
-        """Return the compression in N at the upper end of strings to measured depths."""
-        start = self.drag.path.start
-        found = strings.run(self.drag, start, depths, self.far_force, np.empty(0), effort)
-        return self.drag.force(found.y[0])
+        """Return the compression in N at the upper end of strings to measured depths, in a second row with the tool."""
+        is_shaken = np.repeat([False, True][: len(depths)], depths.shape[1])
+        start, bottoms = self.drag.path.start, depths.ravel()
+        found = strings.run(self.drag, start, bottoms, self.far_force, np.empty(0), effort, is_shaken)
+        return self.drag.force(found.top_y).reshape(depths.shape)
 
-    def end(self, depths: Floats, forces: Floats) -> tuple[float, bool]:
-        """Return how deep the lower end gets, and whether it is stopped there."""
-        low = self.drag.path.start
-        low, high = self._around(low, depths, forces)
-        if high is None:
-            return float(depths[-1]), False
-        for _ in range(_ROUNDS):
-            depths = np.linspace(low, high, _PARTS + 1)[1:]
-            low, found = self._around(low, depths, self.injector(depths, SOUGHT))
-            high = depths[-1] if found is None else found  # to rounding at the last of them
-        return 0.5 * (low + float(high)), True
+    def ends(self, depths: Floats, forces: Floats) -> list[tuple[float, bool]]:
+        """Return how deep the lower end gets, and whether it is stopped there, for each row of forces."""
+        found = [self._around(self.drag.path.start, depths, each) for each in forces]
+        is_stopped = [high is not None for _, high in found]
+        brackets = [(low, low if high is None else high) for low, high in found]
+        for _ in range(_ROUNDS if any(is_stopped) else 0):
+            within = np.array([np.linspace(*each, _PARTS + 1)[1:] for each in brackets])
+            halves = zip(brackets, within, self.injector(within, SOUGHT), is_stopped, strict=True)
+            brackets = [self._narrowed(*each) for each in halves]
+        return [(0.5 * sum(each), stopped) for each, stopped in zip(brackets, is_stopped, strict=True)]
+
+    def _narrowed(
+        self, bracket: tuple[float, float], depths: Floats, forces: Floats, is_stopped: bool
+    ) -> tuple[float, float]:
+        """Return the narrower bracket about the depth at which the string is stopped."""
+        if not is_stopped:
+            return bracket
+        low, high = self._around(bracket[0], depths, forces)
+        return low, bracket[1] if high is None else high  # to rounding at the last of them
 
     def _around(self, low: float, depths: Floats, forces: Floats) -> tuple[float, float | None]:
         """Return the last depth before the first at which the string is stopped, and that one, None for none."""
