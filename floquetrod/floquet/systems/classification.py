@@ -100,9 +100,10 @@ def classify_pairs(
     net, outside = digits.net.copy(), pairs.outside(discs.values, digits.above)
     errors = pairs.log_errors(discs.values, digits.above, discs.radii)
     signs = np.zeros(len(logs), dtype=int)
+    sides = _Sides.of(discs, digits, outside, errors, limit)
     parts = []
     for cluster in discs.clusters:
-        part, on_axis = _pair_part(discs, digits, errors, limit, cluster, krein)
+        part, on_axis = _pair_part(discs, digits, sides, limit, cluster, krein)
         if on_axis:
             net[cluster] = np.where(outside[cluster] > 0.0, net[cluster], -limit)
             logs[cluster] = net[cluster] + limit + 1j * np.abs(logs[cluster].imag)
@@ -122,22 +123,38 @@ def classify_pairs(
     )
 
 
+class _Sides(NamedTuple):
+    """Of each number y: bounds of its net growth, whether it may be bounded, and whether it must be if real, (n,)."""
+
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    near: NDArray[np.bool_]
+    inside: NDArray[np.bool_]
+
+    @classmethod
+    def of(
+        cls,
+        discs: Discs,
+        digits: ManyDigits,
+        outside: NDArray[np.float64],
+        errors: NDArray[np.float64],
+        limit: float,
+    ) -> _Sides:
+        """Return them all at once."""
+        within = pairs.decided(pairs.excess(discs.values.real, digits.above.real), discs.radii) < 0
+        low = np.maximum(-limit, digits.net - errors)
+        return cls(low, digits.net + errors, outside <= discs.radii, within)
+
+
 def _pair_part(
-    discs: Discs,
-    digits: ManyDigits,
-    errors: NDArray[np.float64],
-    limit: float,
-    cluster: NDArray[np.intp],
-    krein: Krein | None,
+    discs: Discs, digits: ManyDigits, sides: _Sides, limit: float, cluster: NDArray[np.intp], krein: Krein | None
 ) -> tuple[_Part, bool]:
     """Return the classification of a cluster of y, and whether its members must be on the real axis."""
-    y, radii, net = discs.values[cluster], discs.radii[cluster], digits.net[cluster]
-    above = digits.above[cluster]
-    high = float((net + errors[cluster]).max())
-    low = max(-limit, float((net - errors[cluster]).min()))
-    if not (pairs.outside(y, above) <= radii).any():
+    low, high = float(sides.low[cluster].min()), float(sides.high[cluster].max())
+    if not sides.near[cluster].any():
         return _Part(low, high, False), False
-    inside = bool((pairs.decided(pairs.excess(y.real, above.real), radii) < 0).all())
+    y, radii = discs.values[cluster], discs.radii[cluster]
+    inside = bool(sides.inside[cluster].all())
     if len(cluster) == 1:
         if inside:
             return _Part(-limit, -limit, True, krein=krein(cluster) if krein else 0), True
