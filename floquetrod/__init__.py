@@ -27,11 +27,17 @@ if TYPE_CHECKING:
     from floquetrod.equations import Mathieu as Mathieu
     from floquetrod.equations import Meissner as Meissner
     from floquetrod.equations import PeriodicSystem as PeriodicSystem
+    from floquetrod.equations import SecondMoments as SecondMoments
     from floquetrod.equations import SquareWave as SquareWave
     from floquetrod.equations import conventions as conventions
+    from floquetrod.equations import second_moments as second_moments
     from floquetrod.explorer import Explorer as Explorer
+    from floquetrod.floquet.almost_sure import AlmostSureExponent as AlmostSureExponent
+    from floquetrod.floquet.almost_sure import almost_sure_exponent as almost_sure_exponent
     from floquetrod.floquet.comparison import Comparison as Comparison
     from floquetrod.floquet.comparison import compare as compare
+    from floquetrod.floquet.critical_noise import CriticalNoise as CriticalNoise
+    from floquetrod.floquet.critical_noise import critical_noise as critical_noise
     from floquetrod.floquet.dispatch import stability as stability
     from floquetrod.floquet.margins import Margin as Margin
     from floquetrod.floquet.margins import margin as margin
@@ -127,6 +133,12 @@ _WHERE = {
     "certify": "floquet.proof",
     "compare": "floquet.comparison",
     "conventions": "equations.conventions",
+    "second_moments": "equations",
+    "SecondMoments": "equations",
+    "critical_noise": "floquet.critical_noise",
+    "CriticalNoise": "floquet.critical_noise",
+    "almost_sure_exponent": "floquet.almost_sure",
+    "AlmostSureExponent": "floquet.almost_sure",
     "ensemble": "ensembles.ensemble",
     "floquet_solutions": "floquet.solutions",
     "friction": "friction",

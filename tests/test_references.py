@@ -21,7 +21,7 @@ LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
 def test_every_method_has_sources_and_no_others_have() -> None:
     named = {("equation", method.name) for method in METHODS if method.equations is not None}
     named |= {("system", method.name) for method in METHODS if method.systems is not None}
-    others = {("equation", "certify"), ("system", "certify"), ("any", "solve"), ("rod", "model")}
+    others = {("equation", "certify"), ("system", "certify"), ("any", "solve"), ("any", "noise"), ("rod", "model")}
     assert SOURCES.keys() == named | others
     assert all(SOURCES.values())
     with pytest.raises(KeyError):

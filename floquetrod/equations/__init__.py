@@ -10,6 +10,7 @@ from floquetrod.equations.mathieu import FrictionalMathieu, Mathieu
 from floquetrod.equations.meissner import Meissner, SquareWave
 from floquetrod.equations.periodic_system import PeriodicSystem
 from floquetrod.equations.pieces import Varying
+from floquetrod.equations.second_moments import SecondMoments, second_moments
 
 __all__ = [
     "Equation",
@@ -20,9 +21,11 @@ __all__ = [
     "Meissner",
     "PeriodicSystem",
     "Piece",
+    "SecondMoments",
     "SquareWave",
     "Varying",
     "in_batches",
     "require",
+    "second_moments",
     "stack",
 ]

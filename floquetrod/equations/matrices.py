@@ -36,6 +36,8 @@ class PeriodicMatrixSystem(ByContent):
     """
 
     MEAN: ClassVar[str]
+    MEANING: ClassVar[str] = ""
+    """What stability of the system is of another, such as "mean-square"; "" where it is its own."""
     cosines: tuple[Matrix, ...]
     sines: tuple[Matrix, ...]
     period: Any

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.equations import Equation, HillSystem, PeriodicSystem, second_moments
 from floquetrod.floquet.problems import Problem, require_problem
 from floquetrod.floquet.registry import in_turn, names_of
 from floquetrod.floquet.verdict import FloquetVerdict, Stability, Verdict
@@ -39,10 +39,16 @@ def stability(equation: Equation, method: str = "auto", **options: Unpack[Option
 def stability(
     equation: HillSystem | PeriodicSystem, method: str = "auto", **options: Unpack[Options]
 ) -> SystemStability: ...
+@overload
+def stability(
+    equation: Problem, method: str = "auto", *, noise: Any, interpretation: str = "ito", **options: Unpack[Options]
+) -> SystemStability: ...
 def stability(
     equation: Problem,
     method: str = "auto",
     *,
+    noise: Any = None,
+    interpretation: str = "ito",
     terms: int | None = None,
     rtol: float | None = None,
     step: float | None = None,
@@ -62,6 +68,11 @@ def stability(
         "auto", or the name of one: of equations "spectral", "determinant", "monodromy", "square_wave", "leapfrog",
         "reference"; of systems "spectral", "half_period", "monodromy", "segmented", "reference".  "auto" takes the
         fastest trustworthy one and continues with slower, more accurate ones while the verdict is undecided.
+    noise : sequence of (matrix, intensity), or float, optional
+        White noise in the coefficients, as `floquetrod.second_moments` takes it, whose system is then classified: the
+        verdict is in mean square, growth and exponents are those of the second moments.
+    interpretation : {"ito", "stratonovich"}
+        Of the noise.
     terms : int, optional
         Of the determinant.  This and the options below are for a method that is named, whose page says what they are;
         TypeError where it does not take them.
@@ -93,6 +104,7 @@ def stability(
     """
     if not isinstance(equation, Equation):  # whose pieces every method checks
         require_problem(equation)
+    equation = under_noise(equation, noise, interpretation)
     validate.choice("method", method, names_of(equation))
     given = terms, rtol, step, periods, limit, digits, most_digits
     options = {name: value for name, value in zip(_OPTIONS, given, strict=True) if value is not None}
@@ -103,6 +115,15 @@ def stability(
         raise TypeError(f"method='auto' accepts no options, got {', '.join(options)}; name a method to pass them to")
     judged: Stability | SystemStability = judge(equation)
     return judged
+
+
+def under_noise(problem: Problem, noise: Any, interpretation: str) -> Problem:
+    """Return the second moments of an equation or a system where there is noise, itself where there is none."""
+    if noise is not None:
+        return second_moments(problem, noise, interpretation)
+    if interpretation != "ito":
+        raise TypeError(f"interpretation={validate.short(interpretation)} is that of noise, which must be given, too")
+    return problem
 
 
 def judge(problem: Problem, known: FloquetVerdict | None = None, **last: Any) -> Any:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from floquetrod._util.version import __version__
+from floquetrod.equations import Equation
 
 STUDY_TITLE = "The Instability Mechanism of a Confined Rod Under Axial Vibrations, J. Appl. Mech. 83 (2016) 011005"
 """The published study behind the rod."""
@@ -29,6 +31,7 @@ _BOTT = "R. Bott, Comm. Pure Appl. Math. 9 (1956) 171, doi:10.1002/cpa.316009020
 _VAN_LOAN = "C. F. Van Loan, Linear Algebra Appl. 61 (1984) 233, doi:10.1016/0024-3795(84)90034-X"
 _JORBA = "A. Jorba and M. Zou, Experimental Mathematics 14 (2005) 99, doi:10.1080/10586458.2005.10128904"
 _RUMP = "S. M. Rump, Verification methods, Acta Numerica 19 (2010)"
+_ARNOLD = "L. Arnold, Stochastic Differential Equations: Theory and Applications, Wiley 1974"
 
 SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
     ("equation", "spectral"): (_DLMF,),
@@ -45,9 +48,16 @@ SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
     ("equation", "certify"): (_DLMF, _THEORY),
     ("system", "certify"): (_THEORY, _BOTT, _RUMP),
     ("any", "solve"): (_JORBA,),
+    ("any", "noise"): (_ARNOLD,),
     ("rod", "model"): (STUDY,),
 }
 """Sources of each method, by what it is for and its name."""
+
+
+def used_on(subject: Any, method: str) -> tuple[tuple[str, str], ...]:
+    """Return what was used where a method answered for an equation, a system, or second moments."""
+    kind = "equation" if isinstance(subject, Equation) else "system"
+    return ((kind, method), ("any", "noise")) if getattr(subject, "MEANING", "") else ((kind, method),)
 
 
 def references(*used: tuple[str, str]) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, number
 from floquetrod.equations import Equation, PeriodicSystem
 from floquetrod.floquet import pairs
-from floquetrod.floquet.references import references
+from floquetrod.floquet.references import references, used_on
 from floquetrod.floquet.status import Status as Status
 
 if TYPE_CHECKING:
@@ -220,7 +220,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
     @property
     def references(self) -> tuple[str, ...]:
         """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
-        return references(("equation" if isinstance(self.equation, Equation) else "system", self.method))
+        return references(*used_on(self.equation, self.method))
 
     @property
     def _status_in_words(self) -> str:

@@ -25,6 +25,8 @@ FORCE = 3.0 + np.sin(40.0 * TIME)
 WAVE = [[0.1, 0.2], [0.2, 0.16]]
 SYSTEM = fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], [WAVE], period=2.0)
 FIRST_ORDER = fr.PeriodicSystem([[0.0, 1.0], [-1.0, -0.1]], [WAVE], period=2.0)
+NOISY = fr.HillSystem([[1.2]], [[[0.5]]], damping=[[0.2]])
+NOISE = {"noise": [([[1.0]], 0.3)], "interpretation": "stratonovich"}
 
 QUIET = ROD.replace(damping_rate=0.5)
 SAFE = {"mean": (0.56, 0.59), "amplitude": 0.33, "frequency": 150.0}
@@ -72,6 +74,9 @@ LEFT_OUT = {
     "SimulationDiverged": "an exception",
     "SquareWave": "another name of Meissner",
     "FloquetMode": "constructed by floquet_solutions",
+    "AlmostSureExponent": "constructed by almost_sure_exponent",
+    "CriticalNoise": "constructed by critical_noise",
+    "SecondMoments": "constructed by second_moments",
     "Margin": "constructed by margin and RodStability.margin",
     "Solution": "constructed by solve",
     "Stability": "constructed by every method",
@@ -296,7 +301,15 @@ def _of_equations() -> dict[str, Call]:
         "Hill": Call(fr.Hill, dict(hill)),
         "Hill.coefficient": Call(fr.Hill(**hill).coefficient, {"tau": 0.3}),
         "FrictionalMathieu": Call(fr.FrictionalMathieu, {**point, "gamma": 1.0}),
-        "stability": Call(fr.stability, {"equation": EQUATION, "method": "auto"}),
+        "stability": Call(
+            fr.stability, {"equation": EQUATION, "method": "auto", "noise": 0.1, "interpretation": "ito"}
+        ),
+        "second_moments": Call(fr.second_moments, {"system": NOISY, **NOISE}),
+        "critical_noise": Call(fr.critical_noise, {"system": NOISY, **NOISE}),
+        "almost_sure_exponent": Call(
+            fr.almost_sure_exponent,
+            {"system": NOISY, **NOISE, "paths": 10, "time": 20.0, "confidence": 0.9, "seed": 1, "progress": None},
+        ),
         "compare": Call(fr.compare, {"equation": EQUATION}),
         "certify": Call(fr.certify, {"equation": EQUATION, "max_digits": 50}),
         "ForceRecord": Call(fr.ForceRecord, {"time": TIME, "force": FORCE, "harmonics": 3, "frequency": 40.0}),

@@ -15,6 +15,7 @@ from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, Mathieu, PeriodicSystem
 from floquetrod.equations.base import require
 from floquetrod.equations.matrices import require_one
+from floquetrod.floquet.dispatch import under_noise
 from floquetrod.floquet.problems import Problem
 from floquetrod.floquet.proof.digits import FIRST
 from floquetrod.floquet.proof.family import certify_family
@@ -44,6 +45,8 @@ def certify(
     growth_tolerance: float = 0.0,
     max_boxes: int = MAX_BOXES,
     seconds: float = SECONDS,
+    noise: Any = None,
+    interpretation: str = "ito",
     **parameters: Any,
 ) -> Proof | RegionProof:
     """Prove an equation or a system stable or unstable, in interval arithmetic of as many digits as it takes.
@@ -66,6 +69,11 @@ def certify(
         Parts of a box to look at before it is given up.
     seconds : float
         To spend on a box of a family before it is given up.
+    noise : sequence of (matrix, intensity), or float, optional
+        White noise in the coefficients of a value, as `floquetrod.second_moments` takes it: the proof is of the verdict
+        in mean square.  A family of parameters with noise is one that makes second moments.
+    interpretation : {"ito", "stratonovich"}
+        Of the noise.
     **parameters
         Of the class, by name: numbers that are taken exactly, int, float, Fraction, Decimal or text such as "1/3" or
         "-0.1".  The period of a `Hill` is the double nearest to 2 pi where it is left out.  Of `Mathieu` each may be
@@ -128,7 +136,9 @@ def certify(
         if parameters:
             names, kind = ", ".join(parameters), type(equation).__name__
             raise TypeError(f"{names} must follow a class or another callable: certify({kind}, ...), not a value")
-        return _of_value(equation, max_digits)
+        return _under_noise(equation, noise, interpretation, max_digits)
+    if noise is not None or interpretation != "ito":
+        raise TypeError("noise is for a value; of a family, give one that makes fr.second_moments(system, noise)")
     if equation is Mathieu and parameters.keys() & {"a", "q"}:
         parameters = _from_aq(parameters)
     boxed = [name for name, value in parameters.items() if isinstance(value, tuple) and name not in LISTS]
@@ -145,6 +155,15 @@ def certify(
     raise validate.wrong_type("equation", f"must be {_ACCEPTED}, got {validate.short(equation)}")
 
 
+def _under_noise(problem: Problem, noise: Any, interpretation: str, max_digits: int) -> Proof:
+    """Prove a verdict on an equation or a system, in mean square where there is noise."""
+    subject = under_noise(problem, noise, interpretation)
+    proof = _of_value(subject, max_digits)
+    if subject is problem or not isinstance(problem, Equation):
+        return proof
+    return replace(proof, statement=f"{proof.statement}{_inexact(problem)}")
+
+
 def _of_value(problem: Problem, max_digits: int) -> Proof:
     """Prove a verdict on an equation or a system by what applies to it."""
     if isinstance(problem, Equation):
@@ -152,6 +171,9 @@ def _of_value(problem: Problem, max_digits: int) -> Proof:
         exact = problem_of(problem)
         return _of_any_equation(problem, max_digits) if exact is None else certify_scalar(exact, max_digits)
     require_one(problem, "equation")
+    if problem.MEANING:
+        proof = certify_system(problem, max_digits)
+        return replace(proof, statement=f"of the second moments, {proof.statement}")
     single = problem_of_one(problem) if isinstance(problem, HillSystem) else None
     if single is None:
         return certify_system(problem, max_digits)
@@ -165,9 +187,13 @@ def _of_value(problem: Problem, max_digits: int) -> Proof:
 def _of_any_equation(equation: Equation, max_digits: int) -> Proof:
     """Prove a verdict on a scalar equation as the system of one that it is."""
     proof = certify_system(equation.as_system(), max_digits)
+    return replace(proof, equation=equation, statement=f"{proof.statement}{_inexact(equation)}")
+
+
+def _inexact(equation: Equation) -> str:
+    """Return what a proof of a system says of the period of the equation that it was, "" where that is exact."""
     multiple = equation.period_over_pi
-    inexact = "" if multiple is None else f"; its period, {multiple} pi, was taken as the double {equation.period!r}"
-    return replace(proof, equation=equation, statement=f"{proof.statement}{inexact}")
+    return "" if multiple is None else f"; its period, {multiple} pi, was taken as the double {equation.period!r}"
 
 
 def _from_aq(parameters: Parameters) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from floquetrod._util.report import Report, Reported
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
-from floquetrod.floquet.references import references
+from floquetrod.floquet.references import references, used_on
 from floquetrod.floquet.verdict import Answer, Interval, Status
 
 MAX_BOXES = 100_000
@@ -66,7 +66,7 @@ class Proof(Reported, Answer):
     @property
     def references(self) -> tuple[str, ...]:
         """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
-        return references(("equation" if isinstance(self.equation, Equation) else "system", "certify"))
+        return references(*used_on(self.equation, "certify"))
 
     def report(self) -> Report:
         """Return what was proved."""

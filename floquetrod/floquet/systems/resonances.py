@@ -25,6 +25,8 @@ _NOTHING = 1e-9
 def name(system: HillSystem | PeriodicSystem, exponents: tuple[complex, ...]) -> tuple[Resonance, ...]:
     """Return the names of the growing solutions, the fastest first, each name once."""
     growing = [exponent for exponent in exponents if exponent.real > 0.0 and exponent.imag >= -_NOTHING]
+    if system.MEANING:  # its frequencies are sums and differences of those that would be named
+        return ()
     equations = system.order if isinstance(system, HillSystem) else 0.5 * system.order
     modes = _mean_modes(system) if growing and equations <= _MOST_MODES else None
     if modes is None or len(modes.poles) > _MOST_MODES:

@@ -111,6 +111,7 @@ class SystemStability(FloquetVerdict):
         system = self.system
         form = "second order" if isinstance(system, HillSystem) else "first order"
         equations = f"{system.order} equation{'' if system.order == 1 else 's'} of {form}"
+        equations += ", of second moments" if system.MEANING else ""
         turns = f"period {self.period:.6g} (angular frequency {2.0 * math.pi / self.period:.6g})"
         lines = [("system", f"{equations}, {self.structure}, {system.variation}, {turns}")]
         if self.growth_rate > 0.0:
@@ -140,6 +141,10 @@ class SystemStability(FloquetVerdict):
 
     @property
     def _headline(self) -> str:
+        if self.system.MEANING and self.status != "undecided":
+            what = f"grow at {self.growth_rate:.6g} per unit time"
+            what = "decay" if self.largest_multiplier_less_1 < 0.0 else "stay bounded" if self.stable else what
+            return f"{self.system.MEANING.upper()} {self.status.upper()}: the second moments {what}"
         if self.status == "unstable":
             return f"UNSTABLE: grows at {self.growth_rate:.6g} per unit time"
         if self.status == "undecided":
@@ -216,6 +221,8 @@ class SystemStability(FloquetVerdict):
 
     @property
     def _status_in_words(self) -> str:
+        if self.system.MEANING:
+            return f"{self.system.MEANING} {self.status}"
         return "strongly stable" if self.strongly_stable and self.status == "stable" else self.status
 
     @property

@@ -1,0 +1,288 @@
+"""Second moments of linear systems with multiplicative white noise: a periodic linear system of their own.
+
+x of dx = A(t) x dt + sum_i s_i G_i x dW_i, in Ito's sense, has P = E[x x^T] of P' = A P + P A^T + sum_i s_i^2 G_i P
+G_i^T (L. Arnold, Stochastic Differential Equations, Wiley 1974, section 8.5).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar, NamedTuple, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import norms
+from floquetrod.equations import matrices
+from floquetrod.equations.base import Equation
+from floquetrod.equations.hill_system import HillSystem
+from floquetrod.equations.matrices import Matrix
+from floquetrod.equations.periodic_system import PeriodicSystem
+
+INTERPRETATIONS = ("ito", "stratonovich")
+"""What the product of noise and solution may mean."""
+
+MOST_UNKNOWNS = 44
+"""Most equations of first order under noise (a choice): their 990 moments take a minute."""
+
+_LARGEST_INTENSITY = 1e15  # whose square is within what a matrix may hold
+_EXAMPLE = "[(matrix, intensity), ...]"
+_EPS = 2.220446049250313e-16
+_SPLIT = 134217729.0  # 2^27 + 1, which splits a double in halves (Veltkamp)
+_LEAST_EXACT = 1e-280  # products above it have an exact remainder
+
+
+class SecondMoments(PeriodicSystem):
+    """The system p' = L(t) p of the second moments of another: p = P_11, P_12, ..., P_1n, P_22, ..., P = E[x x^T].
+
+    Made by `floquetrod.second_moments`.  What is stable, grows or decays are the second moments, which are bounded
+    exactly where all solutions are in mean square; an amplitude, as the root of a moment, grows half as fast.
+    """
+
+    MEANING: ClassVar[str] = "mean-square"
+
+
+class Source(NamedTuple):
+    """A source of white noise: the matrix G (..., N, N) of x' = ... + s G x xi, its error, the intensity s (...)."""
+
+    matrix: Matrix
+    error: float
+    intensity: NDArray[np.float64]
+
+
+class _Known(NamedTuple):
+    """Numbers and bounds of their errors."""
+
+    value: NDArray[np.float64]
+    error: NDArray[np.float64] | float = 0.0
+
+    def plus(self, other: _Known) -> _Known:
+        """Return the sum; its rounding is known exactly (Knuth)."""
+        a, b = self.value, other.value
+        total = np.asarray(a + b)
+        part = total - a
+        rounding = np.abs((a - (total - part)) + (b - part))
+        return _Known(total, rounding + self.error + other.error)
+
+    def times(self, other: _Known) -> _Known:
+        """Return the product; its rounding is known exactly (Dekker), but for the smallest numbers."""
+        a, b = np.broadcast_arrays(self.value, other.value)
+        product = a * b
+        (high, low), (top, bottom) = _halves(a), _halves(b)
+        rounding = np.abs(((high * top - product) + high * bottom + low * top) + low * bottom)
+        size = np.abs(product)
+        rounding = np.where((size > _LEAST_EXACT) | (a == 0.0) | (b == 0.0), rounding, _EPS * size + 1e-300)
+        spread = np.abs(a) * other.error + np.abs(b) * self.error + np.multiply(self.error, other.error)
+        return _Known(product, rounding + spread)
+
+    def where(self, condition: Any) -> _Known:
+        """Return zero where a condition does not hold."""
+        return _Known(np.where(condition, self.value, 0.0), np.where(condition, self.error, 0.0))
+
+    def at(self, i: Any, j: Any) -> _Known:
+        """Return entries of a matrix."""
+        error = self.error[..., i, j] if isinstance(self.error, np.ndarray) else self.error
+        return _Known(self.value[..., i, j], error)
+
+
+def second_moments(
+    system: Equation | HillSystem | PeriodicSystem, noise: Any, interpretation: str = "ito"
+) -> SecondMoments:
+    """Return the periodic linear system of the second moments of a system with multiplicative white noise.
+
+    Of M q'' + (C + G) q' + K(t) q + sum_i s_i G_i q xi_i = 0 for a `HillSystem`, of dx = A(t) x dt + sum_i s_i G_i x
+    dW_i for a `PeriodicSystem`, of A'' + 2 c A' = (p(tau) + s xi) A for a scalar equation.  The sources xi_i are
+    independent, and white: E[xi(t) xi(u)] = delta(t - u), so that s_i^2 has the unit of G_i^-2 per unit of time.
+
+    `floquetrod.stability`, `certify`, `compare`, `chart`, `margin` and `floquetrod.systems` take the result as they
+    take any system: that it is stable means that the system is, in mean square.
+
+    Parameters
+    ----------
+    system : Equation, HillSystem or PeriodicSystem
+        The system without noise, of at most 44 equations of first order; or a batch of systems.
+    noise : sequence of (matrix, intensity), or float
+        Sources: G_i, of as many rows as the system has equations, and s_i, zero or more.  Either may have a leading
+        shape, and makes a batch with that of the system.  A scalar equation takes s alone, too.
+    interpretation : {"ito", "stratonovich"}
+        What G x dW means.  Stratonovich adds sum_i s_i^2 G_i^2 / 2 to A; where noise acts on positions alone, as in a
+        `HillSystem` and in a scalar equation, G_i^2 = 0 and both are the same.
+
+    Returns
+    -------
+    SecondMoments
+        N = n (n + 1) / 2 equations, n those of first order, 2 for an oscillator.  ``coefficient_error`` bounds what
+        rounding changes, and what the error of the system does; it is zero where nothing was rounded.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For noise that is no such sequence, matrices of another order, intensities that are negative, NaN or beyond
+        1e15, leading shapes that do not fit, another interpretation, and systems that are too large.
+
+    Examples
+    --------
+    y'' + 0.2 y' + y = s y xi is stable in mean square exactly for s^2 < 0.4:
+
+    >>> import floquetrod as fr
+    >>> oscillator = fr.HillSystem([[1.0]], damping=[[0.2]])
+    >>> moments = fr.second_moments(oscillator, [([[1.0]], 0.6)])
+    >>> moments.mean.tolist()
+    [[0.0, 2.0, 0.0], [-1.0, -0.2, 1.0], [0.36, -2.0, -0.4]]
+    >>> fr.stability(moments).status, fr.stability(oscillator, noise=[([[1.0]], 0.7)]).status
+    ('stable', 'unstable')
+
+    L. Arnold, Stochastic Differential Equations, Wiley 1974, section 8.5.
+    """
+    interpretation = validate.choice("interpretation", interpretation, INTERPRETATIONS)
+    subject = of_first_order(system)
+    sources = sources_of(system, noise)
+    whole = with_drift(subject, sources, 0.5) if interpretation == "stratonovich" else (subject, 0.0)
+    return _moments(*whole, sources)
+
+
+def of_first_order(system: Any) -> PeriodicSystem:
+    """Return the system in first order, checked."""
+    if isinstance(system, Equation):
+        system = system.as_system()
+    if isinstance(system, SecondMoments):
+        raise TypeError("system must be the system that noise acts on, not second moments, which noise changed already")
+    if not isinstance(system, HillSystem | PeriodicSystem):
+        kinds = "an Equation, such as Mathieu, Meissner or Hill, or a HillSystem or PeriodicSystem"
+        raise TypeError(f"system must be {kinds}, got {validate.short(system)}")
+    unknowns = system.order * (2 if isinstance(system, HillSystem) else 1)
+    if unknowns > MOST_UNKNOWNS:
+        raise ValueError(
+            f"system must have at most {MOST_UNKNOWNS} equations of first order under noise, got {unknowns}: their "
+            f"{unknowns * (unknowns + 1) // 2:,} second moments take too long; keep fewer modes"
+        )
+    return system.as_periodic_system() if isinstance(system, HillSystem) else system
+
+
+def sources_of(system: Any, noise: Any) -> list[Source]:
+    """Return the sources of noise in coordinates of first order, checked."""
+    if isinstance(system, Equation):
+        system = system.as_system()
+        if not validate.iterable(noise) or isinstance(noise, str | bytes):
+            noise = [([[1.0]], validate.nonnegative("noise", noise, "its square is a density"))]
+    if isinstance(noise, str | bytes) or not validate.iterable(noise):
+        raise TypeError(f"noise must be a sequence {_EXAMPLE}, got {validate.short(noise)}")
+    listed = validate.listed("noise", noise, validate.MOST_NUMBERS, "sources")
+    if not listed:
+        raise ValueError(f"noise must be a sequence {_EXAMPLE} of one source at least, got none; leave it out")
+    return [_source(system, f"noise[{i}]", pair) for i, pair in enumerate(listed)]
+
+
+def _source(system: HillSystem | PeriodicSystem, name: str, pair: Any) -> Source:
+    """Return one source, checked."""
+    if not isinstance(pair, tuple | list) or len(pair) != 2:
+        raise TypeError(f"noise must be a sequence {_EXAMPLE}, got {validate.short(pair)} as {name}")
+    matrix = matrices.square(f"{name}[0]", pair[0], system.order, system.MEAN)
+    intensity = validate.array(f"{name}[1]", pair[1], least=-math.inf, largest=math.inf)
+    if intensity.size and not (float(intensity.min()) >= 0.0 and float(intensity.max()) <= _LARGEST_INTENSITY):
+        wrong = next(s for s in intensity.ravel().tolist() if not 0.0 <= s <= _LARGEST_INTENSITY)
+        raise ValueError(f"{name}[1] must be from 0 to {_LARGEST_INTENSITY:g}, got {wrong!r}")
+    if not (np.abs(matrix) <= _LARGEST_INTENSITY).all():
+        raise ValueError(
+            f"{name}[0] must hold entries up to {_LARGEST_INTENSITY:g}; put their scale into the intensity"
+        )
+    try:
+        np.broadcast_shapes(system.shape, matrix.shape[:-2], intensity.shape)
+    except ValueError:
+        shapes = f"matrix {matrix.shape[:-2]}, intensity {intensity.shape}, system {system.shape}"
+        raise ValueError(f"{name} must have a leading shape that fits the system's, got {shapes}") from None
+    if not isinstance(system, HillSystem):
+        return Source(matrix, 0.0, intensity)
+    return Source(*_on_positions(system, matrix), intensity)
+
+
+def _on_positions(system: HillSystem, matrix: Matrix) -> tuple[Matrix, float]:
+    """Return the matrix of noise in a stiffness for positions and velocities of mass 1, and its error."""
+    error = 0.0
+    if system.mass is not None:
+        inverse = np.linalg.inv(np.linalg.cholesky(system.mass))
+        matrix = inverse @ matrix @ np.swapaxes(inverse, -1, -2)
+        condition = float(np.max(norms(system.mass) * norms(inverse) ** 2))
+        error = 8.0 * system.order * _EPS * condition * float(np.abs(matrix).max())
+    n = system.order
+    whole = np.zeros((*matrix.shape[:-2], 2 * n, 2 * n))
+    whole[..., n:, :n] = -matrix
+    return whole, error
+
+
+def with_drift(system: PeriodicSystem, sources: list[Source], share: float) -> tuple[PeriodicSystem, float]:
+    """Return the system with ``share`` times the sum of s^2 G^2 added to A, and a bound of the rounding of that."""
+    n, drift, error = system.order, np.zeros((system.order,) * 2), 0.0
+    for matrix, unknown, intensity in sources:
+        square = abs(share) * np.square(intensity)[..., None, None]
+        drift = drift + math.copysign(1.0, share) * square * (matrix @ matrix)
+        size = float((square * (np.abs(matrix) @ np.abs(matrix))).max(initial=0.0))
+        error += (n + 4) * _EPS * size + 2.0 * n * unknown * float((square * np.abs(matrix)).max(initial=0.0))
+    if not drift.any():
+        return system, error
+    if system.pieces:
+        moved = [(duration, value.mapped(lambda m: m + drift, np.asarray)) for duration, value in system.pieces]
+        largest = max(float(np.abs(value.mean).max()) for _, value in moved)
+        made = PeriodicSystem.from_pieces(moved, coefficient_error=system.coefficient_error)
+    else:
+        mean, others = system.mean + drift, (system.cosines, system.sines)
+        largest = float(np.abs(mean).max())
+        made = PeriodicSystem(mean, *others, period=system.period, coefficient_error=system.coefficient_error)
+    return made, error + _EPS * largest
+
+
+def _moments(system: PeriodicSystem, rounding: float, sources: list[Source]) -> SecondMoments:
+    """Return the system of second moments of a system of first order in Ito's sense."""
+    scattered = _Known(np.zeros((1, 1)))
+    for source in sources:
+        strength = _Known(source.intensity[..., None, None])
+        scattered = scattered.plus(strength.times(strength).times(_scattering(source)))
+    errors: list[float] = []
+
+    def linear(matrix: Matrix) -> Matrix:
+        found = _drift(_Known(matrix))
+        errors.append(float(np.max(found.error, initial=0.0)))
+        return found.value
+
+    def whole(matrix: Matrix) -> Matrix:
+        found = _drift(_Known(matrix)).plus(scattered)
+        errors.append(float(np.max(found.error, initial=0.0)))
+        return found.value
+
+    turned = [(duration, value.mapped(whole, linear)) for duration, value in system.pieces]
+    mean = whole(system.mean)
+    series = [[linear(m) for m in part] for part in (system.cosines, system.sines)]
+    error = 2.0 * (system.coefficient_error + rounding) + (1.0 + 1e-12) * sum(errors)
+    if turned:
+        return cast("SecondMoments", SecondMoments.from_pieces(turned, coefficient_error=error))
+    return SecondMoments(mean, *series, period=system.period, coefficient_error=error)
+
+
+def _drift(matrix: _Known) -> _Known:
+    """Return the matrix of P -> A P + P A^T for the entries P_ij, i <= j, of a symmetric P."""
+    (i, j), (k, m) = _entries(matrix.value.shape[-1])
+    found = matrix.at(i, k).where(m == j).plus(matrix.at(j, k).where(m == i))
+    other = matrix.at(i, m).where((k == j) & (k < m)).plus(matrix.at(j, m).where((k == i) & (k < m)))
+    return found.plus(other)
+
+
+def _scattering(source: Source) -> _Known:
+    """Return the matrix of P -> G P G^T for the entries P_ij, i <= j, of a symmetric P."""
+    (i, j), (k, m) = _entries(source.matrix.shape[-1])
+    matrix = _Known(source.matrix, source.error)
+    crossed = matrix.at(i, m).times(matrix.at(j, k)).where(k < m)
+    return matrix.at(i, k).times(matrix.at(j, m)).plus(crossed)
+
+
+def _entries(order: int) -> tuple[Any, Any]:
+    """Return the places of the entries that rows, and those that columns stand for."""
+    i, j = np.triu_indices(order)
+    return (i[:, None], j[:, None]), (i[None, :], j[None, :])
+
+
+def _halves(a: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return a number as the sum of two of half as many digits."""
+    scaled = _SPLIT * a
+    high = scaled - (scaled - a)
+    return high, a - high

@@ -1,0 +1,139 @@
+"""How much noise a system bears: the largest intensity at which its second moments do not grow."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod.equations import Equation, SecondMoments, second_moments
+from floquetrod.floquet.dispatch import judge, run, stability
+from floquetrod.floquet.problems import Problem, require_problem
+from floquetrod.floquet.systems.result import SystemStability
+
+_FARTHEST = 1e8  # intensities tried, in terms of what the decay rate suggests (a choice)
+_NEAREST = 1e-12  # of verdicts on both sides, relative (a choice: what doubles decide)
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalNoise(ByContent, NoTruthValue):
+    """The largest intensity of noise that a system bears in mean square.
+
+    Attributes
+    ----------
+    factor : float
+        By which the intensities that were given, all of them, may be multiplied; infinite where no change was found.
+    error : float
+        Of the factor: with ``factor - error`` the verdict is stable, with ``factor + error`` unstable.
+    below, above : SystemStability or None
+        These two verdicts; None where the factor is infinite.
+    searched : float
+        Factor up to which a change was looked for.
+    """
+
+    factor: float
+    error: float
+    below: SystemStability | None
+    above: SystemStability | None
+    searched: float
+
+    ask = ".factor, the largest factor of the intensities that is stable"
+
+
+def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> CriticalNoise:
+    """Return the largest noise at which a system is still stable in mean square.
+
+    Second moments grow the faster the stronger the noise is, since they map what is positive semidefinite to what is:
+    in Ito's sense there is one change and no other.  In Stratonovich's noise may stabilise; there the first is found
+    among factors that double from what the decay rate suggests.
+
+    Parameters
+    ----------
+    system : Equation, HillSystem or PeriodicSystem
+        One system, whose motion decays without noise.
+    noise : sequence of (matrix, intensity), or float
+        As in `floquetrod.second_moments`; one intensity at least is not zero.
+    interpretation : {"ito", "stratonovich"}
+        Of the noise.
+
+    Returns
+    -------
+    CriticalNoise
+        The factor of the intensities, between two verdicts, mostly to 1e-11.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `floquetrod.second_moments`, and where the motion does not decay without noise, so that none can be borne.
+
+    Examples
+    --------
+    y'' + 0.2 y' + y = s y xi: s^2 = 0.4.
+
+    >>> import floquetrod as fr
+    >>> round(fr.critical_noise(fr.HillSystem([[1.0]], damping=[[0.2]]), [([[1.0]], 1.0)]).factor ** 2, 9)
+    0.4
+    """
+    require_problem(system)
+    loudest = second_moments(system, noise, interpretation)
+    if loudest.shape:
+        raise ValueError(f"noise must have one intensity for each source, got a batch of shape {loudest.shape}")
+    quiet = stability(system)
+    if not quiet.decay_rate > 0.0:
+        raise ValueError(f"system must decay without noise for it to bear any, got one that is {_told(quiet)}")
+
+    def moments(factor: float) -> SecondMoments:
+        return second_moments(system, _scaled(system, noise, factor), interpretation)
+
+    def growth(factor: float) -> float:
+        found: SystemStability = run("monodromy", moments(factor))
+        return found.exponents[0].real if found.exponents else math.nan
+
+    size = float(np.abs(loudest.mean - moments(0.0).mean).max())
+    if size == 0.0:
+        raise ValueError("noise must have an intensity above zero and a matrix that is not zero, got none")
+    first = math.sqrt(quiet.decay_rate / size)
+    high = first
+    while not growth(high) > 0.0:
+        high *= 2.0
+        if high > _FARTHEST * first:
+            return CriticalNoise(math.inf, math.inf, None, None, 0.5 * high)
+    return _between(moments, _root(growth, high), high)
+
+
+def _root(growth: Any, high: float) -> float:
+    """Return where growth changes its sign below a factor at which it is positive."""
+    from scipy.optimize import brentq
+
+    low = 0.5 * high
+    while not growth(low) < 0.0:
+        low *= 0.5
+    return float(brentq(growth, low, high, xtol=1e-14 * high, rtol=1e-14))
+
+
+def _between(moments: Any, factor: float, searched: float) -> CriticalNoise:
+    """Return the factor between the nearest verdicts that are decided."""
+    apart = _NEAREST
+    while True:
+        ends = [factor * (1.0 + sign * apart) for sign in (-1.0, 1.0)]
+        below, above = (judge(moments(end)) for end in ends)
+        if (below.stable, above.stable) == (True, False):
+            return CriticalNoise(factor, apart * factor, below, above, searched)
+        apart *= 4.0
+        if apart > 0.5:
+            raise ValueError("noise must have a largest stable intensity that verdicts tell, got none that they do")
+
+
+def _scaled(system: Problem, noise: Any, factor: float) -> Any:
+    """Return noise of intensities multiplied by a factor."""
+    if isinstance(system, Equation) and not validate.iterable(noise):
+        return factor * float(noise)
+    return [(matrix, factor * np.asarray(intensity, dtype=float)) for matrix, intensity in noise]
+
+
+def _told(verdict: Any) -> str:
+    return "only bounded; give it damping" if verdict.stable else f"{verdict.status}: {verdict!r}"
