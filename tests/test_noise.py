@@ -172,7 +172,7 @@ def test_a_chart_tells_the_threshold_to_a_millionth() -> None:
     (band,) = bands.bands
     vertices = zip(band.x.tolist(), band.y.tolist(), strict=True)
     edge = [(s, c) for s, c in vertices if 0.1001 < s < 0.999 and 0.0501 < c < 0.1999]
-    assert len(edge) > 20
+    assert len(edge) > 10
     assert max(abs(s - math.sqrt(4.0 * c)) for s, c in edge) < 1e-6
 
 

@@ -17,10 +17,10 @@ from floquetrod._util import validate
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.progress import Progress
 from floquetrod.equations import PeriodicSystem
-from floquetrod.equations.matrices import coefficients_at
+from floquetrod.equations.matrices import coefficients_at, require_one
 from floquetrod.equations.pieces import in_time
 from floquetrod.equations.second_moments import INTERPRETATIONS, Source, of_first_order, sources_of, with_drift
-from floquetrod.floquet.problems import Problem, require_problem
+from floquetrod.floquet.problems import Problem
 
 Floats = NDArray[np.float64]
 
@@ -130,13 +130,13 @@ def almost_sure_exponent(
     >>> found.interval[0] < -0.18 < found.interval[1]
     True
     """
-    require_problem(system)
     interpretation = validate.choice("interpretation", interpretation, INTERPRETATIONS)
     paths = validate.integer("paths", paths, 10, 1_000_000)
     confidence = validate.within("confidence", confidence, 0.01, 0.999999)
     seed = validate.integer("seed", seed, 0)
     validate.progress(progress)
     subject, sources = of_first_order(system), sources_of(system, noise)
+    require_one(subject)
     _require_single(sources)
     period = float(subject.period)
     periods = 200 if time is None else math.ceil(validate.positive("time", time) / period)

@@ -11,8 +11,9 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod.equations import Equation, SecondMoments, second_moments
+from floquetrod.equations.matrices import require_one
 from floquetrod.floquet.dispatch import judge, run, stability
-from floquetrod.floquet.problems import Problem, require_problem
+from floquetrod.floquet.problems import Problem
 from floquetrod.floquet.systems.result import SystemStability
 
 _FARTHEST = 1e8  # intensities tried, in terms of what the decay rate suggests (a choice)
@@ -78,8 +79,9 @@ def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> 
     >>> round(fr.critical_noise(fr.HillSystem([[1.0]], damping=[[0.2]]), [([[1.0]], 1.0)]).factor ** 2, 9)
     0.4
     """
-    require_problem(system)
     loudest = second_moments(system, noise, interpretation)
+    if not isinstance(system, Equation):
+        require_one(system)
     if loudest.shape:
         raise ValueError(f"noise must have one intensity for each source, got a batch of shape {loudest.shape}")
     quiet = stability(system)
