@@ -103,7 +103,8 @@ def _of_first_order(first: PeriodicSystem) -> tuple[NDArray[np.complex128], Floa
 def _symmetric(freed: HillSystem, damping: float) -> tuple[NDArray[np.complex128], Floats] | None:
     """Return what `_of_first_order` does, of q'' + 2 c q' + K q = 0 from the modes of K at a tenth of the cost.
 
-    With exponents -c +- r and modes phi of length 1 a harmonic Z couples two by |phi_i . Z phi_j| / sqrt(|2 r_i 2 r_j|).
+    With exponents -c +- r and modes phi of length 1 a harmonic Z couples two by |phi_i . Z phi_j| over the root of
+    |2 r_i 2 r_j|.
     None where an exponent is double.
     """
     squares, modes = np.linalg.eigh(freed.stiffness)
