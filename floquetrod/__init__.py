@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from floquetrod._util.version import __version__ as __version__
     from floquetrod.ensembles.ensemble import ensemble as ensemble
     from floquetrod.ensembles.study import Study as Study
+    from floquetrod.equations import DelaySystem as DelaySystem
     from floquetrod.equations import FrictionalMathieu as FrictionalMathieu
     from floquetrod.equations import Hill as Hill
     from floquetrod.equations import HillSystem as HillSystem
@@ -91,6 +92,7 @@ _WHERE = {
     "CheckpointWarning": "simulation.checkpoints",
     "Comparison": "floquet.comparison",
     "CoupledRodStability": "rod.answers.verdict",
+    "DelaySystem": "equations",
     "Explorer": "explorer",
     "ForceRecord": "rod.loads.record",
     "FloquetMode": "floquet.solutions",

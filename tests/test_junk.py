@@ -45,6 +45,7 @@ OPTIONS: list[tuple[Any, str, dict[str, Any]]] = [
     (MATHIEU, "leapfrog", {"step": 1e-2, "periods": 10, "limit": 1e6}),
     (MATHIEU, "reference", {"digits": 20}),
     (MATHIEU.as_system(), "reference", {"most_digits": 30}),
+    (fr.DelaySystem([[1.0]], delayed=[(1.0, [[0.1]])]), "collocation", {"above": 0.2}),
 ]
 
 CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
@@ -65,6 +66,20 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "period": 6.0,
             "coefficient_error": 0.0,
             "pieces": (),
+        },
+    ),
+    (
+        fr.DelaySystem,
+        {
+            "stiffness": [[1.0]],
+            "cosines": [[[0.1]]],
+            "sines": [[[0.2]]],
+            "mass": [[2.0]],
+            "damping": [[0.1]],
+            "gyroscopic": [[0.0]],
+            "period": 6.0,
+            "delayed": [(1.0, [[0.1]])],
+            "coefficient_error": 0.0,
         },
     ),
     (

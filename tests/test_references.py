@@ -21,7 +21,9 @@ LOAD = fr.AxialLoad(0.34, 0.34, 150.0)
 def test_every_method_has_sources_and_no_others_have() -> None:
     named = {("equation", method.name) for method in METHODS if method.equations is not None}
     named |= {("system", method.name) for method in METHODS if method.systems is not None}
+    named |= {("delays", method.name) for method in METHODS if method.delays is not None}
     others = {("equation", "certify"), ("system", "certify"), ("any", "solve"), ("any", "noise"), ("rod", "model")}
+    others |= {("delays", "certify"), ("delays", "solve")}
     assert SOURCES.keys() == named | others
     assert all(SOURCES.values())
     with pytest.raises(KeyError):
@@ -31,9 +33,11 @@ def test_every_method_has_sources_and_no_others_have() -> None:
 def test_every_method_is_named_where_people_look() -> None:
     page = (Path(__file__).parents[1] / "docs/reference/verdicts.rst").read_text(encoding="utf-8")
     systems = (Path(__file__).parents[1] / "docs/reference/systems.rst").read_text(encoding="utf-8")
+    delays = (Path(__file__).parents[1] / "docs/reference/delays.rst").read_text(encoding="utf-8")
     for method in METHODS:
         assert f'"{method.name}"' in str(fr.stability.__doc__)
         assert method.equations is None or f"floquetrod.methods.{method.name}\n" in page
+        assert method.delays is None or f"methods.delay_{method.name}.{method.name}\n" in delays
         assert method.systems is None or f"methods.system_{method.name}.{method.name}\n" in systems
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from floquetrod.equations.base import Equation, Piece, require
 from floquetrod.equations.batches import in_batches, stack
+from floquetrod.equations.delay_system import DelayedTerm, DelaySystem
 from floquetrod.equations.hill import Hill
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.mathieu import FrictionalMathieu, Mathieu
@@ -13,6 +14,8 @@ from floquetrod.equations.pieces import Varying
 from floquetrod.equations.second_moments import SecondMoments, second_moments
 
 __all__ = [
+    "DelaySystem",
+    "DelayedTerm",
     "Equation",
     "FrictionalMathieu",
     "Hill",

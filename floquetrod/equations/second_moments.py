@@ -16,6 +16,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import norms
 from floquetrod.equations import matrices
 from floquetrod.equations.base import Equation
+from floquetrod.equations.delay_system import DelaySystem
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.matrices import Matrix
 from floquetrod.equations.periodic_system import PeriodicSystem
@@ -87,7 +88,7 @@ class _Known(NamedTuple):
 
 
 def second_moments(
-    system: Equation | HillSystem | PeriodicSystem, noise: Any, interpretation: str = "ito"
+    system: Equation | HillSystem | PeriodicSystem | DelaySystem, noise: Any, interpretation: str = "ito"
 ) -> SecondMoments:
     """Return the periodic linear system of the second moments of a system with multiplicative white noise.
 
@@ -119,7 +120,7 @@ def second_moments(
     ------
     TypeError, ValueError
         For noise that is no such sequence, matrices of another order, intensities that are negative, NaN or beyond
-        1e15, leading shapes that do not fit, another interpretation, and systems that are too large.
+        1e15, leading shapes that do not fit, another interpretation, systems that are too large or have delays.
 
     Examples
     --------

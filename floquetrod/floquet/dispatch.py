@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, HillSystem, PeriodicSystem, second_moments
+from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem, second_moments
 from floquetrod.floquet.problems import Problem, require_problem
-from floquetrod.floquet.registry import in_turn, names_of
+from floquetrod.floquet.registry import KINDS, in_turn, kind_of, names_of
 from floquetrod.floquet.verdict import FloquetVerdict, Stability, Verdict
 
 if TYPE_CHECKING:
@@ -28,16 +28,17 @@ if TYPE_CHECKING:
         limit: float | None
         digits: int | None
         most_digits: int | None
+        above: float | None
 
 
-_OPTIONS = ("terms", "rtol", "step", "periods", "limit", "digits", "most_digits")
+_OPTIONS = ("terms", "rtol", "step", "periods", "limit", "digits", "most_digits", "above")
 
 
 @overload
 def stability(equation: Equation, method: str = "auto", **options: Unpack[Options]) -> Stability: ...
 @overload
 def stability(
-    equation: HillSystem | PeriodicSystem, method: str = "auto", **options: Unpack[Options]
+    equation: HillSystem | PeriodicSystem | DelaySystem, method: str = "auto", **options: Unpack[Options]
 ) -> SystemStability: ...
 @overload
 def stability(
@@ -56,18 +57,20 @@ def stability(
     limit: float | None = None,
     digits: int | None = None,
     most_digits: int | None = None,
+    above: float | None = None,
 ) -> Stability | SystemStability:
     """Classify an equation or a system: is it stable, how fast does it grow, and how sure is that?
 
     Parameters
     ----------
-    equation : Equation, HillSystem or PeriodicSystem
+    equation : Equation, HillSystem, PeriodicSystem or DelaySystem
         What to classify: `Mathieu`, `Meissner`, `Hill`, or any other `floquetrod.equations.Equation`; or a system of
-        equations.
+        equations, with delays or without.
     method : str
         "auto", or the name of one: of equations "spectral", "determinant", "monodromy", "square_wave", "leapfrog",
-        "reference"; of systems "spectral", "half_period", "monodromy", "segmented", "reference".  "auto" takes the
-        fastest trustworthy one and continues with slower, more accurate ones while the verdict is undecided.
+        "reference"; of systems "spectral", "half_period", "monodromy", "segmented", "reference"; of systems with delays
+        "collocation", "semi_discretisation".  "auto" takes the fastest trustworthy one and continues with slower, more
+        accurate ones while the verdict is undecided.
     noise : sequence of (matrix, intensity), or float, optional
         White noise in the coefficients, as `floquetrod.second_moments` takes it, whose system is then classified: the
         verdict is in mean square, growth and exponents are those of the second moments.
@@ -77,7 +80,7 @@ def stability(
         Of the determinant.  This and the options below are for a method that is named, whose page says what they are;
         TypeError where it does not take them.
     rtol : float, optional
-        Of monodromy, half_period, segmented, and of spectral for systems.
+        Of monodromy, half_period, segmented, collocation, and of spectral for systems.
     step : float, optional
         Of leapfrog.
     periods : int, optional
@@ -88,6 +91,8 @@ def stability(
         Of reference.
     most_digits : int, optional
         Of reference, for systems.
+    above : float, optional
+        Of collocation and semi_discretisation: modulus above which multipliers are found.
 
     Returns
     -------
@@ -106,7 +111,7 @@ def stability(
         require_problem(equation)
     equation = under_noise(equation, noise, interpretation)
     validate.choice("method", method, names_of(equation))
-    given = terms, rtol, step, periods, limit, digits, most_digits
+    given = terms, rtol, step, periods, limit, digits, most_digits, above
     options = {name: value for name, value in zip(_OPTIONS, given, strict=True) if value is not None}
     if method != "auto":
         found: Stability | SystemStability = run(method, equation, **options)
@@ -152,7 +157,7 @@ def _better(result: Any, later: Any) -> Any:
 @np.errstate(under="ignore")  # what is too small for a double is 0 to all methods, whatever a caller lets numpy raise
 def run(method: str, problem: Problem, **options: Any) -> Any:
     """Call the method of this name, of a scalar equation or of a system."""
-    file = method if isinstance(problem, Equation) else f"system_{method}"
+    file = f"{KINDS[kind_of(problem)].prefix}{method}"
     call = getattr(import_module(f"floquetrod.floquet.methods.{file}"), method)
     if options:
         _require_taken(method, call, options)

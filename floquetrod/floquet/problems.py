@@ -6,19 +6,25 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, HillSystem, PeriodicSystem, matrices
+from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem, matrices
 from floquetrod.equations import require as require_equation
 
-Problem = Equation | HillSystem | PeriodicSystem
-"""A scalar equation, or a system."""
+Problem = Equation | HillSystem | PeriodicSystem | DelaySystem
+"""A scalar equation, or a system, with delays or without."""
 
 
 def require_problem(problem: Any) -> None:
     """Raise TypeError for what is neither an equation nor a system, ValueError for a batch."""
-    if isinstance(problem, HillSystem | PeriodicSystem):
+    if isinstance(problem, HillSystem | PeriodicSystem | DelaySystem):
         matrices.require_one(problem, "equation")
     else:
-        require_equation(problem, hint="or a HillSystem or PeriodicSystem")
+        require_equation(problem, hint="or a HillSystem, PeriodicSystem or DelaySystem")
+
+
+def require_without_delays(problem: Any, what: str) -> None:
+    """Raise TypeError for a system with delays, of which there is no such thing."""
+    if isinstance(problem, DelaySystem):
+        raise TypeError(f"equation must be without delays for {what}, got {validate.short(problem)}")
 
 
 def member(
@@ -31,7 +37,7 @@ def member(
     except Exception as error:
         raise ValueError(f"{at} raised {type(error).__name__}: {error}") from error
     if not isinstance(found, Problem):
-        wanted = "a HillSystem, a PeriodicSystem or an Equation"
+        wanted = "a HillSystem, a PeriodicSystem, a DelaySystem or an Equation"
         raise TypeError(f"{at} must return {wanted}, got {validate.short(found)}")
     if not isinstance(found, Equation) and found.shape:
         raise ValueError(f"{at} must return one system, got a batch of shape {found.shape}")

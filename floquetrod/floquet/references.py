@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from floquetrod._util.version import __version__
-from floquetrod.equations import Equation
+from floquetrod.equations import DelaySystem, Equation
 
 STUDY_TITLE = "The Instability Mechanism of a Confined Rod Under Axial Vibrations, J. Appl. Mech. 83 (2016) 011005"
 """The published study behind the rod."""
@@ -33,6 +33,12 @@ _JORBA = "A. Jorba and M. Zou, Experimental Mathematics 14 (2005) 99, doi:10.108
 _RUMP = "S. M. Rump, Verification methods, Acta Numerica 19 (2010)"
 _ARNOLD = "L. Arnold, Stochastic Differential Equations: Theory and Applications, Wiley 1974"
 
+_INSPERGER = (
+    "T. Insperger and G. Stepan, Semi-Discretization for Time-Delay Systems, Springer 2011, "
+    "doi:10.1007/978-1-4614-0335-7"
+)
+_BREDA = "D. Breda, S. Maset and R. Vermiglio, SIAM J. Numer. Anal. 50 (2012) 1456, doi:10.1137/100815505"
+
 SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
     ("equation", "spectral"): (_DLMF,),
     ("equation", "determinant"): (STUDY, _DLMF),
@@ -47,6 +53,10 @@ SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
     ("system", "reference"): (_THEORY, _VAN_LOAN),
     ("equation", "certify"): (_DLMF, _THEORY),
     ("system", "certify"): (_THEORY, _BOTT, _RUMP),
+    ("delays", "collocation"): (_BREDA, _INSPERGER),
+    ("delays", "semi_discretisation"): (_INSPERGER,),
+    ("delays", "certify"): (_RUMP,),
+    ("delays", "solve"): (_BREDA,),
     ("any", "solve"): (_JORBA,),
     ("any", "noise"): (_ARNOLD,),
     ("rod", "model"): (STUDY,),
@@ -54,10 +64,15 @@ SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
 """Sources of each method, by what it is for and its name."""
 
 
+def kind_of(problem: Any) -> str:
+    """Return what the sources of a method for this problem are listed under."""
+    return "equation" if isinstance(problem, Equation) else "delays" if isinstance(problem, DelaySystem) else "system"
+
+
 def used_on(subject: Any, method: str) -> tuple[tuple[str, str], ...]:
     """Return what was used where a method answered for an equation, a system, or second moments."""
-    kind = "equation" if isinstance(subject, Equation) else "system"
-    return ((kind, method), ("any", "noise")) if getattr(subject, "MEANING", "") else ((kind, method),)
+    own = (kind_of(subject), method)
+    return (own, ("any", "noise")) if getattr(subject, "MEANING", "") else (own,)
 
 
 def references(*used: tuple[str, str]) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, HillSystem, Mathieu, Meissner, PeriodicSystem
+from floquetrod.equations import DelaySystem, Equation, HillSystem, Mathieu, Meissner, PeriodicSystem
 from floquetrod.equations import require as require_equation
 from floquetrod.floquet.problems import Problem
 
@@ -51,12 +51,12 @@ def _even(system: HillSystem | PeriodicSystem) -> str | None:
 class Method(NamedTuple):
     """A method: the function of its name in the file of `floquetrod.floquet.methods` named after it.
 
-    That for systems is in a file of its own, ``system_`` before the name.
+    That for systems is in a file of its own, ``system_`` before the name, and that for systems with delays, ``delay_``.
 
     Attributes
     ----------
     name : str
-    equations, systems : callable (problem) -> str or None, optional
+    equations, systems, delays : callable (problem) -> str or None, optional
         None where it serves the problem, else the sentence that says what it needs.  None in place of a callable where
         it serves nothing of that kind.
     """
@@ -64,18 +64,40 @@ class Method(NamedTuple):
     name: str
     equations: Served | None = None
     systems: Served | None = None
+    delays: Served | None = None
 
     def serves(self, problem: Problem) -> Served | None:
         """Return what tells whether it serves a problem of this kind; None where it serves none of the kind."""
-        return self.equations if isinstance(problem, Equation) else self.systems
+        found: Served | None = getattr(self, KINDS[kind_of(problem)].field)
+        return found
 
     def refusal(self, problem: Problem) -> str | None:
         """Return None where it serves the problem, else the sentence why not."""
         served = self.serves(problem)
         if served is not None:
             return served(problem)
-        kinds = ("systems", "scalar equations") if self.equations is None else ("scalar equations", "systems")
-        return f"{self.name} is a method for {kinds[0]}, not for {kinds[1]}"
+        words = [kind.words for kind in KINDS if getattr(self, kind.field) is not None]
+        return f"{self.name} is a method for {' and '.join(words)}, not for {KINDS[kind_of(problem)].words}"
+
+
+class Kind(NamedTuple):
+    """A kind of problem: the field of its methods, what it is called, and what the names of their files begin with."""
+
+    field: str
+    words: str
+    prefix: str
+
+
+KINDS = (
+    Kind("equations", "scalar equations", ""),
+    Kind("systems", "systems", "system_"),
+    Kind("delays", "systems with delays", "delay_"),
+)
+
+
+def kind_of(problem: Problem) -> int:
+    """Return the place of a problem's kind in `KINDS`."""
+    return 0 if isinstance(problem, Equation) else 2 if isinstance(problem, DelaySystem) else 1
 
 
 METHODS = (
@@ -87,6 +109,8 @@ METHODS = (
     Method("square_wave", _two_levels),
     Method("leapfrog", _any),
     Method("reference", _any, _any),
+    Method("collocation", delays=_any),
+    Method("semi_discretisation", delays=_any),
 )
 """Every method there is."""
 
@@ -94,14 +118,13 @@ _BY_NAME = {method.name: method for method in METHODS}
 
 
 _NAMES = tuple(
-    ("auto", *(method.name for method in METHODS if getattr(method, kind) is not None))
-    for kind in ("equations", "systems")
+    ("auto", *(method.name for method in METHODS if getattr(method, kind.field) is not None)) for kind in KINDS
 )
 
 
 def names_of(problem: Problem) -> tuple[str, ...]:
-    """Return "auto" and the names of the methods for a scalar equation, or of those for a system."""
-    return _NAMES[not isinstance(problem, Equation)]
+    """Return "auto" and the names of the methods for a problem of this kind."""
+    return _NAMES[kind_of(problem)]
 
 
 def applicable(problem: Problem) -> tuple[Method, ...]:
@@ -118,6 +141,8 @@ def require(equation: Any, method: str) -> None:
 
 def in_turn(problem: Problem) -> tuple[str, ...]:
     """Return the methods that "auto" tries one after another, the fastest trustworthy one first."""
+    if isinstance(problem, DelaySystem):
+        return ("collocation",)
     if isinstance(problem, Mathieu):
         return "spectral", "reference"
     if isinstance(problem, Meissner):

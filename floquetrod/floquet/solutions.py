@@ -13,7 +13,7 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.content import ByContent
 from floquetrod.equations import Equation, HillSystem
-from floquetrod.floquet.problems import Problem, require_problem
+from floquetrod.floquet.problems import Problem, require_problem, require_without_delays
 from floquetrod.floquet.solve import Solution, solve
 from floquetrod.floquet.systems import spectra
 
@@ -38,6 +38,7 @@ def monodromy_over_period(problem: Problem, *, backward: bool = False) -> Monodr
 
     Each column is a solution with unit initial values; its error is the estimate of `floquetrod.solve`.
     """
+    require_without_delays(problem, "a monodromy matrix, whose map is one of histories")
     span = (float(problem.period), 0.0) if backward else (0.0, float(problem.period))
     order = _states(problem)
     columns = [_marched(problem, unit, span) for unit in np.eye(order)]
@@ -54,7 +55,8 @@ def _states(problem: Problem) -> int:
 
 def _marched(problem: Problem, state: Floats, span: tuple[float, float]) -> Solution:
     """Return the solution from a state at the beginning of a span."""
-    return solve(problem, state.reshape(2, -1) if isinstance(problem, HillSystem) else state, span)
+    found: Solution = solve(problem, state.reshape(2, -1) if isinstance(problem, HillSystem) else state, span)
+    return found
 
 
 @dataclass(frozen=True, eq=False, repr=False)

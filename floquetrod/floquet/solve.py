@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import shaped
 from floquetrod._util.content import ByContent
-from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.base import Equation, require
 from floquetrod.equations.pieces import exact_period, in_time
 from floquetrod.floquet.references import references
@@ -179,21 +179,24 @@ class Solution(ByContent):
         )
 
 
-def solve(equation: Any, initial: Any, span: Any) -> Solution:
+def solve(equation: Any, initial: Any, span: Any) -> Any:
     """Return the solution of an equation or a system that has given initial values.
 
     Parameters
     ----------
-    equation : Mathieu, Meissner, Hill or another Equation, HillSystem, PeriodicSystem
+    equation : Mathieu, Meissner, Hill or another Equation, HillSystem, PeriodicSystem, DelaySystem
         One, not a batch.
     initial : array_like
         (A, A') of a scalar equation, (q, q') of shape (2, n) of a `HillSystem`, x (N,) of a `PeriodicSystem`.
+        Of a `DelaySystem` the history: a function of the time before the start, or the one vector that it is; where it
+        is of second order, (history, q').
     span : float or (float, float)
-        Time in the unit of the equation: to which, from 0, or from which to which; backwards, too.
+        Time in the unit of the equation: to which, from 0, or from which to which; backwards, too, without delays.
 
     Returns
     -------
     Solution
+        Of a `DelaySystem` a `floquetrod.floquet.delay_solve.DelaySolution`, which is used alike.
 
     Raises
     ------
@@ -204,7 +207,8 @@ def solve(equation: Any, initial: Any, span: Any) -> Solution:
     Notes
     -----
     Taylor series of order 26 with the steps of A. Jorba and M. Zou, Experimental Mathematics 14 (2005) 99,
-    doi:10.1080/10586458.2005.10128904; no step crosses a jump of the coefficient.
+    doi:10.1080/10586458.2005.10128904; no step crosses a jump of the coefficient.  With delays collocation at Gauss's
+    nodes, in steps no longer than the shortest delay.
 
     Examples
     --------
@@ -213,8 +217,12 @@ def solve(equation: Any, initial: Any, span: Any) -> Solution:
     >>> round(solution(20.0), 9), solution.error < 1e-13
     (-32.205545641, True)
     """
-    require(equation, (Equation, HillSystem, PeriodicSystem), "solve", "friction: fr.friction.trajectory")
+    require(equation, (Equation, HillSystem, PeriodicSystem, DelaySystem), "solve", "friction: fr.friction.trajectory")
     start, stop = _span(span)
+    if isinstance(equation, DelaySystem):
+        from floquetrod.floquet.delay_solve import solve_delayed
+
+        return solve_delayed(equation, initial, start, stop)
     state = _initial(equation, initial)
     course = _course(equation)
     one, other = (

@@ -17,7 +17,7 @@ import numpy as np
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod._util.report import Report, Reported, number
-from floquetrod.equations import Equation, PeriodicSystem
+from floquetrod.equations import DelaySystem, Equation, PeriodicSystem
 from floquetrod.floquet import pairs
 from floquetrod.floquet.references import references, used_on
 from floquetrod.floquet.status import Status as Status
@@ -129,7 +129,7 @@ class FloquetVerdict(ByContent, Reported, Verdict):
 
     Attributes
     ----------
-    equation : Equation, HillSystem or PeriodicSystem
+    equation : Equation, HillSystem, PeriodicSystem or DelaySystem
         What was classified; ``system`` is another name of it.
     method : str
         Name of the method.
@@ -192,8 +192,9 @@ class FloquetVerdict(ByContent, Reported, Verdict):
         grows at larger rates among those tried, which are two, four and eight times the growth rate, and those from the
         fastest frequency down in 12 steps by halves.  Damping can destabilise: of a stable system it need not be 0.
 
-        Infinite where the mean stiffness alone is unstable, which damping only slows down.  NaN where the search would
-        take more than about a minute, where growth is not known, or cannot be distinguished from none at some rate.
+        Infinite where the mean stiffness alone is unstable, with that of delayed terms added, which damping only slows
+        down.  NaN where the search would take more than about a minute, where growth is not known, or cannot be
+        distinguished from none at some rate.
 
         Examples
         --------
@@ -204,8 +205,10 @@ class FloquetVerdict(ByContent, Reported, Verdict):
         """
         if isinstance(self.equation, PeriodicSystem) or math.isnan(self.growth_rate):
             return self.growth_rate
-        from floquetrod.floquet.systems.damping import damping_to_stabilise
+        from floquetrod.floquet.systems.damping import damping_of_delayed, damping_to_stabilise
 
+        if isinstance(self.equation, DelaySystem):
+            return damping_of_delayed(self.equation, self.growth_rate)
         system = self.equation.as_system() if isinstance(self.equation, Equation) else self.equation
         return damping_to_stabilise(system, self.growth_rate)
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.arrays import Floats
 from floquetrod._util.progress import Progress
-from floquetrod.equations import Equation, HillSystem
+from floquetrod.equations import DelaySystem, Equation, PeriodicSystem
 from floquetrod.equations.batches import in_batches
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import Problem, member
@@ -144,8 +144,8 @@ class Members(Family):
         """Return status and growth rate, which every verdict tells."""
         x, y = np.broadcast_arrays(x, y)
         members = self.members(x.ravel(), y.ravel())
-        systems = [each for each in members if not isinstance(each, Equation)]
-        if systems:
+        systems = [each for each in members if not isinstance(each, Equation | DelaySystem)]
+        if len(systems) == len(members):
             answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=self.workers, quick=quick))
             status, rate = (np.array(column) for column in zip(*answers, strict=True))
         else:
@@ -163,7 +163,7 @@ class Members(Family):
         if not isinstance(verdict, SystemStability) or not verdict.resonances:
             return None, None, None
         resonance = verdict.resonances[0]
-        if resonance.kind == "buckling":
+        if resonance.kind == "buckling" or not resonance.modes:
             return None, None, None
         if len(resonance.modes) == 1:
             return resonance.modes[0], None, resonance.order
@@ -198,8 +198,9 @@ def _kind(problem: Problem) -> str:
     if isinstance(problem, Equation):
         return problem.title
     plural = "" if problem.order == 1 else "s"
-    order = "" if isinstance(problem, HillSystem) else " of first order"
-    return f"system of {problem.order} equation{plural}{order}"
+    first = isinstance(problem, PeriodicSystem) or (isinstance(problem, DelaySystem) and not problem.is_second_order)
+    delays = " with delays" if isinstance(problem, DelaySystem) else ""
+    return f"system of {problem.order} equation{plural}{' of first order' * first}{delays}"
 
 
 def _symbol(name: str) -> str:

@@ -8,13 +8,14 @@ upper end, and where the string becomes a helix or ceases to be one: there its e
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
+from floquetrod._util.content import ByContent
 from floquetrod._util.roots import roots
 from floquetrod.wells.arcs import Floats, Points
 from floquetrod.wells.drag import Drag, Effort, Place, States, Strings
@@ -133,8 +134,7 @@ class _March:
         self.noted[:, row, strings[which]] = curve.at(share, which)
 
 
-@dataclass(frozen=True)
-class _Slopes:
+class _Slopes(NamedTuple):
     """The right side of the equations of strings, each on its arc with its friction and shape."""
 
     drag: Drag
@@ -145,7 +145,7 @@ class _Slopes:
 
     def some(self, i: Ints) -> _Slopes:
         """Return that of some strings."""
-        return replace(self, arc=self.arc[i], friction=self.friction[i], is_helix=self.is_helix[i])
+        return self._replace(arc=self.arc[i], friction=self.friction[i], is_helix=self.is_helix[i])
 
     def place(self, depth: Floats) -> Place:
         """Return the well at measured depths (..., n)."""
@@ -157,8 +157,8 @@ class _Slopes:
         return self.drag.slopes(place, self.friction, state, self.is_helix, self.towards)
 
 
-@dataclass(frozen=True)
-class _Step:
+@dataclass(frozen=True, eq=False)
+class _Step(ByContent):
     """A step up of n strings: its ends, the states there, and minus the slopes on the way (13, 2, n).
 
     ``is_last`` says whether it is the last in its piece.

@@ -42,6 +42,7 @@ over = {kick = ["10mm/s", "20mm/s"], seed = {from = 1, to = 3}}
 VALUES = (fr.AxialLoad, fr.AxialWave, fr.Perturbation, fr.FiniteTimeCriterion, fr.Rod, fr.Mathieu, fr.Meissner, fr.Hill)
 VALUES += (
     fr.SimulationProblem,
+    fr.DelaySystem,
     fr.HillSystem,
     fr.PeriodicSystem,
     fr.ForceRecord,
@@ -530,6 +531,7 @@ def _of_systems() -> dict[str, Call]:
     hill = {"stiffness": matrix, "cosines": wave, "sines": wave, "mass": matrix, "damping": matrix, "period": 2.0}
     first = {"mean": matrix, "cosines": wave, "sines": wave, "period": 2.0, "coefficient_error": 1e-12}
     pieces = [(0.5, matrix), (1.5, fr.equations.Varying(matrix, [[0.1, 0.0], [0.0, 0.2]], wave))]
+    delayed = [(0.7, matrix, wave, wave), (3.1, matrix)]
     others = {"mass": matrix, "damping": matrix, "gyroscopic": [[0.0, 1.0], [-1.0, 0.0]]}
     axes = {"omega": (2.5, 3.5, 3), "epsilon": (0.1, 0.3, 2)}
     charted = {"family": oscillators, "over": axes, "growth": True, "growth_tolerance": 0.1, "workers": 1}
@@ -546,6 +548,16 @@ def _of_systems() -> dict[str, Call]:
         "systems.first_order_tongues": Call(fr.systems.first_order_tongues, {"system": SYSTEM}),
         "systems.FirstOrderTongue.growth_rate_at": Call(tongue.growth_rate_at, {"frequency": 3.0}),
         "chart": Call(fr.chart, charted | {"progress": None}),
+        "DelaySystem": Call(fr.DelaySystem, hill | {"delayed": delayed, "coefficient_error": 1e-12}),
+        "DelaySystem.from_pieces": Call(
+            fr.DelaySystem.from_pieces,
+            {"pieces": pieces, "mass": matrix, "damping": matrix, "delayed": [(0.7, pieces)]},
+        ),
+        "DelaySystem.first_order": Call(fr.DelaySystem.first_order, first | {"delayed": delayed}),
+        "DelaySystem.first_order_from_pieces": Call(
+            fr.DelaySystem.first_order_from_pieces, {"pieces": pieces, "delayed": [(0.7, pieces)]}
+        ),
+        "DelaySystem.damped": Call(fr.DelaySystem(matrix, delayed=[(0.7, matrix)]).damped, {"rate": 0.1}),
         "HillSystem": Call(fr.HillSystem, hill | {"gyroscopic": [[0.0, 1.0], [-1.0, 0.0]]}),
         "HillSystem.coefficient": Call(SYSTEM.coefficient, {"t": 0.3}),
         "HillSystem.from_pieces": Call(

@@ -12,11 +12,12 @@ from dataclasses import replace
 from typing import Any
 
 from floquetrod._util import validate
-from floquetrod.equations import Equation, HillSystem, Mathieu, PeriodicSystem
+from floquetrod.equations import DelaySystem, Equation, HillSystem, Mathieu, PeriodicSystem
 from floquetrod.equations.base import require
 from floquetrod.equations.matrices import require_one
 from floquetrod.floquet.dispatch import under_noise
 from floquetrod.floquet.problems import Problem
+from floquetrod.floquet.proof.delayed import certify_delayed
 from floquetrod.floquet.proof.digits import FIRST
 from floquetrod.floquet.proof.family import certify_family
 from floquetrod.floquet.proof.problem import (
@@ -35,7 +36,7 @@ from floquetrod.floquet.proof.result import MAX_BOXES, SECONDS, Proof
 from floquetrod.floquet.proof.scalar import certify_scalar
 from floquetrod.floquet.proof.systems import certify_system
 
-_ACCEPTED = "an Equation such as Mathieu, Meissner or Hill, a HillSystem or a PeriodicSystem"
+_ACCEPTED = "an Equation such as Mathieu, Meissner or Hill, a HillSystem, a PeriodicSystem or a DelaySystem"
 
 
 def certify(
@@ -55,7 +56,7 @@ def certify(
 
     Parameters
     ----------
-    equation : Equation, HillSystem or PeriodicSystem, or a class of equations
+    equation : Equation, HillSystem, PeriodicSystem or DelaySystem, or a class of equations
         A value, `Mathieu`, `Meissner`, `Hill` or an equation of your own, whose parameters are taken as the exact
         binary numbers they are; so is the period, unless ``period_over_pi`` states it exactly.  Of a system, the
         verdict holds for all coefficients within its ``coefficient_error``.  Or one of the three classes, with its
@@ -132,7 +133,7 @@ def certify(
     seconds = validate.positive("seconds", seconds)
     if growth_tolerance and equation is not Mathieu:
         raise TypeError("growth_tolerance is for the class Mathieu and its parameters only; leave it out")
-    if isinstance(equation, Equation | HillSystem | PeriodicSystem):
+    if isinstance(equation, Equation | HillSystem | PeriodicSystem | DelaySystem):
         if parameters:
             names, kind = ", ".join(parameters), type(equation).__name__
             raise TypeError(f"{names} must follow a class or another callable: certify({kind}, ...), not a value")
@@ -170,6 +171,8 @@ def _of_value(problem: Problem, max_digits: int) -> Proof:
         require(problem)
         exact = problem_of(problem)
         return _of_any_equation(problem, max_digits) if exact is None else certify_scalar(exact, max_digits)
+    if isinstance(problem, DelaySystem):
+        return certify_delayed(problem)
     require_one(problem, "equation")
     if problem.MEANING:
         proof = certify_system(problem, max_digits)

@@ -18,7 +18,7 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod.equations import Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.dispatch import stability
-from floquetrod.floquet.problems import Problem, member, require_problem
+from floquetrod.floquet.problems import Problem, member, require_problem, require_without_delays
 from floquetrod.floquet.proof.box_problem import Bounds, NotAffine, bounds_of, problem_of_bounds, require_affine
 from floquetrod.floquet.proof.region import RegionProof, RegionStatus, Shares, Side, side_ends
 from floquetrod.floquet.proof.region_equation import note_on, statement_on
@@ -50,11 +50,12 @@ class _Family(NamedTuple):
         """Return the equation of a point of the box."""
         found = member(self.make, {**self.given, **point}, argument="equation")
         require_problem(found)
+        require_without_delays(found, "a proof over a box")
         return found
 
     def system(self, point: Mapping[str, float]) -> HillSystem | PeriodicSystem:
         """Return the same as a system."""
-        found = self.at(point)
+        found: Any = self.at(point)
         return found.as_system() if isinstance(found, Equation) else found
 
     def bounds(self, box: Box) -> Bounds:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from floquetrod._util.report import Report, Reported
-from floquetrod.equations import Equation, HillSystem, PeriodicSystem
+from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem
 from floquetrod.floquet.references import references, used_on
 from floquetrod.floquet.verdict import Answer, Interval, Status
 
@@ -39,7 +39,7 @@ class Proof(Reported, Answer):
 
     Attributes
     ----------
-    equation : Equation, HillSystem or PeriodicSystem
+    equation : Equation, HillSystem, PeriodicSystem or DelaySystem
         The equation or system, its parameters taken as the exact binary numbers they are, but for those in ``exact``.
     status : {"stable", "unstable", "undecided"}
         What was proved; "stable": every solution stays bounded (decays, if damped and not at rest).
@@ -55,7 +55,7 @@ class Proof(Reported, Answer):
         Parameters that are not binary numbers: what was proved holds for these, ``equation`` has the nearest doubles.
     """
 
-    equation: Equation | HillSystem | PeriodicSystem
+    equation: Equation | HillSystem | PeriodicSystem | DelaySystem
     status: Status
     interval: Interval | None
     digits: int

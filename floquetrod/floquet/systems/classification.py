@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.equations import HillSystem
+from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations.batches import System
 from floquetrod.floquet import pairs
 from floquetrod.floquet.systems import resonances, spectra
@@ -25,6 +25,7 @@ from floquetrod.floquet.systems.symplectic import krein_form
 from floquetrod.floquet.verdict import Cost, Status, static_status
 
 Krein = Callable[[NDArray[np.intp]], int]
+AnySystem = System | DelaySystem
 
 _EPS = 2.220446049250313e-16
 _MIXED = "{} multipliers near {} cannot be distinguished, nor are their Krein signs known to be equal"
@@ -60,8 +61,10 @@ class _Part(NamedTuple):
     krein: int = 0
 
 
-def undamped_pairs(system: System) -> tuple[System, float] | None:
+def undamped_pairs(system: AnySystem) -> tuple[System, float] | None:
     """Return the system freed of uniform damping c, and c, where its multipliers come in mu, 1 / mu; else None."""
+    if isinstance(system, DelaySystem):
+        return None
     freed = system.undamped if isinstance(system, HillSystem) else (system, 0.0)
     return freed if freed is not None and freed[0].structure in ("hamiltonian", "reversible") else None
 
@@ -212,7 +215,7 @@ def logarithms(discs: Discs, shift: float = 0.0) -> LogDiscs:
 
 
 def classify_multipliers(
-    system: System, method: str, logs: LogDiscs | None, *, krein: Krein | None = None, cost: Cost, note: str = ""
+    system: AnySystem, method: str, logs: LogDiscs | None, *, krein: Krein | None = None, cost: Cost, note: str = ""
 ) -> SystemStability:
     """Return the verdict that follows from the multipliers themselves.
 
@@ -261,7 +264,7 @@ def _on_circle(values: NDArray[np.complex128], radii: NDArray[np.float64], clust
 
 
 def _verdict(
-    system: System,
+    system: AnySystem,
     method: str,
     parts: Sequence[_Part],
     *,
@@ -284,7 +287,7 @@ def _verdict(
         status, strongly = "stable", True
     else:
         status, strongly = "undecided", None
-        if system.is_constant:
+        if system.is_constant and not isinstance(system, DelaySystem):
             status = _without_variation(system) or "undecided"
     reason = next((part.reason for part in parts if part.reason), "growth equals the damping within the error")
     exponents = net / period

@@ -10,9 +10,9 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.equations import HillSystem
+from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations import pieces as by_pieces
-from floquetrod.floquet.systems import whole
+from floquetrod.floquet.systems import delay_growth, delay_maps, whole
 
 _TIMES = 2.0 ** np.arange(-1, 4)  # the growth rate: damping rates tried (a choice)
 _PARTS = 2.0 ** np.arange(-12, 1)  # of the fastest frequency: damping rates tried as well (a choice)
@@ -112,3 +112,23 @@ def damping_to_stabilise(system: HillSystem, growth: float) -> float:
     return least_damping(
         excess, growth, 2.0 * math.pi / period, further=np.asarray(rates), uncertainty=10.0 * _ACCURACY / period
     )
+
+
+def damping_of_delayed(system: DelaySystem, growth: float) -> float:
+    """Return the least c for which nothing grows of a system with delays to which C + 2 c M, or A - c I, is added.
+
+    As `damping_to_stabilise`, infinite where the mean of M^-1 (K + sum_j D_j) has an eigenvalue of negative real part.
+    """
+    n, period, further = system.order, float(system.period), None
+    if isinstance(system.present, HillSystem):
+        mass = np.eye(n) if system.present.mass is None else system.present.mass
+        still = np.linalg.solve(mass, sum((term.coefficient.mean for term in system.delayed), system.present.stiffness))
+        if float(np.linalg.eigvals(still).real.min()) < -8.0 * n * _EPS * float(np.linalg.norm(still, 2)):
+            return math.inf
+        further = np.asarray(delay_maps.rate(system) * _PARTS)
+
+    def excess(rate: float) -> float:
+        """Return the growth rate, negative where everything decays."""
+        return delay_growth.growth_rate(system.damped(rate))
+
+    return least_damping(excess, growth, 2.0 * math.pi / period, further=further, uncertainty=10.0 * _ACCURACY / period)

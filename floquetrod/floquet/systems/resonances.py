@@ -8,7 +8,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from floquetrod.equations import HillSystem, PeriodicSystem
+from floquetrod.equations import DelaySystem, HillSystem, PeriodicSystem
 from floquetrod.equations.pieces import fourier
 from floquetrod.floquet.systems.result import Resonance
 
@@ -22,9 +22,11 @@ _UNCOUPLED = 0.2  # what it costs that the harmonic of that order does not coupl
 _NOTHING = 1e-9
 
 
-def name(system: HillSystem | PeriodicSystem, exponents: tuple[complex, ...]) -> tuple[Resonance, ...]:
+def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: tuple[complex, ...]) -> tuple[Resonance, ...]:
     """Return the names of the growing solutions, the fastest first, each name once."""
     growing = [exponent for exponent in exponents if exponent.real > 0.0 and exponent.imag >= -_NOTHING]
+    if isinstance(system, DelaySystem):
+        return _by_multipliers(system, growing)
     if system.MEANING:  # its frequencies are sums and differences of those that would be named
         return ()
     equations = system.order if isinstance(system, HillSystem) else 0.5 * system.order
@@ -39,6 +41,17 @@ def name(system: HillSystem | PeriodicSystem, exponents: tuple[complex, ...]) ->
         if candidates:
             best = min(candidates, key=lambda candidate: candidate[:3]).name
             found.setdefault((best.kind, best.modes, best.order), best)
+    return tuple(found.values())
+
+
+def _by_multipliers(system: DelaySystem, growing: list[complex]) -> tuple[Resonance, ...]:
+    """Return the names of the ways in which multipliers leave the unit circle: through 1, -1 or a pair elsewhere."""
+    found: dict[str, Resonance] = {}
+    for exponent in growing:
+        angle = exponent.imag * float(system.period)
+        real = abs(angle) <= _NOTHING if system.is_constant else abs(math.sin(angle)) <= _NOTHING
+        kind: Literal["fold", "flip", "hopf"] = "hopf" if not real else "fold" if math.cos(angle) > 0.0 else "flip"
+        found.setdefault(kind, Resonance(kind, (), 0, exponent.real))
     return tuple(found.values())
 
 
@@ -104,8 +117,7 @@ def _symmetric(freed: HillSystem, damping: float) -> tuple[NDArray[np.complex128
     """Return what `_of_first_order` does, of q'' + 2 c q' + K q = 0 from the modes of K at a tenth of the cost.
 
     With exponents -c +- r and modes phi of length 1 a harmonic Z couples two by |phi_i . Z phi_j| over the root of
-    |2 r_i 2 r_j|.
-    None where an exponent is double.
+    |2 r_i 2 r_j|; None where an exponent is double.
     """
     squares, modes = np.linalg.eigh(freed.stiffness)
     root = np.sqrt(-squares.astype(np.complex128))
@@ -113,7 +125,7 @@ def _symmetric(freed: HillSystem, damping: float) -> tuple[NDArray[np.complex128
         return None
     waves = np.asarray(freed.harmonics).reshape(-1, *modes.shape)
     coupled = np.abs(modes.T @ waves @ modes) / (2.0 * np.sqrt(np.abs(np.outer(root, root))))
-    return np.concatenate([root, -root]) - damping, np.tile(coupled, (1, 2, 2))
+    return np.concatenate([root, -root]).astype(np.complex128) - damping, np.tile(coupled, (1, 2, 2))
 
 
 class _Candidate(NamedTuple):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from floquetrod._util.report import Report, Table, number
-from floquetrod.equations import HillSystem
+from floquetrod.equations import DelaySystem, PeriodicSystem
 from floquetrod.equations.matrices import Structure
 from floquetrod.floquet.verdict import FloquetVerdict
 
@@ -15,22 +15,27 @@ _LISTED = 40
 """Multipliers in a report, the largest; all are among the numbers."""
 
 
+_UNNAMED = {"hopf": "Hopf instability", "flip": "period doubling", "fold": "growth without oscillation"}
+"""Of systems with delays, whose modes are not counted."""
+
+
 class Resonance(NamedTuple):
     """The name of an instability: the combination of natural frequencies of the mean system that explains it best.
 
     Attributes
     ----------
-    kind : {"direct", "sum", "difference", "buckling"}
-        2 w_i = k w; w_i + w_j = k w; w_i - w_j = k w (k = 0: flutter of the mean system); negative mean stiffness.
+    kind : {"direct", "sum", "difference", "buckling", "hopf", "flip", "fold"}
+        2 w_i = k w; w_i + w_j = k w; w_i - w_j = k w (k = 0: flutter of the mean system); negative mean stiffness.  Of
+        systems with delays: a pair of multipliers, one below -1, one above 1.
     modes : tuple of int
-        Modes of the mean system, counted from 1 in the order of their frequencies.
+        Modes of the mean system, counted from 1 in the order of their frequencies; none of systems with delays.
     order : int
         k, in terms of w = 2 pi / period; 0 for buckling.
     growth_rate : float
         Of the solution it names, per unit of time.
     """
 
-    kind: Literal["direct", "sum", "difference", "buckling"]
+    kind: Literal["direct", "sum", "difference", "buckling", "hopf", "flip", "fold"]
     modes: tuple[int, ...]
     order: int
     growth_rate: float
@@ -47,6 +52,8 @@ class Resonance(NamedTuple):
 
     def __str__(self) -> str:
         """Return, say, "sum resonance of modes 1 and 2, order 1"."""
+        if self.kind in _UNNAMED:
+            return _UNNAMED[self.kind]
         if self.kind == "buckling":
             return f"buckling of mode {self.modes[0]}"
         if self.kind == "direct":
@@ -55,13 +62,19 @@ class Resonance(NamedTuple):
         return f"{self.kind} resonance of {modes}, order {self.order}" if self.order else f"flutter of {modes}"
 
 
+def _second_order(system: Any) -> bool:
+    """Return whether a system is of second order."""
+    return system.is_second_order if isinstance(system, DelaySystem) else not isinstance(system, PeriodicSystem)
+
+
 @dataclass(frozen=True, kw_only=True, repr=False, eq=False)
 class SystemStability(FloquetVerdict):
     """Verdict on a system of equations, per unit of its time.
 
-    It has all that every `FloquetVerdict` has: as many exponents as equations of first order, and as ``error`` the
-    relative error of the multipliers as they were computed, the largest of ``exponent_errors`` times the period but
-    for the rounding of the exponents to doubles.
+    It has all that every `FloquetVerdict` has: as many exponents as equations of first order, with delays those of the
+    multipliers above a modulus that the note says, which of constant coefficients are characteristic roots; and as
+    ``error`` the relative error of the multipliers as they were computed, the largest of ``exponent_errors`` times the
+    period but for the rounding of the exponents to doubles.
 
     Attributes
     ----------
@@ -109,7 +122,7 @@ class SystemStability(FloquetVerdict):
     def report(self, *, damping: bool = False) -> Report:
         """Return the verdict in lines and a table of multipliers; with the ``damping`` that stabilises, a search."""
         system = self.system
-        form = "second order" if isinstance(system, HillSystem) else "first order"
+        form = "second order" if _second_order(system) else "first order"
         equations = f"{system.order} equation{'' if system.order == 1 else 's'} of {form}"
         equations += ", of second moments" if system.MEANING else ""
         turns = f"period {self.period:.6g} (angular frequency {2.0 * math.pi / self.period:.6g})"
@@ -120,7 +133,7 @@ class SystemStability(FloquetVerdict):
         if self.decay_rate > 0.0:
             lines.append(("decay", f"{self.decay_rate:.6g} per unit time, the slowest motion"))
         for i, resonance in enumerate(self.resonances):
-            nearest = "" if i else " (the nearest combination of frequencies)"
+            nearest = "" if i or not resonance.modes else " (the nearest combination of frequencies)"
             lines.append(("" if i else "named", f"{resonance}, growth {resonance.growth_rate:.6g}{nearest}"))
         lines.append(("margin", self._margin))
         lines += self._damping_lines() if damping else []
@@ -136,7 +149,7 @@ class SystemStability(FloquetVerdict):
             return []
         if math.isinf(rate):
             return [("damping", "no damping suffices: the mean stiffness alone is unstable")]
-        tried = ", as far as tried" if isinstance(self.system, HillSystem) else ""
+        tried = "" if isinstance(self.system, PeriodicSystem) else ", as far as tried"
         return [("damping", f"stable at uniform rates above {rate:.6g} per unit time{tried}, added to what there is")]
 
     @property
@@ -212,6 +225,7 @@ class SystemStability(FloquetVerdict):
             "structure": self.structure,
             "harmonics": 0 if self.system.pieces else int(self.system.harmonics.shape[-3]),
             **({"pieces": len(self.system.pieces)} if self.system.pieces else {}),
+            **({"delays": [*map(float, self.system.delays)]} if isinstance(self.system, DelaySystem) else {}),
             "period": self.period,
             "method": self.method,
             "relative_error": number(self.error),

@@ -1,0 +1,353 @@
+"""Systems with delays, M q'' + (C + G) q' + K(t) q + sum_j D_j(t) q(t - tau_j) = 0, and their first-order form."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.calling import constructor_hints
+from floquetrod._util.content import ByContent
+from floquetrod.equations import matrices
+from floquetrod.equations.hill_system import HillSystem
+from floquetrod.equations.matrices import Structure
+from floquetrod.equations.periodic_system import PeriodicSystem
+
+MOST_DELAYS = 64
+"""Most delayed terms of a system (a choice)."""
+
+_LONGEST = 1e100
+_SERIES = "(delay, matrix), (delay, matrix, cosines) or (delay, matrix, cosines, sines)"
+_PIECES = "(delay, pieces), pieces a sequence of (duration, matrix)"
+
+
+class DelayedTerm(NamedTuple):
+    """A term that comes back: D(t) q(t - delay), or B(t) x(t - delay).
+
+    Attributes
+    ----------
+    delay : float or Fraction
+        Exactly that.
+    coefficient : PeriodicSystem
+        The matrix, periodic as that of a `PeriodicSystem` is: ``coefficient.coefficient(t)``.
+    """
+
+    delay: float | Fraction
+    coefficient: PeriodicSystem
+
+
+@constructor_hints(frequency="period is 2 pi / frequency", delays="each delay goes with its matrix into delayed")
+@dataclass(frozen=True, eq=False, repr=False, init=False)
+class DelaySystem(ByContent):
+    """The system M q'' + (C + G) q' + K(t) q + sum_j D_j(t) q(t - tau_j) = 0 of n equations, K and D_j periodic.
+
+    `from_pieces` takes coefficients that jump, `first_order` the form x' = A(t) x + sum_j B_j(t) x(t - tau_j).  Delays
+    may be any positive numbers, shorter or longer than the period, commensurate with it or not; what comes back without
+    a delay belongs to the stiffness.
+
+    Parameters
+    ----------
+    stiffness : array_like (n, n)
+        Mean of K.
+    cosines, sines : sequence of array_like (n, n)
+        Of K, from the first harmonic on, as of a `HillSystem`; none by default.
+    mass, damping, gyroscopic : array_like (n, n), optional
+        M, C and G as of a `HillSystem`.
+    period : float
+        Period of K and of all D_j; any where nothing varies.
+    delayed : sequence of (delay, D0), (delay, D0, cosines) or (delay, D0, cosines, sines)
+        Of each term its delay, a float or a `Fraction` in the unit of the period, taken exactly, and D_j as mean and
+        harmonics.
+    coefficient_error : float
+        Bound or estimate of the error of K(t) and of each D_j(t), entry by entry.
+
+    Attributes
+    ----------
+    present : HillSystem or PeriodicSystem
+        The system without its delayed terms.
+    delayed : tuple of DelayedTerm
+        The delayed terms.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For what a `HillSystem` refuses, for delays that are not greater than zero, for terms of another order or
+        period, and for batches.
+
+    Examples
+    --------
+    >>> import floquetrod as fr
+    >>> system = DelaySystem([[1.2]], [[[0.5]]], damping=[[0.05]], delayed=[(2.0 * math.pi, [[-0.2]])])
+    >>> found = fr.stability(system)
+    >>> found.status, f"{found.multipliers[0]:.9f}"
+    ('stable', '0.952316474+0.006558236j')
+    """
+
+    present: HillSystem | PeriodicSystem
+    delayed: tuple[DelayedTerm, ...]
+
+    def __init__(
+        self,
+        stiffness: Any,
+        cosines: Any = (),
+        sines: Any = (),
+        *,
+        mass: Any = None,
+        damping: Any = None,
+        gyroscopic: Any = None,
+        period: Any = 2.0 * math.pi,
+        delayed: Any = (),
+        coefficient_error: float = 0.0,
+    ) -> None:
+        """Check and copy the parameters."""
+        others = {"mass": mass, "damping": damping, "gyroscopic": gyroscopic}
+        present = HillSystem(stiffness, cosines, sines, **others, period=period, coefficient_error=coefficient_error)
+        self._take(present, _by_series(delayed, present))
+
+    @classmethod
+    def from_pieces(
+        cls,
+        pieces: Any,
+        *,
+        mass: Any = None,
+        damping: Any = None,
+        gyroscopic: Any = None,
+        delayed: Any = (),
+        coefficient_error: float = 0.0,
+    ) -> DelaySystem:
+        """Return the system whose K(t) and D_j(t) are given piece by piece of the period, and may jump.
+
+        Parameters
+        ----------
+        pieces : sequence of (duration, K)
+            Of K as `HillSystem.from_pieces` takes them; the exact sum of the durations is the period.
+        mass, damping, gyroscopic : array_like (n, n), optional
+            As of the system.
+        delayed : sequence of (delay, pieces)
+            Of each term its delay and the pieces of D_j, whose durations add up to the same period.
+        coefficient_error : float
+            As of the system.
+
+        Examples
+        --------
+        A force that comes back in half of the period only:
+
+        >>> cut = [(0.5, [[0.3]]), (0.5, [[0.0]])]
+        >>> system = DelaySystem.from_pieces([(0.5, [[1.3]]), (0.5, [[1.0]])], delayed=[(1.0, cut)])
+        >>> system.period, system.delays
+        (1.0, (1.0,))
+        """
+        others = {"mass": mass, "damping": damping, "gyroscopic": gyroscopic}
+        present = HillSystem.from_pieces(pieces, **others, coefficient_error=coefficient_error)
+        return cls._made(present, _by_pieces(delayed, present))
+
+    @classmethod
+    def first_order(
+        cls,
+        mean: Any,
+        cosines: Any = (),
+        sines: Any = (),
+        *,
+        period: Any = 2.0 * math.pi,
+        delayed: Any = (),
+        coefficient_error: float = 0.0,
+    ) -> DelaySystem:
+        """Return the system x' = A(t) x + sum_j B_j(t) x(t - tau_j) of N equations.
+
+        Parameters
+        ----------
+        mean : array_like (N, N)
+            Mean of A.
+        cosines, sines : sequence of array_like (N, N)
+            Of A, from the first harmonic on; none by default.
+        period : float
+            Period of A and of all B_j; any where nothing varies.
+        delayed : sequence of (delay, B0), (delay, B0, cosines) or (delay, B0, cosines, sines)
+            The delayed terms.
+        coefficient_error : float
+            Of A(t) and of each B_j(t).
+
+        Examples
+        --------
+        Hayes' equation x' = a x + b x(t - 1), on the stable side of its boundary:
+
+        >>> import floquetrod as fr
+        >>> fr.stability(DelaySystem.first_order([[0.5]], delayed=[(1.0, [[-1.0]])])).status
+        'stable'
+        """
+        present = PeriodicSystem(mean, cosines, sines, period=period, coefficient_error=coefficient_error)
+        return cls._made(present, _by_series(delayed, present))
+
+    @classmethod
+    def first_order_from_pieces(cls, pieces: Any, *, delayed: Any = (), coefficient_error: float = 0.0) -> DelaySystem:
+        """Return the system x' = A(t) x + sum_j B_j(t) x(t - tau_j) whose matrices are given piece by piece.
+
+        Parameters
+        ----------
+        pieces : sequence of (duration, A)
+            As `PeriodicSystem.from_pieces` takes them.
+        delayed : sequence of (delay, pieces)
+            Of each term its delay and the pieces of B_j, whose durations add up to the same period.
+        coefficient_error : float
+            Of A(t) and of each B_j(t).
+
+        Examples
+        --------
+        >>> DelaySystem.first_order_from_pieces([(1.0, [[-1.0]]), (0.5, [[0.2]])], delayed=[]).period
+        1.5
+        """
+        present = PeriodicSystem.from_pieces(pieces, coefficient_error=coefficient_error)
+        return cls._made(present, _by_pieces(delayed, present))
+
+    @classmethod
+    def _made(cls, present: HillSystem | PeriodicSystem, delayed: tuple[DelayedTerm, ...]) -> DelaySystem:
+        found = object.__new__(cls)
+        found._take(present, delayed)
+        return found
+
+    def _take(self, present: HillSystem | PeriodicSystem, delayed: tuple[DelayedTerm, ...]) -> None:
+        """Take over the parts, checked against each other."""
+        for name, part in (
+            ("the coefficients", present),
+            *((f"delayed[{j}]", t.coefficient) for j, t in enumerate(delayed)),
+        ):
+            if part.shape:
+                raise ValueError(f"{name} must be of a single system, got a batch of shape {part.shape}")
+        vars(self).update(present=present, delayed=delayed)
+
+    @property
+    def order(self) -> int:
+        """Number of equations."""
+        return self.present.order
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Leading shape of a batch, of which there are none: ()."""
+        return ()
+
+    @property
+    def period(self) -> float:
+        """Period of the coefficients."""
+        return float(self.present.period)
+
+    @property
+    def is_second_order(self) -> bool:
+        """Whether the equations are of second order."""
+        return isinstance(self.present, HillSystem)
+
+    @property
+    def delays(self) -> tuple[float | Fraction, ...]:
+        """Every delay, in the order of the terms."""
+        return tuple(term.delay for term in self.delayed)
+
+    @property
+    def longest_delay(self) -> float:
+        """The longest delay, 0 without any."""
+        return max(map(float, self.delays), default=0.0)
+
+    @property
+    def coefficient_error(self) -> float:
+        """Error of K(t) and of each D_j(t), or of A(t) and each B_j(t), entry by entry."""
+        return self.present.coefficient_error
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether nothing depends on time."""
+        return self.present.is_constant and all(term.coefficient.is_constant for term in self.delayed)
+
+    @property
+    def structure(self) -> Structure:
+        """That of no special kind, "general": delayed terms leave multipliers unpaired."""
+        return "general"
+
+    @property
+    def pieces(self) -> tuple[Any, ...]:
+        """Pieces of the coefficients without delay, as of a `HillSystem` or `PeriodicSystem`."""
+        return self.present.pieces
+
+    @property
+    def harmonics(self) -> Any:
+        """Harmonics of the coefficients without delay, likewise."""
+        return self.present.harmonics
+
+    def damped(self, rate: float) -> DelaySystem:
+        """Return the system with uniform damping added: C + 2 rate M, or A - rate I; per unit of time."""
+        rate = validate.nonnegative("rate", rate)
+        present = self.present
+        if isinstance(present, HillSystem):
+            mass = np.eye(self.order) if present.mass is None else present.mass
+            there = np.zeros_like(mass) if present.damping is None else present.damping
+            return self._made(replace(present, damping=there + 2.0 * rate * mass), self.delayed)
+        shift = rate * np.eye(self.order)
+        if not present.pieces:
+            return self._made(replace(present, mean=present.mean - shift), self.delayed)
+        lowered = [(duration, value.mapped(lambda m: m - shift, np.asarray)) for duration, value in present.pieces]
+        error = present.coefficient_error
+        return self._made(PeriodicSystem.from_pieces(lowered, coefficient_error=error), self.delayed)
+
+    @property
+    def variation(self) -> str:
+        """How the coefficients vary, and how many delays there are, in words."""
+        count = len(self.delayed)
+        delays = f"{count} delayed term{'' if count == 1 else 's'}" if count else "no delayed term"
+        return f"{self.present.variation}, {delays}"
+
+    def __repr__(self) -> str:
+        """Return the system without delay and the delayed terms."""
+        terms = ", ".join(f"{float(term.delay):.17g}: {term.coefficient!r}" for term in self.delayed)
+        return f"<DelaySystem of {self.present!r}, delayed by {{{terms}}}>"
+
+
+def _by_series(delayed: Any, present: HillSystem | PeriodicSystem) -> tuple[DelayedTerm, ...]:
+    """Return the delayed terms of a system whose coefficients are Fourier series."""
+    found = []
+    for name, given in _listed(delayed, (2, 3, 4), _SERIES):
+        delay, mean, *series = given
+        matrix = matrices.square(f"{name}[1]", mean, present.order, present.MEAN)
+        parts = [
+            matrices.by_harmonic(f"{name}[{k}]", part, present.order, present.MEAN) for k, part in enumerate(series, 2)
+        ]
+        coefficient = PeriodicSystem(matrix, *parts, period=present.period)
+        found.append(DelayedTerm(_delay(f"{name}[0]", delay), coefficient))
+    return tuple(found)
+
+
+def _by_pieces(delayed: Any, present: HillSystem | PeriodicSystem) -> tuple[DelayedTerm, ...]:
+    """Return the delayed terms of a system whose coefficients are in pieces."""
+    found = []
+    for name, (delay, pieces) in _listed(delayed, (2,), _PIECES):
+        try:
+            coefficient = PeriodicSystem.from_pieces(pieces)
+        except (TypeError, ValueError) as error:
+            raise type(error)(f"{name}[1]: {error}") from None
+        if coefficient.order != present.order:
+            raise ValueError(f"{name}[1] must be {present.order} x {present.order} as the other pieces are")
+        if np.shape(coefficient.period) == () and coefficient.period != present.period:
+            raise ValueError(f"{name}[1] must add up to the period {present.period!r}, got {coefficient.period!r}")
+        found.append(DelayedTerm(_delay(f"{name}[0]", delay), coefficient))
+    return tuple(found)
+
+
+def _listed(delayed: Any, lengths: tuple[int, ...], example: str) -> list[tuple[str, Any]]:
+    """Return the terms with their names, each of one of the lengths."""
+    if isinstance(delayed, str | bytes) or not validate.iterable(delayed):
+        raise TypeError(f"delayed must be a sequence of {example}, got {validate.short(delayed)}")
+    found = []
+    for j, given in enumerate(validate.listed("delayed", delayed, MOST_DELAYS, "terms")):
+        if not isinstance(given, tuple | list) or len(given) not in lengths:
+            raise TypeError(f"delayed must be a sequence of {example}, got {validate.short(given)} as delayed[{j}]")
+        found.append((f"delayed[{j}]", given))
+    return found
+
+
+def _delay(name: str, value: Any) -> float | Fraction:
+    """Return a delay, exactly: a double, or a Fraction where it is none."""
+    hint = "what comes back without a delay belongs to the stiffness, or to the matrix A"
+    number = validate.within(
+        name, float(value) if isinstance(value, Fraction) else value, 1.0 / _LONGEST, _LONGEST, hint
+    )
+    return value if isinstance(value, Fraction) and value != number else number

@@ -1,0 +1,223 @@
+"""A solution of a system with delays from its history: step by step, by collocation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import shaped
+from floquetrod._util.content import ByContent
+from floquetrod.equations import DelaySystem
+from floquetrod.equations import pieces as by_pieces
+from floquetrod.floquet.references import references
+from floquetrod.floquet.systems import delay_maps
+from floquetrod.floquet.systems.delay_mesh import integral, rule
+
+Floats = NDArray[np.float64]
+History = Callable[[float], Any]
+
+_NODES = (16, 22)  # of a step, the second number to learn the error of the first (heuristic)
+_RADIANS = 4.0  # that solutions turn by in a step, about (a choice)
+_GENERATIONS = 12  # of the images of a jump under delays that end a step (a choice)
+_MOST_STEPS = 20_000  # (a choice: some seconds)
+_MOST_IMAGES = 5_000  # of jumps (a choice)
+_EPS = 2.220446049250313e-16
+_ROUNDING = 16.0 * _EPS
+
+
+class _Steps(NamedTuple):
+    """A solution: ends of its steps, Legendre coefficients (steps, m, n) on each, and states at the ends."""
+
+    ends: Floats
+    series: Floats
+    states: Floats
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DelaySolution(ByContent):
+    """A solution of a system with delays on an interval of time, which a call evaluates anywhere in it.
+
+    Attributes
+    ----------
+    equation : DelaySystem
+    time : ndarray (steps + 1,)
+        Where the steps begin and end.
+    states : ndarray (steps + 1, N)
+        There: q and then q', or x.
+    error : float
+        Estimate of the largest error of a state, as a part of the largest state until then: twice the difference from
+        steps with more nodes, and rounding.
+    """
+
+    equation: DelaySystem
+    time: Floats
+    states: Floats
+    error: float
+    series: Floats
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite, in plain text with DOI, floquetrod first, then the sources of what was used."""
+        return references(("delays", "solve"))
+
+    def __call__(self, time: Any, derivative: int = 0) -> Any:
+        """Return the solution at times within the interval (array_like), or its derivative; n in the last axis."""
+        times = validate.array("time", time, least=float(self.time[0]), largest=float(self.time[-1]))
+        derivative = validate.integer("derivative", derivative, 0, 1)
+        found = _values(_Steps(self.time, self.series, self.states), times.ravel(), derivative)
+        return shaped(found, (*times.shape, self.equation.order))
+
+    def __repr__(self) -> str:
+        """Return what was solved."""
+        span = f"from {self.time[0]:g} to {self.time[-1]:g}"
+        return f"<solution of DelaySystem {span}, error {self.error:.1g}, {len(self.time) - 1} steps>"
+
+
+def solve_delayed(system: DelaySystem, initial: Any, start: float, stop: float) -> DelaySolution:
+    """Return the solution from a history, see `floquetrod.solve`."""
+    if not stop > start:
+        raise ValueError(f"span must go forward in time for a system with delays, got {start:g} to {stop:g}")
+    history, rate = _history(system, initial, start)
+    ends = _ends(system, start, stop)
+    one, other = (_marched(system, history, rate, ends, nodes) for nodes in _NODES)
+    largest = np.maximum.accumulate(np.abs(other.states).max(axis=1))
+    gaps = np.abs(one.states - other.states).max(axis=1) / np.maximum(largest, 1e-300)
+    solution = DelaySolution(system, one.ends, one.states, 0.0, one.series)
+    return replace(solution, error=2.0 * float(gaps.max()) + _ROUNDING * len(ends))
+
+
+def _history(system: DelaySystem, initial: Any, start: float) -> tuple[History, Floats | None]:
+    """Return the history as a function, checked at its end, and the rate at the start of equations of second order."""
+    rate = None
+    if system.is_second_order:
+        if not isinstance(initial, tuple | list) or len(initial) != 2:
+            raise TypeError(
+                "initial must be (history, rate): q(t) until the start, a function or one vector, and q' there, "
+                f"got {validate.short(initial)}"
+            )
+        initial, rate = initial[0], _vector("initial[1]", initial[1], system.order)
+    if not callable(initial):
+        constant = _vector("initial", initial, system.order)
+        return (lambda _: constant), rate
+    given: Callable[[float], Any] = initial
+
+    def history(t: float) -> Floats:
+        return _vector(f"history({t:g})", given(t), system.order)
+
+    history(start)
+    return history, rate
+
+
+def _vector(name: str, value: Any, order: int) -> Floats:
+    array = validate.array(name, value)
+    if array.shape != (order,):
+        raise ValueError(f"{name} must be a vector of {order}, got shape {array.shape}")
+    return np.array(array)
+
+
+def _ends(system: DelaySystem, start: float, stop: float) -> Floats:
+    """Return the ends of steps: on jumps, and what delays make of them, and no step longer than a delay."""
+    begin, end = Fraction(start), Fraction(stop)
+    period = by_pieces.exact_period(system.present)
+    parts = (system.present, *(term.coefficient for term in system.delayed))
+    jumps = {piece.begin for part in parts if part.pieces for piece in by_pieces.in_time(part)}
+    turns = range(math.floor(begin / period), math.ceil(end / period) + 1) if jumps else ()
+    if len(turns) * len(jumps) > _MOST_STEPS:
+        raise ValueError(f"span takes more than {_MOST_STEPS:,} steps; take a shorter one")
+    fresh = {begin} | {time for turn in turns for jump in jumps if begin < (time := turn * period + jump) < end}
+    found = set(fresh)
+    for _ in range(_GENERATIONS):
+        fresh = {t + Fraction(d) for t in fresh for d in system.delays if t + Fraction(d) < end} - found
+        if len(found) + len(fresh) > _MOST_IMAGES:
+            break
+        found |= fresh
+    edges = [*sorted(map(float, found)), stop]
+    longest = min([_RADIANS / max(delay_maps.rate(system), 1e-300), stop - start, *map(float, system.delays)])
+    least = 1e-13 * max(abs(start), abs(stop))
+    edges = [t for t, later in pairwise(edges) if later - t > least] + [stop]
+    counts = [math.ceil((high - low) / longest * (1.0 - 1e-12)) for low, high in pairwise(edges)]
+    if sum(counts) > _MOST_STEPS:
+        raise ValueError(f"span takes {sum(counts):,} steps, at most {_MOST_STEPS:,}; take a shorter one")
+    parts_ = [np.linspace(low, high, n + 1)[1:] for (low, high), n in zip(pairwise(edges), counts, strict=True)]
+    return np.concatenate([[start], *parts_])
+
+
+def _marched(system: DelaySystem, history: History, rate: Floats | None, ends: Floats, nodes: int) -> _Steps:
+    """Return the solution by steps with so many nodes."""
+    n, derivatives = system.order, 2 if rate is not None else 1
+    count = len(ends) - 1
+    places = 0.5 * (rule(nodes)[0] + 1.0)
+    integrals = [integral(nodes, rule(nodes)[0], k + 1) for k in range(derivatives)]
+    whole = [integral(nodes, np.array([1.0]), k + 1)[0] for k in range(derivatives)]
+    values = history(float(ends[0]))
+    states = np.zeros((count + 1, n * derivatives))
+    states[0] = values if rate is None else np.concatenate([values, rate])
+    series = np.zeros((count, nodes + derivatives, n))
+    for i, (low, high) in enumerate(pairwise(ends.tolist())):
+        half = 0.5 * (high - low)
+        times = low + 2.0 * half * places
+        given = delay_maps.coefficients(system, 1.0, times)
+        q, v = states[i, :n], states[i, n:]
+        reach = q + (times - low)[:, None] * v if derivatives == 2 else np.broadcast_to(q, (nodes, n))
+        right = np.einsum("fij,fj->fi", given.value[0], reach)
+        top = half**derivatives * integrals[-1]
+        left = given.value[0][:, :, None, :] * top[:, None, :, None]
+        if given.rate is not None:
+            right = right + given.rate[0] @ v
+            left = left + given.rate[0][:, :, None, :] * (half * integrals[0])[:, None, :, None]
+        known = _Steps(ends[: i + 1], series[:i], states[: i + 1])
+        for delay, matrix in zip(system.delays, given.delayed, strict=True):
+            right = right + np.einsum("fij,fj->fi", matrix[0], _earlier(known, history, times - float(delay)))
+        size = nodes * n
+        found = np.linalg.solve(np.eye(size) - left.reshape(size, size), right.ravel()).reshape(nodes, n)
+        series[i] = _as_series(found, half, states[i].reshape(derivatives, n))
+        ended = [half * whole[0] @ found + (v if derivatives == 2 else q)]
+        if derivatives == 2:
+            ended.insert(0, q + 2.0 * half * v + half**2 * whole[1] @ found)
+        states[i + 1] = np.concatenate(ended)
+    return _Steps(ends, series, states)
+
+
+def _as_series(found: Floats, half: float, state: Floats) -> Floats:
+    """Return Legendre coefficients of the solution on a step from the values of its highest derivative."""
+    series: NDArray[Any] = rule(len(found))[1] @ found
+    for value in state[::-1]:
+        series = half * legendre.legint(series, lbnd=-1, axis=0)
+        series[0] += value
+    return np.asarray(series)
+
+
+def _earlier(known: _Steps, history: History, times: Floats) -> Floats:
+    """Return values at times before the step, of the history too."""
+    before = times <= known.ends[0]
+    found = np.zeros((len(times), known.states.shape[1] if not len(known.series) else known.series.shape[2]))
+    if before.any():
+        first = np.array([history(t) for t in times[before].tolist()])
+        found = np.zeros((len(times), first.shape[1]))
+        found[before] = first
+    if not before.all():
+        found[~before] = _values(known, times[~before], 0)
+    return found
+
+
+def _values(steps: _Steps, times: Floats, derivative: int) -> Floats:
+    """Return the solution at times of the steps, or its derivative, (times, n)."""
+    place = np.clip(np.searchsorted(steps.ends, times, side="right") - 1, 0, len(steps.series) - 1)
+    found = np.empty((times.size, steps.series.shape[2]))
+    for step in np.unique(place):
+        here = place == step
+        low, high = steps.ends[step], steps.ends[step + 1]
+        series = steps.series[step]
+        if derivative:
+            series = legendre.legder(series) * (2.0 / (high - low))
+        found[here] = legendre.legval(2.0 * (times[here] - low) / (high - low) - 1.0, series).T
+    return found

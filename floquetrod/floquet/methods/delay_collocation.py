@@ -1,0 +1,123 @@
+"""Collocation at Gauss's nodes: multipliers of systems with delays from the map of what they remember.
+
+D. Breda, S. Maset and R. Vermiglio, SIAM J. Numer. Anal. 50 (2012) 1456, doi:10.1137/100815505.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.equations import DelaySystem
+from floquetrod.floquet.systems import delay_maps, delay_roots, delay_spectra
+from floquetrod.floquet.systems.classification import classify_multipliers
+from floquetrod.floquet.systems.delay_spectra import Multipliers
+from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.verdict import Cost
+
+_FEWEST, _MOST = 8, 56  # nodes in a piece (a choice)
+_MOST_ROWS = 2000  # of the equations of collocation, and of the map (a choice: some seconds)
+_PLENTY = (
+    100  # rows from which on it ends with larger changes (a choice: ten times as many take a thousand times as long)
+)
+_LEAST = 0.01  # modulus over the longest delay of multipliers looked for where nothing varies (a choice)
+_LEFT_OUT = "multipliers of modulus below {:.3g} are left out"
+
+
+class _Found(NamedTuple):
+    """Multipliers with one number of nodes, and the rows that took."""
+
+    multipliers: Multipliers | None
+    rows: int
+
+
+def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1) -> SystemStability:
+    """Classify by the map over a period of the state and of what delays reach back to.
+
+    On each piece between the jumps of coefficients, and what delays make of them, the highest derivative is a
+    polynomial that satisfies the equation at Gauss's nodes.  What later periods need is kept at Chebyshev's points.
+    Multipliers converge like the power 2 m of the number m of nodes, or faster, where coefficients are smooth; where
+    delays and period are not commensurate and coefficients jump, as the power of the order of jumps not resolved.
+
+    Parameters
+    ----------
+    system : DelaySystem
+        One whose equations of collocation are at most 2,000; else the result is undecided.
+    rtol : float
+        Change of the multipliers from one number of nodes to the next at which it stops, from 1e-15 to 1e-3; above 100
+        rows it is larger, as their number cubed.
+    above : float
+        Modulus above which multipliers are found, the largest in any case; from 1e-4 to 0.9.
+
+    Returns
+    -------
+    SystemStability
+        Its errors are estimates: twice the change to fewer nodes, and the condition of the invariant subspace times
+        rounding and the errors of the coefficients.
+
+    Examples
+    --------
+    >>> import math
+    >>> system = DelaySystem([[3.0]], [[[2.0]]], damping=[[0.1]], delayed=[(2.0 * math.pi, [[0.15]])])
+    >>> found = collocation(system)
+    >>> f"{found.multipliers[0]:.12f}", found.error < 1e-11
+    ('-0.461668137358+0.221495084819j', True)
+    """
+    rtol = validate.within("rtol", rtol, 1e-15, 1e-3)
+    above = validate.within("above", above, 1e-4, 0.9)
+    laid = delay_maps.layout(system)
+    ratio = laid.period / float(system.period)
+    least = max(above**ratio, _LEAST if system.is_constant else 1e-4)
+    found, rows = _converged(system, laid, least, rtol)
+    cost = Cost(rows, "rows")
+    if found is None:
+        note = f"needs collocation of more than {_MOST_ROWS} rows, or its multipliers cannot be distinguished"
+        return SystemStability.declined(system, "collocation", cost, note)
+    logs = delay_spectra.log_discs(found)
+    if system.is_constant:
+        logs = delay_roots.per_period(system, logs, laid.period)
+    return classify_multipliers(system, "collocation", logs, cost=cost, note=_LEFT_OUT.format(least ** (1.0 / ratio)))
+
+
+def _converged(
+    system: DelaySystem, laid: delay_maps.Layout, least: float, rtol: float
+) -> tuple[Multipliers | None, int]:
+    """Return the multipliers, their radii holding twice the last change, and the rows it took."""
+    count, before, best = _FEWEST, None, None
+    rows, rising = 0, 0
+    while count <= _MOST:
+        if system.order * (len(laid.breaks) - 1) * count > _MOST_ROWS:
+            break
+        on = laid.mesh(system, count)
+        if on.size * system.order > _MOST_ROWS:
+            break
+        rows = system.order * max(on.size, len(on.nodes))
+        given = delay_maps.coefficients(system, laid.period, on.nodes)
+        matrix = delay_maps.period_maps(on, given)[0]
+        doubt = system.coefficient_error and _doubt(system, laid, matrix)
+        found = delay_spectra.leading(matrix, least, doubt)
+        if found is not None and before is not None:
+            changed = delay_spectra.with_change(found, before)
+            change = float((changed.radii / np.abs(changed.values)).max())
+            if best is None or change < best[0]:
+                best, rising = (change, changed), 0
+            else:
+                rising += 1
+            if change <= rtol * max(1.0, (rows / _PLENTY) ** 3) or rising == (3 if change > 1e-6 else 1):
+                break
+        before = None if found is None else found.all_values
+        count += max(4, count // 4)
+    return (None, rows) if best is None else (best[1], rows)
+
+
+def _doubt(system: DelaySystem, laid: delay_maps.Layout, matrix: NDArray[np.float64]) -> float:
+    """Return about how far errors of the coefficients move the map, in the 2-norm."""
+    size = system.order * system.coefficient_error * (1 + len(system.delayed))
+    if system.is_second_order:
+        size *= laid.period * float(np.linalg.norm(delay_maps.inverse_mass(system), 2))
+    growth = 1.0 + float(np.linalg.norm(matrix, 2))
+    return size * laid.period * growth * math.sqrt(len(matrix))

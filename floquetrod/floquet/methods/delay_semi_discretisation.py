@@ -1,0 +1,187 @@
+"""Semi-discretisation of second order: short steps with constant coefficients, extrapolated.
+
+T. Insperger and G. Stepan, Semi-Discretization for Time-Delay Systems, Springer 2011, doi:10.1007/978-1-4614-0335-7.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.equations import DelaySystem
+from floquetrod.floquet.systems import delay_maps, delay_roots, spectra
+from floquetrod.floquet.systems.classification import LogDiscs, classify_multipliers
+from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.verdict import Cost
+
+Floats = NDArray[np.float64]
+
+_MOST_ROWS = 2400  # of the map with the shortest steps (a choice: some seconds)
+_RADIANS = 0.25  # that solutions turn by in a coarse step, about (a choice)
+_SAFETY = 3.0  # times the difference of two extrapolations (heuristic)
+_NEIGHBOURS = 4  # points of the history that a delayed value is interpolated from
+
+
+def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemStability:
+    """Classify by steps over which coefficients are those of the middle, and what comes back varies linearly.
+
+    A step is the exponential of the state's own matrix and of that of a linear force.  Delayed values are interpolated
+    by cubics between the ends of steps, which lie on all jumps.  The multipliers of three maps, each with steps half as
+    long, are extrapolated twice.
+
+    Parameters
+    ----------
+    system : DelaySystem
+        One whose finest map has at most 2,400 rows; else the result is undecided.
+    above : float
+        Modulus above which multipliers are found, the largest in any case; from 0.01 to 0.9.
+
+    Returns
+    -------
+    SystemStability
+        Its errors are estimates, three times the difference of the extrapolations.
+
+    Examples
+    --------
+    >>> import math
+    >>> system = DelaySystem([[3.0]], [[[2.0]]], damping=[[0.1]], delayed=[(2.0 * math.pi, [[0.15]])])
+    >>> f"{semi_discretisation(system).multipliers[0]:.5f}"
+    '-0.46167+0.22150j'
+    """
+    above = validate.within("above", above, 0.01, 0.9)
+    laid = delay_maps.layout(system)
+    grids = [_grid(system, laid, refinement) for refinement in (1, 2, 4)]
+    rows = system.order * (grids[-1].reach + 2)
+    cost = Cost(len(grids[-1].times) - 1, "steps")
+    if rows > _MOST_ROWS or len(grids[-1].times) > 4 * _MOST_ROWS:
+        return SystemStability.declined(system, "semi_discretisation", cost, f"needs a map of {rows:,} rows")
+    ratio = laid.period / float(system.period)
+    coarse, middle, fine = (_largest(_map(system, grid), max(above**ratio, 0.01)) for grid in grids)
+    one, other = _extrapolated(fine, _nearest(fine, middle)), None
+    other = _extrapolated(_nearest(fine, middle), _nearest(_nearest(fine, middle), coarse))
+    radii = _SAFETY * np.abs(one - other) + 1e-12 * np.abs(one)
+    sizes = np.abs(one)
+    clusters = spectra.touching(np.abs(one[:, None] - one[None, :]), radii)
+    with np.errstate(divide="ignore"):
+        low, high, values = np.log(np.maximum(sizes - radii, 0.0)), np.log(sizes + radii), np.log(one)
+    logs = LogDiscs(values, low, high, np.where(radii < sizes, values.real - low, math.inf), clusters)
+    if system.is_constant:
+        logs = delay_roots.per_period(system, logs, laid.period)
+    return classify_multipliers(system, "semi_discretisation", logs, cost=cost)
+
+
+class _Grid(NamedTuple):
+    """Ends of steps in a period, from 0 to 1 in periods, and how many of the last ones a state holds."""
+
+    times: Floats
+    reach: int
+    period: float
+
+
+def _grid(system: DelaySystem, laid: delay_maps.Layout, refinement: int) -> _Grid:
+    """Return the steps of a period, none longer than the shortest delay, all breaks among their ends."""
+    longest = _RADIANS / max(delay_maps.rate(system) * laid.period, 1e-12)
+    shortest = min((float(delay) / laid.period for delay in system.delays), default=1.0)
+    step = min(longest, 0.5 * shortest, 1.0 / 12.0)
+    times = [0.0]
+    for low, high in pairwise(laid.breaks):
+        count = refinement * max(2, math.ceil((high - low) / step))
+        times += np.linspace(low, high, count + 1)[1:].tolist()
+    back = system.longest_delay / laid.period
+    whole = math.floor(back)
+    reach = whole * (len(times) - 1) + int(np.searchsorted(np.asarray(times), back - whole)) + _NEIGHBOURS
+    first = np.asarray(times)
+    lengths = np.concatenate([np.diff(first)] * (whole + 2))[::-1]
+    reach = max(reach, int(np.searchsorted(np.cumsum(lengths), back)) + _NEIGHBOURS)
+    return _Grid(first, reach, laid.period)
+
+
+def _map(system: DelaySystem, grid: _Grid) -> Floats:
+    """Return the map over a period of values at the ends of the last steps, the newest last, and of rates."""
+    n, second = system.order, system.is_second_order
+    steps, reach = len(grid.times) - 1, grid.reach
+    width = (reach + 1 + second) * n
+    values = np.zeros((reach + 1 + steps, n, width))  # at the ends of steps, as rows over the state
+    values[: reach + 1].reshape(-1, width)[:, : (reach + 1) * n] = np.eye((reach + 1) * n)
+    rates = np.zeros((n, width))
+    if second:
+        rates[:, -n:] = np.eye(n)
+    lengths = np.diff(grid.times)
+    before = np.resize(lengths[::-1], reach)[::-1]
+    ends = np.concatenate([[0.0], np.cumsum(before)]) - before.sum()
+    ends = np.concatenate([ends, grid.times[1:]])
+    exponentials = _exponentials(system, grid, lengths)
+    for i in range(steps):
+        state = np.concatenate([values[reach + i], rates]) if second else values[reach + i]
+        now = reach + i
+        moved = exponentials.own[i] @ state
+        for j, delay in enumerate(system.delays):
+            back = float(delay) / grid.period
+            for part, t in enumerate((grid.times[i] - back, grid.times[i + 1] - back)):
+                moved += exponentials.forced[j][part][i] @ _interpolated(values, ends, t, now)
+        values[now + 1] = moved[:n]
+        rates = moved[n:]
+    last = values[steps:].reshape(-1, width)
+    return np.concatenate([last, rates]) if second else last
+
+
+class _Exponentials(NamedTuple):
+    """Of each step: the map of the state, and of each delay those of its values at the beginning and at the end."""
+
+    own: Floats
+    forced: list[tuple[Floats, Floats]]
+
+
+def _exponentials(system: DelaySystem, grid: _Grid, lengths: Floats) -> _Exponentials:
+    from scipy.linalg import expm
+
+    given = delay_maps.coefficients(system, grid.period, 0.5 * (grid.times[1:] + grid.times[:-1]))
+    n, steps = system.order, len(lengths)
+    size = (1 + system.is_second_order) * n
+    matrix = np.zeros((steps, size, size))
+    matrix[:, size - n :, :n] = given.value[0]
+    if system.is_second_order:
+        matrix[:, :n, n:] = np.eye(n)
+        if given.rate is not None:
+            matrix[:, n:, n:] = given.rate[0]
+    # exp of [[A, b, 0], [0, 0, 1/h], [0, 0, 0]] h holds what a force grown linearly from 0 to 1 leaves, and a constant.
+    bordered = np.zeros((steps, size + 2 * n, size + 2 * n))
+    bordered[:, :size, :size] = matrix * lengths[:, None, None]
+    bordered[:, size - n : size, size : size + n] = lengths[:, None, None] * np.eye(n)
+    bordered[:, size : size + n, size + n :] = np.eye(n)
+    found = expm(bordered)
+    own, constant, linear = found[:, :size, :size], found[:, :size, size : size + n], found[:, :size, size + n :]
+    forced = [((constant - linear) @ each[0], linear @ each[0]) for each in given.delayed]
+    return _Exponentials(own, forced)
+
+
+def _interpolated(values: Floats, ends: Floats, t: float, now: int) -> Floats:
+    """Return the value at a time as rows over the state, by a cubic between four ends that are known."""
+    first = int(np.searchsorted(ends[: now + 1], t)) - _NEIGHBOURS // 2
+    first = min(max(first, 0), now + 1 - _NEIGHBOURS)
+    points = ends[first : first + _NEIGHBOURS]
+    weights = [
+        math.prod((t - other) / (point - other) for m, other in enumerate(points) if m != k)
+        for k, point in enumerate(points)
+    ]
+    return np.asarray(np.tensordot(weights, values[first : first + _NEIGHBOURS], axes=1))
+
+
+def _largest(matrix: Floats, least: float) -> NDArray[np.complex128]:
+    """Return the eigenvalues of modulus above ``least``, the largest ones in any case."""
+    values = np.linalg.eigvals(matrix).astype(np.complex128)
+    sizes = np.abs(values)
+    return values[sizes >= min(least, 0.999 * float(sizes.max()))]
+
+
+def _nearest(to: NDArray[np.complex128], among: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    return np.asarray(among[np.abs(to[:, None] - among[None, :]).argmin(axis=1)])
+
+
+def _extrapolated(fine: NDArray[np.complex128], coarse: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    return np.asarray(fine + (fine - coarse) / 3.0)

@@ -1,0 +1,191 @@
+"""Maps over a period of systems with delays, many with one mesh at once."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.equations import DelaySystem, HillSystem
+from floquetrod.equations import pieces as by_pieces
+from floquetrod.floquet.systems.delay_mesh import Mesh, mesh
+
+Floats = NDArray[np.float64]
+
+_MOST_BREAKS = 10  # pieces beyond the jumps of coefficients, for what delays make of these (a choice)
+_SMALLEST = 1e-12  # part of the period: breaks closer together than this are one
+_PHASE = 12.0  # radians that solutions turn by in a piece, about (a choice)
+
+
+class Coefficients(NamedTuple):
+    """q^(r) = value q + rate q' + sum_j delayed[j] q(t - tau_j) at nodes, r = 1 or 2, of many systems; t in periods.
+
+    Attributes
+    ----------
+    value : ndarray (b, F, n, n)
+    rate : ndarray (b, F, n, n) or None
+        None for r = 1, and without damping.
+    delayed : tuple of ndarray (b, F, n, n)
+    """
+
+    value: Floats
+    rate: Floats | None
+    delayed: tuple[Floats, ...]
+
+
+class Layout(NamedTuple):
+    """What the mesh of a system follows from.
+
+    Attributes
+    ----------
+    period : float
+        Of the map.
+    breaks : tuple of float
+        Ends of pieces as parts of it.
+    active : tuple of tuple of bool
+        Of each delay, on which pieces its term is not zero.
+    """
+
+    period: float
+    breaks: tuple[float, ...]
+    active: tuple[tuple[bool, ...], ...]
+
+    def mesh(self, system: DelaySystem, count: int) -> Mesh:
+        """Return the mesh with so many nodes in each piece."""
+        delays = tuple(float(Fraction(delay) / Fraction(self.period)) for delay in system.delays)
+        return mesh(self.breaks, count, 2 if system.is_second_order else 1, delays, self.active)
+
+
+def layout(system: DelaySystem) -> Layout:
+    """Return the pieces of a system: between jumps of its coefficients and what delays make of them.
+
+    A jump at t bends the solution there, less so at t + tau, and less again with every further delay.  Where nothing
+    varies the period is the longest delay.
+    """
+    fixed = system.is_constant and bool(system.delayed)
+    exact = max(Fraction(delay) for delay in system.delays) if fixed else by_pieces.exact_period(system.present)
+    parts = () if fixed else (system.present, *(term.coefficient for term in system.delayed))
+    jumps = {piece.begin / exact for part in parts if part.pieces for piece in by_pieces.in_time(part)}
+    found = _with_images(jumps, [Fraction(delay) / exact for delay in system.delays])
+    edges = _apart(sorted(map(float, found | {Fraction(0)})))
+    turn = rate(system) * float(exact)
+    fine = [0.0]
+    for low, high in pairwise(edges):
+        fine += np.linspace(low, high, max(1, math.ceil((high - low) * turn / _PHASE)) + 1)[1:].tolist()
+    middles = np.asarray([0.5 * (low + high) for low, high in pairwise(fine)]) * float(exact)
+    active = tuple(tuple(_present(term.coefficient, middles)) for term in system.delayed)
+    return Layout(float(exact), tuple(fine), active)
+
+
+def _with_images(jumps: set[Fraction], delays: list[Fraction]) -> set[Fraction]:
+    """Return jumps, as parts of the period, and their images under delays while they are few."""
+    found = fresh = set(jumps)
+    while fresh:
+        fresh = {(jump + delay) % 1 for jump in fresh for delay in delays} - found
+        if len(found) + len(fresh) > len(jumps) + _MOST_BREAKS:
+            break
+        found = found | fresh
+    return found
+
+
+def _apart(edges: list[float]) -> list[float]:
+    """Return the edges, and 1, without those that rounding alone keeps apart."""
+    found = [0.0]
+    for edge in edges:
+        if edge - found[-1] > _SMALLEST and 1.0 - edge > _SMALLEST:
+            found.append(edge)
+    return [*found, 1.0]
+
+
+def _present(coefficient: Any, times: Floats) -> list[bool]:
+    """Return at which times a matrix is not zero all over the piece about them."""
+    pieces = by_pieces.in_time(coefficient)
+    ends = [float(piece.begin + piece.length) for piece in pieces]
+    there = np.minimum(np.searchsorted(ends, times % float(coefficient.period)), len(pieces) - 1)
+    return [bool(pieces[i].size.any()) for i in there]
+
+
+def rate(system: DelaySystem, decay: float = 0.0) -> float:
+    """Return about how fast solutions turn at most that decay no faster than at a rate, in radians per unit of time."""
+    sizes = [_size(system.present)]
+    sizes += [_size(coefficient) * math.exp(min(decay * float(delay), 300.0)) for delay, coefficient in system.delayed]
+    if not isinstance(system.present, HillSystem):
+        return float(sum(np.linalg.norm(size, 2) for size in sizes))
+    inverse = inverse_mass(system)
+    damping = 0.0 if system.present.damping is None else float(np.linalg.norm(inverse @ system.present.damping, 2))
+    return math.sqrt(sum(float(np.linalg.norm(np.abs(inverse) @ size, 2)) for size in sizes)) + damping
+
+
+def _size(part: Any) -> Floats:
+    return np.asarray(np.maximum.reduce([piece.size for piece in by_pieces.in_time(part)]))
+
+
+def inverse_mass(system: DelaySystem) -> Floats:
+    """Return the inverse of M, the identity for equations of first order."""
+    mass = getattr(system.present, "mass", None)
+    return np.eye(system.order) if mass is None else np.asarray(np.linalg.inv(mass))
+
+
+def coefficients(system: DelaySystem, period: float, nodes: Floats) -> Coefficients:
+    """Return the coefficients of one system at nodes, parts of the period of its map."""
+    times = nodes * period
+    present, delayed = system.present.coefficient(times), [t.coefficient.coefficient(times) for t in system.delayed]
+    if not isinstance(system.present, HillSystem):
+        return Coefficients(period * present[None], None, tuple(period * each[None] for each in delayed))
+    inverse = -inverse_mass(system)
+    damping = sum(
+        (each for each in (system.present.damping, system.present.gyroscopic) if each is not None),
+        np.zeros_like(inverse),
+    )
+    moving = np.broadcast_to(period * inverse @ damping, present.shape)[None] if damping.any() else None
+    square = period * period * inverse
+    return Coefficients((square @ present)[None], moving, tuple((square @ each)[None] for each in delayed))
+
+
+def period_maps(on: Mesh, given: Coefficients) -> Floats:
+    """Return the maps over a period, (b, S, S), of systems whose coefficients are known at the nodes of a mesh.
+
+    The state is, of each equation, that at the beginning (q and q', or x), then what is kept of the last periods.
+    """
+    batch, count, n, _ = given.value.shape
+    parts = on.value_state.shape[1]
+    kept = len(on.end) - parts
+    left = _times(given.value, on.value)
+    start = _times(given.value, on.value_state)
+    if given.rate is not None:
+        left += _times(given.rate, on.rate)
+        start += _times(given.rate, on.rate_state)
+    past = np.zeros((batch, count, n, on.periods * kept, n))
+    for coefficient, rows in zip(given.delayed, on.delays, strict=True):
+        if rows.now.any():
+            left += _times(coefficient, rows.now)
+            start += _times(coefficient, rows.now_state)
+        past += _times(coefficient, rows.past)
+    size = count * n
+    left = np.eye(size) - left.reshape(batch, size, size)
+    right = np.concatenate([start.reshape(batch, size, -1), past.reshape(batch, size, -1)], axis=2)
+    unknowns = np.linalg.solve(left, right)
+    new = np.kron(on.end, np.eye(n)) @ unknowns
+    new[:, :, : parts * n] += np.kron(on.end_state, np.eye(n))
+    return _companion(np.asarray(new), kept * n)
+
+
+def _times(coefficient: Floats, rows: Floats) -> Floats:
+    """Return the matrices (b, F, n, g, n) of rows (F, g) of every equation, multiplied by coefficients."""
+    return np.asarray(coefficient[:, :, :, None, :] * rows[None, :, None, :, None])
+
+
+def _companion(new: Floats, kept: int) -> Floats:
+    """Return the square map: what is new, and the values kept that become a period older."""
+    batch, made, size = new.shape
+    if made == size:
+        return new
+    found = np.zeros((batch, size, size))
+    found[:, :made] = new
+    older = np.arange(made, size)
+    found[:, older, older - kept] = 1.0
+    return found

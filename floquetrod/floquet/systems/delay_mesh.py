@@ -1,0 +1,221 @@
+"""Collocation of systems with delays over a period: nodes, integrals of polynomials, and where delayed values lie.
+
+The highest derivative of a solution is a polynomial on every piece of the period, told by its values at Gauss's nodes;
+its integrals are the solution.  What a later period needs of it are the solution's values at Chebyshev's points of
+those pieces that delays reach back to, and the state at the end.  Time is counted in periods.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.polynomial import legendre
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class DelayRows(NamedTuple):
+    """Where the values delayed by one delay come from.
+
+    Attributes
+    ----------
+    now, now_state : ndarray (F, F), (F, r)
+        Rows over the unknowns and the state at the beginning of this period.
+    past : ndarray (F, k H)
+        Rows over the values kept of the last k periods, the last one first.
+    """
+
+    now: Floats
+    now_state: Floats
+    past: Floats
+
+
+class Mesh(NamedTuple):
+    """Rows, over the F values of the highest derivative and the r parts of the state at the beginning, of one equation.
+
+    Attributes
+    ----------
+    nodes : ndarray (F,)
+        Gauss's nodes, as parts of the period.
+    value, value_state : ndarray (F, F), (F, r)
+        The solution at the nodes.
+    rate, rate_state : ndarray (F, F), (F, r)
+        Its first derivative there, where equations are of second order.
+    delays : tuple of DelayRows
+        Of each delay.
+    end, end_state : ndarray (r + H, F), (r + H, r)
+        The state at the end of the period and the values kept.
+    periods : int
+        How many periods back delays reach, 1 or more.
+    """
+
+    nodes: Floats
+    value: Floats
+    value_state: Floats
+    rate: Floats
+    rate_state: Floats
+    delays: tuple[DelayRows, ...]
+    end: Floats
+    end_state: Floats
+    periods: int
+
+    @property
+    def size(self) -> int:
+        """Rows of the map over a period, of one equation."""
+        kept = len(self.end) - self.value_state.shape[1]
+        return int(self.value_state.shape[1] + self.periods * kept)
+
+
+@functools.lru_cache(maxsize=64)
+def rule(count: int) -> tuple[Floats, Floats]:
+    """Return Gauss's nodes from -1 to 1 and the matrix from values there to coefficients of Legendre's polynomials."""
+    nodes, weights = legendre.leggauss(count)
+    values = legendre.legvander(nodes, count - 1) * weights[:, None]
+    return nodes, values.T * (np.arange(count) + 0.5)[:, None]
+
+
+def integral(count: int, at: Floats, times: int) -> Floats:
+    """Return rows, over values at ``count`` nodes, of the interpolant integrated from -1 some times."""
+    coefficients: NDArray[Any] = rule(count)[1]
+    for _ in range(times):
+        coefficients = legendre.legint(coefficients, lbnd=-1, axis=0)
+    return np.asarray(legendre.legvander(at, len(coefficients) - 1) @ coefficients)
+
+
+class _Pieces(NamedTuple):
+    """Pieces of the period with as many nodes each, and the states at their beginnings as rows (P + 1, 2, F)."""
+
+    breaks: Floats
+    nodes: int
+    derivatives: int
+    starts: Floats
+
+    def place(self, t: Floats) -> NDArray[np.intp]:
+        """Return in which piece times lie."""
+        return np.clip(np.searchsorted(self.breaks, t, side="right") - 1, 0, len(self.breaks) - 2)
+
+    def rows(self, t: Floats, piece: NDArray[np.intp], rate: bool = False) -> tuple[Floats, Floats]:
+        """Return the solution at times of pieces, or its rate, as rows over the unknowns and over the state."""
+        length = np.diff(self.breaks)[piece]
+        into = t - self.breaks[piece]
+        times = 1 if rate else self.derivatives
+        found = self.starts[piece, int(rate)].copy()
+        if times == 2:
+            found += into[:, None] * self.starts[piece, 1]
+        own = integral(self.nodes, 2.0 * into / length - 1.0, times) * ((0.5 * length) ** times)[:, None]
+        found.reshape(len(t), -1, self.nodes)[np.arange(len(t)), piece] += own
+        state = np.ones((len(t), self.derivatives))
+        if self.derivatives == 2:
+            state[:, 0], state[:, 1] = (0.0, 1.0) if rate else (1.0, t)
+        return found, state
+
+
+def _pieces(breaks: Floats, count: int, derivatives: int) -> _Pieces:
+    total = len(breaks) - 1
+    starts = np.zeros((total + 1, 2, total * count))
+    one, two = (integral(count, np.array([1.0]), times)[0] for times in (1, 2))
+    for p, length in enumerate(np.diff(breaks).tolist()):
+        starts[p + 1] = starts[p]
+        own = slice(p * count, (p + 1) * count)
+        if derivatives == 2:
+            starts[p + 1, 0] += length * starts[p, 1]
+            starts[p + 1, 0, own] += (0.5 * length) ** 2 * two
+            starts[p + 1, 1, own] += 0.5 * length * one
+        else:
+            starts[p + 1, 0, own] += 0.5 * length * one
+    return _Pieces(breaks, count, derivatives, starts)
+
+
+@functools.lru_cache(maxsize=16)
+def mesh(
+    breaks: tuple[float, ...],
+    count: int,
+    derivatives: int,
+    delays: tuple[float, ...],
+    active: tuple[tuple[bool, ...], ...],
+) -> Mesh:
+    """Return the rows of a mesh.
+
+    Parameters
+    ----------
+    breaks : tuple of float
+        Ends of the pieces as parts of the period, from 0 to 1.
+    count : int
+        Nodes in each piece.
+    derivatives : int
+        Order of the equations, 1 or 2.
+    delays : tuple of float
+        Delays as parts of the period.
+    active : tuple of tuple of bool
+        Of each delay, on which pieces its term is not zero.
+    """
+    pieces = _pieces(np.asarray(breaks), count, derivatives)
+    length = np.diff(pieces.breaks)
+    nodes = (pieces.breaks[:-1, None] + length[:, None] * 0.5 * (rule(count)[0] + 1.0)).ravel()
+    own = np.repeat(np.arange(len(length)), count)
+    value, value_state = pieces.rows(nodes, own)
+    rate, rate_state = pieces.rows(nodes, own, rate=True) if derivatives == 2 else (value, value_state)
+    sources = [_source(pieces, nodes, delay, np.asarray(on)[own]) for delay, on in zip(delays, active, strict=True)]
+    touched = sorted({int(p) for _, turn, place, on in sources for p in place[on & (turn > 0)]})
+    periods = max([1, *(int(turn[on].max(initial=1)) for _, turn, _, on in sources)])
+    kept = count + derivatives
+    rows = tuple(_delayed(pieces, source, touched, kept, periods) for source in sources)
+    end, end_state = _end(pieces, touched, kept)
+    return Mesh(nodes, value, value_state, rate, rate_state, rows, end, end_state, periods)
+
+
+_Source = tuple[Floats, NDArray[np.intp], NDArray[np.intp], NDArray[np.bool_]]
+
+
+def _source(pieces: _Pieces, nodes: Floats, delay: float, on: NDArray[np.bool_]) -> _Source:
+    """Return when in which earlier period, and in which piece, the values of a delay lie, and where they are used."""
+    earlier = nodes - delay
+    turn = np.where(earlier < 0.0, np.ceil(-earlier), 0.0).astype(np.intp)
+    there = earlier + turn
+    return there, turn, pieces.place(there), on
+
+
+def _delayed(pieces: _Pieces, source: _Source, touched: list[int], kept: int, periods: int) -> DelayRows:
+    there, turn, place, on = source
+    now, before = on & (turn == 0), np.flatnonzero(on & (turn > 0))
+    value, state = pieces.rows(there, place)
+    past = np.zeros((len(there), periods, len(touched), kept))
+    column = np.searchsorted(touched, place[before])
+    length = np.diff(pieces.breaks)[place[before]]
+    weights = _interpolation(kept, 2.0 * (there[before] - pieces.breaks[place[before]]) / length - 1.0)
+    past[before, turn[before] - 1, column] = weights
+    return DelayRows(value * now[:, None], state * now[:, None], past.reshape(len(there), -1))
+
+
+def _end(pieces: _Pieces, touched: list[int], kept: int) -> tuple[Floats, Floats]:
+    """Return the rows of the state at the end and of the values kept."""
+    last, one = np.array([len(pieces.breaks) - 2]), np.array([1.0])
+    found = [pieces.rows(one, last, rate=bool(part)) for part in range(pieces.derivatives)]
+    length = np.diff(pieces.breaks)
+    for p in touched:
+        t = pieces.breaks[p] + length[p] * 0.5 * (_points(kept) + 1.0)
+        found.append(pieces.rows(t, np.full(kept, p)))
+    return np.concatenate([rows for rows, _ in found]), np.concatenate([state for _, state in found])
+
+
+def _points(count: int) -> Floats:
+    """Return Chebyshev's points from -1 to 1, both ends among them."""
+    return -np.cos(math.pi * np.arange(count) / (count - 1))
+
+
+def _interpolation(count: int, at: Floats) -> Floats:
+    """Return rows, over values at Chebyshev's points, of the polynomial through them: J.-P. Berrut, L. N. Trefethen.
+
+    SIAM Rev. 46 (2004) 501, doi:10.1137/S0036144502417715.
+    """
+    weights = np.resize([1.0, -1.0], count)
+    weights[[0, -1]] *= 0.5
+    gaps = at[:, None] - _points(count)
+    met = gaps == 0.0
+    ratios = weights / np.where(met, 1.0, gaps)
+    found = ratios / ratios.sum(axis=1, keepdims=True)
+    return np.asarray(np.where(met.any(axis=1)[:, None], met.astype(float), found))
