@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from floquetrod.equations import HillSystem as HillSystem
     from floquetrod.equations import Mathieu as Mathieu
     from floquetrod.equations import Meissner as Meissner
+    from floquetrod.equations import NonlinearSystem as NonlinearSystem
     from floquetrod.equations import PeriodicSystem as PeriodicSystem
     from floquetrod.equations import SecondMoments as SecondMoments
     from floquetrod.equations import SquareWave as SquareWave
@@ -52,6 +53,9 @@ if TYPE_CHECKING:
     from floquetrod.floquet.status import UndecidedWarning as UndecidedWarning
     from floquetrod.floquet.verdict import Stability as Stability
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
+    from floquetrod.orbits import NoOrbitError as NoOrbitError
+    from floquetrod.orbits import PeriodicOrbit as PeriodicOrbit
+    from floquetrod.orbits import periodic_orbit as periodic_orbit
     from floquetrod.plane import Bands as Bands
     from floquetrod.plane import Chart as Chart
     from floquetrod.rod.answers.mean_force import MeanForce as MeanForce
@@ -104,6 +108,10 @@ _WHERE = {
     "margin": "floquet.margins",
     "Mathieu": "equations",
     "FiniteTimeCriterion": "mathieu.criterion",
+    "NonlinearSystem": "equations",
+    "NoOrbitError": "orbits",
+    "PeriodicOrbit": "orbits",
+    "periodic_orbit": "orbits",
     "PeriodicSystem": "equations",
     "Perturbation": "simulation.start",
     "PlausibilityWarning": "_util.implausible",

@@ -24,6 +24,7 @@ def test_every_method_has_sources_and_no_others_have() -> None:
     named |= {("delays", method.name) for method in METHODS if method.delays is not None}
     others = {("equation", "certify"), ("system", "certify"), ("any", "solve"), ("any", "noise"), ("rod", "model")}
     others |= {("delays", "certify"), ("delays", "solve")}
+    others.add(("orbit", "collocation"))
     assert SOURCES.keys() == named | others
     assert all(SOURCES.values())
     with pytest.raises(KeyError):

@@ -9,6 +9,7 @@ from floquetrod.equations.hill import Hill
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.mathieu import FrictionalMathieu, Mathieu
 from floquetrod.equations.meissner import Meissner, SquareWave
+from floquetrod.equations.nonlinear_system import NonlinearSystem
 from floquetrod.equations.periodic_system import PeriodicSystem
 from floquetrod.equations.pieces import Varying
 from floquetrod.equations.second_moments import SecondMoments, second_moments
@@ -22,6 +23,7 @@ __all__ = [
     "HillSystem",
     "Mathieu",
     "Meissner",
+    "NonlinearSystem",
     "PeriodicSystem",
     "Piece",
     "SecondMoments",

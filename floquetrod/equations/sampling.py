@@ -51,17 +51,22 @@ def expanded(function: Any, period: Any, jumps: Any, most: int) -> Sampled:
     first = matrices.square(f"function({start:g})", function(start), most=most)
     if first.ndim != 2:
         raise ValueError(f"function must return one square matrix, got shape {first.shape}")
-    return _in_pieces(function, period, instants, first.shape) if instants else _series(function, period, first.shape)
+    if instants:
+        return _in_pieces(function, period, instants, first.shape)
+    return smooth(lambda times: _samples(function, times, first.shape), period)
 
 
-def _series(function: Function, period: float, shape: tuple[int, ...]) -> Sampled:
-    """Return a smooth function as one Fourier series."""
+def smooth(sampled: Callable[[NDArray[Any]], Matrix], period: float, required: float = _REQUIRED_DECAY) -> Sampled:
+    """Return what is smooth as one Fourier series, from a function that returns its values (k, n, n) at times (k,).
+
+    ``required`` is the part of the largest value that the series may miss; ValueError where it misses more.
+    """
     count = _FIRST_SAMPLES
-    values = _samples(function, np.arange(count) * (period / count), shape)
+    values = sampled(np.arange(count) * (period / count))
     size = max(float(np.abs(values).max()), 5e-324)
-    gap = _gap(function, period, np.array([0.0, 0.37, 0.71]), shape, size)
+    gap = _gap(sampled, period, np.array([0.0, 0.37, 0.71]), size)
     shares = np.arange(1, _TRIALS + 1) * _GOLDEN % 1.0
-    trials = _samples(function, shares * period, shape)
+    trials = sampled(shares * period)
     size, before_rest = max(size, float(np.abs(trials).max())), 0.0
     while True:
         series = np.fft.rfft(values, axis=0) / count
@@ -78,15 +83,15 @@ def _series(function: Function, period: float, shape: tuple[int, ...]) -> Sample
         if (rest <= _NEGLIGIBLE * size or noise) and missed <= 16.0 * (math.sqrt(count) * floor + gap):
             break
         if count == _MOST_SAMPLES:
-            if max(rest, missed) > _REQUIRED_DECAY * size:
+            if max(rest, missed) > required * size:
                 raise ValueError(
                     f"function is not smooth: with harmonics up to {top} its series still misses "
                     f"{max(rest, missed) / size:.1g} of its largest value; name its jumps and kinks in jumps"
                 )
             break
         count, before_rest = 2 * count, rest
-        between = _samples(function, np.arange(1, count, 2) * (period / count), shape)
-        values = np.stack([values, between], axis=1).reshape(count, *shape)
+        between = sampled(np.arange(1, count, 2) * (period / count))
+        values = np.stack([values, between], axis=1).reshape(count, *values.shape[1:])
         size = max(size, float(np.abs(between).max()))
     neglected = 2.0 * float(np.abs(series[kept + 1 :]).sum(axis=0).max())
     tidy = _tidy(values, trials)
@@ -95,11 +100,10 @@ def _series(function: Function, period: float, shape: tuple[int, ...]) -> Sample
     return Sampled(((period, found),), 2.0 * (neglected + missed + (kept + 1) * _EPS * size) + gap)
 
 
-def _gap(function: Function, period: float, shares: NDArray[Any], shape: tuple[int, ...], size: float) -> float:
+def _gap(sampled: Callable[[NDArray[Any]], Matrix], period: float, shares: NDArray[Any], size: float) -> float:
     """Return by how much values a period apart differ; ValueError where that is more than noise."""
     periods = np.array([1.0, 1.0, -1.0])
-    before = _samples(function, shares * period, shape)
-    again = _samples(function, (shares + periods) * period, shape)
+    before, again = sampled(shares * period), sampled((shares + periods) * period)
     gap = float(np.abs(again - before).max())
     if gap > 1e-9 * size:
         raise ValueError(
@@ -115,7 +119,7 @@ def _in_pieces(function: Function, period: float, jumps: list[float], shape: tup
     waiting = [(low, high - low) for low, high in pairwise(edges)][::-1]
     shares = np.array([float((0.7 * float(low) + 0.3 * float(high)) / period) for low, high in pairwise(edges)])
     size = max(float(np.abs(_samples(function, shares * period, shape)).max()), 5e-324)
-    gap = _gap(function, period, shares[[0, len(shares) // 2, -1]], shape, size)
+    gap = _gap(lambda times: _samples(function, times, shape), period, shares[[0, len(shares) // 2, -1]], size)
     found: list[tuple[Fraction, Varying]] = []
     error = 0.0
     while waiting:

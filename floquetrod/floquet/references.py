@@ -29,6 +29,10 @@ _THEORY = (
 _DLMF = "NIST Digital Library of Mathematical Functions, chapter 28, https://dlmf.nist.gov/28"
 _BOTT = "R. Bott, Comm. Pure Appl. Math. 9 (1956) 171, doi:10.1002/cpa.3160090204"
 _VAN_LOAN = "C. F. Van Loan, Linear Algebra Appl. 61 (1984) 233, doi:10.1016/0024-3795(84)90034-X"
+_ASCHER = (
+    "U. M. Ascher, R. M. M. Mattheij and R. D. Russell, Numerical Solution of Boundary Value Problems for Ordinary "
+    "Differential Equations, SIAM 1995, doi:10.1137/1.9781611971231"
+)
 _JORBA = "A. Jorba and M. Zou, Experimental Mathematics 14 (2005) 99, doi:10.1080/10586458.2005.10128904"
 _RUMP = "S. M. Rump, Verification methods, Acta Numerica 19 (2010)"
 _ARNOLD = "L. Arnold, Stochastic Differential Equations: Theory and Applications, Wiley 1974"
@@ -59,6 +63,7 @@ SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
     ("delays", "solve"): (_BREDA,),
     ("any", "solve"): (_JORBA,),
     ("any", "noise"): (_ARNOLD,),
+    ("orbit", "collocation"): (_ASCHER,),
     ("rod", "model"): (STUDY,),
 }
 """Sources of each method, by what it is for and its name."""

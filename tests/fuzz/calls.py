@@ -49,6 +49,7 @@ VALUES += (
     fr.Study,
     fr.WellPath,
     fr.VibrationTool,
+    fr.NonlinearSystem,
 )
 """Classes that people construct, and whose methods they call with arguments."""
 
@@ -57,6 +58,11 @@ RESULTS += (fr.Bands, fr.SafeBox, fr.systems.FirstOrderTongue)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
+    "NonlinearSystem.rates": "for the equations of an orbit, which hand over arrays of floats",
+    "NonlinearSystem.jacobians": "for the equations of an orbit, which hand over arrays of floats",
+    "NonlinearSystem.require_parameter": "raises",
+    "NoOrbitError": "an exception",
+    "PeriodicOrbit": "constructed by periodic_orbit",
     "ForceRecord.plot": "its axes are objects of matplotlib",
     "ForceRecord.spectrum": "takes no argument",
     "Comparison": "constructed by compare",
@@ -239,6 +245,7 @@ def table() -> dict[str, Call]:
         | _of_mathieu()
         | _of_friction()
         | _of_systems()
+        | _of_orbits()
     )
     criterion = fr.FiniteTimeCriterion()
     ranges = ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1)
@@ -345,6 +352,31 @@ def _of_equations() -> dict[str, Call]:
         "conventions.from_aq": Call(fr.conventions.from_aq, {"a": 0.5, "q": 0.3}),
         "conventions.to_delta_epsilon": Call(fr.conventions.to_delta_epsilon, {"alpha": 0.5, "beta": -0.3}),
         "conventions.from_delta_epsilon": Call(fr.conventions.from_delta_epsilon, {"delta": 0.5, "epsilon": 0.3}),
+    }
+
+
+def _van_der_pol(t: Any, x: Any, mu: float) -> Any:
+    return x[1], mu * (1 - x[0] ** 2) * x[1] - x[0]
+
+
+def _of_orbits() -> dict[str, Call]:
+    import sympy
+
+    x, mu = sympy.symbols("x mu")
+    parameters = {"mu": 0.5}
+    system = fr.NonlinearSystem(_van_der_pol, parameters=parameters)
+    given = {"function": _van_der_pol, "jacobian": None, "period": None, "parameters": parameters}
+    return {
+        "NonlinearSystem": Call(fr.NonlinearSystem, given),
+        "NonlinearSystem.with_parameters": Call(system.with_parameters, {"mu": 0.7}),
+        "NonlinearSystem.from_sympy": Call(
+            fr.NonlinearSystem.from_sympy,
+            {"equations": [-mu * x], "states": [x], "time": None, "parameters": {mu: 1.0}},
+        ),
+        "NonlinearSystem.from_hill": Call(
+            fr.NonlinearSystem.from_hill, {"system": SYSTEM, "force": lambda t, q, velocity: -(q**3), "period": 2.0}
+        ),
+        "periodic_orbit": Call(fr.periodic_orbit, {"system": system, "start": [2.0, 0.0], "tolerance": 1e-8}),
     }
 
 

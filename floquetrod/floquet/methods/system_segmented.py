@@ -11,9 +11,8 @@ from floquetrod._util import validate
 from floquetrod._util.arrays import norms
 from floquetrod.equations import HillSystem, PeriodicSystem
 from floquetrod.equations import pieces as by_pieces
-from floquetrod.floquet.systems import independent_solutions, spectra
+from floquetrod.floquet.systems import cyclic, independent_solutions
 from floquetrod.floquet.systems.classification import classify_multipliers, undamped_pairs
-from floquetrod.floquet.systems.independent_solutions import Solutions
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.systems.whole import balanced_maps, error_stretch
 from floquetrod.floquet.verdict import Cost
@@ -68,7 +67,7 @@ def segmented(system: HillSystem | PeriodicSystem, *, rtol: float = 1e-12) -> Sy
             continue
         excess = math.log(condition) / math.log(_LARGEST_CONDITION)
         if excess <= 1.0:
-            solutions = _solutions(maps, errors, scales)
+            solutions = cyclic.solutions(maps, errors, scales)
             break
         count = parts * math.ceil(1.1 * excess * count / parts)
     else:
@@ -110,25 +109,3 @@ def _segments(
     length = np.repeat(arrays.length[0] / count, count)
     with np.errstate(over="ignore", invalid="ignore"):  # of maps that overflow
         return maps, found.errors[0] + system.coefficient_error * system.order * stretch * length * norms(maps), scales
-
-
-def _solutions(maps: NDArray[np.float64], errors: NDArray[np.float64], scales: NDArray[np.float64]) -> Solutions | None:
-    """Return independent Floquet solutions from the eigenvalues of the cyclic matrix."""
-    count, order, _ = maps.shape
-    cyclic = np.zeros((count, order, count, order))
-    for j, one in enumerate(maps):
-        cyclic[(j + 1) % count, :, j] = one
-    discs = spectra.eigenvalue_discs(cyclic.reshape(count * order, count * order), float(errors.max()))
-    if discs is None:
-        return None
-    states = discs.right[:order]
-    chosen = independent_solutions.independent(states, np.abs(np.angle(discs.values)))
-    if chosen is None:
-        return None
-    roots, radii = discs.values[chosen], discs.radii[chosen]
-    with np.errstate(divide="ignore"):
-        relative = np.minimum(radii / np.abs(roots), 1.0)
-        uncertainties = -count * np.log1p(-relative)
-    states = states[:, chosen] * scales[:, None]
-    logs = independent_solutions.principal(count * np.log(roots))
-    return Solutions(logs, uncertainties, states / np.linalg.norm(states, axis=0))

@@ -1,0 +1,69 @@
+"""Systems written in sympy as functions of numpy: the rates, and their derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from floquetrod._util import validate
+
+
+class _Lambdified:
+    """Expressions as a function f(t, x, **parameters) of arrays; pickled as the expressions."""
+
+    def __init__(self, expressions: Any, states: Sequence[Any], time: Any, names: Sequence[str]) -> None:
+        """Take sympy expressions: a sequence of them, or a matrix."""
+        import sympy
+
+        self.parts = expressions, tuple(states), time, tuple(names)
+        symbols = [sympy.Symbol("t_") if time is None else time, *states]
+        others = [_symbol(expressions, name) for name in names]
+        rows = expressions.tolist() if isinstance(expressions, sympy.MatrixBase) else list(expressions)
+        self._call = sympy.lambdify([*symbols, *others], rows, modules="numpy", cse=True)
+
+    def __call__(self, t: Any, x: Any, **parameters: float) -> Any:
+        return self._call(t, *x, *(parameters[name] for name in self.parts[3]))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_Lambdified, self.parts)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Lambdified) and other.parts == self.parts
+
+    def __hash__(self) -> int:
+        return hash(str(self.parts))
+
+    def __repr__(self) -> str:
+        return f"_Lambdified({', '.join(map(str, self.parts[0]))})"
+
+
+def lambdified(
+    equations: Any, states: Any, time: Any, parameters: Mapping[str, float]
+) -> tuple[_Lambdified, _Lambdified]:
+    """Return the rates and their derivatives as functions; ValueError names a symbol that has no value."""
+    import sympy
+
+    found = [sympy.sympify(each) for each in validate.sequence("equations", equations, "[v, -x]")]
+    symbols = validate.sequence("states", states, "[x, v]")
+    for i, each in enumerate(symbols):
+        if not isinstance(each, sympy.Symbol):
+            raise TypeError(f"states[{i}] must be a symbol of sympy, got {validate.short(each)}")
+    if len(found) != len(symbols) or not symbols:
+        raise ValueError(f"equations must be one for each of {len(symbols)} states, got {len(found)}")
+    if time is not None and not isinstance(time, sympy.Symbol):
+        raise TypeError(f"time must be a symbol of sympy, got {validate.short(time)}")
+    known = {*map(str, symbols), *parameters, *(() if time is None else (str(time),))}
+    free = sorted({str(symbol) for each in found for symbol in each.free_symbols} - known)
+    if free:
+        remedy = "give it in parameters" + ("" if time is not None else ", or as time")
+        raise ValueError(f"equations have {free[0]!r}, which has no value; {remedy}")
+    derivatives = sympy.Matrix(found).jacobian(symbols)
+    return tuple(_Lambdified(each, symbols, time, list(parameters)) for each in (found, derivatives))  # type: ignore[return-value]
+
+
+def _symbol(expressions: Any, name: str) -> Any:
+    """Return the symbol of this name as it occurs, with its assumptions; a new one where it does not."""
+    import sympy
+
+    every = {str(symbol): symbol for each in expressions for symbol in each.free_symbols}
+    return every.get(name, sympy.Symbol(name))

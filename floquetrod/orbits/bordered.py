@@ -1,0 +1,118 @@
+"""Cyclic systems of equations with a border, solved by orthogonal eliminations of every second unknown.
+
+x_(i+1) - G_i x_i = columns_i s + right_i for i = 0 .. N - 1, x_N = x_0, with a few scalars s and as many rows that
+tie everything together.  Each elimination takes the unknown between two neighbouring equations out of them by a QR
+decomposition, all pairs at once, which is stable whatever the maps G grow or shrink by (S. J. Wright, SIAM J. Sci.
+Stat. Comput. 13 (1992) 742); the cost is O(N n^3).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class Solution(NamedTuple):
+    """Solutions of a bordered system, one for each of q right sides.
+
+    Attributes
+    ----------
+    nodes : ndarray (N, n, q)
+        The unknowns x_i.
+    scalars : ndarray (S, q)
+        The scalars.
+    core : ndarray (n + S, n + S)
+        What is left when all unknowns but x_0 and the scalars are eliminated; singular where the whole is.
+    """
+
+    nodes: Floats
+    scalars: Floats
+    core: Floats
+
+
+class _Level(NamedTuple):
+    """Unknowns in the middle of pairs of equations: R x = right - left x_before - next x_after."""
+
+    triangle: Floats
+    left: Floats
+    after: Floats
+    right: Floats
+
+
+def solve(maps: Floats, columns: Floats, right: Floats, rows: Floats, corner: Floats, targets: Floats) -> Solution:
+    """Return the solution of x_(i+1) - G_i x_i = columns_i s + right_i and rows . x + corner s = targets.
+
+    Parameters
+    ----------
+    maps : ndarray (N, n, n)
+        G.
+    columns : ndarray (N, n, S)
+        How the scalars drive the equations.
+    right : ndarray (N, n, q)
+        Right sides.
+    rows : ndarray (S, N, n)
+        Factors of the x_i in the rows of the border.
+    corner : ndarray (S, S)
+        Factors of the scalars there.
+    targets : ndarray (S, q)
+        Right sides of the border.
+
+    Raises
+    ------
+    numpy.linalg.LinAlgError
+        Where the whole is singular.
+    """
+    n, scalars, count = maps.shape[1], columns.shape[2], right.shape[2]
+    unit = np.broadcast_to(np.eye(n), maps.shape)
+    before, after = -maps, np.ascontiguousarray(unit)
+    levels, rest = [], np.concatenate([columns, right], axis=2)
+    while len(before) > 1:
+        level, before, after, rest = _eliminated(before, after, rest)
+        levels.append(level)
+    # Every x_i as a matrix applied to (x_0, s, 1): a factor of x_0, of the scalars, and what remains.
+    found = np.concatenate([np.eye(n), np.zeros((n, scalars + count))], axis=1)[None]
+    for level in reversed(levels):
+        found = _filled_in(level, found)
+    core = np.empty((n + scalars, n + scalars))
+    core[:n, :n], core[:n, n:] = before[0] + after[0], -rest[0, :, :scalars]
+    tied = np.einsum("sin,inc->sc", rows, found)
+    core[n:, :n], core[n:, n:] = tied[:, :n], tied[:, n : n + scalars] + corner
+    answer = np.linalg.solve(core, np.concatenate([rest[0, :, scalars:], targets - tied[:, n + scalars :]]))
+    nodes = found[:, :, : n + scalars] @ answer + found[:, :, n + scalars :]
+    return Solution(nodes, answer[n:], core)
+
+
+def _eliminated(before: Floats, after: Floats, rest: Floats) -> tuple[_Level, Floats, Floats, Floats]:
+    """Return the equations before x_left + after x_right = rest that remain of pairs of them, and what was taken out.
+
+    The last one of an odd number stays as it is.
+    """
+    n, pairs = before.shape[1], len(before) // 2
+    first, second = slice(0, 2 * pairs, 2), slice(1, 2 * pairs, 2)
+    q, r = np.linalg.qr(np.concatenate([after[first], before[second]], axis=1), mode="complete")
+    turned = np.swapaxes(q, 1, 2)
+    left, right = turned[:, :, :n] @ before[first], turned[:, :, n:] @ after[second]
+    known = turned[:, :, :n] @ rest[first] + turned[:, :, n:] @ rest[second]
+    level = _Level(r[:, :n], left[:, :n], right[:, :n], known[:, :n])
+    odd = slice(2 * pairs, None)
+    kept = ((left[:, n:], before[odd]), (right[:, n:], after[odd]), (known[:, n:], rest[odd]))
+    before, after, rest = (np.concatenate(parts) for parts in kept)
+    return level, before, after, rest
+
+
+def _filled_in(level: _Level, found: Floats) -> Floats:
+    """Return the unknowns (N, n, n + S + q) of a level from those of the next one, which has every second of them."""
+    n, pairs = found.shape[1], len(level.triangle)
+    left = found[:pairs]
+    right = np.concatenate([found, found[:1]])[1 : pairs + 1]
+    known = -(level.left @ left) - level.after @ right
+    known[:, :, n:] += level.right
+    middle = np.linalg.solve(level.triangle, known)
+    whole = np.empty((pairs + len(found), *found.shape[1:]))
+    whole[0 : 2 * pairs : 2], whole[1 : 2 * pairs : 2] = left, middle
+    whole[2 * pairs :] = found[pairs:]
+    return whole

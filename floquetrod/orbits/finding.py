@@ -1,0 +1,273 @@
+"""`fr.periodic_orbit`: the orbit near a start, on a mesh that resolves it."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.equations import NonlinearSystem
+from floquetrod.orbits import mesh as meshes
+from floquetrod.orbits import starts
+from floquetrod.orbits.collocation import Collocation, Condensed, Point, Row, gauss
+from floquetrod.orbits.multipliers import Segments
+from floquetrod.orbits.newton import NoOrbitError, corrected
+from floquetrod.orbits.orbit import PeriodicOrbit
+
+Floats = NDArray[np.float64]
+
+_EPS = 2.220446049250313e-16
+_DEGREES = ((12, 8), (10**9, 5))  # Gauss points of systems of up to so many equations (a choice)
+_MORE = 2  # points of the finer of the two orbits that are compared
+_FIRST = 24  # intervals of the first mesh
+_MOST_MESHES = 8
+_TRIALS = np.array([0.08, 0.29, 0.5, 0.71, 0.92])  # of an interval, where the two are compared
+
+
+def periodic_orbit(
+    system: NonlinearSystem, start: Any, period: float | None = None, *, tolerance: float = 1e-10
+) -> PeriodicOrbit:
+    """Return the periodic orbit near a start, stable or not, with its error and the verdict on it.
+
+    By collocation at Gauss points on a mesh that is made finer where the orbit needs it, and Newton's method.  A start
+    that is nearly on an orbit, closing after a period to a fifth of the motion, is taken as it is; motion from any
+    other is followed until it settles.
+
+    Parameters
+    ----------
+    system : NonlinearSystem
+    start : array_like (n,), (times, states) or PeriodicOrbit
+        A state at time 0; a record of motion of at least a period, times (k,) and states (k, n), the last seconds of a
+        simulation, say; or the orbit for other values of the parameters.
+    period : float, optional
+        Of a forced system a whole multiple of its own, which is the default.  Of an autonomous one about the orbit's;
+        where it is left out, it is read off motion that returns.
+    tolerance : float
+        Error of the states to aim at, from 1e-12 to 1e-3 of the largest of each.
+
+    Returns
+    -------
+    PeriodicOrbit
+
+    Raises
+    ------
+    ValueError
+        Where the function is not as it should be; where motion flows away or comes to rest; and, as `NoOrbitError`,
+        where Newton's method does not converge, with where it stood.
+
+    Examples
+    --------
+    >>> import floquetrod as fr
+    >>> def van_der_pol(t, x, mu):
+    ...     return x[1], mu * (1 - x[0] ** 2) * x[1] - x[0]
+    >>> orbit = fr.periodic_orbit(fr.NonlinearSystem(van_der_pol, parameters={"mu": 1.0}), [2.0, 0.0])
+    >>> orbit.status, round(orbit.period, 10)
+    ('stable', 6.6632868593)
+    >>> [f"{mu.real:.8g}" for mu in orbit.stability.multipliers]
+    ['0.00085969506']
+    """
+    validate.instance("system", system, NonlinearSystem)
+    tolerance = validate.within("tolerance", tolerance, 1e-12, 1e-3)
+    period = None if period is None else validate.positive("period", period)
+    turns = _turns(system, period)
+    if isinstance(start, PeriodicOrbit):
+        collocation, point = _from_orbit(system, start, turns)
+    else:
+        length = period if turns is None else turns * float(system.period or math.nan)
+        collocation, point = _discretised(system, starts.guessed(system, start, length), turns)
+    return orbit_of(collocation, point, tolerance)
+
+
+def _turns(system: NonlinearSystem, period: float | None) -> int | None:
+    """Return how many of a forced system's periods an orbit takes; None of an autonomous one."""
+    own = system.period
+    if own is None:
+        return None
+    turns = 1 if period is None else round(period / own)
+    if turns < 1 or (period is not None and abs(period - turns * own) > 1e-6 * own):
+        raise ValueError(f"period must be a whole multiple of the system's, {own:.9g}, got {period!r}")
+    return turns
+
+
+def _from_orbit(system: NonlinearSystem, start: PeriodicOrbit, turns: int | None) -> tuple[Collocation, Point]:
+    """Return the equations of a system on the mesh of another's orbit."""
+    if start.system.is_autonomous != system.is_autonomous:
+        raise ValueError("start must be an orbit of a system that is forced, or autonomous, as this one is")
+    given = start.collocation
+    collocation = Collocation(system, given.mesh, given.degree, turns)
+    point = start.point._replace(value=math.nan)
+    return collocation, point._replace(period=collocation.period_at(point))
+
+
+def _discretised(system: NonlinearSystem, guess: starts.Guess, turns: int | None) -> tuple[Collocation, Point]:
+    """Return the equations on a first mesh, and a guess there."""
+    n = guess.states.shape[1]
+    degree = next(degree for most, degree in _DEGREES if n <= most)
+    size = np.maximum(np.ptp(guess.states, axis=0), 1e-6 * float(np.abs(guess.states).max()) + 1e-300)
+    shares = guess.times / guess.period
+    bend = np.linalg.norm(np.diff(guess.rates / size, axis=0), axis=1) * guess.period / np.diff(shares)
+    density = np.sqrt(bend) + 0.3 * float((np.sqrt(bend) * np.diff(shares)).sum()) + 1e-300
+    collocation = Collocation(system, meshes.of_density(shares, density, _FIRST), degree, turns)
+    stages = guess.at(collocation.shares.ravel()).reshape(*collocation.shares.shape, n)
+    point = Point(guess.at(collocation.mesh[:-1]), stages, guess.period)
+    system.evaluated.require_derivatives(guess.times[::20], guess.states[::20], system.parameters)
+    return collocation, point
+
+
+def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -> PeriodicOrbit:
+    """Return the orbit near a point, on a mesh fine enough for the tolerance; the parameter stays as it is.
+
+    A first mesh by the estimate of `meshes.interior_errors`; then two more points in each interval tell the error, and
+    a new mesh where that is too large.  The finer orbit is returned.
+    """
+    system = collocation.system_at(point.value)
+    collocation = Collocation(system, collocation.mesh, collocation.degree, collocation.turns)
+    point = point._replace(value=math.nan)
+    _require_periodic(collocation, point)
+    steps, best = 0, None
+    for _ in range(_MOST_MESHES):
+        coarse = corrected(collocation, point, _phase(collocation, point))
+        steps += coarse.steps
+        errors = meshes.interior_errors(collocation, coarse.point)
+        _require_motion(collocation, coarse.point)
+        if float(errors.max()) > tolerance and len(errors) < meshes.MOST:
+            mesh = meshes.equidistributed(collocation, errors, 0.3 * tolerance)
+            collocation, point = meshes.carried(collocation, coarse.point, mesh, collocation.degree)
+            continue
+        found = _compared(collocation, coarse.point, coarse.condensed)
+        steps += found.steps
+        if best is None or found.error < best.error:
+            best = found
+        if found.error <= 10.0 * tolerance or len(errors) >= meshes.MOST or found.rounding > tolerance:
+            break
+        mesh = meshes.equidistributed(collocation, found.errors, 0.3 * tolerance)
+        if len(mesh) <= len(collocation.mesh):  # what is left is not the mesh's
+            break
+        collocation, point = meshes.carried(collocation, coarse.point, mesh, collocation.degree)
+    if best is None:
+        best = _compared(collocation, coarse.point, coarse.condensed)
+    return _finished(best, steps)
+
+
+def _phase(collocation: Collocation, point: Point) -> list[Row]:
+    """Return the rows that an orbit needs beside the equations: a phase condition where it is autonomous."""
+    return [] if collocation.turns else [collocation.phase(point)]
+
+
+def _require_periodic(collocation: Collocation, point: Point) -> None:
+    """Raise ValueError where f a period later differs, or depends on time in a system without a period."""
+    times = point.period * np.array([0.0, 0.37, 0.71])
+    states = point.nodes[[0, len(point.nodes) // 3, 2 * len(point.nodes) // 3]]
+    system = collocation.system
+    shift = point.period if system.period is None else system.period
+    shift = 0.618034 * shift if system.period is None else shift
+    here, there = system.rates(times, states), system.rates(times + shift, states)
+    size = max(float(np.abs(collocation.rates(point)).max()), 1e-300)
+    gap = float(np.abs(here - there).max())
+    if not gap <= 1e-9 * size:
+        said = "depends on time; give its period" if system.period is None else f"is not periodic in {shift:.9g}"
+        raise ValueError(f"function {said}: rates {shift:.6g} later differ by {gap:.3g}, of {size:.3g}")
+
+
+def _require_motion(collocation: Collocation, point: Point) -> None:
+    """Raise NoOrbitError where an orbit of an autonomous system has shrunk to a state of rest."""
+    moves = float((np.ptp(point.nodes, axis=0) / point.scale).max())
+    if collocation.turns is None and moves < 1e-7:
+        rest = ", ".join(f"{value:.6g}" for value in point.nodes[0, :6])
+        raise NoOrbitError(f"no periodic orbit was found: Newton's method came to a state of rest at ({rest})")
+
+
+class _Compared(NamedTuple):
+    """An orbit with two points more in each interval, and how it differs from the one without them."""
+
+    collocation: Collocation
+    point: Point
+    condensed: Condensed
+    map_errors: Floats
+    errors: Floats  # in each interval
+    rounding: float
+    error: float
+    period_error: float
+    steps: int
+
+
+def _compared(collocation: Collocation, point: Point, condensed: Condensed) -> _Compared:
+    """Return the orbit of a degree two higher on the same mesh, with errors from the difference."""
+    rows = _phase(collocation, point)
+    fine, start = meshes.carried(collocation, point, collocation.mesh, collocation.degree + _MORE)
+    found = corrected(fine, start, rows)
+    shares = (collocation.mesh[:-1, None] + collocation.steps[:, None] * _TRIALS).ravel()
+    gaps = np.abs(meshes.evaluated(fine, found.point, shares) - meshes.evaluated(collocation, point, shares))
+    nodes = np.abs(found.point.nodes - point.nodes)
+    scale = found.point.scale
+    errors = np.maximum((gaps / scale).reshape(-1, len(_TRIALS) * len(scale)).max(axis=1), (nodes / scale).max(axis=1))
+    rounding, of_period = _rounding(fine, found.point, found.condensed, rows)
+    maps = 2.0 * np.abs(found.condensed.maps - condensed.maps) + _by_derivatives(fine, found.point, rounding)
+    return _Compared(
+        fine,
+        found.point,
+        found.condensed,
+        maps,
+        errors,
+        rounding,
+        2.0 * float(errors.max()) + rounding,
+        0.0 if fine.turns else 2.0 * abs(found.point.period - point.period) + of_period,
+        found.steps,
+    )
+
+
+def _rounding(collocation: Collocation, point: Point, condensed: Condensed, rows: list[Row]) -> tuple[float, float]:
+    """Return about what rounding of the equations does to the states, relative, and to the period."""
+    rates, jacobians = collocation.rates(point), np.abs(collocation.jacobians(point))
+    terms = np.abs(rates) + np.einsum("ikab,ikb->ika", jacobians, np.abs(point.stages))
+    size = np.abs(point.nodes) + (point.period * collocation.steps)[:, None] * terms.max(axis=1)
+    waves = np.cos(np.arange(size.size).reshape(size.shape) * np.array([[[2.399]], [[0.731]], [[1.117]]]))
+    states, periods = [], []
+    for signs in np.sign(waves):
+        step = collocation.solved(condensed._replace(gaps=2.0 * _EPS * size * signs), rows, point)
+        states.append(float((np.abs(step.nodes) / point.scale).max()))
+        periods.append(float(np.abs(step.scalars).max(initial=0.0)))
+    return 2.0 * max(states), 2.0 * max(periods)
+
+
+def _by_derivatives(collocation: Collocation, point: Point, rounding: float) -> Floats:
+    """Return what errors of the derivatives along the orbit make of the maps over intervals, entry by entry."""
+    jacobians = collocation.jacobians(point)
+    moved = point._replace(stages=point.stages + 1e-6 * point.scale)
+    change = np.abs(collocation.jacobians(moved) - jacobians) * (rounding / 1e-6)
+    doubt = change + collocation.system.evaluated.derivatives_error * np.abs(jacobians)
+    lengths = (point.period * collocation.steps)[:, None, None]
+    mean = lengths * np.einsum("k,ikab->iab", gauss(collocation.degree).weights, doubt)
+    stretch = np.linalg.norm(lengths * np.abs(jacobians).max(axis=1), axis=(1, 2))
+    return np.asarray(mean * np.exp(np.minimum(stretch, 5.0))[:, None, None])
+
+
+def _finished(found: _Compared, steps: int) -> PeriodicOrbit:
+    """Return the orbit as a result."""
+    collocation, point = found.collocation, found.point
+    evaluated = collocation.system.evaluated
+    times = point.period * collocation.mesh
+    was = evaluated.complex_steps
+    evaluated.require_derivatives(times[:-1], point.nodes, collocation.system.parameters)
+    if was and not evaluated.complex_steps:  # the derivatives were not those of the function
+        return orbit_of(collocation, point)
+    flow = None if collocation.turns else collocation.rates_at_mesh(point)
+    states = np.concatenate([point.nodes, point.nodes[:1]])
+    for array in (times, states):
+        array.flags.writeable = False
+    segments = Segments(found.condensed.maps, found.map_errors, flow)
+    return PeriodicOrbit(
+        collocation.system,
+        point.period,
+        found.period_error,
+        times,
+        states,
+        found.error,
+        steps,
+        collocation,
+        point,
+        segments,
+    )

@@ -1,0 +1,79 @@
+"""Meshes of periodic orbits: where errors are equal, and orbits moved from one to another."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.orbits.collocation import Collocation, Point, gauss, weights_at
+
+Floats = NDArray[np.float64]
+
+FEWEST, MOST = 8, 4096
+"""Intervals of a mesh."""
+
+_FLOOR = 0.15  # of the mean density that there is everywhere (a choice)
+_SAFETY = 1.15  # more intervals than the estimate asks for
+
+
+def evaluated(collocation: Collocation, point: Point, shares: Floats) -> Floats:
+    """Return the states (k, n) at shares of the period (k,), from 0 to 1."""
+    place = np.clip(np.searchsorted(collocation.mesh, shares, side="right") - 1, 0, len(point.nodes) - 1)
+    inner = (shares - collocation.mesh[place]) / collocation.steps[place]
+    factors = weights_at(collocation.degree, inner)
+    values = np.concatenate([point.nodes[:, None], point.stages], axis=1)
+    return np.asarray(np.einsum("kj,kjn->kn", factors, values[place]))
+
+
+def carried(collocation: Collocation, point: Point, mesh: Floats, degree: int) -> tuple[Collocation, Point]:
+    """Return the equations on another mesh or of another degree, and a point there with the same states."""
+    other = replace(collocation, mesh=mesh, degree=degree)
+    stages = evaluated(collocation, point, other.shares.ravel()).reshape(*other.shares.shape, -1)
+    return other, point._replace(nodes=evaluated(collocation, point, mesh[:-1]), stages=stages)
+
+
+def interior_errors(collocation: Collocation, point: Point) -> Floats:
+    """Return estimates (N,) of the largest error of the polynomials in each interval, as a part of the states.
+
+    From the derivative of order m + 1, which differences of that of order m between intervals tell, as de Boor does
+    (C. de Boor, Lecture Notes in Math. 363 (1974) 12).
+    """
+    m, steps = collocation.degree, collocation.steps
+    values = np.concatenate([point.nodes[:, None], point.stages], axis=1) / point.scale
+    last = np.einsum("j,ijn->in", gauss(m).to_series[-1], values)
+    leading = math.comb(2 * m, m) / 2.0**m * math.factorial(m)  # of the Legendre polynomial's derivative
+    top = last * leading * (2.0 / steps[:, None]) ** m
+    jumps = np.abs(top - np.roll(top, 1, axis=0)) / (0.5 * (steps + np.roll(steps, 1)))[:, None]
+    next_one = np.maximum(jumps, np.roll(jumps, -1, axis=0)).max(axis=1)
+    return np.asarray(_constant(m) * steps ** (m + 1) * next_one)
+
+
+@functools.cache
+def _constant(degree: int) -> float:
+    """Return the factor of h^(m + 1) times the derivative of order m + 1 in the error within an interval."""
+    product = np.polynomial.Polynomial.fromroots(gauss(degree).points)
+    return float(np.abs(product.integ()(np.linspace(0.0, 1.0, 201))).max()) / math.factorial(degree)
+
+
+def equidistributed(collocation: Collocation, errors: Floats, tolerance: float) -> Floats:
+    """Return a mesh on which errors within intervals are about equal, and as small as the tolerance."""
+    power = 1.0 / (collocation.degree + 1)
+    share = (np.maximum(errors, 1e-18) / tolerance) ** power
+    density = share / collocation.steps
+    smooth = np.maximum(density, 0.5 * np.maximum(np.roll(density, 1), np.roll(density, -1)))
+    smooth = smooth + _FLOOR * float((smooth * collocation.steps).sum())
+    wanted = _SAFETY * float((smooth * collocation.steps).sum())
+    return of_density(collocation.mesh, smooth, wanted)
+
+
+def of_density(mesh: Floats, density: Floats, wanted: float) -> Floats:
+    """Return a mesh of about so many intervals, a multiple of four, with a density given between points of another."""
+    count = min(MOST, max(FEWEST, 4 * math.ceil(0.25 * min(wanted, MOST))))
+    integral = np.concatenate([[0.0], np.cumsum(density * np.diff(mesh))])
+    found = np.interp(np.linspace(0.0, integral[-1], count + 1), integral, mesh)
+    found[0], found[-1] = 0.0, 1.0
+    return found

@@ -1,0 +1,108 @@
+"""Multipliers of a periodic orbit from the maps over the intervals of its mesh, with errors, and their verdict."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util.arrays import norms
+from floquetrod.equations import PeriodicSystem
+from floquetrod.floquet.systems import cyclic, independent_solutions
+from floquetrod.floquet.systems.classification import classify_multipliers
+from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.floquet.verdict import Cost
+
+Floats = NDArray[np.float64]
+
+_EPS = 2.220446049250313e-16
+_LARGEST_CONDITION = 100.0  # of the map over a segment: rounding then costs two digits (a choice)
+_MOST_ROWS = 1000  # of the cyclic matrix (a choice: about a second)
+
+
+class Segments(NamedTuple):
+    """Maps over the intervals of a mesh, and errors.
+
+    Attributes
+    ----------
+    maps : ndarray (N, n, n)
+        In the unit of the states.
+    errors : ndarray (N, n, n)
+        Magnitudes of the errors of the entries.
+    flow : ndarray (N, n) or None
+        Rates of change at the beginnings of the intervals, of an autonomous system.
+    """
+
+    maps: Floats
+    errors: Floats
+    flow: Floats | None
+
+
+class OrbitVerdict(NamedTuple):
+    """The verdict, and how far from 1 the multiplier of an autonomous orbit's own motion is; None of a forced one."""
+
+    stability: SystemStability
+    trivial: float | None
+
+
+def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
+    """Return the verdict on an orbit from the maps over its intervals.
+
+    Of an autonomous system in frames that move with the orbit, one axis along its motion: what is left without that
+    axis are maps across the motion, whose multipliers are all others, however close to 1 one of them is.
+    """
+    largest = np.abs(segments.maps).max(axis=0) - np.eye(linearised.order)
+    scales = independent_solutions.balance(np.abs(largest))
+    maps = segments.maps * scales / scales[:, None]
+    errors = norms(segments.errors * scales / scales[:, None]) + _rounding(maps)
+    trivial = None
+    if segments.flow is not None:
+        maps, errors, trivial = _across(maps, errors, segments.flow / scales)
+        scales = np.ones(maps.shape[1])
+    maps, errors = _merged(maps, errors)
+    found = cyclic.solutions(maps, errors, scales) if np.isfinite(maps).all() else None
+    cost = Cost(len(segments.maps), "intervals")
+    logs = None if found is None else independent_solutions.log_discs(found, 0.0)
+    hamiltonian = segments.flow is None and found is not None and linearised.structure == "hamiltonian"
+
+    def krein(cluster: NDArray[np.intp]) -> int:
+        return 0 if found is None else independent_solutions.krein_sign(found, cluster)
+
+    note = "" if trivial is None else f"the multiplier 1 of the orbit's own motion is set aside, {trivial:.1g} from it"
+    stability = classify_multipliers(
+        linearised, "segmented", logs, krein=krein if hamiltonian else None, cost=cost, note=note
+    )
+    return OrbitVerdict(stability, trivial)
+
+
+def _rounding(maps: Floats) -> Floats:
+    """Return what rounding makes of maps, computed and multiplied."""
+    return np.asarray(8.0 * maps.shape[1] * _EPS * norms(maps))
+
+
+def _across(maps: Floats, errors: Floats, flow: Floats) -> tuple[Floats, Floats, float]:
+    """Return the maps across the motion, their errors, and how far from 1 the multiplier along it is."""
+    speed = np.linalg.norm(flow, axis=1)
+    frames = np.linalg.qr((flow / speed[:, None])[:, :, None], mode="complete")[0]
+    ahead = np.roll(frames, -1, axis=0)
+    turned = np.swapaxes(ahead, 1, 2) @ maps @ frames
+    signs = np.sign((frames[:, :, 0] * flow).sum(axis=1))
+    along = turned[:, 0, 0] * speed / np.roll(speed, -1) * signs * np.roll(signs, -1)
+    leaks = np.linalg.norm(turned[:, 1:, 0], axis=1)  # which are zero but for errors
+    return turned[:, 1:, 1:], errors + leaks, abs(math.expm1(float(np.log(np.abs(along)).sum())))
+
+
+def _merged(maps: Floats, errors: Floats) -> tuple[Floats, Floats]:
+    """Return products of neighbouring maps, as many as are well conditioned, and their errors."""
+    while len(maps) > 1 and len(maps) % 2 == 0:
+        first, second = maps[::2], maps[1::2]
+        product = second @ first
+        grown = errors[1::2] * norms(first) + norms(second) * errors[::2] + errors[1::2] * errors[::2]
+        conditions = np.linalg.cond(product) if np.isfinite(product).all() else np.array([np.inf])
+        few_rows = maps.shape[0] * maps.shape[1] <= _MOST_ROWS
+        if few_rows and not float(conditions.max()) <= _LARGEST_CONDITION:
+            break
+        maps, errors = product, grown + _rounding(product)
+    return maps, errors

@@ -1,0 +1,208 @@
+"""What Newton's method starts from: one period of about the orbit, from a point, a record of motion, or an orbit."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.equations import NonlinearSystem
+
+Floats = NDArray[np.float64]
+
+_SAMPLES = 200  # of a period (a choice)
+_RTOL = 1e-8
+_DIRECTLY = 0.2  # gap after a period, part of the motion, up to which a start is taken to be near an orbit (a choice)
+_CLOSE = 0.02  # gap up to which motion that settles is near enough
+_MOST_PERIODS = 300  # that motion is given to settle (a choice)
+_MOST_CHUNKS = 12  # each twice as long as the one before, in which motion without a period may return
+_LARGEST = 1e12  # of a state, beyond which a motion has flown away
+
+
+class Guess(NamedTuple):
+    """About one period of an orbit: times (k,) from 0 to the period, states (k, n), and their rates (k, n)."""
+
+    times: Floats
+    states: Floats
+    rates: Floats
+
+    @property
+    def period(self) -> float:
+        """Its length."""
+        return float(self.times[-1])
+
+    @property
+    def gap(self) -> float:
+        """By how much it does not close, as a part of the motion."""
+        return _gap(self.states)
+
+    def at(self, shares: Floats) -> Floats:
+        """Return states (k, n) at shares of the period, closed by a drift that takes out the gap."""
+        times = shares * self.period
+        place = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.times) - 2)
+        steps = np.diff(self.times)[place][:, None]
+        s = (times - self.times[place])[:, None] / steps
+        found = (
+            (1.0 + 2.0 * s) * (1.0 - s) ** 2 * self.states[place]
+            + s * (1.0 - s) ** 2 * steps * self.rates[place]
+            + s**2 * (3.0 - 2.0 * s) * self.states[place + 1]
+            + s**2 * (s - 1.0) * steps * self.rates[place + 1]
+        )
+        return np.asarray(found - shares[:, None] * (self.states[-1] - self.states[0]))
+
+
+def guessed(system: NonlinearSystem, start: Any, period: float | None) -> Guess:
+    """Return about one period of an orbit from a state (n,) or a record (times, states), and its period if known."""
+    if isinstance(start, tuple) and len(start) == 2 and np.ndim(start[1]) == 2:
+        return _from_record(system, *_record(*start), period)
+    state = validate.array("start", start, least=-_LARGEST, largest=_LARGEST)
+    if state.ndim != 1 or not state.size:
+        raise ValueError(
+            f"start must be a state, one number for each of the equations, or a record (times, states), got shape "
+            f"{state.shape}"
+        )
+    system.evaluated.start(0.0, state, system.parameters)
+    if period is None:
+        return _autonomous(system, state)
+    return _settled(system, state, period)
+
+
+def _record(times: Any, states: Any) -> tuple[Floats, Floats]:
+    """Return a record of motion, checked."""
+    instants = validate.array("start[0]", times, least=-1e15, largest=1e15)
+    motion = validate.array("start[1]", states, least=-_LARGEST, largest=_LARGEST)
+    if instants.ndim != 1 or len(instants) != len(motion) or len(instants) < 8:
+        raise ValueError(
+            f"start must be a record (times, states) of 8 instants or more, times (k,) and states (k, n), got shapes "
+            f"{instants.shape} and {motion.shape}"
+        )
+    if not (np.diff(instants) > 0.0).all():
+        raise ValueError("start must have times that increase")
+    return instants, motion
+
+
+def _from_record(system: NonlinearSystem, times: Floats, states: Floats, period: float | None) -> Guess:
+    """Return the last period of a record."""
+    system.evaluated.start(float(times[0]), states[0], system.parameters)
+    rates = system.rates(times, states)
+    if period is None:
+        found = _returned(times, states, rates)
+        if found is None:
+            raise ValueError("start must be a record of two periods or more, got one that does not return; give period")
+        period = found
+    if times[-1] - times[0] < period * (1.0 - 1e-9):
+        raise ValueError(f"start must cover a period of {period:.6g}, got a record of {times[-1] - times[0]:.6g}")
+    begin = times[-1] - period
+    if system.period is not None:  # from a time at which the forcing begins anew
+        begin = math.floor(begin / period + 1e-9) * period
+        begin = begin if begin >= times[0] - 1e-9 * period else begin + period
+    whole = Guess(times - times[0], states, rates)
+    wanted = np.linspace(0.0, 1.0, 2 * _SAMPLES + 1) * period + begin - times[0]
+    inside = np.minimum(wanted, whole.period)
+    drift = states[-1] - states[0]
+    found_states = whole.at(inside / whole.period) + (inside / whole.period)[:, None] * drift
+    shifted = wanted - wanted[0]
+    return Guess(shifted, found_states, system.rates(shifted, found_states))
+
+
+def _settled(system: NonlinearSystem, state: Floats, period: float) -> Guess:
+    """Return the motion over one period from a state, or after as many periods as it takes to settle."""
+    best: Guess | None = None
+    strobed = [state]
+    for turn in range(_MOST_PERIODS):
+        found = _marched(system, state, period, f"after {turn} periods of {period:.6g}")
+        best = found if best is None or found.gap < best.gap else best
+        if found.gap <= (_CLOSE if turn else _DIRECTLY) or (system.is_autonomous and turn == 0):
+            return found
+        state = found.states[-1]
+        strobed.append(state)
+        if turn > 50 and (turns := _returns_after(np.array(strobed[-13:]), found)):
+            raise ValueError(
+                f"start leads to motion that returns after {turns} periods, not after one; give period = "
+                f"{turns} * {period:.6g}"
+            )
+    return best if best is not None else found
+
+
+def _returns_after(strobed: Floats, motion: Guess) -> int:
+    """Return after how many periods, two to six, motion returns; 0 where it does not."""
+    size = np.maximum(np.ptp(motion.states, axis=0), 1e-300)
+    for turns in range(2, 7):
+        if float((np.abs(strobed[-1] - strobed[-1 - turns]) / size).max()) < 1e-4:
+            return turns
+    return 0
+
+
+def _autonomous(system: NonlinearSystem, state: Floats) -> Guess:
+    """Return about one period of the motion that a state leads to, whose period is estimated."""
+    matrix = system.jacobians([0.0], state[None])[0]
+    fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
+    speed = float(np.linalg.norm(system.rates([0.0], state[None])[0]) / max(float(np.linalg.norm(state)), 1e-300))
+    span = 20.0 / max(fastest, speed, 1e-300)
+    for chunk in range(_MOST_CHUNKS):
+        motion = _marched(system, state, span, f"after {span * (2.0 - 2.0 ** (1 - chunk)):.4g}", samples=4000)
+        last = slice(len(motion.times) // 3, None)
+        if _rests(motion):
+            rest = ", ".join(f"{value:.6g}" for value in motion.states[-1, :6])
+            raise ValueError(f"start flows to a state of rest at ({rest}), not to a periodic orbit")
+        period = _returned(motion.times[last], motion.states[last], motion.rates[last])
+        if period is not None:
+            return _marched(system, motion.states[-1], period, "")
+        state, span = motion.states[-1], min(2.0 * span, 1e6 * span)
+    raise ValueError("start leads to motion that does not return near where it was; give period and a closer start")
+
+
+def _rests(motion: Guess) -> bool:
+    """Return whether motion has come to rest: it moves far less at the end than it did, and than its size."""
+    moves, size = np.ptp(motion.states[-400:], axis=0).max(), np.abs(motion.states).max()
+    return bool(moves <= 1e-7 * size) or bool(size == 0.0)
+
+
+def _returned(times: Floats, states: Floats, rates: Floats) -> float | None:
+    """Return the time since motion last was near where it ends, moving the same way; None where it was not."""
+    size = np.maximum(np.ptp(states, axis=0), 1e-9 * float(np.abs(states).max()) + 1e-300)
+    ahead = ((states - states[-1]) / size) @ (rates[-1] / size)
+    crossings = np.flatnonzero((ahead[:-1] < 0.0) & (ahead[1:] >= 0.0))[::-1]
+    crossings = crossings[crossings < len(times) - 3]
+    for i in crossings:
+        share = -ahead[i] / (ahead[i + 1] - ahead[i])
+        there = states[i] + share * (states[i + 1] - states[i])
+        if float((np.abs(there - states[-1]) / size).max()) < 2.0 * _CLOSE:
+            return float(times[-1] - times[i] - share * (times[i + 1] - times[i]))
+    return None
+
+
+def _marched(system: NonlinearSystem, state: Floats, span: float, when: str, samples: int = _SAMPLES) -> Guess:
+    """Return the motion from a state at time 0, by LSODA; ValueError where it flows away."""
+    from scipy.integrate import odeint
+
+    call, given = system.function, dict(system.parameters)
+    times = np.linspace(0.0, span, samples + 1)
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # that it did not arrive, which the message says too
+        states, said = odeint(
+            lambda t, x: np.asarray(call(t, x, **given), dtype=float),
+            state,
+            times,
+            tfirst=True,
+            rtol=_RTOL,
+            atol=_RTOL * max(1e-3 * float(np.abs(state).max()), 1e-9),
+            full_output=True,
+            mxstep=50_000,
+            printmessg=False,
+        )
+    if not (np.abs(states) <= _LARGEST).all() or said["message"] != "Integration successful.":
+        raise ValueError(
+            f"start flows away: {when + ' ' if when else ''}the motion is beyond {_LARGEST:g}, or not finite"
+        )
+    return Guess(times, states, system.rates(times, states))
+
+
+def _gap(states: Floats) -> float:
+    """Return by how much motion does not close, as a part of how far it goes."""
+    size = np.maximum(np.ptp(states, axis=0), 1e-9 * float(np.abs(states).max()) + 1e-300)
+    return float((np.abs(states[-1] - states[0]) / size).max())
