@@ -1,0 +1,115 @@
+"""A verdict on a rod, and how far its string can be pushed, as a document to pass on."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from floquetrod._util.progress import Progress
+from floquetrod._util.report import Report, Table
+from floquetrod._util.version import __version__
+from floquetrod.plotting import charts, document
+from floquetrod.plotting.document import Section
+from floquetrod.rod.answers.reach import Reach
+from floquetrod.rod.answers.reports import shown_in
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.map import stability_map
+
+_POINTS = {True: (160, 120), False: (32, 24)}  # of the map, where bands are exact and where loads take milliseconds
+_ROOM = 1.25  # about the load, in terms of it
+
+
+def save_report(
+    verdict: RodStability,
+    path: str | Path,
+    *,
+    reach: Reach | None = None,
+    units: Mapping[str, str] | None = None,
+    margins: bool | None = None,
+    command: str = "",
+    progress: Progress | None = None,
+) -> Path:
+    """Write what `Rod.save_report` does."""
+    return document.save(
+        path,
+        f"Stability of a rod: {verdict.status}",
+        [
+            _verdict(verdict, units, margins, progress),
+            *_map(verdict, units),
+            _statics(verdict),
+            *_reach(reach),
+            _assumed(verdict, reach),
+            _made(verdict, command),
+        ],
+    )
+
+
+def _verdict(
+    verdict: RodStability, units: Mapping[str, str] | None, margins: bool | None, progress: Progress | None
+) -> Section:
+    searched = verdict.has_quick_margins if margins is None else margins
+    said = verdict.report(units, verdict.margins(progress=progress) if searched else None)
+    shape = None if verdict.evidence.has_exact_margins or not verdict.resonances else verdict.plot
+    return Section("Verdict", said, shape)
+
+
+def _map(verdict: RodStability, units: Mapping[str, str] | None) -> list[Section]:
+    """Return the map about the load; none without vibration, whose stability no frequency changes."""
+    rod: Any = verdict.rod
+    load = verdict.load
+    if load.amplitude == 0.0:
+        return []
+    shown = shown_in(units, rod.critical_force)
+    columns, rows = _POINTS[verdict.evidence.has_exact_margins]
+    largest = _ROOM * max(rod.critical_force, abs(load.mean))
+
+    def draw() -> Any:
+        chart = stability_map(
+            rod,
+            mean=(min(0.0, _ROOM * load.mean), largest, rows),
+            frequency=(0.4 * load.frequency, 1.8 * load.frequency, columns),
+            amplitude=load.amplitude,
+            growth_tolerance=verdict.growth_tolerance,
+            like=load if load.features else None,
+        ).in_units(mean=shown["mean"].name, frequency=shown["frequency"].name, amplitude=shown["amplitude"].name)
+        axes = chart.plot(bands=verdict.evidence.has_exact_margins)
+        charts.mark(axes, shown["frequency"].of(load.frequency), shown["mean"].of(load.mean), "the load")
+        return axes
+
+    return [Section("Other mean forces and frequencies", None, draw)]
+
+
+def _statics(verdict: RodStability) -> Section:
+    """Return forces that buckle the rod without vibration, and the stress."""
+    rod, load = verdict.rod, verdict.load
+    rows = [
+        (name, f"{found.force:.5g} N", f"{load.mean / found.force:.3g}", f"{found.meaning} ({found.source})")
+        for name, found in rod.critical_forces().items()
+    ]
+    table = Table((("buckling", "<16"), ("force", ">12"), ("mean / force", ">12"), ("meaning", "<1")), rows)
+    lines = [("stress", str(rod.stress(load)))]
+    if rod.yield_strength is None:
+        lines.append(("", "the yield strength is not known: give Rod(yield_strength=) or a grade"))
+    lines.append(("", "before the rod moves; pressures inside and outside taken as equal"))
+    return Section("Constant forces and stress", Report("", lines, table))
+
+
+def _reach(reach: Reach | None) -> list[Section]:
+    return [] if reach is None else [Section("Reach", reach.report(), reach.plot)]
+
+
+def _assumed(verdict: RodStability, reach: Reach | None) -> Section:
+    listed = [("", f"- {text}") for text in verdict.assumptions]
+    if reach is not None:
+        listed += [("", f"- reach: {text}") for text in getattr(reach, "assumptions", ())]
+    return Section("What is assumed", Report("", listed))
+
+
+def _made(verdict: RodStability, command: str) -> Section:
+    lines = [("made by", f"floquetrod {__version__}, Python {platform.python_version()}")]
+    again = command or f"{verdict.rod!r}.stability({verdict.load!r})"
+    lines.append(("again", again))
+    lines += [("cite" if i == 0 else "", text) for i, text in enumerate(verdict.references)]
+    return Section("How this was made", Report("", lines))
