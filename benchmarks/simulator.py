@@ -75,7 +75,7 @@ def prepared(friction: float, segments: int = SEGMENTS) -> tuple[Any, Any]:
     """Return a moving rod and its physics."""
     problem = fr.SimulationProblem(ROD, LOAD, friction=friction, segments=segments)
     rod = problem.mesh.start(problem.driving, problem.perturbation.velocities(segments), friction)
-    return rod, problem.mesh.physics(problem.driving, problem.time_steps.size, friction)
+    return rod, problem.mesh.physics(problem.driving, problem.time_steps.size, problem.wall_friction)
 
 
 def element_step(friction: float, segments: int) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 
 import floquetrod as fr
 from floquetrod._util.compilation import compiled
+from floquetrod.rod.answers.mean_force import friction_along
 from floquetrod.simulation import rod_motion
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.mesh import DiscreteRod
@@ -67,7 +68,7 @@ def at_start(
     driving = Driving(mesh.rod, load)
     return (
         mesh.start(driving, np.zeros(mesh.segments + 1), friction),
-        mesh.physics(driving, step, friction)._replace(**changes),
+        mesh.physics(driving, step, friction_along(friction))._replace(**changes),
     )
 
 

@@ -63,7 +63,7 @@ def test_contact_force_is_that_of_the_law_of_the_contact() -> None:
 def test_the_wall_pushes_alike_with_friction_and_without() -> None:
     run = shaken()
     mesh, driving = run.problem.mesh, run.problem.driving
-    physics = mesh.physics(driving, 1e-5, 0.0)
+    physics = mesh.physics(driving, 1e-5)
     records = []
     for step in (rod_motion.frictionless_step, rod_motion._frictional_step):
         rod = mesh.start(driving, np.zeros(mesh.segments + 1))

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from floquetrod._util import validate
 from floquetrod._util.caching import cached_property
 from floquetrod.rod.distributions import quantile_function, quantiles
+from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model import parts
 from floquetrod.rod.model.data import INSTEAD
 from floquetrod.simulation.problem import SimulationProblem
@@ -22,7 +23,7 @@ LAYOUTS = ("grid", "list")
 MOST_RUNS = 10**7  # of an ensemble: a gigabyte of results
 _MOST_TRIED = 1000  # problems made before anything runs, to see whether any can be: a second at most
 _LARGEST = sys.float_info.max
-_NUMBERS = {"float": float, "int": int, "float | None": float, "int | None": int}
+_NUMBERS = {"float": float, "int": int, "float | None": float, "int | None": int, "float | Intervals": float}
 _UNITS = {
     **dict.fromkeys(("duration", "time_step"), "s"),
     **dict.fromkeys(("mean", "amplitude"), "N"),
@@ -35,7 +36,11 @@ _UNITS = {
     "youngs_modulus": "Pa",
     "gravity": "m/s^2",
     "inclination": "rad",
+    "tool_amplitude": "N",
+    "tool_frequency": "rad/s",
+    "tool_above_end": "m",
 }
+TOOL = {f"tool_{part.name}": part.name for part in fields(VibrationTool)}
 START = ("kick", "seed")
 
 
@@ -53,11 +58,12 @@ class VariedAxis(NamedTuple):
 
 
 def names_of(problem: SimulationProblem) -> dict[str, tuple[str, ...]]:
-    """Return the names that may be varied, by what they belong to: "problem", "load", "rod", "start"."""
+    """Return the names that may be varied, by what they belong to: "problem", "load", "rod", "tool", "start"."""
     return {
         "problem": tuple(part.name for part in fields(problem) if part.type in _NUMBERS),
         "load": tuple(part.name for part in fields(problem.load) if part.type in _NUMBERS),
         "rod": (*parts.LIMITS, *INSTEAD),
+        "tool": () if problem.tool is None else tuple(TOOL),
         "start": START,
     }
 
@@ -118,11 +124,13 @@ def varied(problem: SimulationProblem, values: Mapping[str, float | int]) -> Sim
     changes: dict[str, dict[str, Any]] = {
         part: {name: value for name, value in values.items() if name in known} for part, known in names.items()
     }
-    own, load, rod = changes["problem"], changes["load"], changes["rod"]
+    own, load, rod, tool = (changes[part] for part in ("problem", "load", "rod", "tool"))
     if load:
         own["load"] = replace(problem.load, **load)
     if rod:
         own["rod"] = problem.rod.replace(**rod)
+    if tool and problem.tool is not None:
+        own["tool"] = replace(problem.tool, **{TOOL[name]: value for name, value in tool.items()})
     kick = problem.perturbation
     if "seed" in values:
         own["perturbation"] = kick = _seeded(kick, int(values["seed"]))

@@ -26,7 +26,16 @@ from floquetrod.rod.loads.load import FAR_ENDS, KINDS
 from floquetrod.rod.model.data import INSTEAD
 from floquetrod.rod.model.files import rod_of
 from floquetrod.rod.model.plausibility import suspicion_of_hertz, warn_of_load
-from floquetrod.rod.reading import LOAD_OPTIONS, is_pipe, named_rod, read_kind, read_load, read_record
+from floquetrod.rod.reading import (
+    LOAD_OPTIONS,
+    is_pipe,
+    named_rod,
+    read_friction,
+    read_kind,
+    read_load,
+    read_record,
+    read_tool,
+)
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.problem import SimulationProblem
 from floquetrod.simulation.starts import read_perturbation
@@ -54,7 +63,7 @@ _OF_RUNS = {**units.ROD_KINDS, **KINDS, **_RUN, "mean_at": "ratio", "axial_dampi
 """Kinds of the quantities that may be varied."""
 
 _ARGUMENTS = {
-    **dict.fromkeys((*_RUN, *_COUNTS, "stop_early", "natural_curvature"), "run"),
+    **dict.fromkeys((*_RUN, *_COUNTS, "stop_early", "natural_curvature", "tool"), "run"),
     "rod": "rod",
     "load": "load",
     "perturbation": "start",
@@ -278,10 +287,16 @@ def _ends(varied: Any, own: float) -> list[float]:
 
 def _settings(table: Mapping[str, Any], rod: Rod) -> dict[str, Any]:
     """Return the options of the problem in the table [run]."""
-    require_known(table, (*_RUN, *_COUNTS, "stop_early", "natural_curvature"))
+    require_known(table, (*_RUN, *_COUNTS, "stop_early", "natural_curvature", "tool"))
     found: dict[str, Any] = {}
     for key, value in table.items():
-        if key in _RUN:
+        if key == "friction" and isinstance(value, list):
+            found[key] = value  # the problem checks it
+        elif key == "friction" and isinstance(value, str) and "@" in value:
+            found[key] = read_friction(value, key)
+        elif key == "tool":
+            found[key] = read_tool(str(_scalar(key, value)), key)
+        elif key in _RUN:
             found[key] = _quantity(key, value, rod)
         elif key in _COUNTS:
             found[key] = validate.integer(key, value, 2)

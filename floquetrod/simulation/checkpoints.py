@@ -198,7 +198,7 @@ class Checkpoint:
             other = [f"{name} {value}" for name, value in theirs.items() if ours.get(name) != value]
             return f"{unlike}: it was computed with {', '.join(other)}; continue it where that is installed", None
         mine, its = self._identity, files.entry(meta, "problem", dict)
-        if wrong := [name for name in mine if its[name] != mine[name]]:
+        if wrong := [name for name in {**mine, **its} if its.get(name) != mine.get(name)]:
             return f"belongs to another run, with another {', '.join(wrong)}; give another path", None
         before, rod = (expected.record(arrays, name) for name in ("before", "state"))
         frames = expected.frames(arrays, rod)

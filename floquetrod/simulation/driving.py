@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from floquetrod._util.caching import cached_property
 from floquetrod.rod.loads.load import AxialWave, Load, with_waves
+from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.simulation.rod_motion import CLAMPED, FREE, GUIDED, HINGED, End
 from floquetrod.simulation.well_axis import WellAxis
@@ -34,12 +35,15 @@ class Driving:
         Speed in m/s at which the upper end moves down the channel, in place of the force there.
     far_force : float, optional
         Mean of the force that pushes the lower end, in N, where it is not what the load makes it.
+    tool : VibrationTool, optional
+        In the rod.
     """
 
     rod: RodData
     load: Load
     feed_speed: float | None = None
     far_force: float | None = None
+    tool: VibrationTool | None = None
 
     @property
     def weight_along(self) -> float:
@@ -150,6 +154,10 @@ class Driving:
                 amplitude = abs(self.harmonics[k]) * np.interp(s, fine, profile)
             most = LARGEST_STRAIN * self.rod.axial_rigidity
             found.append((frequency, first + (last - first) * s / self.rod.length, np.minimum(amplitude, most)))
+        if self.tool is not None:  # of which half goes each way, as far as no end throws it back
+            s = np.linspace(0.0, self.rod.length, places)
+            shaken = np.full(places, self.tool.share * self.tool.amplitude)
+            found.append((self.tool.frequency, first + (last - first) * s / self.rod.length, shaken))
         return found
 
     def _profile(self, s: NDArray[np.float64], frequency: float) -> NDArray[np.float64]:
@@ -166,14 +174,16 @@ class Driving:
         return load if isinstance(load, AxialWave) else with_waves(load, self.rod.damping_rate)
 
 
-def half_waves(rod: RodData, load: Load) -> float:
+def half_waves(rod: RodData, load: Load, tool: VibrationTool | None = None) -> float:
     """Return the number of half waves along the rod that a load is likely to excite, not rounded.
 
     Those of the critical mode; more where the force exceeds the critical one, as its square root; and of the free
-    motion at half the frequency, which is in resonance first.
+    motion at half the frequency, that of a tool too, which is in resonance first.
     """
-    strongest = (abs(load.mean) + load.amplitude) / rod.critical_force
+    shaken = 0.0 if tool is None else tool.share * tool.amplitude
+    strongest = (abs(load.mean) + load.amplitude + shaken) / rod.critical_force
     bending = rod.flexural_rigidity / rod.mass_per_length
-    rest = max(0.25 * load.frequency**2 - rod.pendulum_frequency**2, 0.0) if load.amplitude > 0.0 else 0.0
+    fastest = max(load.frequency if load.amplitude > 0.0 else 0.0, tool.frequency if tool is not None else 0.0)
+    rest = max(0.25 * fastest**2 - rod.pendulum_frequency**2, 0.0)
     resonant = math.sqrt(math.sqrt(rest / bending)) * rod.length / math.pi
     return max(rod.critical_mode * math.sqrt(max(strongest, 1.0)), resonant)

@@ -66,10 +66,14 @@ class Findings(Reported):
         problem, rod = run.problem, run.rod
         if problem.feed_speed is not None or problem.far_force is not None:
             return replace(bare, no_theory="none: theory needs the force of the load at both ends")
+        if problem.tool is not None:
+            return replace(bare, no_theory="none: theory knows no tool inside the rod")
         try:
             linear = rod.stability(problem.load)
         except ValueError as error:
             return replace(bare, no_theory=f"none: {error}")
+        if isinstance(problem.friction, tuple):
+            return replace(bare, linear=linear, no_theory="no critical kick: theory has one coefficient of friction")
         if problem.friction > 0.0:
             try:
                 needed = rod.critical_kick(problem.load, friction=problem.friction)
@@ -89,7 +93,7 @@ class Findings(Reported):
     def _growing(self) -> _Growing | None:
         """How a rod that has not buckled grows, as fitted or, where that shows nothing, by theory; None without."""
         run, fit, linear = self.run, self.growth, self.linear
-        if run.buckled or run.problem.friction > 0.0:
+        if run.buckled or run.problem.wall_friction.largest > 0.0:
             return None
         if fit is not None and fit.rate > fit.error:
             rate, words = fit.rate, f"mode {run.dominant_mode} at {fit.rate:.4g} 1/s"
@@ -120,7 +124,7 @@ class Findings(Reported):
         lines += [("", text) for text in _ends(run, shown)]
         off, work = float(abs(run.energy_error).max()), float(abs(run.energy["work"]).max())
         lines += [
-            ("start", f"{problem.perturbation}; friction {problem.friction:g}"),
+            ("start", f"{problem.perturbation}; friction {problem.wall_friction}"),
             ("growth", self._growth_text()),
             ("theory", self._theory(shown["kick"])),
             ("energy", f"kinetic + potential + dissipated - work off by {off:.1g} J, of {work:.3g} J of work"),
@@ -167,7 +171,7 @@ class Findings(Reported):
         modes = [str(mode) for mode in linear.unstable_modes]
         which = f"modes {', '.join(modes)} grow" if len(modes) > 1 else f"mode {modes[0]} grows" if modes else ""
         text = f"{linear.status}{which and ': '}{which}"
-        if self.run.problem.friction == 0.0:
+        if self.run.problem.wall_friction.largest == 0.0:
             return text
         text = f"without friction {text}"
         if needed is None:
@@ -209,6 +213,7 @@ class Findings(Reported):
             "load": problem.load.kind_as_dict(),
             "feed_speed_m_per_s": problem.feed_speed,
             "far_force_N": problem.far_force,
+            "tool": None if problem.tool is None else problem.tool.as_dict(),
             "largest_end_forces_N": run.end_forces.max(axis=0).tolist(),
             "mu": problem.friction,
             "complete": run.complete,
@@ -227,7 +232,7 @@ class Findings(Reported):
 
 def _growth(run: Any) -> tuple[GrowthFit | None, str]:
     """Return the fitted growth, or why there is none."""
-    if run.problem.friction > 0.0:
+    if run.problem.wall_friction.largest > 0.0:
         return None, "with friction nothing grows exponentially"
     if run.named_mode is None:
         return None, "it has left the wall, and modes are those of a rod that lies against it"
@@ -264,6 +269,9 @@ def _ends(run: Any, shown: Mapping[str, Unit]) -> list[str]:
         lines.append(f"upper end moved at {shown['kick'].show(problem.feed_speed)}, which took at most {most}")
     if problem.far_force is not None:
         lines.append(f"lower end pushed by {shown['mean'].show(problem.far_force)}")
+    if (tool := problem.tool) is not None:
+        size, often = shown["mean"].show(tool.amplitude), shown["frequency"].show(tool.frequency)
+        lines.append(f"tool of {size} at {often}, {tool.above_end:g} m above the lower end")
     return lines
 
 

@@ -17,6 +17,7 @@ from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.result import EarlyEnd, RecordedMotion
 from floquetrod.simulation.time_steps import TimeSteps
+from floquetrod.wells.drag import Friction
 
 Result = TypeVar("Result", bound=RecordedMotion)
 
@@ -45,8 +46,8 @@ class Integration(Generic[Result]):
     mesh : DiscreteRod
     driving : Driving
         Of the rod of this mesh.
-    friction : float
-        Its coefficient.
+    friction : Friction
+        Along the channel.
     time_steps : TimeSteps
     velocities : ndarray (nodes,)
         Across the channel at the start, in m/s.
@@ -62,7 +63,7 @@ class Integration(Generic[Result]):
         self,
         mesh: DiscreteRod,
         driving: Driving,
-        friction: float,
+        friction: Friction,
         time_steps: TimeSteps,
         velocities: NDArray[np.float64],
         result: Callable[[RecordedMotion], Result],

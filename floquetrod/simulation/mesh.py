@@ -10,11 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.simulation import rod_motion
 from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.rod_motion import CLAMPED, FIRST, FREE, GUIDED
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS
+from floquetrod.wells.drag import FRICTIONLESS, Friction
 
 ENERGIES = (
     "kinetic",
@@ -167,7 +169,7 @@ class DiscreteRod:
         """C of the contact's acceleration in s, from the damping of small motion about rest."""
         return 2.0 * self.contact_damping * math.sqrt(1.5 * self.depth_at_rest / self.gravity_on_wall)
 
-    def physics(self, driving: Driving, step: float, friction: float = 0.0) -> rod_motion.Physics:
+    def physics(self, driving: Driving, step: float, friction: Friction = FRICTIONLESS) -> rod_motion.Physics:
         """Return what the kernels compute with."""
         rod, load = self.rod, driving.load
         upper, lower = driving.ends
@@ -187,14 +189,24 @@ class DiscreteRod:
             gravity_along=driving.gravity_along,
             contact=self.contact_stiffness,
             contact_damping=self.contact_time,
-            friction=friction,
+            friction=friction.largest,
+            grips=np.column_stack([np.subtract(friction.depths, rod.depth + 0.5 * rod.length), friction.values]),
             decay=math.exp(-rod.damping_rate * step),
             decay_along=math.exp(-driving.axial_damping * step),
             frequency=load.frequency,
             harmonics=len(load.harmonics) if load.amplitude > 0.0 else 0,
             upper=upper,
             lower=lower,
+            tool=self._tool(driving.tool),
         )
+
+    def _tool(self, tool: VibrationTool | None) -> rod_motion.Tool:
+        """Return a tool between the nodes."""
+        if tool is None:
+            return rod_motion.Tool(0.0, 0.0, 1, 0.0)
+        place = (self.rod.length - tool.above_end) / self.segment_length
+        node = min(int(place), self.segments - 1)
+        return rod_motion.Tool(tool.amplitude, tool.frequency, node, place - node)
 
     def start(self, driving: Driving, velocities: NDArray[np.float64], friction: float = 0.0) -> Any:
         """Return the record of the rod at its start, straight on the floor.

@@ -20,8 +20,9 @@ from floquetrod._util.calling import level_of_caller
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported
 from floquetrod._util.version import __version__
+from floquetrod.rod.answers.mean_force import friction_along
 from floquetrod.rod.loads.load import LIMITS, Load, load_from_dict, load_number, require_load
-from floquetrod.rod.model.parts import friction_coefficient
+from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.checkpoints import Checkpoint
 from floquetrod.simulation.driving import LARGEST_STRAIN, MOST_HARMONICS, Driving, half_waves
@@ -35,6 +36,7 @@ from floquetrod.simulation.result import ENDINGS, EarlyEnd, RecordedMotion
 from floquetrod.simulation.start import LEAST_SEGMENTS, MOST_SEGMENTS, Perturbation
 from floquetrod.simulation.time_steps import STEP_LIMITS, TimeSteps, time_steps
 from floquetrod.simulation.well_mesh import RodInWell
+from floquetrod.wells.drag import Friction
 
 _SEGMENTS_IN_HALF_WAVE = 10  # by default, with which bending is 2e-4 too soft (a choice)
 _SEGMENTS_OF_FASTEST = 8  # in half a wave of what grows fastest, where that is shorter: 6e-4 too soft
@@ -44,6 +46,10 @@ _MOSTLY_ON = 0.5  # of the frames in which a rod may be off the wall for its mod
 _FORMAT = "floquetrod simulation 4"
 _SHARPEST = 0.1  # of a radian, by which a channel may bend over a radial clearance (a choice; 1e-3 is much)
 _MOST_CURVED = 1e3  # 1/m, natural curvature (a choice: beyond any)
+
+
+Intervals = tuple[tuple[float, float], ...]
+"""Depths in m, each with the coefficient of friction from there on."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +69,10 @@ class SimulationProblem:
         Must strain the rod by at most 0.02; up to 100 harmonics.
     duration : float
         In s.
-    friction : float
-        mu, static = kinetic, along the channel and around it.
+    friction : float or sequence of (float or str, float)
+        mu, static = kinetic, along the channel and around it; or pairs of a depth in m and the coefficient from there
+        on, the first at 0.  Depths are measured depths in a well, else distances down the channel from where the upper
+        end of the rod lies without load; a node has the friction of where it is.
     perturbation : Perturbation, optional
         By default Perturbation.random(1e-3, seed=1), which the problem then holds.
     segments : int, optional
@@ -88,6 +96,9 @@ class SimulationProblem:
         acts on the lower end alone.
     far_force : float, optional
         Mean effective compression at the lower end in N, where that end is pushed; by default the mean of the load.
+    tool : VibrationTool, optional
+        In the rod, which it pushes down the channel and pulls up by amplitude * sin(frequency * t), shared by the two
+        nodes beside it; waves run from it both ways, and the ends throw them back.
     stop_early : bool
         Whether the run ends at the frame at which it has clearly buckled, the largest angle beyond 45 degrees (a
         choice), or at which friction holds it at rest: no node's angle has changed by more than 1e-5 rad over the last
@@ -115,7 +126,7 @@ class SimulationProblem:
     load: Load
     _: KW_ONLY
     duration: float = 2.0
-    friction: float = 0.0
+    friction: float | Intervals = 0.0
     perturbation: Perturbation = None  # type: ignore[assignment]  # never None once it is made
     segments: int = None  # type: ignore[assignment]
     time_step: float | None = None
@@ -125,6 +136,7 @@ class SimulationProblem:
     contact_damping: float = DiscreteRod.contact_damping
     feed_speed: float | None = None
     far_force: float | None = None
+    tool: VibrationTool | None = None
     stop_early: bool = False
     natural_curvature: float | str = 0.0
 
@@ -140,13 +152,14 @@ class SimulationProblem:
             "duration": validate.positive("duration", self.duration, "in s"),
             "frames": validate.integer("frames", self.frames, 2),
             "stop_early": validate.flag("stop_early", self.stop_early),
-            "friction": friction_coefficient(self.friction),
+            "friction": _friction(self.friction),
             "time_step": None if self.time_step is None else validate.positive("time_step", self.time_step, "in s"),
             "feed_speed": None
             if self.feed_speed is None
             else validate.nonnegative("feed_speed", self.feed_speed, "in m/s"),
             "far_force": None if self.far_force is None else load_number("mean", self.far_force, "far_force"),
             "natural_curvature": _natural_curvature(self.natural_curvature),
+            "tool": None if self.tool is None else _tool(self.tool, self.rod),
         }
         self._hold(cleaned)
         try:
@@ -180,7 +193,12 @@ class SimulationProblem:
     @cached_property
     def driving(self) -> Driving:
         """What drives the ends along the channel."""
-        return Driving(self.rod, self.load, self.feed_speed, self.far_force)
+        return Driving(self.rod, self.load, self.feed_speed, self.far_force, self.tool)
+
+    @property
+    def wall_friction(self) -> Friction:
+        """The friction along the channel."""
+        return friction_along(self.friction)
 
     @cached_property
     def time_steps(self) -> TimeSteps:
@@ -247,9 +265,9 @@ class SimulationProblem:
     def _integration(self, file: Checkpoint | None = None) -> Integration[Simulation]:
         """Return the run at its start, or where its checkpoint has come to."""
         velocities = self.perturbation.velocities(self.segments)
-        early = EarlyEnd(self.friction, self._frames_in_a_period) if self.stop_early else None
+        early = EarlyEnd(self.wall_friction.largest, self._frames_in_a_period) if self.stop_early else None
         return Integration(
-            self.mesh, self.driving, self.friction, self.time_steps, velocities, self._result, early, file
+            self.mesh, self.driving, self.wall_friction, self.time_steps, velocities, self._result, early, file
         )
 
     def as_dict(self) -> dict[str, Any]:
@@ -257,8 +275,9 @@ class SimulationProblem:
         plain: dict[str, Any] = json.loads(
             json.dumps(asdict(self) | {"rod": self.rod.as_dict(), "load": self._load_as_dict()})
         )
-        if self.natural_curvature == 0.0:
-            del plain["natural_curvature"]  # files of straight rods are those of versions without it
+        for name, usual in (("natural_curvature", 0.0), ("tool", None)):
+            if plain[name] == usual:
+                del plain[name]  # files of rods without are those of versions without
         return plain
 
     @classmethod
@@ -266,6 +285,8 @@ class SimulationProblem:
         """Return the problem that `as_dict` wrote; ValueError, KeyError or TypeError for anything else."""
         kick = Perturbation(*(tuple((a, b) for a, b in data["perturbation"][name]) for name in ("speeds", "noises")))
         parts = {"rod": Rod(**data["rod"]), "load": load_from_dict(data["load"]), "perturbation": kick}
+        if "tool" in data:
+            parts["tool"] = VibrationTool(**data["tool"])
         problem = cls(**{**data, **parts})
         # As text: to Python 1, 1.0 and True are equal.
         if json.dumps(problem.as_dict(), sort_keys=True) != json.dumps(data, sort_keys=True):
@@ -284,9 +305,10 @@ class SimulationProblem:
 
     @property
     def _frames_in_a_period(self) -> int:
-        """The least number of frames that cover a period of the force, at most all there are."""
+        """The least number of frames that cover a period of the force and of the tool, at most all there are."""
         between = self.time_steps.per_frame * self.time_steps.size
-        return math.ceil(min(2.0 * math.pi / (self.load.frequency * between), float(self.frames)))
+        slowest = self.load.frequency if self.tool is None else min(self.load.frequency, self.tool.frequency)
+        return math.ceil(min(2.0 * math.pi / (slowest * between), float(self.frames)))
 
     def _load_as_dict(self) -> dict[str, Any]:
         """Return the load as plain data."""
@@ -295,7 +317,7 @@ class SimulationProblem:
     def _fair_segments(self) -> int:
         """Return the number of segments that resolves the modes the load or the perturbation excites."""
         growing = self._growing
-        likely = max(half_waves(self.rod, self.load), self.perturbation.highest_mode, _LEAST_HALF_WAVES)
+        likely = max(half_waves(self.rod, self.load, self.tool), self.perturbation.highest_mode, _LEAST_HALF_WAVES)
         wanted = max(_SEGMENTS_IN_HALF_WAVE * likely, _SEGMENTS_OF_FASTEST * growing.fastest, growing.least_segments)
         return math.ceil(min(wanted, self.rod.length / self.rod.radius, MOST_SEGMENTS))
 
@@ -353,10 +375,10 @@ class SimulationProblem:
     def _require_small_strain(self) -> None:
         """Raise ValueError for a load beyond linear elasticity."""
         force = max(map(abs, self.driving.mean_forces)) + self.load.amplitude * np.abs(self.load.harmonics).sum()
-        strain = force / self.rod.axial_rigidity
+        strain = (force + (0.0 if self.tool is None else self.tool.amplitude)) / self.rod.axial_rigidity
         if strain > LARGEST_STRAIN:
             raise validate.wrong_value(
-                "load",
+                "load" if self.tool is None else "load with its tool",
                 f"strains the rod by {strain:.2g}, must be at most {LARGEST_STRAIN:g}; its critical force is "
                 f"{self.rod.critical_force:.4g} N: check the units",
             )
@@ -367,6 +389,24 @@ def _natural_curvature(value: Any) -> float | str:
     if isinstance(value, str):
         return validate.choice("natural_curvature", value, ("path",))
     return validate.within("natural_curvature", value, -_MOST_CURVED, _MOST_CURVED, 'give it in 1/m, or "path"')
+
+
+def _friction(given: Any) -> float | Intervals:
+    """Return a coefficient of friction, or pairs of a depth in m and the coefficient from there on."""
+    along = friction_along(given)
+    return along.values[0] if len(along.values) == 1 else tuple(zip(along.depths, along.values, strict=True))
+
+
+def _tool(given: Any, rod: Rod) -> VibrationTool:
+    """Return a tool that lies in a rod."""
+    tool: VibrationTool = validate.instance("tool", given, VibrationTool, "such as VibrationTool('5kN', '18Hz', '30m')")
+    if tool.above_end >= rod.length:
+        raise validate.wrong_value(
+            "tool",
+            f"must lie in the rod, less than its length {rod.length:g} m above the lower end, got above_end = "
+            f"{tool.above_end:g} m",
+        )
+    return tool
 
 
 _OF_THE_MESH = [part.name for part in fields(DiscreteRod) if part.name != "rod"]
@@ -440,8 +480,10 @@ class Simulation(Reported, RecordedMotion):
         if mode is not None:
             mode = validate.integer("mode", mode, 1, self._most_modes, self._why_no_more)
         problem = self.problem
-        if problem.friction > 0.0:
+        if problem.wall_friction.largest > 0.0:
             raise validate.wrong_value("growth_rate", "needs a frictionless run; with friction look at mode_amplitudes")
+        if problem.tool is not None:
+            raise validate.wrong_value("growth_rate", "needs a run without a tool; with one look at mode_amplitudes")
         return growth_of_motion(
             self, problem.rod, problem.load, mode, problem.duration, problem.frames, problem.indentation
         )
@@ -513,7 +555,7 @@ class Simulation(Reported, RecordedMotion):
         load, scale = self.problem.load, self.rod.critical_force
         return (
             f"mean {load.mean / scale:.3g} Fcr, amplitude {load.amplitude / scale:.3g} Fcr, "
-            f"{load.frequency:.4g} rad/s, friction {self.problem.friction:g}"
+            f"{load.frequency:.4g} rad/s, friction {self.problem.wall_friction}"
         )
 
     def __repr__(self) -> str:
@@ -524,7 +566,7 @@ class Simulation(Reported, RecordedMotion):
         note = f"; {self.note}" if self.note else ""
         return (
             f"<{self._outcome}, largest angle {math.degrees(self.largest_angle.max()):.3g} degrees; "
-            f"{problem.duration:g} s of a rod of {problem.segments} segments, friction {problem.friction:g}{end}; "
+            f"{problem.duration:g} s of a rod of {problem.segments} segments, friction {problem.wall_friction}{end}; "
             f"{steps.count} steps of {1e6 * steps.size:.3g} us, set by {steps.limit}{note}>"
         )
 
@@ -565,7 +607,8 @@ class Simulation(Reported, RecordedMotion):
     def _predicted_rates(self) -> tuple[float, ...]:
         """Growth in 1/s that the equations predict the leading modes, zero where they do not apply."""
         problem, load, modes = self.problem, self.problem.load, self.leading_modes
-        if problem.friction > 0.0 or problem.feed_speed is not None or problem.far_force is not None:
+        driven = (problem.feed_speed, problem.far_force, problem.tool)
+        if problem.wall_friction.largest > 0.0 or any(each is not None for each in driven):
             return (0.0,) * len(modes)
         return self.rod.modes_under(load).growth_of_modes(load, modes)
 

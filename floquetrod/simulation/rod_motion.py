@@ -26,6 +26,7 @@ import math
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from floquetrod._util.compilation import kernel
 
@@ -69,6 +70,10 @@ def rod_type(segments: int) -> np.dtype[np.void]:
 HINGED, CLAMPED, GUIDED, FREE = range(4)
 """What an end may be across the channel."""
 
+BETWEEN_GRIPS = 16
+"""Steps after which nodes take the friction of where they are (a choice: at 10 m/s a node moves by half a millimetre in
+so many)."""
+
 TINY = 1e-300  # keeps 0 / 0 out of quotients whose value is not used
 NEAR, FAR = 27.0 / 24.0, 1.0 / 24.0
 
@@ -93,6 +98,15 @@ class End(NamedTuple):
         return self.across in (HINGED, CLAMPED)
 
 
+class Tool(NamedTuple):
+    """A tool in the rod that pushes it down and pulls it up with a sine."""
+
+    amplitude: float  # 0 without a tool
+    frequency: float
+    node: int  # the last one above it
+    beyond: float  # its distance from there, in segments
+
+
 class Physics(NamedTuple):
     """Rod, channel, ends, load and time step as the loop uses them, in SI units."""
 
@@ -111,13 +125,15 @@ class Physics(NamedTuple):
     gravity_along: float  # and towards the lower end
     contact: float  # k in the contact acceleration k sqrt(d) (d + C v)
     contact_damping: float  # C
-    friction: float
+    friction: float  # the largest coefficient
+    grips: NDArray[np.float64]  # a row each: a place along the channel, and the coefficient from there on
     decay: float  # factor on velocities across and on spins in half a step
     decay_along: float  # and on velocities along
     frequency: float
     harmonics: int  # of the vibration
     upper: End
     lower: End
+    tool: Tool
 
 
 def energy_of_fixed_end(across: int, first: float, both: float, next_one: float) -> float:
@@ -135,6 +151,74 @@ def vibration(rod: Any, time: float, p: Any) -> float:
         phase = (k + 1) * p.frequency * time
         force += cosines[k] * math.cos(phase) + sines[k] * math.sin(phase)
     return force
+
+
+@kernel
+def grip_at(place: float, p: Any) -> float:
+    """Return the coefficient of friction at a place along the channel."""
+    j = 0
+    while j + 1 < len(p.grips) and place >= p.grips[j + 1, 0]:
+        j += 1
+    coefficient: float = p.grips[j, 1]
+    return coefficient
+
+
+@kernel
+def set_grips(rod: Any, places: Any, p: Any) -> None:
+    """Give nodes the friction of where they are, but for ends whose share is taken apart."""
+    grip = rod["grip"]
+    first = 1 if p.upper.moved or p.upper.across in (HINGED, CLAMPED) else 0
+    last = p.segments - (1 if p.lower.moved or p.lower.across in (HINGED, CLAMPED) else 0)
+    for i in range(first, last + 1):
+        grip[i + 2] = grip_at(places[i + 2], p)
+
+
+@kernel
+def tool_force(time: float, p: Any) -> float:
+    """Return the force in N with which the tool pushes the rod down."""
+    force: float = p.tool.amplitude * math.sin(p.tool.frequency * time) if p.tool.amplitude > 0.0 else 0.0
+    return force
+
+
+@kernel
+def on_ends(force: float, p: Any) -> Any:
+    """Return what the upper and the lower end receive of the tool's force, in the direction of a push."""
+    upper = (1.0 - p.tool.beyond) * force if p.tool.node == 0 else 0.0
+    lower = -p.tool.beyond * force if p.tool.node + 1 == p.segments else 0.0
+    return upper, lower
+
+
+@kernel
+def push_node(f: Any, i: int, force: float, p: Any) -> None:
+    """Add a force on the inner node ``i`` to the forces on segments: by their stencil a step passes it on."""
+    if FIRST < i < FIRST + p.segments:
+        for j in range(i, FIRST + p.segments + 2):
+            f[j] += force
+
+
+@kernel
+def pushed_speed(v: Any, i: int, p: Any) -> float:
+    """Return the velocity with which a force on node ``i`` does work: that of the nodes to which it is passed on."""
+    speed: float = v[i]
+    if FIRST < i < FIRST + p.segments:
+        speed += FAR * (2.0 * v[i] - v[i - 1] - v[i + 1])
+    return speed
+
+
+@kernel
+def _tool_speed(rod: Any, p: Any) -> float:
+    """Return the velocity along the channel with which the tool does work."""
+    i, vx = FIRST + p.tool.node, rod["vx"]
+    speed: float = (1.0 - p.tool.beyond) * pushed_speed(vx, i, p) + p.tool.beyond * pushed_speed(vx, i + 1, p)
+    return speed
+
+
+@kernel
+def _shake(rod: Any, force: float, p: Any) -> None:
+    """Add the force of the tool on inner nodes to the forces on segments."""
+    i = FIRST + p.tool.node
+    push_node(rod["f1"], i, (1.0 - p.tool.beyond) * force, p)
+    push_node(rod["f1"], i + 1, p.tool.beyond * force, p)
 
 
 @kernel
@@ -343,7 +427,7 @@ def _most_friction(rod: Any, i: int, p: Any) -> float:
     depth = p.radial_clearance * beyond
     before = rod["vy"][i] * ny + rod["vz"][i] * nz
     push = p.step * p.contact * math.sqrt(depth) * (depth + p.contact_damping * before)
-    limit: float = p.friction * max(push, 0.0) * (1.0 + beyond)
+    limit: float = grip_at(rod["x"][i], p) * max(push, 0.0) * (1.0 + beyond)
     return limit
 
 
@@ -455,13 +539,20 @@ def advance(rod: Any, steps: int, p: Any) -> None:
     damped = p.decay != 1.0 or p.decay_along != 1.0
     done = int(rod["clock"][0])
     for number in range(done, done + steps):
+        if len(p.grips) > 1 and number % BETWEEN_GRIPS == 0:
+            set_grips(rod, rod["x"], p)
         force = vibration(rod, (number + 0.5) * p.step, p)
         upper = 0.0 if p.upper.moved else p.upper.mean + p.upper.drive * force
         lower = 0.0 if p.lower.moved else p.lower.mean + p.lower.drive * force
         if damped:
             _decay(rod, p)
         first_before, last_before = vx[a], vx[b]
-        gradient(rod, p, upper, lower)
+        shaking = tool_force((number + 0.5) * p.step, p)
+        on_upper, on_lower = on_ends(shaking, p)
+        tool_before = _tool_speed(rod, p)
+        gradient(rod, p, upper + on_upper, lower + on_lower)
+        if shaking != 0.0:
+            _shake(rod, shaking, p)
         if p.friction > 0.0:
             first, last = (vx[a], vy[a], vz[a]), (vx[b], vy[b], vz[b])
             first_limit, last_limit = _most_friction(rod, a, p), _most_friction(rod, b, p)
@@ -475,6 +566,8 @@ def advance(rod: Any, steps: int, p: Any) -> None:
         rod["impulse"][1] += p.step * lower
         _hold_end(rod, p.upper, a, 0, 1.0, first_before, p)
         _hold_end(rod, p.lower, b, 1, -1.0, last_before, p)
+        if shaking != 0.0:
+            rod["work"][0] += 0.5 * p.step * shaking * (tool_before + _tool_speed(rod, p))
         if damped:
             _decay(rod, p)
     rod["clock"][0] = done + steps

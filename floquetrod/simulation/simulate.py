@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from floquetrod._util.progress import Progress
 from floquetrod.rod.loads.load import AnyLoad, require_load
+from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.problem import Simulation, SimulationProblem
 from floquetrod.simulation.start import Perturbation
@@ -16,7 +18,7 @@ def simulate(
     load: AnyLoad,
     *,
     duration: float = SimulationProblem.duration,
-    friction: float = SimulationProblem.friction,
+    friction: Any = SimulationProblem.friction,
     perturbation: Perturbation | None = None,
     segments: int | None = None,
     time_step: float | None = None,
@@ -26,6 +28,7 @@ def simulate(
     contact_damping: float = SimulationProblem.contact_damping,
     feed_speed: float | None = None,
     far_force: float | None = None,
+    tool: VibrationTool | None = None,
     stop_early: bool = False,
     natural_curvature: float | str = SimulationProblem.natural_curvature,
     progress: Progress | None = None,
@@ -41,8 +44,9 @@ def simulate(
     load : AxialLoad, AxialWave or ForceRecord
     duration : float
         In s.
-    friction : float
-        mu, static = kinetic, along the channel and around it.
+    friction : float or sequence of (float or str, float)
+        mu, static = kinetic, along the channel and around it; or pairs of a depth in m, measured down the well or the
+        channel, and the coefficient from there on, the first at 0.
     perturbation : Perturbation, optional
         Speeds at the start; by default Perturbation.random(1e-3, seed=1).
     segments : int, optional
@@ -61,6 +65,8 @@ def simulate(
         Speed in m/s at which the upper end is moved down the channel, in place of the force there.
     far_force : float, optional
         Mean effective compression at the lower end in N, where that end is pushed; by default the mean of the load.
+    tool : VibrationTool, optional
+        In the rod, which it pushes and pulls along the channel.
     stop_early : bool
         Whether the run ends once the rod has buckled, or friction holds it at rest.
     natural_curvature : float or "path"
@@ -97,6 +103,7 @@ def simulate(
         contact_damping=contact_damping,
         feed_speed=feed_speed,
         far_force=far_force,
+        tool=tool,
         stop_early=stop_early,
         natural_curvature=natural_curvature,
     )

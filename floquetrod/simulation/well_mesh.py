@@ -14,6 +14,7 @@ from floquetrod.simulation.driving import Driving
 from floquetrod.simulation.mesh import ENERGIES, DiscreteRod
 from floquetrod.simulation.rod_motion import CLAMPED, FIRST, GUIDED
 from floquetrod.simulation.well_axis import Frames, WellAxis, dot
+from floquetrod.wells.drag import FRICTIONLESS, Friction
 
 Floats = NDArray[np.float64]
 
@@ -65,7 +66,7 @@ class RodInWell(DiscreteRod):
         aside, down = dot(outwards, frames.sideways), -dot(outwards, frames.up)
         return np.hypot(aside, down), np.arctan2(aside, down)
 
-    def physics(self, driving: Driving, step: float, friction: float = 0.0) -> Any:
+    def physics(self, driving: Driving, step: float, friction: Friction = FRICTIONLESS) -> Any:
         """Return what the kernels compute with."""
         plain = super().physics(driving, step, friction)._asdict()
         fall = self.rod.weight_per_length / self.rod.mass_per_length * self.axis.gravity

@@ -33,9 +33,16 @@ from floquetrod.simulation.rod_motion import (
     NEAR,
     TINY,
     End,
+    Tool,
     directions,
     ghost_direction,
     ghost_force,
+    grip_at,
+    on_ends,
+    push_node,
+    pushed_speed,
+    set_grips,
+    tool_force,
     vibration,
 )
 
@@ -82,12 +89,14 @@ class Physics(NamedTuple):
     contact: float
     contact_damping: float
     friction: float
+    grips: NDArray[np.float64]
     decay: float
     decay_along: float
     frequency: float
     harmonics: int
     upper: End
     lower: End
+    tool: Tool
     arcs: NDArray[np.float64]  # a row each: place of its upper end; point, tangent and normal there; curvature
 
 
@@ -156,12 +165,17 @@ def _beyond_anchor(rod: Any, i: int) -> float:
 
 
 @kernel
+def _tangent(rod: Any, i: int) -> Any:
+    """Return the tangent of the axis at a node."""
+    along = _beyond_anchor(rod, i)
+    return rod["t1"][i] + along * rod["k1"][i], rod["t2"][i] + along * rod["k2"][i], rod["t3"][i] + along * rod["k3"][i]
+
+
+@kernel
 def _set_axis(rod: Any, i: int, place: int) -> None:
     """Write the tangent of the axis at an end."""
-    axis, along = rod["axis"], _beyond_anchor(rod, i)
-    axis[3 * place] = rod["t1"][i] + along * rod["k1"][i]
-    axis[3 * place + 1] = rod["t2"][i] + along * rod["k2"][i]
-    axis[3 * place + 2] = rod["t3"][i] + along * rod["k3"][i]
+    axis = rod["axis"]
+    axis[3 * place], axis[3 * place + 1], axis[3 * place + 2] = _tangent(rod, i)
 
 
 @kernel
@@ -169,6 +183,33 @@ def _along(v1: float, v2: float, v3: float, axis: Any, place: int) -> float:
     """Return the component of a vector along the axis at an end."""
     component: float = v1 * axis[3 * place] + v2 * axis[3 * place + 1] + v3 * axis[3 * place + 2]
     return component
+
+
+@kernel
+def _tool_speed(rod: Any, ways: Any, p: Any) -> float:
+    """Return the velocity along ``ways``, the tangents at both nodes beside it, with which the tool does work."""
+    i, total = FIRST + p.tool.node, 0.0
+    for v, way, next_way in (
+        (rod["vx"], ways[0], ways[3]),
+        (rod["vy"], ways[1], ways[4]),
+        (rod["vz"], ways[2], ways[5]),
+    ):
+        total += (1.0 - p.tool.beyond) * way * pushed_speed(v, i, p)
+        total += p.tool.beyond * next_way * pushed_speed(v, i + 1, p)
+    return total
+
+
+@kernel
+def _shake(rod: Any, force: float, ways: Any, p: Any) -> None:
+    """Add the force of the tool on inner nodes to the forces on segments."""
+    i = FIRST + p.tool.node
+    for f, way, next_way in (
+        (rod["f1"], ways[0], ways[3]),
+        (rod["f2"], ways[1], ways[4]),
+        (rod["f3"], ways[2], ways[5]),
+    ):
+        push_node(f, i, (1.0 - p.tool.beyond) * force * way, p)
+        push_node(f, i + 1, p.tool.beyond * force * next_way, p)
 
 
 @kernel
@@ -374,7 +415,7 @@ def _most_friction(rod: Any, i: int, p: Any) -> float:
     depth = p.radial_clearance * beyond
     before = rod["vx"][i] * n1 + rod["vy"][i] * n2 + rod["vz"][i] * n3
     push = p.step * p.contact * math.sqrt(depth) * (depth + p.contact_damping * before)
-    limit: float = p.friction * max(push, 0.0) * (1.0 + beyond)
+    limit: float = grip_at(rod["place"][i] + _beyond_anchor(rod, i), p) * max(push, 0.0) * (1.0 + beyond)
     return limit
 
 
@@ -505,13 +546,21 @@ def advance(rod: Any, steps: int, p: Any) -> None:
     for number in range(done, done + steps):
         if number % BETWEEN_ANCHORS == 0:
             follow(rod, p)
+            if len(p.grips) > 1:
+                set_grips(rod, rod["place"], p)
         force = vibration(rod, (number + 0.5) * p.step, p)
         upper = 0.0 if p.upper.moved else p.upper.mean + p.upper.drive * force
         lower = 0.0 if p.lower.moved else p.lower.mean + p.lower.drive * force
         if damped:
             _decay(rod, p)
         first, last = (vx[a], vy[a], vz[a]), (vx[b], vy[b], vz[b])
-        gradient(rod, p, upper, lower)
+        shaking = tool_force((number + 0.5) * p.step, p)
+        on_upper, on_lower = on_ends(shaking, p)
+        ways = _tangent(rod, a + p.tool.node) + _tangent(rod, a + p.tool.node + 1)
+        tool_before = _tool_speed(rod, ways, p)
+        gradient(rod, p, upper + on_upper, lower + on_lower)
+        if shaking != 0.0:
+            _shake(rod, shaking, ways, p)
         first_before = _along(first[0], first[1], first[2], axis, 0)
         last_before = _along(last[0], last[1], last[2], axis, 1)
         if p.friction > 0.0:
@@ -528,6 +577,8 @@ def advance(rod: Any, steps: int, p: Any) -> None:
         rod["impulse"][1] += p.step * lower
         _hold_end(rod, p.upper, a, 0, 1.0, first_before, p)
         _hold_end(rod, p.lower, b, 1, -1.0, last_before, p)
+        if shaking != 0.0:
+            rod["work"][0] += 0.5 * p.step * shaking * (tool_before + _tool_speed(rod, ways, p))
         if damped:
             _decay(rod, p)
     rod["clock"][0] = done + steps

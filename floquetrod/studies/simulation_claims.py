@@ -130,7 +130,7 @@ def _parts(trial: Trial, seed: int) -> list[Trial]:
     draw comes near that.
     """
     whole = Perturbation.case("C", SPEED, 10, seed, HIGHEST)
-    judged = ROD.stability(trial.problem.load, friction=trial.problem.friction, kick=SPEED)
+    judged = ROD.stability(trial.problem.load, friction=trial.problem.wall_friction.largest, kick=SPEED)
     able = {mode for mode, speed in judged.critical_kicks.items() if speed < 2.0 * SPEED}
     speeds = dict(whole.speeds)
     others = Perturbation.modes({mode: speed for mode, speed in speeds.items() if mode not in able})

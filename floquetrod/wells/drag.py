@@ -108,10 +108,23 @@ class Friction:
     depths: tuple[float, ...]
     values: tuple[float, ...]
 
+    def __str__(self) -> str:
+        """Return, say, "0.2", or "0.2, 0.35 from 1500 m on"."""
+        pairs = zip(self.values, self.depths, strict=True)
+        return ", ".join(f"{value:g} from {depth:g} m on" if depth else f"{value:g}" for value, depth in pairs)
+
+    @property
+    def largest(self) -> float:
+        """The largest coefficient."""
+        return max(self.values)
+
     def at(self, depth: NDArray[np.float64]) -> Floats:
         """Return the coefficient at measured depths, that below on a boundary."""
         place = np.searchsorted(self.depths, depth, side="right") - 1
         return np.asarray(self.values)[np.maximum(place, 0)]
+
+
+FRICTIONLESS = Friction((0.0,), (0.0,))
 
 
 @dataclass(frozen=True)
