@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
+_FAMILY = 1e-10  # of the largest singular value: one below it is zero, and orbits form a family (a choice)
+
 
 class Solution(NamedTuple):
     """Solutions of a bordered system, one for each of q right sides.
@@ -61,10 +63,12 @@ def solve(maps: Floats, columns: Floats, right: Floats, rows: Floats, corner: Fl
     targets : ndarray (S, q)
         Right sides of the border.
 
+    Where the whole is singular, the shortest solution is returned.
+
     Raises
     ------
     numpy.linalg.LinAlgError
-        Where the whole is singular.
+        Where a block is singular.
     """
     n, scalars, count = maps.shape[1], columns.shape[2], right.shape[2]
     unit = np.broadcast_to(np.eye(n), maps.shape)
@@ -81,9 +85,18 @@ def solve(maps: Floats, columns: Floats, right: Floats, rows: Floats, corner: Fl
     core[:n, :n], core[:n, n:] = before[0] + after[0], -rest[0, :, :scalars]
     tied = np.einsum("sin,inc->sc", rows, found)
     core[n:, :n], core[n:, n:] = tied[:, :n], tied[:, n : n + scalars] + corner
-    answer = np.linalg.solve(core, np.concatenate([rest[0, :, scalars:], targets - tied[:, n + scalars :]]))
+    answer = _least(core, np.concatenate([rest[0, :, scalars:], targets - tied[:, n + scalars :]]))
     nodes = found[:, :, : n + scalars] @ answer + found[:, :, n + scalars :]
     return Solution(nodes, answer[n:], core)
+
+
+def _least(core: Floats, right: Floats) -> Floats:
+    """Return the shortest solution: where orbits form a family, as those of a conservative system do, the nearest."""
+    left, sizes, turned = np.linalg.svd(core)
+    kept = sizes > _FAMILY * sizes[0]
+    if not kept.any() or not np.isfinite(sizes).all():
+        raise np.linalg.LinAlgError("singular")
+    return np.asarray(turned[kept].T @ ((left[:, kept].T @ right) / sizes[kept][:, None]))
 
 
 def _eliminated(before: Floats, after: Floats, rest: Floats) -> tuple[_Level, Floats, Floats, Floats]:

@@ -20,10 +20,11 @@ from floquetrod.orbits.orbit import PeriodicOrbit
 Floats = NDArray[np.float64]
 
 _EPS = 2.220446049250313e-16
-_DEGREES = ((12, 8), (10**9, 5))  # Gauss points of systems of up to so many equations (a choice)
+_DEGREES = ((24, 8), (10**9, 6))  # Gauss points of systems of up to so many equations (a choice)
 _MORE = 2  # points of the finer of the two orbits that are compared
-_FIRST = 24  # intervals of the first mesh
-_MOST_MESHES = 8
+_FOLLOWED = 1.5  # lengths of intervals, of those that follow deviations to about 1e-12
+_FIRST = (24, 96, 384)  # intervals of the first mesh, tried in turn
+_MOST_MESHES = 10
 _TRIALS = np.array([0.08, 0.29, 0.5, 0.71, 0.92])  # of an interval, where the two are compared
 
 
@@ -74,11 +75,20 @@ def periodic_orbit(
     period = None if period is None else validate.positive("period", period)
     turns = _turns(system, period)
     if isinstance(start, PeriodicOrbit):
-        collocation, point = _from_orbit(system, start, turns)
-    else:
-        length = period if turns is None else turns * float(system.period or math.nan)
-        collocation, point = _discretised(system, starts.guessed(system, start, length), turns)
-    return orbit_of(collocation, point, tolerance)
+        return orbit_of(*_from_orbit(system, start, turns), tolerance)
+    length = period if turns is None else turns * float(system.period or math.nan)
+    return _near(system, starts.guessed(system, start, length), turns, tolerance)
+
+
+def _near(system: NonlinearSystem, guess: starts.Guess, turns: int | None, tolerance: float) -> PeriodicOrbit:
+    """Return the orbit near a guess, from a finer first mesh where Newton's method fails on a coarse one."""
+    lost: NoOrbitError | None = None
+    for intervals in _FIRST:
+        try:
+            return orbit_of(*_discretised(system, guess, turns, intervals), tolerance)
+        except NoOrbitError as error:
+            lost = lost or error
+    raise lost or NoOrbitError("no periodic orbit was found")
 
 
 def _turns(system: NonlinearSystem, period: float | None) -> int | None:
@@ -102,19 +112,25 @@ def _from_orbit(system: NonlinearSystem, start: PeriodicOrbit, turns: int | None
     return collocation, point._replace(period=collocation.period_at(point))
 
 
-def _discretised(system: NonlinearSystem, guess: starts.Guess, turns: int | None) -> tuple[Collocation, Point]:
+def _discretised(
+    system: NonlinearSystem, guess: starts.Guess, turns: int | None, intervals: int
+) -> tuple[Collocation, Point]:
     """Return the equations on a first mesh, and a guess there."""
     n = guess.states.shape[1]
-    degree = next(degree for most, degree in _DEGREES if n <= most)
     size = np.maximum(np.ptp(guess.states, axis=0), 1e-6 * float(np.abs(guess.states).max()) + 1e-300)
     shares = guess.times / guess.period
     bend = np.linalg.norm(np.diff(guess.rates / size, axis=0), axis=1) * guess.period / np.diff(shares)
     density = np.sqrt(bend) + 0.3 * float((np.sqrt(bend) * np.diff(shares)).sum()) + 1e-300
-    collocation = Collocation(system, meshes.of_density(shares, density, _FIRST), degree, turns)
+    collocation = Collocation(system, meshes.of_density(shares, density, intervals), _degree(n), turns)
     stages = guess.at(collocation.shares.ravel()).reshape(*collocation.shares.shape, n)
     point = Point(guess.at(collocation.mesh[:-1]), stages, guess.period)
     system.evaluated.require_derivatives(guess.times[::20], guess.states[::20], system.parameters)
     return collocation, point
+
+
+def _degree(order: int) -> int:
+    """Return the number of Gauss points in each interval for systems of so many equations."""
+    return next(degree for most, degree in _DEGREES if order <= most)
 
 
 def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -> PeriodicOrbit:
@@ -126,29 +142,25 @@ def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -
     system = collocation.system_at(point.value)
     collocation = Collocation(system, collocation.mesh, collocation.degree, collocation.turns)
     point = point._replace(value=math.nan)
+    collocation, point = meshes.carried(collocation, point, collocation.mesh, _degree(point.nodes.shape[1]))
     _require_periodic(collocation, point)
     steps, best = 0, None
-    for _ in range(_MOST_MESHES):
+    for turn in range(_MOST_MESHES):
         coarse = corrected(collocation, point, _phase(collocation, point))
         steps += coarse.steps
-        errors = meshes.interior_errors(collocation, coarse.point)
         _require_motion(collocation, coarse.point)
-        if float(errors.max()) > tolerance and len(errors) < meshes.MOST:
-            mesh = meshes.equidistributed(collocation, errors, 0.3 * tolerance)
-            collocation, point = meshes.carried(collocation, coarse.point, mesh, collocation.degree)
-            continue
-        found = _compared(collocation, coarse.point, coarse.condensed)
-        steps += found.steps
-        if best is None or found.error < best.error:
-            best = found
-        if found.error <= 10.0 * tolerance or len(errors) >= meshes.MOST or found.rounding > tolerance:
-            break
-        mesh = meshes.equidistributed(collocation, found.errors, 0.3 * tolerance)
-        if len(mesh) <= len(collocation.mesh):  # what is left is not the mesh's
-            break
+        errors = meshes.interior_errors(collocation, coarse.point)
+        least = meshes.least_density(collocation, point.period * collocation.jacobians(coarse.point))
+        last = turn == _MOST_MESHES - 1 or len(errors) >= meshes.MOST
+        followed = float((least * collocation.steps).max()) <= _FOLLOWED
+        if last or (float(errors.max()) <= tolerance and followed):
+            found = _compared(collocation, coarse.point, coarse.condensed)
+            steps, errors = steps + found.steps, found.errors
+            best = found if best is None or found.error < best.error else best
+            if last or found.error <= 10.0 * tolerance or found.rounding > tolerance:
+                break
+        mesh = meshes.equidistributed(collocation, errors, 0.3 * tolerance, least)
         collocation, point = meshes.carried(collocation, coarse.point, mesh, collocation.degree)
-    if best is None:
-        best = _compared(collocation, coarse.point, coarse.condensed)
     return _finished(best, steps)
 
 
@@ -185,8 +197,7 @@ class _Compared(NamedTuple):
 
     collocation: Collocation
     point: Point
-    condensed: Condensed
-    map_errors: Floats
+    segments: Segments
     errors: Floats  # in each interval
     rounding: float
     error: float
@@ -205,12 +216,20 @@ def _compared(collocation: Collocation, point: Point, condensed: Condensed) -> _
     scale = found.point.scale
     errors = np.maximum((gaps / scale).reshape(-1, len(_TRIALS) * len(scale)).max(axis=1), (nodes / scale).max(axis=1))
     rounding, of_period = _rounding(fine, found.point, found.condensed, rows)
-    maps = 2.0 * np.abs(found.condensed.maps - condensed.maps) + _by_derivatives(fine, found.point, rounding)
+    doubt, moved = _doubts(fine, found.point, rounding)
+    trace, before = _trace(fine, fine.jacobians(found.point)), _trace(collocation, collocation.jacobians(point))
+    before *= point.period / found.point.period
+    segments = Segments(
+        found.condensed.maps,
+        2.0 * np.abs(found.condensed.maps - condensed.maps) + moved,
+        None if fine.turns else fine.rates_at_mesh(found.point),
+        found.point.period * trace,
+        found.point.period * (2.0 * abs(trace - before) + _trace(fine, doubt)),
+    )
     return _Compared(
         fine,
         found.point,
-        found.condensed,
-        maps,
+        segments,
         errors,
         rounding,
         2.0 * float(errors.max()) + rounding,
@@ -233,8 +252,14 @@ def _rounding(collocation: Collocation, point: Point, condensed: Condensed, rows
     return 2.0 * max(states), 2.0 * max(periods)
 
 
-def _by_derivatives(collocation: Collocation, point: Point, rounding: float) -> Floats:
-    """Return what errors of the derivatives along the orbit make of the maps over intervals, entry by entry."""
+def _trace(collocation: Collocation, matrices: Floats) -> float:
+    """Return the mean over the period of the trace of matrices at the Gauss points."""
+    weights = collocation.steps[:, None] * gauss(collocation.degree).weights
+    return float((weights * np.trace(matrices, axis1=2, axis2=3)).sum())
+
+
+def _doubts(collocation: Collocation, point: Point, rounding: float) -> tuple[Floats, Floats]:
+    """Return the errors of the derivatives along the orbit, and what they make of the maps, entry by entry."""
     jacobians = collocation.jacobians(point)
     moved = point._replace(stages=point.stages + 1e-6 * point.scale)
     change = np.abs(collocation.jacobians(moved) - jacobians) * (rounding / 1e-6)
@@ -242,10 +267,10 @@ def _by_derivatives(collocation: Collocation, point: Point, rounding: float) -> 
     lengths = (point.period * collocation.steps)[:, None, None]
     mean = lengths * np.einsum("k,ikab->iab", gauss(collocation.degree).weights, doubt)
     stretch = np.linalg.norm(lengths * np.abs(jacobians).max(axis=1), axis=(1, 2))
-    return np.asarray(mean * np.exp(np.minimum(stretch, 5.0))[:, None, None])
+    return doubt, np.asarray(mean * np.exp(np.minimum(stretch, 5.0))[:, None, None])
 
 
-def _finished(found: _Compared, steps: int) -> PeriodicOrbit:
+def _finished(found: Any, steps: int) -> PeriodicOrbit:
     """Return the orbit as a result."""
     collocation, point = found.collocation, found.point
     evaluated = collocation.system.evaluated
@@ -254,11 +279,9 @@ def _finished(found: _Compared, steps: int) -> PeriodicOrbit:
     evaluated.require_derivatives(times[:-1], point.nodes, collocation.system.parameters)
     if was and not evaluated.complex_steps:  # the derivatives were not those of the function
         return orbit_of(collocation, point)
-    flow = None if collocation.turns else collocation.rates_at_mesh(point)
     states = np.concatenate([point.nodes, point.nodes[:1]])
     for array in (times, states):
         array.flags.writeable = False
-    segments = Segments(found.condensed.maps, found.map_errors, flow)
     return PeriodicOrbit(
         collocation.system,
         point.period,
@@ -269,5 +292,5 @@ def _finished(found: _Compared, steps: int) -> PeriodicOrbit:
         steps,
         collocation,
         point,
-        segments,
+        found.segments,
     )

@@ -9,12 +9,17 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod._util.arrays import norms
+from floquetrod.floquet.systems import independent_solutions
 from floquetrod.orbits.collocation import Collocation, Point, gauss, weights_at
 
 Floats = NDArray[np.float64]
 
-FEWEST, MOST = 8, 4096
+FEWEST, MOST = 8, 1024
 """Intervals of a mesh."""
+
+_REACHES = {8: 2.5, 6: 1.2}
+"""Rate times length of an interval that a degree follows to about 1e-12: the error of its Pade approximant."""
 
 _FLOOR = 0.15  # of the mean density that there is everywhere (a choice)
 _SAFETY = 1.15  # more intervals than the estimate asks for
@@ -59,14 +64,29 @@ def _constant(degree: int) -> float:
     return float(np.abs(product.integ()(np.linspace(0.0, 1.0, 201))).max()) / math.factorial(degree)
 
 
-def equidistributed(collocation: Collocation, errors: Floats, tolerance: float) -> Floats:
-    """Return a mesh on which errors within intervals are about equal, and as small as the tolerance."""
+def least_density(collocation: Collocation, jacobians: Floats) -> Floats:
+    """Return how many intervals for each unit of the period it takes for deviations from the orbit, by intervals (N,).
+
+    They may turn and decay far faster than the orbit does.  No more than half of all intervals that there may be.
+    """
+    largest = np.abs(jacobians).max(axis=(0, 1))
+    scales = independent_solutions.balance(largest)
+    sizes = norms(jacobians * scales / scales[:, None]).max(axis=1)
+    density = sizes / _REACHES[collocation.degree]
+    return np.asarray(density * min(1.0, 0.5 * MOST / max(float((density * collocation.steps).sum()), 1e-300)))
+
+
+def equidistributed(collocation: Collocation, errors: Floats, tolerance: float, least: Floats) -> Floats:
+    """Return a mesh on which errors within intervals are about equal, and as small as the tolerance.
+
+    ``least`` is a density that there is at least.
+    """
     power = 1.0 / (collocation.degree + 1)
     share = (np.maximum(errors, 1e-18) / tolerance) ** power
-    density = share / collocation.steps
+    density = np.maximum(share / collocation.steps, least)
     smooth = np.maximum(density, 0.5 * np.maximum(np.roll(density, 1), np.roll(density, -1)))
     smooth = smooth + _FLOOR * float((smooth * collocation.steps).sum())
-    wanted = _SAFETY * float((smooth * collocation.steps).sum())
+    wanted = min(_SAFETY * float((smooth * collocation.steps).sum()), max(64.0, 2.0 * len(errors)))
     return of_density(collocation.mesh, smooth, wanted)
 
 

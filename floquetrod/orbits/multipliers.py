@@ -12,6 +12,7 @@ from floquetrod._util.arrays import norms
 from floquetrod.equations import PeriodicSystem
 from floquetrod.floquet.systems import cyclic, independent_solutions
 from floquetrod.floquet.systems.classification import classify_multipliers
+from floquetrod.floquet.systems.independent_solutions import Solutions
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
 
@@ -33,11 +34,15 @@ class Segments(NamedTuple):
         Magnitudes of the errors of the entries.
     flow : ndarray (N, n) or None
         Rates of change at the beginnings of the intervals, of an autonomous system.
+    trace, trace_error : float
+        Integral of the trace of the derivatives over the period: the logarithm of the product of all multipliers.
     """
 
     maps: Floats
     errors: Floats
     flow: Floats | None
+    trace: float
+    trace_error: float
 
 
 class OrbitVerdict(NamedTuple):
@@ -61,8 +66,12 @@ def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
     if segments.flow is not None:
         maps, errors, trivial = _across(maps, errors, segments.flow / scales)
         scales = np.ones(maps.shape[1])
-    maps, errors = _merged(maps, errors)
-    found = cyclic.solutions(maps, errors, scales) if np.isfinite(maps).all() else None
+    found: Solutions | None
+    if maps.shape[1] == 1:
+        found = _alone(segments)
+    else:
+        maps, errors = _merged(maps, errors)
+        found = _solutions(maps, errors, scales) if np.isfinite(maps).all() else None
     cost = Cost(len(segments.maps), "intervals")
     logs = None if found is None else independent_solutions.log_discs(found, 0.0)
     hamiltonian = segments.flow is None and found is not None and linearised.structure == "hamiltonian"
@@ -75,6 +84,24 @@ def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
         linearised, "segmented", logs, krein=krein if hamiltonian else None, cost=cost, note=note
     )
     return OrbitVerdict(stability, trivial)
+
+
+def _alone(segments: Segments) -> Solutions:
+    """Return the one solution where there is but one multiplier, by Liouville's formula."""
+    error = segments.trace_error + 4.0 * _EPS * abs(segments.trace)
+    return Solutions(np.array([segments.trace + 0.0j]), np.array([error]), np.ones((1, 1), dtype=np.complex128))
+
+
+def _solutions(maps: Floats, errors: Floats, scales: Floats) -> Solutions | None:
+    """Return independent Floquet solutions, their states at the beginning of the mesh times ``scales``."""
+    if len(maps) == 1:
+        return cyclic.solutions(maps, errors, scales)
+    even = cyclic.evened(maps, errors)
+    found = cyclic.solutions(even.maps, even.errors, np.ones(len(scales)))
+    if found is None:
+        return None
+    states = scales[:, None] * (even.basis @ found.states)
+    return found._replace(states=states / np.linalg.norm(states, axis=0))
 
 
 def _rounding(maps: Floats) -> Floats:

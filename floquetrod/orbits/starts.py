@@ -19,7 +19,8 @@ _RTOL = 1e-8
 _DIRECTLY = 0.2  # gap after a period, part of the motion, up to which a start is taken to be near an orbit (a choice)
 _CLOSE = 0.02  # gap up to which motion that settles is near enough
 _MOST_PERIODS = 300  # that motion is given to settle (a choice)
-_MOST_CHUNKS = 12  # each twice as long as the one before, in which motion without a period may return
+_PERIODS_SEARCHED = 60  # of motion, for the best return after one of them (a choice)
+_MOST_CHUNKS = 18  # each twice as long as the one before, in which motion without a period may return
 _LARGEST = 1e12  # of a state, beyond which a motion has flown away
 
 
@@ -111,12 +112,14 @@ def _from_record(system: NonlinearSystem, times: Floats, states: Floats, period:
 
 def _settled(system: NonlinearSystem, state: Floats, period: float) -> Guess:
     """Return the motion over one period from a state, or after as many periods as it takes to settle."""
+    if system.is_autonomous:
+        return _near_return(system, state, period)
     best: Guess | None = None
     strobed = [state]
     for turn in range(_MOST_PERIODS):
         found = _marched(system, state, period, f"after {turn} periods of {period:.6g}")
         best = found if best is None or found.gap < best.gap else best
-        if found.gap <= (_CLOSE if turn else _DIRECTLY) or (system.is_autonomous and turn == 0):
+        if found.gap <= (_CLOSE if turn else _DIRECTLY):
             return found
         state = found.states[-1]
         strobed.append(state)
@@ -126,6 +129,20 @@ def _settled(system: NonlinearSystem, state: Floats, period: float) -> Guess:
                 f"{turns} * {period:.6g}"
             )
     return best if best is not None else found
+
+
+def _near_return(system: NonlinearSystem, state: Floats, period: float) -> Guess:
+    """Return the motion over about one period from a state, or where motion from it returns best after about one."""
+    found = _marched(system, state, period, f"after a period of {period:.6g}")
+    if found.gap <= _DIRECTLY:
+        return found
+    motion = _marched(system, found.states[-1], _PERIODS_SEARCHED * period, "", _PERIODS_SEARCHED * _SAMPLES // 2)
+    size, lag = _sizes(motion.states), _SAMPLES // 2
+    lags = range(3 * lag // 4, 5 * lag // 4 + 1)
+    gaps = [(np.abs(motion.states[each:] - motion.states[:-each]) / size).max(axis=1) for each in lags]
+    best = min(range(len(lags)), key=lambda k: float(gaps[k].min()))
+    begin = motion.states[int(gaps[best].argmin())]
+    return _marched(system, begin, lags[best] * float(motion.times[1]), "")
 
 
 def _returns_after(strobed: Floats, motion: Guess) -> int:
@@ -164,14 +181,14 @@ def _rests(motion: Guess) -> bool:
 
 def _returned(times: Floats, states: Floats, rates: Floats) -> float | None:
     """Return the time since motion last was near where it ends, moving the same way; None where it was not."""
-    size = np.maximum(np.ptp(states, axis=0), 1e-9 * float(np.abs(states).max()) + 1e-300)
+    size = _sizes(states)
     ahead = ((states - states[-1]) / size) @ (rates[-1] / size)
     crossings = np.flatnonzero((ahead[:-1] < 0.0) & (ahead[1:] >= 0.0))[::-1]
     crossings = crossings[crossings < len(times) - 3]
     for i in crossings:
         share = -ahead[i] / (ahead[i + 1] - ahead[i])
         there = states[i] + share * (states[i + 1] - states[i])
-        if float((np.abs(there - states[-1]) / size).max()) < 2.0 * _CLOSE:
+        if float((np.abs(there - states[-1]) / _sizes(states[i:])).max()) < 2.0 * _CLOSE:
             return float(times[-1] - times[i] - share * (times[i + 1] - times[i]))
     return None
 
@@ -195,14 +212,21 @@ def _marched(system: NonlinearSystem, state: Floats, span: float, when: str, sam
             mxstep=50_000,
             printmessg=False,
         )
-    if not (np.abs(states) <= _LARGEST).all() or said["message"] != "Integration successful.":
+    arrived = said["message"] == "Integration successful."
+    if not arrived and (np.abs(states) < 1e-3 * _LARGEST).all():
+        raise ValueError("start leads to motion that cannot be followed: the function jumps, or changes too fast")
+    if not (arrived and (np.abs(states) <= _LARGEST).all()):
         raise ValueError(
             f"start flows away: {when + ' ' if when else ''}the motion is beyond {_LARGEST:g}, or not finite"
         )
     return Guess(times, states, system.rates(times, states))
 
 
+def _sizes(states: Floats) -> Floats:
+    """Return how far motion goes in each of its components."""
+    return np.asarray(np.maximum(np.ptp(states, axis=0), 1e-9 * float(np.abs(states).max()) + 1e-300))
+
+
 def _gap(states: Floats) -> float:
     """Return by how much motion does not close, as a part of how far it goes."""
-    size = np.maximum(np.ptp(states, axis=0), 1e-9 * float(np.abs(states).max()) + 1e-300)
-    return float((np.abs(states[-1] - states[0]) / size).max())
+    return float((np.abs(states[-1] - states[0]) / _sizes(states)).max())

@@ -1,0 +1,117 @@
+"""Random forced systems against DOP853 and Newton's method on the return map: no orbit and no verdict is wrong."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+import floquetrod as fr
+
+Floats = NDArray[np.float64]
+
+RTOL = 3e-14
+TRUSTED = 2e-11  # of the reference, relative to the states; of multipliers, to the largest
+
+
+class Oscillators:
+    """Oscillators coupled by springs, with cubic ones, driven and stiffened in time."""
+
+    def __init__(self, rng: np.random.Generator, count: int) -> None:
+        spread = rng.normal(size=(count, count))
+        self.stiffness = np.diag(rng.uniform(0.3, 4.0, count)) + 0.05 * (spread + spread.T)
+        self.damping, self.cubic = rng.uniform(0.02, 0.4, count), rng.uniform(-0.1, 1.0, count)
+        self.push, self.phase = rng.uniform(0.1, 1.0, count), rng.uniform(0.0, 6.0, count)
+        self.pulse, self.count = rng.uniform(0.0, 0.6), count
+
+    def __call__(self, t: Any, x: Any, omega: float) -> Any:
+        q, v = x[: self.count], x[self.count :]
+        column = (slice(None), *(None,) * (np.ndim(x) - 1))
+        drive = self.push[column] * np.cos(omega * t + self.phase[column])
+        pull = self.stiffness @ q * (1.0 + self.pulse * np.cos(omega * t)) + self.cubic[column] * q**3
+        return np.concatenate([v, drive - self.damping[column] * v - pull])
+
+
+class Network:
+    """Rates that saturate, driven."""
+
+    def __init__(self, rng: np.random.Generator, count: int) -> None:
+        self.decay = rng.uniform(0.2, 2.0, count)
+        self.links = rng.normal(size=(count, count)) * 1.5 / np.sqrt(count)
+        self.push = rng.normal(size=count)
+
+    def __call__(self, t: Any, x: Any, omega: float) -> Any:
+        column = (slice(None), *(None,) * (np.ndim(x) - 1))
+        drive = self.push[column] * np.cos(omega * t + 0.3 * np.sin(omega * t))
+        return drive - self.decay[column] * x + self.links @ np.tanh(x)
+
+
+def drawn(seed: int) -> tuple[fr.NonlinearSystem, int]:
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(1, 6))
+    made = Oscillators(rng, count) if seed % 2 else Network(rng, max(2, 2 * count - int(rng.integers(0, 2))))
+    size = 2 * count if seed % 2 else len(made.decay)  # type: ignore[union-attr]
+    return fr.NonlinearSystem(made, period="2*pi/omega", parameters={"omega": float(rng.uniform(0.6, 2.5))}), size
+
+
+def reference(system: fr.NonlinearSystem, state: Floats) -> tuple[Floats, Floats]:
+    """Return the state at time 0 of the orbit near a state, and the map over a period, by DOP853 and Newton's method."""
+    n, period = len(state), system.period
+    assert period is not None
+
+    def rates(t: float, y: Floats) -> Floats:
+        matrix = system.evaluated.by_differences(np.array([t]), y[None, :n], system.parameters)[0]
+        return np.concatenate([system.rates([t], y[None, :n])[0], (matrix @ y[n:].reshape(n, n)).ravel()])
+
+    def plain(t: float, y: Floats) -> Floats:
+        return system.rates([t], y[None])[0]
+
+    start = np.concatenate([state, np.eye(n).ravel()])
+    found = solve_ivp(rates, (0.0, period), start, method="DOP853", rtol=1e-11, atol=1e-12).y[:, -1]
+    matrix = found[n:].reshape(n, n)
+    for _ in range(6):
+        end = solve_ivp(plain, (0.0, period), state, method="DOP853", rtol=RTOL, atol=1e-15).y[:, -1]
+        step = np.linalg.solve(np.eye(n) - matrix, end - state)
+        state = state + step
+    start = np.concatenate([state, np.eye(n).ravel()])
+    found = solve_ivp(rates, (0.0, period), start, method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1]
+    return state, found[n:].reshape(n, n)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tens", range(20))
+def test_random_forced_systems(tens: int) -> None:
+    for seed in range(10 * tens, 10 * tens + 10):
+        system, size = drawn(seed)
+        try:
+            orbit = fr.periodic_orbit(system, 0.1 * np.ones(size))
+        except fr.NoOrbitError:
+            print(seed, "not found")
+            continue
+        verdict = orbit.stability
+        moved = orbit.states[0] + 1e-4 * orbit.point.scale * np.cos(np.arange(size))
+        state, matrix = reference(system, moved)
+        gap = float((np.abs(state - orbit.states[0]) / orbit.point.scale).max())
+        condition = np.linalg.cond(np.eye(size) - matrix)
+        assert gap <= orbit.error + 1e-13 * condition, seed
+        true = np.linalg.eigvals(matrix)
+        largest = float(np.abs(true).max())
+        worst = 0.0
+        for mu, error in zip(verdict.multipliers, verdict.multiplier_errors, strict=True):
+            distance = float(np.abs(true - mu).min())
+            worst = max(worst, distance)
+            assert distance <= error + 1e-9 * max(largest, 1.0) * max(np.linalg.cond(np.linalg.eig(matrix)[1]), 1.0), (
+                seed
+            )
+        known = "stable" if largest < 1.0 - 1e-7 else "unstable" if largest > 1.0 + 1e-7 else "undecided"
+        print(
+            seed,
+            size,
+            verdict.status,
+            f"{orbit.error:.1e} {gap:.1e} {len(orbit.times) - 1} {worst:.1e} {verdict.error:.1e} {largest:.6f}",
+        )
+        assert verdict.status in (known, "undecided"), seed
+        assert verdict.status != "undecided" or verdict.error > 1e-9, seed
