@@ -15,6 +15,8 @@ from floquetrod.equations import NonlinearSystem
 Floats = NDArray[np.float64]
 
 _SAMPLES = 200  # of a period (a choice)
+_MOST_SAMPLES = 10_000
+_SEEN = 1e-2  # of the motion, that every other sample may miss (a choice)
 _RTOL = 1e-8
 _DIRECTLY = 0.2  # gap after a period, part of the motion, up to which a start is taken to be near an orbit (a choice)
 _CLOSE = 0.02  # gap up to which motion that settles is near enough
@@ -67,9 +69,19 @@ def guessed(system: NonlinearSystem, start: Any, period: float | None) -> Guess:
             f"{state.shape}"
         )
     system.evaluated.start(0.0, state, system.parameters)
-    if period is None:
-        return _autonomous(system, state)
-    return _settled(system, state, period)
+    found = _autonomous(system, state) if period is None else _settled(system, state, period)
+    return _resolved(system, found)
+
+
+def _resolved(system: NonlinearSystem, guess: Guess) -> Guess:
+    """Return a guess with as many samples as it takes to see its jumps."""
+    samples = len(guess.times) - 1
+    every_other = Guess(guess.times[::2], guess.states[::2], guess.rates[::2])
+    closed = guess.states - (guess.times / guess.period)[:, None] * (guess.states[-1] - guess.states[0])
+    missed = np.abs(every_other.at(guess.times / guess.period) - closed) / _sizes(guess.states)
+    if float(missed.max()) < _SEEN or samples > _MOST_SAMPLES:
+        return guess
+    return _resolved(system, _marched(system, guess.states[0], guess.period, "", 4 * samples))
 
 
 def _record(times: Any, states: Any) -> tuple[Floats, Floats]:
