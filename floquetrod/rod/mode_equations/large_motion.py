@@ -211,8 +211,8 @@ class LargeMotion(ByContent):
         return bent - self._pushed(self._mean(shapes.nodes))
 
     @cached_property
-    def _vibrating(self) -> Floats:
-        """What the parts of `_parts` take from the stiffness, (2 H, n, n)."""
+    def vibrating(self) -> Floats:
+        """What the parts of `parts` take from the stiffness, (2 H, n, n)."""
         return self._pushed(self._profiles(self.shapes.nodes))
 
     def _pushed(self, force: Floats) -> Floats:
@@ -231,13 +231,13 @@ class LargeMotion(ByContent):
         every = load.amplitude * axial.along(load, rod.wave_speed, rod.length, rod.length * x, load.frequency)
         return np.concatenate([every.real, -every.imag])
 
-    def _parts(self, times: Floats) -> Floats:
+    def parts(self, times: Floats) -> Floats:
         """Return cosine and sine of each harmonic at instants, (k, 2 H)."""
         phases = self.load.frequency * np.multiply.outer(times, np.arange(1, len(self.load.harmonics) + 1))
         return np.concatenate([np.cos(phases), np.sin(phases)], axis=-1)
 
     @cached_property
-    def _shortening(self) -> Floats:
+    def shortening_inertia(self) -> Floats:
         """G[phi_i' phi_j'] at the nodes, (n, n, q), times the root of its share of inertia and of the weights."""
         slopes = self.shapes.slopes
         pairs = slopes[:, None, :] * slopes[None, :, :]
@@ -288,8 +288,8 @@ class LargeMotion(ByContent):
 
     def potential(self, times: Floats, a: Floats, with_stiffness: bool) -> tuple[Floats, Floats]:
         """Return the gradient of the potential energy (k, n) and its second derivatives (k, n, n), in 1/s^2."""
-        shapes, parts = self.shapes, self._parts(times)
-        linear = self._static - np.tensordot(parts, self._vibrating, axes=1)
+        shapes, parts = self.shapes, self.parts(times)
+        linear = self._static - np.tensordot(parts, self.vibrating, axes=1)
         theta, slope = a @ shapes.values, a @ shapes.slopes
         density = self._swing * np.sin(theta) * shapes.weights
         quartic = 2.0 * self._bending * shapes.weights
@@ -306,6 +306,10 @@ class LargeMotion(ByContent):
             if with_stiffness:
                 stiff += saved[1]
         return gradient, stiff
+
+    def resting(self, a: Floats) -> Floats:
+        """Return the gradient of the potential energy (k, n) under the mean force alone, in 1/s^2."""
+        return replace(self, load=self.load.varied("amplitude", 0.0)).potential(np.zeros(len(a)), a, False)[0]
 
     # --- the equations of first order ---
 
@@ -325,7 +329,7 @@ class LargeMotion(ByContent):
 
     def _accelerations(self, times: Floats, a: Floats, v: Floats, derive: bool) -> tuple[Floats, Floats, Floats]:
         """Return a_tt (k, n), and where wanted its derivatives with a and with a_t."""
-        g, c, n = self._shortening, self.rod.damping_rate, a.shape[-1]
+        g, c, n = self.shortening_inertia, self.rod.damping_rate, a.shape[-1]
         gradient, stiff = self.potential(times, a, derive)
         moved, moving = (np.tensordot(x, g, axes=1) for x in (a, v))  # (k, n, q)
         turning = (v[:, None, :] @ moving)[:, 0]  # what shortening speeds up by without a_tt
@@ -357,7 +361,7 @@ class LargeMotion(ByContent):
         a, v = np.split(states, 2, axis=-1)
         theta, speed = a @ shapes.values, v @ shapes.values
         one, two, three = a @ shapes.slopes / length, a @ shapes.curves / length**2, a @ shapes.thirds / length**3
-        force = (self._mean(shapes.nodes) + self._parts(times) @ self._profiles(shapes.nodes)) * one**2
+        force = (self._mean(shapes.nodes) + self.parts(times) @ self._profiles(shapes.nodes)) * one**2
         bent = rod.flexural_rigidity * (4.0 * one * three + 3.0 * two**2 - one**4)
         mass = rod.mass_per_length
         pressed = force + mass * speed**2 + bent

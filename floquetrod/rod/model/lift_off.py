@@ -23,6 +23,7 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 
 _LARGEST = 60.0  # K up to which the slope is solved for; beyond it goes like K^1.5 to 4e-4
+_LEAST_CONTACT = 0.3  # of the weight, below which contact is about to be lost, and the energy no longer grows with it
 _SOLVED = 25  # values of K it is solved for: enough for 3e-4 between them
 _POINTS = 150  # of the finite differences, whose error of second order is extrapolated
 
@@ -61,7 +62,8 @@ class LiftOff:
 
         The indentation goes like contact^(2/3), so that b goes like contact^(-1/12) and K like contact^(-5/6).
         """
-        n = np.maximum(contact, 1e-3)  # it has left the wall: what the energy is then is said nowhere
+        pressed = contact > _LEAST_CONTACT
+        n = np.where(pressed, contact, _LEAST_CONTACT)
         squared = np.sqrt(self.rigidity * self.indentation / self.weight)  # b^2 under the weight
         unit = squared / self.indentation
         scale = -self.rigidity * np.sqrt(squared)
@@ -72,10 +74,10 @@ class LiftOff:
         return Energy(
             scale * n ** (19.0 / 12.0) * whole / unit**2,
             scale * n**0.75 * s / unit,
-            scale * n ** (7.0 / 12.0) * left / unit**2,
+            pressed * scale * n ** (7.0 / 12.0) * left / unit**2,
             scale * n ** (-1.0 / 12.0) * ds,
-            scale * n**-0.25 * (0.75 * s - 0.8333333333333334 * k * ds) / unit,
-            scale * (7.0 / 12.0 * n ** (-5.0 / 12.0) * left + bent) / unit**2,
+            pressed * scale * n**-0.25 * (0.75 * s - 0.8333333333333334 * k * ds) / unit,
+            pressed * scale * (7.0 / 12.0 * n ** (-5.0 / 12.0) * left + bent) / unit**2,
         )
 
 

@@ -1,0 +1,234 @@
+"""Motion of a rod at finite angles in one mode alone: many starts at once, and the orbits that they lead to.
+
+With the mode's function of unit norm its amplitude a obeys (1 + J a^2) a_tt + J a a_t^2 + 2 c a_t + g(a) - f(t) a = 0,
+J from the inertia of shortening, g the slope of the potential energy under the mean force, lift-off at hinged ends
+with it, and f the vibration.  That is an estimate, for starts and for a first answer: other modes change it by a
+percent or so.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util.arrays import Floats
+from floquetrod._util.caching import cached_property
+from floquetrod.rod.mode_equations.large_motion import LargeMotion
+
+LARGEST = 0.7  # rad up to which motion is looked at: a rod leaves its wall long before
+_DEGREE = 5  # of the slope of the potential energy over a, in a^2
+_STEPS = 32  # of Runge and Kutta in a period of the fastest motion: 8e-5 of it a period
+_ANGLES, _PHASES = 14, 6  # starts of a search (a choice)
+_INSTANTS = 24  # of a period and harmonic of the load, at which the equation holds
+_NEWTON = 14
+_SAME = 1e-4  # of an amplitude, by which orbits found from two starts may differ
+
+
+class Orbit(NamedTuple):
+    """A periodic orbit of one mode.
+
+    Attributes
+    ----------
+    turns : int
+        Periods of the load that it takes.
+    start : ndarray (2,)
+        a in rad (of a function of unit norm) and a_t in rad/s at time 0.
+    amplitude : float
+        Largest angle in rad.
+    multipliers : ndarray (2,)
+        Of deviations in the same mode.
+    """
+
+    turns: int
+    start: Floats
+    amplitude: float
+    multipliers: Any
+
+    @property
+    def is_stable(self) -> bool:
+        """Whether motion in this mode returns to it, or without damping stays near."""
+        return bool(np.abs(self.multipliers).max() <= 1.0 + 1e-6)
+
+
+@dataclass(frozen=True, eq=False)
+class OneMode:
+    """The equation of one mode of a rod.
+
+    Parameters
+    ----------
+    motion : LargeMotion
+        Of this mode alone.
+    """
+
+    motion: LargeMotion
+
+    @cached_property
+    def peak(self) -> float:
+        """Largest value of the function of unit norm."""
+        return float(np.abs(self.motion.shapes.there).max())
+
+    @cached_property
+    def _slope(self) -> Floats:
+        """Coefficients of g(a) / a in powers of (a / a_max)^2."""
+        a = LARGEST / self.peak * np.sin(0.5 * math.pi * (np.arange(40) + 0.5) / 40.0)
+        found = self.motion.resting(a[:, None])[:, 0] / a
+        return np.polynomial.polynomial.polyfit((a * self.peak / LARGEST) ** 2, found, _DEGREE)
+
+    @cached_property
+    def _shortening(self) -> float:
+        """J."""
+        return float(np.sum(self.motion.shortening_inertia[0, 0] ** 2))
+
+    @cached_property
+    def _vibration(self) -> Floats:
+        """What the parts of the vibration take from the stiffness, (2 H,)."""
+        return self.motion.vibrating[:, 0, 0]
+
+    def stiffness(self, a: Any) -> Any:
+        """Return g(a) / a in 1/s^2 under the mean force."""
+        return np.polynomial.polynomial.polyval(np.minimum((a * self.peak / LARGEST) ** 2, 1.5), self._slope)
+
+    @property
+    def fastest(self) -> float:
+        """About the highest frequency of its motion, in rad/s."""
+        stiff = np.abs(self.stiffness(np.linspace(0.0, LARGEST, 9) / self.peak)).max()
+        return math.sqrt(float(stiff + np.abs(self._vibration).sum()))
+
+    def steps(self, turns: int) -> int:
+        """Return how many steps so many periods of the load take."""
+        load = self.motion.load
+        return turns * math.ceil(_STEPS * max(1.0, self.fastest / load.frequency))
+
+    def marched(self, a: Floats, v: Floats, turns: int) -> tuple[Floats, Floats, Floats]:
+        """Return amplitudes and speeds after so many periods of the load from time 0, and the largest amplitudes."""
+        steps = self.steps(turns)
+        h = turns * 2.0 * math.pi / self.motion.load.frequency / steps
+        halves = self.motion.parts(np.linspace(0.0, h * steps, 2 * steps + 1)) @ self._vibration
+        rate, most = self._acceleration(), np.abs(a)
+        for i in range(steps):
+            f0, f1, f2 = halves[2 * i : 2 * i + 3].tolist()
+            k1 = rate(a, v, f0)
+            a2, v2 = a + 0.5 * h * v, v + 0.5 * h * k1
+            k2 = rate(a2, v2, f1)
+            a3, v3 = a + 0.5 * h * v2, v + 0.5 * h * k2
+            k3 = rate(a3, v3, f1)
+            a4, v4 = a + h * v3, v + h * k3
+            k4 = rate(a4, v4, f2)
+            a = a + h / 6.0 * (v + 2.0 * (v2 + v3) + v4)
+            v = v + h / 6.0 * (k1 + 2.0 * (k2 + k3) + k4)
+            most = np.maximum(most, np.abs(a))
+        return a, v, most
+
+    def _acceleration(self) -> Callable[[Floats, Floats, float], Floats]:
+        """Return the function that gives a_tt of a, a_t and the force."""
+        last, *others = self._slope[::-1].tolist()
+        unit, j, c = (self.peak / LARGEST) ** 2, self._shortening, 2.0 * self.motion.rod.damping_rate
+
+        def rate(a: Floats, v: Floats, force: float) -> Floats:
+            squared = a * a
+            x = np.minimum(unit * squared, 1.5)
+            stiff = last
+            for each in others:
+                stiff = stiff * x + each
+            slowed: Floats = -((stiff - force + j * (v * v)) * a + c * v) / (1.0 + j * squared)
+            return slowed
+
+        return rate
+
+    def multipliers_of_rest(self, turns: int) -> Any:
+        """Return the multipliers of small motion."""
+        return np.linalg.eigvals(self._map(np.zeros(1), np.zeros(1), turns)[2][..., 0])
+
+    def _map(self, a: Floats, v: Floats, turns: int) -> tuple[Floats, Floats, Floats]:
+        """Return the states after so many periods, and their derivatives with those before, (2, 2, k)."""
+        da = 1e-6 * LARGEST / self.peak
+        dv = da * self.fastest
+        starts = np.concatenate([a, a + da, a, a - da, a]), np.concatenate([v, v, v + dv, v, v - dv])
+        after_a, after_v = (part.reshape(5, -1) for part in self.marched(*starts, turns)[:2])
+        by_a = np.stack([after_a[1] - after_a[3], after_v[1] - after_v[3]]) / (2.0 * da)
+        by_v = np.stack([after_a[2] - after_a[4], after_v[2] - after_v[4]]) / (2.0 * dv)
+        return after_a[0], after_v[0], np.stack([by_a, by_v], axis=1)
+
+    def orbits(self, turns: int) -> list[Orbit]:
+        """Return the orbits found, of so many periods of the load, by Newton's method from many starts, smallest first.
+
+        A search, not a proof: of orbits that differ by sign or by whole periods of the load one is returned.  The
+        equation is that at equal instants, derivatives those of the Fourier series through them.
+        """
+        load, count = self.motion.load, _INSTANTS * turns * len(self.motion.load.harmonics)
+        times = turns * 2.0 * math.pi / load.frequency * np.arange(count) / count
+        first = _derivative(count) * (load.frequency / turns)
+        second = first @ first
+        force = self.motion.parts(times) @ self._vibration
+        a = self._starts(times, turns)
+        moved = np.full(len(a), np.inf)
+        with np.errstate(all="ignore"):
+            for _ in range(_NEWTON):
+                missed, slope = self._missed(a, first, second, force)
+                try:
+                    step = np.linalg.solve(slope, -missed[..., None])[..., 0]
+                except np.linalg.LinAlgError:
+                    step = -missed / np.abs(slope).max()
+                moved = np.abs(step).max(axis=1)
+                a = a + step * np.minimum(1.0, 0.1 * LARGEST / self.peak / np.maximum(moved, 1e-300))[:, None]
+                kept = np.isfinite(a).all(axis=1) & (np.abs(a).max(axis=1) * self.peak < 1.2 * LARGEST)
+                a, moved = a[kept], moved[kept]
+        a = a[(moved < 1e-8) & (np.abs(a).max(axis=1) * self.peak > 1e-3)]
+        return self._apart(a[:, 0], (a @ first.T)[:, 0], turns)
+
+    def _starts(self, times: Floats, turns: int) -> Floats:
+        """Return harmonic motions of many sizes and phases, as fast as free motion of that size about is."""
+        size = LARGEST * (np.arange(_ANGLES) + 0.5) / _ANGLES / self.peak
+        free = np.sqrt(np.maximum(self.stiffness(0.8 * size), 0.0)) * turns / self.motion.load.frequency
+        phases, found = 2.0 * math.pi * (np.arange(_PHASES) + 0.5) / _PHASES, []
+        for a, ratio in zip(size.tolist(), free.tolist(), strict=True):
+            for k in {max(1, round(ratio + shift)) for shift in (-0.4, 0.0, 0.4)}:
+                if turns == 1 or k % 2:
+                    angle = k * self.motion.load.frequency / turns * times
+                    found.append(a * np.cos(angle + phases[:, None]))
+        return np.concatenate(found) if found else np.empty((0, len(times)))
+
+    def _missed(self, a: Floats, first: Floats, second: Floats, force: Floats) -> tuple[Floats, Floats]:
+        """Return by how much motions a (k, count) miss the equation, and the derivatives of that."""
+        v, w = a @ first.T, a @ second.T
+        j, c = self._shortening, self.motion.rod.damping_rate
+        unit = (self.peak / LARGEST) ** 2
+        x = np.minimum(unit * a * a, 1.5)
+        polynomial = np.polynomial.polynomial
+        stiff, by_x = polynomial.polyval(x, self._slope), polynomial.polyval(x, polynomial.polyder(self._slope))
+        missed = (1.0 + j * a * a) * w + j * a * v * v + 2.0 * c * v + (stiff - force) * a
+        diagonal = 2.0 * j * a * w + j * v * v + stiff - force + 2.0 * x * by_x
+        slope = (1.0 + j * a * a)[..., None] * second + (2.0 * j * a * v + 2.0 * c)[..., None] * first
+        slope[:, np.arange(len(force)), np.arange(len(force))] += diagonal
+        return missed, slope
+
+    def _apart(self, a: Floats, v: Floats, turns: int) -> list[Orbit]:
+        """Return the orbits that are different, from their states at time 0."""
+        found: list[Orbit] = []
+        if not a.size:
+            return found
+        most = self.marched(a, v, turns)[2] * self.peak
+        order = np.argsort(most)
+        order = order[np.diff(most[order], prepend=0.0) > _SAME * most[order]]
+        slope = self._map(a[order], v[order], turns)[2]
+        for i, k in enumerate(order.tolist()):
+            found.append(Orbit(turns, np.array([a[k], v[k]]), float(most[k]), np.linalg.eigvals(slope[..., i])))
+        return found
+
+    def may_resonate(self, turns: int) -> bool:
+        """Return whether free motion up to the largest angle may be as fast as the turns-th part of the load."""
+        stiff = self.stiffness(np.linspace(0.0, LARGEST, 33) / self.peak)
+        half, spread = math.pi / turns, float(np.abs(self._vibration).sum())
+        wanted = (half / math.pi * self.motion.load.frequency) ** 2
+        return bool(stiff.min() - spread < wanted < stiff.max() + spread)
+
+
+def _derivative(count: int) -> Floats:
+    """Return the matrix from an even number of samples of a function of period 2 pi to those of its derivative."""
+    k = np.arange(1, count)
+    column = np.concatenate([[0.0], 0.5 * (-1.0) ** k / np.tan(math.pi * k / count)])
+    return np.asarray(column[(np.arange(count)[:, None] - np.arange(count)) % count])
