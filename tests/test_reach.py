@@ -76,11 +76,25 @@ def test_a_tool_gains_reach_and_says_where_it_hurts() -> None:
     assert (still.gain, still.reach) == (0.0, shaken.reach)
     assert shaken.gain > 50.0
     assert (shaken.injector_shaken <= shaken.injector + 1.0).all()
-    grows = shaken.growth > 0.0
+    assert not shaken.growth.any()
+    assert "nothing across the string" in str(shaken.report())
+    held = shaken.growth_free > 0.0
+    assert held.any()
+    assert (shaken.kick[held] > shaken.sliding).all()
+    assert np.isinf(shaken.kick[~held]).all()
+    assert shaken.stable_frequencies
+
+
+@pytest.mark.slow
+def test_a_strong_tool_makes_waves_grow_against_friction() -> None:
+    found = TUBING.reach(WELL, 0.3, tool=fr.VibrationTool("20kN", "18Hz", "30m"), depth=DEPTHS)
+    grows = found.growth > 0.0
     assert grows.any()
-    assert not (grows & shaken.along.is_snaking).any()
-    assert np.isfinite(shaken.half_wave[grows]).all()
-    assert shaken.frequency_growth[np.isclose(shaken.frequencies, TOOL.frequency)] > 0.0
+    assert not (grows & found.along.is_snaking).any()
+    assert (found.growth <= found.growth_free).all()
+    assert (found.kick[grows] < found.sliding).all()
+    assert np.isfinite(found.half_wave[grows]).all()
+    assert found.frequency_growth[np.isclose(found.frequencies, TOOL.frequency)] > 0.0
 
 
 @pytest.mark.filterwarnings("ignore::floquetrod.UniformForceWarning")

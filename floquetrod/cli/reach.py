@@ -23,9 +23,9 @@ examples:
 The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is pushed at the first station; its length
 and inclination follow from the well.  At lock-up no force there moves the lower end.  A tool inside the string sends
 half its force each way, one at the lower end all of it up.  Friction is less as far as the wave moves the string faster
-than it slides, --speed.  The wave may make the string unstable: the answer says where, how fast and in which half wave,
-and with which frequencies of the tool it would not.  Depths are measured depths;
-forces are effective, push positive; without --push the upper end is pushed as hard as it takes.
+than it slides, --speed.  The wave may make waves across the string grow against friction: the answer says where, how
+fast and in which half wave, and with which frequencies of the tool none would.  Depths are measured depths; forces are
+effective, push positive; without --push the upper end is pushed as hard as it takes.
 """
 
 

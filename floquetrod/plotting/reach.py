@@ -13,8 +13,10 @@ def draw_reach(found: Any) -> Any:
     """Return a figure of a `floquetrod.Reach`: the well's section, the force at the injector, and along the string."""
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(7.2, 9.6), layout="constrained")
-    section, injector, force, contact, friction = figure.subplots(5, 1, height_ratios=[1.5, 1.2, 1.2, 1.0, 1.0])
+    more = [1.0] if found.tool else []
+    figure = Figure(figsize=(7.2, 9.6 + 1.6 * len(more)), layout="constrained")
+    axes = figure.subplots(5 + len(more), 1, height_ratios=[1.5, 1.2, 1.2, 1.0, 1.0, *more])
+    section, injector, force, contact, friction = axes[:5]
     _draw_section(found, section)
     _draw_injector(found, injector)
     along = found.along
@@ -26,12 +28,14 @@ def draw_reach(found: Any) -> Any:
         contact.set_yscale("log")
         finite = along.contact[np.isfinite(along.contact)]
         contact.set_ylim(bottom=1e-6 * finite.max())  # of the largest, in N: a thousandth
-    for ax in (force, contact, friction):
+    if found.tool:
+        _draw_growth(found, axes[5])
+    for ax in axes[2:]:
         _shade(found, ax)
-    for ax in (injector, force, contact, friction):
+    for ax in axes[1:]:
         ax.set_xlim(found.path.start, found.path.end)
     force.legend(handles=_areas(found), loc="best", fontsize="x-small", frameon=False)
-    friction.set_xlabel("measured depth / m")
+    axes[-1].set_xlabel("measured depth / m")
     figure.suptitle(repr(found)[1:-1], fontsize="medium")
     return figure
 
@@ -75,6 +79,15 @@ def _draw_injector(found: Any, ax: Any) -> None:
 def _draw_line(ax: Any, depth: Any, values: Any, label: str) -> None:
     ax.plot(depth, np.where(np.isfinite(values), values, np.nan), color="black", linewidth=1.2)
     ax.set_ylabel(label)
+
+
+def _draw_growth(found: Any, ax: Any) -> None:
+    """Draw how fast waves across the string grow, after friction and without."""
+    _draw_line(ax, found.along.depth, found.growth, "growth / (1/s)")
+    free = {"color": "black", "linestyle": "--", "linewidth": 0.8, "label": "without friction across"}
+    ax.plot(found.along.depth, found.growth_free, **free)
+    ax.set_ylim(bottom=0.0)
+    ax.legend(loc="best", fontsize="x-small", frameon=False)
 
 
 def _shade(found: Any, ax: Any) -> None:

@@ -8,7 +8,7 @@ upper end, and where the string becomes a helix or ceases to be one: there its e
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -134,7 +134,8 @@ class _March:
         self.noted[:, row, strings[which]] = curve.at(share, which)
 
 
-class _Slopes(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class _Slopes(ByContent):
     """The right side of the equations of strings, each on its arc with its friction and shape."""
 
     drag: Drag
@@ -145,7 +146,7 @@ class _Slopes(NamedTuple):
 
     def some(self, i: Ints) -> _Slopes:
         """Return that of some strings."""
-        return self._replace(arc=self.arc[i], friction=self.friction[i], is_helix=self.is_helix[i])
+        return replace(self, arc=self.arc[i], friction=self.friction[i], is_helix=self.is_helix[i])
 
     def place(self, depth: Floats) -> Place:
         """Return the well at measured depths (..., n)."""

@@ -116,8 +116,8 @@ def _of_first_order(first: PeriodicSystem) -> tuple[NDArray[np.complex128], Floa
 def _symmetric(freed: HillSystem, damping: float) -> tuple[NDArray[np.complex128], Floats] | None:
     """Return what `_of_first_order` does, of q'' + 2 c q' + K q = 0 from the modes of K at a tenth of the cost.
 
-    With exponents -c +- r and modes phi of length 1 a harmonic Z couples two by |phi_i . Z phi_j| over the root of
-    |2 r_i 2 r_j|; None where an exponent is double.
+    With exponents -c +- r and modes phi of length 1 a harmonic Z couples two by
+    |phi_i . Z phi_j| / (2 sqrt(|r_i r_j|)).  None where an exponent is double.
     """
     squares, modes = np.linalg.eigh(freed.stiffness)
     root = np.sqrt(-squares.astype(np.complex128))
@@ -125,7 +125,7 @@ def _symmetric(freed: HillSystem, damping: float) -> tuple[NDArray[np.complex128
         return None
     waves = np.asarray(freed.harmonics).reshape(-1, *modes.shape)
     coupled = np.abs(modes.T @ waves @ modes) / (2.0 * np.sqrt(np.abs(np.outer(root, root))))
-    return np.concatenate([root, -root]).astype(np.complex128) - damping, np.tile(coupled, (1, 2, 2))
+    return np.asarray(np.concatenate([root, -root]) - damping, complex), np.tile(coupled, (1, 2, 2))
 
 
 class _Candidate(NamedTuple):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from floquetrod._util.content import ByContent
 from floquetrod._util.report import Report, Reported, Table, number
 from floquetrod.rod.answers.growth_along import growth_along
 from floquetrod.rod.answers.mean_force import ASSUMED, MeanForce, drag_of, force_in_newtons, mean_force, spans
+from floquetrod.rod.answers.sliding import damping_across, least_speed
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.units import with_unit
@@ -64,15 +65,22 @@ class Reach(Reported, ByContent):
         Along the string with the tool, its lower end as deep as it gets.
     amplitude : ndarray
         Vibration of the force in N at the depths of ``along``.
+    sliding : float
+        Speed in m/s at which the string slides down.
     growth : ndarray
-        Fastest growth in 1/s there of a wave across the string that the vibration causes, without friction across; 0
-        where nothing grows, and where the string is buckled by the mean force already.
+        Fastest growth in 1/s there of a wave across the string that the vibration causes, which moves across as fast
+        as the string slides: after the rod's damping rate and the friction of a string that slides.  0 where nothing
+        grows, and where the string is buckled by the mean force already.
+    growth_free : ndarray
+        The same without friction across.
     half_wave : ndarray
-        Half wave in m that grows so, 0 where none does.
+        Half wave in m that grows fastest, 0 where none does even without friction.
+    kick : ndarray
+        Speed across in m/s from which on a wave grows there against friction; infinite where none does.
     frequencies : ndarray
         Frequencies of the tool in rad/s that were looked at.
     frequency_growth : ndarray
-        Fastest growth in 1/s with each of them, at fifty places along the string.
+        Fastest ``growth`` with each of them, at fifty places along the string.
     """
 
     path: WellPath
@@ -88,8 +96,11 @@ class Reach(Reported, ByContent):
     tool: VibrationTool | None
     along: MeanForce
     amplitude: Floats
+    sliding: float
     growth: Floats
+    growth_free: Floats
     half_wave: Floats
+    kick: Floats
     frequencies: Floats
     frequency_growth: Floats
 
@@ -131,7 +142,10 @@ class Reach(Reported, ByContent):
     @property
     def assumptions(self) -> tuple[str, ...]:
         """What is taken for granted."""
-        local = "growth place by place, at the rod's damping rate, without friction across, which holds what is at rest"
+        local = (
+            "growth place by place, of a long string under the forces there, after the rod's damping and friction, "
+            f"which damps a wave across the less the faster it moves: one of {with_unit(self.sliding, 'm/s', 3)}"
+        )
         more = (local,) if self.tool else ()
         return (*ASSUMED, *more, "linear elasticity: yielding is not checked")
 
@@ -144,7 +158,7 @@ class Reach(Reported, ByContent):
     def _growth_in_words(self) -> str:
         grows = self.growth > _GROWS
         if not grows.any():
-            return "nothing across the string"
+            return f"nothing across the string: {self._kick_in_words}"
         k = int(np.argmax(self.growth))
         stable = ", ".join(f"{a / 2 / math.pi:.3g} to {b / 2 / math.pi:.3g} Hz" for a, b in self.stable_frequencies)
         other = f"nowhere with a tool of {stable}" if stable else "somewhere with every frequency that was looked at"
@@ -152,6 +166,14 @@ class Reach(Reported, ByContent):
             f"{_listed(self.along.depth, grows)}: {self.growth[k]:.3g} 1/s at {self.along.depth[k]:.6g} m in half "
             f"waves of {self.half_wave[k]:.3g} m; {other}"
         )
+
+    @property
+    def _kick_in_words(self) -> str:
+        """Which waves across friction holds back."""
+        k = int(np.argmin(self.kick))
+        if not math.isfinite(self.kick[k]):
+            return "no wave grows, however fast it moves"
+        return f"one that moves {with_unit(self.kick[k], 'm/s', 3)} across does, at {self.along.depth[k]:.6g} m"
 
     @property
     def _table(self) -> Table:
@@ -176,7 +198,10 @@ class Reach(Reported, ByContent):
             "along": self.along.as_dict(),
             "amplitude_N": self.amplitude.tolist(),
             "growth_per_s": self.growth.tolist(),
+            "growth_without_friction_per_s": self.growth_free.tolist(),
             "half_wave_m": self.half_wave.tolist(),
+            "kick_m_per_s": _numbers(self.kick),
+            "sliding_m_per_s": self.sliding,
             "frequencies_rad_per_s": self.frequencies.tolist(),
             "growth_by_frequency_per_s": self.frequency_growth.tolist(),
             "assumptions": list(self.assumptions),
@@ -226,9 +251,9 @@ def reach(
     forces = search.injector(np.tile(depths, (2 if tool else 1, 1)))
     reached = search.ends(depths, forces)
     along = mean_force(drag, far_force, _standing_end(path, *reached[-1]), None)
-    place = Place.at(path.arcs.at(along.depth))
     amplitude = along.speed * rod.mass_along * rod.wave_speed
-    growth, waves, frequencies, by_frequency = _growth(rod, place, along, amplitude, tool)
+    sliding = 0.0 if drag.shaking is None else drag.shaking.speed
+    grown = _grown(rod, drag, along, amplitude, tool)
     return Reach(
         path=path,
         depth=depths,
@@ -243,10 +268,13 @@ def reach(
         tool=tool,
         along=along,
         amplitude=amplitude,
-        growth=growth,
-        half_wave=waves,
-        frequencies=frequencies,
-        frequency_growth=by_frequency,
+        sliding=sliding,
+        growth=grown.net,
+        growth_free=grown.free,
+        half_wave=grown.half_wave,
+        kick=grown.kick,
+        frequencies=grown.frequencies,
+        frequency_growth=grown.by_frequency,
     )
 
 
@@ -311,20 +339,36 @@ class _Search:
         return float(depths[first - 1]) if first else low, float(depths[first])
 
 
-def _growth(
-    rod: RodData, place: Place, along: MeanForce, amplitude: Floats, tool: VibrationTool | None
-) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return growth and half wave along a string with a tool, and frequencies with the fastest growth for each."""
-    nothing = np.zeros(along.depth.size), np.zeros(along.depth.size), np.empty(0), np.empty(0)
+class _Grown(NamedTuple):
+    """What grows along a string, see `Reach`."""
+
+    net: Floats
+    free: Floats
+    half_wave: Floats
+    kick: Floats
+    frequencies: Floats
+    by_frequency: Floats
+
+
+def _grown(rod: RodData, drag: Drag, along: MeanForce, amplitude: Floats, tool: VibrationTool | None) -> _Grown:
+    """Return what grows along a string with a tool."""
+    size = along.depth.size
+    found = _Grown(np.zeros(size), np.zeros(size), np.zeros(size), np.full(size, math.inf), np.empty(0), np.empty(0))
     chosen = np.flatnonzero(~along.is_snaking & np.isfinite(along.force) & (amplitude > 0.0))
-    if tool is None or not chosen.size:
-        return nothing
-    at = Place(*(each[chosen] for each in place))
-    given = at, along.force[chosen], amplitude[chosen]
-    rate, half_wave = nothing[:2]
-    rate[chosen], half_wave[chosen] = growth_along(rod, *given, tool.frequency)
+    if tool is None or drag.shaking is None or not chosen.size:
+        return found
+    pressed = drag.friction.at(along.depth) * along.contact / rod.mass_per_length
+    place, sliding = Place.at(drag.path.arcs.at(along.depth)), drag.shaking.speed
+
+    def grown(i: NDArray[np.intp], frequency: float) -> tuple[Floats, Floats, Floats]:
+        there = Place(*(each[i] for each in place))
+        rate, half_wave = growth_along(rod, there, along.force[i], amplitude[i], frequency)
+        lost = damping_across(pressed[i], sliding, along.speed[i], np.full(i.size, sliding))
+        return np.maximum(rate - lost, 0.0), rate, half_wave
+
+    found.net[chosen], found.free[chosen], found.half_wave[chosen] = grown(chosen, tool.frequency)
+    found.kick[chosen] = least_speed(found.free[chosen], pressed[chosen], sliding, along.speed[chosen])
+    few = chosen[np.unique(np.linspace(0, chosen.size - 1, _PLACES).round().astype(int))]
     frequencies = tool.frequency * _FREQUENCIES
-    few = np.unique(np.linspace(0, chosen.size - 1, _PLACES).round().astype(int))
-    some = Place(*(each[few] for each in at)), given[1][few], given[2][few]
-    fastest = [float(growth_along(rod, *some, each).rate.max()) for each in frequencies.tolist()]
-    return rate, half_wave, frequencies, np.array(fastest)
+    fastest = [float(grown(few, each)[0].max()) for each in frequencies.tolist()]
+    return found._replace(frequencies=frequencies, by_frequency=np.array(fastest))
