@@ -64,6 +64,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.verdict import CoupledRodStability as CoupledRodStability
     from floquetrod.rod.answers.verdict import RodStability as RodStability
     from floquetrod.rod.friction.kicks import FrictionalRodStability as FrictionalRodStability
+    from floquetrod.rod.hand_over import save_report as save_report
     from floquetrod.rod.loads.load import AxialLoad as AxialLoad
     from floquetrod.rod.loads.load import AxialWave as AxialWave
     from floquetrod.rod.loads.record import ForceRecord as ForceRecord
@@ -143,6 +144,7 @@ _WHERE = {
     "certify": "floquet.proof",
     "compare": "floquet.comparison",
     "conventions": "equations.conventions",
+    "save_report": "rod.hand_over",
     "second_moments": "equations",
     "SecondMoments": "equations",
     "critical_noise": "floquet.critical_noise",

@@ -190,6 +190,9 @@ _COMMANDS = {
         "say how far a string can be pushed down a straight channel", lambda: import_module("floquetrod.cli.lock_up")
     ),
     "reach": _Command("say how far a string can be pushed into a well", lambda: import_module("floquetrod.cli.reach")),
+    "report": _Command(
+        "write a rod under a load into one file, a page or a PDF", lambda: import_module("floquetrod.cli.report")
+    ),
     "reproduce": _Command("make the published study again", lambda: import_module("floquetrod.cli.reproduce")),
 }
 """The commands in the order of the help; what one of them imports is imported for it alone."""

@@ -32,14 +32,20 @@ effective, push positive; without --push the upper end is pushed as hard as it t
 def add(command: argparse.ArgumentParser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _reach)
-    command.add_argument("--well", required=True, metavar="FILE", type=Path, help="survey, a text file of columns")
+    add_well(command, required=True)
+    add_rod(command, classified=False)
+    command.add_argument("--figure", metavar="FILE", type=Path, help="write a figure of all of it (.png, .pdf, .svg)")
+
+
+def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
+    """Add the options that describe a well and how a string is pushed into it."""
+    command.add_argument("--well", required=required, metavar="FILE", type=Path, help="survey, a text file of columns")
     command.add_argument("--depth-unit", metavar="UNIT", help="unit of its depths, where the headings name none")
     command.add_argument("--angle-unit", metavar="UNIT", help="unit of its angles, where the headings name none: deg")
-    add_rod(command, classified=False)
     command.add_argument(
         "--friction",
         "--mu",
-        required=True,
+        required=required,
         metavar="MU",
         help="coefficient of friction with the wall, such as 0.3, or 0.2,0.35@1500m with another from 1500 m on",
     )
@@ -55,19 +61,15 @@ def add(command: argparse.ArgumentParser) -> None:
         default="energy",
         help="when it becomes a helix: from sqrt(2), 1.83 or 2 sqrt(2) times the force at which it snakes, or always",
     )
-    command.add_argument("--figure", metavar="FILE", type=Path, help="write a figure of all of it (.png, .pdf, .svg)")
 
 
-def _reach(options: argparse.Namespace) -> Output:
-    from floquetrod.plotting import charts
+def read_reach(options: argparse.Namespace, rod: fr.Rod) -> fr.Reach:
+    """Return how far a string can be pushed into the well of the options."""
     from floquetrod.rod import reading
 
-    if options.figure is not None:
-        check_out(options.figure, charts.FIGURES, "--figure")
-    rod = read_rod(options)
     path = fr.WellPath.from_csv(options.well, depth_unit=options.depth_unit, angle_unit=options.angle_unit)
     with Waiting("pushing the string"):
-        found = rod.reach(
+        return rod.reach(
             path,
             reading.read_friction(options.friction, "--friction"),
             tool=None if options.tool is None else reading.read_tool(options.tool, "--tool"),
@@ -76,6 +78,14 @@ def _reach(options: argparse.Namespace) -> Output:
             push=None if options.push is None else _force(options.push, "--push", rod),
             helical=options.helical,
         )
+
+
+def _reach(options: argparse.Namespace) -> Output:
+    from floquetrod.plotting import charts
+
+    if options.figure is not None:
+        check_out(options.figure, charts.FIGURES, "--figure")
+    found = read_reach(options, read_rod(options))
     if options.figure is not None:
         charts.save_figure(found.plot(), options.figure)
     return output(options, found.report, found.as_dict)

@@ -30,7 +30,8 @@ body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid var(--line); }
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-size: 0.9rem; }
 th, td { text-align: left; vertical-align: top; padding: 0.15rem 0.9rem 0.15rem 0; }
-th { font-weight: 600; white-space: nowrap; } td { overflow-wrap: anywhere; }
+table + table { margin-top: 0.8rem; } th { font-weight: 600; white-space: nowrap; }
+td { overflow-wrap: break-word; } td:not(:last-child) { white-space: nowrap; }
 img { width: 100%; height: auto; background: #ffffff; border-radius: 4px; }
 """
 

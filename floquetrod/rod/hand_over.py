@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from floquetrod._util import validate
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Table
 from floquetrod._util.version import __version__
@@ -31,7 +32,47 @@ def save_report(
     command: str = "",
     progress: Progress | None = None,
 ) -> Path:
-    """Write what `Rod.save_report` does."""
+    """Write what there is to say of a rod under a load into one file that can be passed on, HTML or PDF.
+
+    Rod, load and verdict with margins; a map about the load; constant forces at which the literature has the rod
+    buckle, and the stress; how far its string can be pushed; what is assumed; versions and what makes it again.
+
+    Parameters
+    ----------
+    verdict : RodStability
+        What ``rod.stability(load)`` returned.
+    path : str or path
+        Ends in .html, a page with its figures inside, or .pdf.  It is written completely or not at all.
+    reach : Reach, optional
+        What ``rod.reach`` returned, to be told too.
+    units : mapping, optional
+        In which to show the load, as in ``verdict.report``.
+    margins : bool, optional
+        Whether to search the margins; by default where they take some seconds at most.
+    command : str
+        What makes the file again; by default the expression in Python.
+    progress : callable, optional
+        Of the margins, as in ``verdict.margins``.
+
+    Returns
+    -------
+    Path
+
+    Raises
+    ------
+    ValueError, TypeError
+        For other endings, and for what is no verdict on a rod or no reach.
+
+    Examples
+    --------
+    >>> import floquetrod as fr
+    >>> verdict = fr.Rod.nitinol().stability(fr.AxialLoad(0.34, 0.34, 150.0))
+    >>> fr.save_report(verdict, "report.html", units={"mean": "Fcr", "frequency": "Hz"}).name  # doctest: +SKIP
+    'report.html'
+    """
+    _require("verdict", verdict, RodStability, "what rod.stability returned")
+    if reach is not None:
+        _require("reach", reach, Reach, "what rod.reach returned")
     return document.save(
         path,
         f"Stability of a rod: {verdict.status}",
@@ -44,6 +85,11 @@ def save_report(
             _made(verdict, command),
         ],
     )
+
+
+def _require(name: str, value: Any, kind: type, what: str) -> None:
+    if not isinstance(value, kind):
+        raise validate.wrong_type(name, f"must be {what}, got {validate.short(value)}")
 
 
 def _verdict(

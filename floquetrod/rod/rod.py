@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from floquetrod._util import validate
@@ -207,53 +206,6 @@ class Rod(RodData):
         """
         load, tolerance = require_load("load", load), validate.tolerance("growth_tolerance", growth_tolerance)
         return self.modes_under(load).modes_needed(load, tolerance)
-
-    def save_report(
-        self,
-        load: AnyLoad,
-        path: str | Path,
-        *,
-        reach: Reach | None = None,
-        units: Mapping[str, str] | None = None,
-        margins: bool | None = None,
-        command: str = "",
-        progress: Progress | None = None,
-    ) -> Path:
-        """Write what there is to say of a load into one file that can be passed on, HTML or PDF.
-
-        Rod, load and verdict with margins; a map about the load; constant forces at which the literature has the rod
-        buckle, and the stress; how far its string can be pushed; what is assumed; versions and what makes it again.
-
-        Parameters
-        ----------
-        load : AxialLoad, AxialWave or ForceRecord
-        path : str or path
-            Ends in .html, a page with its figures inside, or .pdf.  It is written completely or not at all.
-        reach : Reach, optional
-            What `reach` returned, to be told too.
-        units : mapping, optional
-            In which to show the load, as in `RodStability.report`.
-        margins : bool, optional
-            Whether to search the margins; by default where they take some seconds at most.
-        command : str
-            What makes the file again, by default the expression in Python.
-        progress : callable, optional
-            Of the margins, as in `RodStability.margins`.
-
-        Returns
-        -------
-        Path
-
-        Raises
-        ------
-        ValueError, TypeError
-            For other endings, and for what `stability` refuses.
-        """
-        from floquetrod.rod.hand_over import save_report
-
-        return save_report(
-            self.stability(load), path, reach=reach, units=units, margins=margins, command=command, progress=progress
-        )
 
     # --- along a well ---
 

@@ -1,0 +1,91 @@
+"""`floquetrod report`: a rod under a load in one file that can be passed on."""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+import sys
+from pathlib import Path
+
+import floquetrod as fr
+from floquetrod.cli import reach
+from floquetrod.cli.common import add_rod, add_units, check_out, describe_command, read_rod, read_tolerance, read_units
+from floquetrod.cli.loads import add_kind, add_load, read_kind, read_load, read_record, require_quantities
+from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.waiting import Waiting
+
+_HELP = """\
+Write all there is to say of a rod under a load into one file that can be passed on: a page with its figures, or a PDF.
+
+examples:
+  floquetrod report --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s --out nitinol.html
+  floquetrod report --rod examples/tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --out tubing.pdf
+  floquetrod report --rod examples/tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --well examples/survey.csv \\
+      --friction 0.3 --tool 5kN@18Hz@30m --out tubing.html
+
+It holds the verdict with growth and margins, a map of mean forces and frequencies about the load, the constant forces
+at which the literature has the rod buckle, the stress and its share of yield where the grade is known, what is assumed,
+and the command that makes it again; with --well how far the string can be pushed into that well.
+"""
+
+
+def add(command: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(command, _HELP, _report)
+    add_rod(command)
+    add_load(command)
+    add_kind(command)
+    add_units(command)
+    reach.add_well(command, required=False)
+    command.add_argument(
+        "--margins",
+        action=argparse.BooleanOptionalAction,
+        help="search the margins and the damping that stabilises (default: where that takes some seconds)",
+    )
+    command.add_argument(
+        "--out", metavar="FILE", type=Path, default=Path("report.html"), help=".html or .pdf (default report.html)"
+    )
+
+
+def _report(options: argparse.Namespace) -> Output:
+    from floquetrod.plotting import document
+
+    require_quantities(options)
+    check_out(options.out, document.KINDS)
+    _require_well(options)
+    rod = read_rod(options)
+    record = read_record(options, rod)
+    load = read_load(options, rod, read_kind(options, record))
+    pushed = None if options.well is None else reach.read_reach(options, rod)
+    tolerance, shown = read_tolerance(options), read_units(options, rod)
+    with Waiting("deciding stability", "verdicts") as progress:
+        verdict = rod.stability(load, growth_tolerance=tolerance, progress=progress)
+    with Waiting(f"{verdict.status}; writing {options.out}", "percent") as progress:
+        fr.save_report(
+            verdict,
+            options.out,
+            reach=pushed,
+            units=names(shown),
+            margins=options.margins,
+            command=shlex.join(["floquetrod", *sys.argv[1:]]),
+            progress=progress,
+        )
+    headline = verdict.report(names(shown)).headline
+    return output(
+        options,
+        lambda: f"{headline}\nwritten: {options.out}",
+        lambda: {"status": verdict.status, "written": [str(options.out)]},
+    )
+
+
+def _require_well(options: argparse.Namespace) -> None:
+    """Raise ValueError where options about a well miss it, or it misses its friction."""
+    if options.well is not None and options.friction is None:
+        raise ValueError("--well needs --friction, the coefficient with its wall, such as --friction 0.3")
+    if options.well is None:
+        for name in ("friction", "tool", "push", "depth_unit", "angle_unit"):
+            if (given := getattr(options, name)) is not None:
+                raise ValueError(
+                    f"--{name.replace('_', '-')} needs --well, got {given!r} alone: it is about the well the string is "
+                    "pushed into; add --well survey.csv"
+                )

@@ -1,0 +1,98 @@
+"""A verdict on a rod in one file to pass on."""
+
+from __future__ import annotations
+
+import base64
+import re
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import pytest
+
+import floquetrod as fr
+from floquetrod.cli.main import main
+from floquetrod.plotting import document
+
+ROOT = Path(__file__).parents[1]
+ROD = fr.Rod.nitinol()
+VERDICT = ROD.stability(fr.AxialLoad(0.2 * ROD.critical_force, 0.2 * ROD.critical_force, 150.0))
+STATIC = ROD.stability(fr.AxialLoad(0.5, 0.0, 150.0))
+
+
+def words(page: str) -> str:
+    return " ".join(re.sub(r"<[^>]*>", " ", page).split())
+
+
+@pytest.mark.slow
+def test_a_page_needs_no_other_file_and_says_what_the_verdict_says(tmp_path: Path) -> None:
+    path = fr.save_report(VERDICT, tmp_path / "rod.html", units={"mean": "Fcr"})
+    page = path.read_text(encoding="utf-8")
+    assert not re.search(r'(?:src|href)="(?!data:)', page)
+    for line in (
+        "UNSTABLE: mode 7 grows",
+        "mean 0.2 Fcr (0.3392 N)",
+        "margins",
+        "Dawson & Paslay 1984".replace("&", "&amp;"),
+    ):
+        assert line in words(page)
+    assert eval(re.search(r"again (Rod\(.*?\)\.stability\(AxialLoad\(.*?\)\))", words(page))[1], vars(fr)) == VERDICT
+    pictures = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', page)
+    assert len(pictures) == 1
+    assert ET.fromstring(base64.b64decode(pictures[0])).tag.endswith("svg")
+    assert fr.save_report(VERDICT, tmp_path / "again.html", units={"mean": "Fcr"}).read_bytes() == path.read_bytes()
+
+
+def test_text_is_not_markup(tmp_path: Path) -> None:
+    page = fr.save_report(STATIC, tmp_path / "a.html", command="floquetrod report --rod '<b>&.toml'").read_text()
+    assert "&lt;b&gt;&amp;.toml" in page
+    assert "<img" not in page  # without vibration there is no map
+
+
+@pytest.mark.slow
+def test_a_pdf_has_pages_of_text_and_one_of_each_figure(tmp_path: Path) -> None:
+    plain = fr.save_report(STATIC, tmp_path / "plain.pdf").read_bytes()
+    drawn = fr.save_report(VERDICT, tmp_path / "drawn.pdf").read_bytes()
+    pages = [len(re.findall(rb"/Type /Page\b", content)) for content in (plain, drawn)]
+    assert plain.startswith(b"%PDF")
+    assert pages == [1, 3]  # the map stands between two parts of the text
+
+
+def test_lines_of_a_pdf_fit_its_page() -> None:
+    long = "assumed   " + "word " * 60 + "\n" + "x" * 200
+    assert max(map(len, document._wrapped(long))) <= 92
+
+
+def test_what_is_wrong_writes_nothing(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"path must end in \.html or \.pdf, got '.*a\.doc'"):
+        fr.save_report(STATIC, tmp_path / "a.doc")
+    with pytest.raises(TypeError, match=r"verdict must be what rod\.stability returned"):
+        fr.save_report(fr.stability(fr.Mathieu(0.5, -0.25)), tmp_path / "a.html")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"reach must be what rod\.reach returned"):
+        fr.save_report(STATIC, tmp_path / "a.html", reach=3.0)  # type: ignore[arg-type]
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_terminal(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    load = ["--rod", "nitinol", "--mean", "0.2Fcr", "--amplitude", "0", "--frequency", "24Hz"]
+    assert main(["report", *load]) == 0
+    assert capsys.readouterr().out == "STABLE\nwritten: report.html\n"
+    assert "24 Hz" in words((tmp_path / "report.html").read_text())
+    for wrong, message in (
+        (["--tool", "5kN@18Hz"], "--tool needs --well"),
+        (["--well", "survey.csv"], "--well needs --friction"),
+        (["--out", "report.doc"], "--out must end in .html or .pdf"),
+    ):
+        assert main(["report", *load, *wrong]) == 2
+        assert message in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_of_tubing_in_a_well_reach_is_told_and_drawn(tmp_path: Path) -> None:
+    path = tmp_path / "tubing.html"
+    load = ["--mean", "3kN", "--amplitude", "2kN", "--frequency", "4Hz", "--no-margins"]
+    well = ["--well", str(ROOT / "examples/survey.csv"), "--friction", "0.3", "--tool", "5kN@18Hz@30m"]
+    assert main(["report", "--rod", str(ROOT / "examples/tubing.toml"), *load, *well, "--out", str(path)]) == 0
+    page = path.read_text()
+    assert "can be pushed to" in words(page)
+    assert page.count("<img") == 3  # shape, map, reach
