@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 import floquetrod as fr
+from floquetrod.orbits.collocation import Collocation, Row
+from floquetrod.orbits.newton import corrected
 
 
 def van_der_pol(t: Any, x: Any, mu: float) -> Any:
@@ -69,6 +71,81 @@ def test_an_orbit_is_kept() -> None:
     assert "two degrees" in str(orbit)
 
 
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
+def test_errors_cover_the_truth(tolerance: float) -> None:
+    for system, start, near, period, _ in KNOWN[:2] + KNOWN[3:]:
+        orbit, exact = (fr.periodic_orbit(system, start, near, tolerance=each) for each in (tolerance, 1e-12))
+        times = np.linspace(0.0, orbit.period, 301)
+        if system is DUFFING:  # the phase of the others is free
+            gap = float((np.abs(orbit(times) - exact(times)) / orbit.point.scale).max())
+            assert 1e-15 < gap <= orbit.error < 10.0 * tolerance
+        assert abs(orbit.period - period) <= orbit.period_error + exact.period_error
+        found = zip(orbit.stability.multipliers, orbit.stability.multiplier_errors, strict=True)
+        for (mu, error), true in zip(found, exact.stability.multipliers, strict=True):
+            assert abs(mu - true) <= error + 1e-25
+
+
+def test_the_linearised_system_has_the_multipliers() -> None:
+    orbit = fr.periodic_orbit(DUFFING, [1.0, 0.0])
+    other = fr.stability(orbit.linearised)
+    assert other.status == orbit.status
+    found = sorted(zip(orbit.stability.multipliers, orbit.stability.multiplier_errors, strict=True), key=str)
+    for (mu, error), (other_mu, other_error) in zip(
+        found, sorted(zip(other.multipliers, other.multiplier_errors, strict=True), key=str), strict=True
+    ):
+        assert abs(mu - other_mu) <= error + other_error < 1e-8
+
+
+def test_an_orbit_starts_from_a_record_of_motion_and_from_another_orbit() -> None:
+    orbit = fr.periodic_orbit(VAN_DER_POL, [2.0, 0.0])
+    times = np.linspace(3.0, 25.0, 600)
+    again = fr.periodic_orbit(VAN_DER_POL, (times, orbit(times) + 1e-3 * np.sin(50.0 * times)[:, None]))
+    assert abs(again.period - orbit.period) < 1e-12
+    moved = fr.periodic_orbit(VAN_DER_POL.with_parameters(mu=1.05), orbit)
+    assert moved.period > orbit.period + 1e-3
+    forced = fr.periodic_orbit(DUFFING, [1.0, 0.0])
+    times = np.linspace(7.3, 16.0, 300)
+    assert np.abs(fr.periodic_orbit(DUFFING, (times, forced(times))).states[0] - forced.states[0]).max() < 1e-11
+
+
+def test_orbits_of_a_conservative_system_form_a_family() -> None:
+    """The period of the pendulum by the arithmetic-geometric mean; its multipliers are both 1."""
+    system = fr.NonlinearSystem(lambda t, x: (x[1], -np.sin(x[0])))
+    orbit = fr.periodic_orbit(system, [1.0, 0.0])
+    energy = 0.5 * orbit.states[0, 1] ** 2 - math.cos(orbit.states[0, 0])  # -cos of the amplitude
+    a, b = 1.0, math.sqrt(0.5 * (1.0 - energy))
+    for _ in range(6):
+        a, b = 0.5 * (a + b), math.sqrt(a * b)
+    assert abs(orbit.period - 2.0 * math.pi / a) < 1e-11
+    assert abs(orbit.stability.multipliers[0] - 1.0) < 1e-12
+
+
+def test_a_period_of_the_forcing_may_be_several() -> None:
+    orbit = fr.periodic_orbit(DUFFING, [1.0, 0.0], 4.0 * math.pi / 1.2)
+    single = fr.periodic_orbit(DUFFING, [1.0, 0.0]).stability.multipliers
+    assert np.abs(np.sort_complex(orbit.stability.multipliers) - np.sort_complex(np.square(single))).max() < 1e-10
+    with pytest.raises(ValueError, match="whole multiple of the system's"):
+        fr.periodic_orbit(DUFFING, [1.0, 0.0], 3.0)
+
+
+def test_derivatives_with_a_parameter_and_the_tangent_of_a_branch() -> None:
+    """What continuation needs: along the tangent the equations stay satisfied to second order."""
+    orbit = fr.periodic_orbit(DUFFING, [1.0, 0.0])
+    given = orbit.collocation
+    collocation = Collocation(orbit.system, given.mesh, given.degree, given.turns, "omega")
+    point = orbit.point._replace(value=1.2)
+    row = Row(np.zeros_like(point.nodes), np.array([1.0]), 1.2)
+    tangent = collocation.tangent(collocation.linearised(point), [row], point.scale)
+    assert tangent.scalars[0] == pytest.approx(1.0)
+    ahead = fr.periodic_orbit(DUFFING.with_parameters(omega=1.2 + 1e-4), orbit)
+    behind = fr.periodic_orbit(DUFFING.with_parameters(omega=1.2 - 1e-4), orbit)
+    slope = (ahead.states[0] - behind.states[0]) / 2e-4
+    assert np.abs(tangent.nodes[0] - slope).max() < 1e-6
+    moved = corrected(collocation, collocation.moved(point, tangent, 1e-3), [row._replace(target=1.201)])
+    assert moved.point.value == pytest.approx(1.201, abs=1e-14)
+    assert moved.point.period == pytest.approx(2.0 * math.pi / 1.201, abs=1e-12)
+
+
 @pytest.mark.parametrize(
     ("function", "start", "message"),
     [
@@ -82,3 +159,28 @@ def test_an_orbit_is_kept() -> None:
 def test_functions_that_are_not_as_they_should_be(function: Any, start: Any, message: str) -> None:
     with pytest.raises((ValueError, TypeError), match=message):
         fr.periodic_orbit(fr.NonlinearSystem(function, period=1.0), start)
+
+
+@pytest.mark.parametrize(
+    ("system", "start", "message"),
+    [
+        (VAN_DER_POL, [0.0, 0.0], "flows to a state of rest"),
+        (VAN_DER_POL.with_parameters(mu=-1.0), [0.5, 0.0], "flows to a state of rest"),
+        (VAN_DER_POL.with_parameters(mu=-1.0), [4.0, 0.0], "start flows away"),
+        (VAN_DER_POL, [2.0, 0.0, 1.0], "function must return 3 rates"),
+        (VAN_DER_POL, [[2.0, 0.0]], "start must be a state"),
+        (VAN_DER_POL, ([0.0, 1.0], [[2.0, 0.0], [1.0, 1.0]]), "8 instants or more"),
+        (DUFFING, (np.linspace(0.0, 1.0, 50), np.ones((50, 2))), "start must cover a period"),
+        (fr.NonlinearSystem(lambda t, x: (x[1], np.cos(t) - x[0])), [1.0, 0.0], "depends on time; give its period"),
+    ],
+)
+def test_starts_that_lead_nowhere(system: Any, start: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        fr.periodic_orbit(system, start)
+
+
+def test_newton_says_where_it_stood() -> None:
+    motion = np.array([3.0, 3.0, 3.0]) * np.cos(np.arange(0.0, 9.0, 0.02))[:, None]
+    with pytest.raises(fr.NoOrbitError, match=r"it stood at the period .* missed by") as caught:
+        fr.periodic_orbit(LORENZ, (np.arange(0.0, 9.0, 0.02), motion), 0.01)
+    assert caught.value.point is not None

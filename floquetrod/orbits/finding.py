@@ -23,7 +23,7 @@ _EPS = 2.220446049250313e-16
 _DEGREES = ((24, 8), (10**9, 6))  # Gauss points of systems of up to so many equations (a choice)
 _MORE = 2  # points of the finer of the two orbits that are compared
 _FOLLOWED = 1.5  # lengths of intervals, of those that follow deviations to about 1e-12
-_FIRST = (24, 96, 384)  # intervals of the first mesh, tried in turn
+_FIRST = (24, 120)  # intervals of the first mesh, tried in turn
 _MOST_MESHES = 10
 _TRIALS = np.array([0.08, 0.29, 0.5, 0.71, 0.92])  # of an interval, where the two are compared
 
