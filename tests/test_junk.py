@@ -39,6 +39,13 @@ ALL: dict[str, Any] = {"alpha": 0.5, "beta": -0.25, "damping": 0.01, "workers": 
 LOADS: dict[str, Any] = {"mean": 0.3, "amplitude": 0.3, "frequency": 150.0}
 KICKS: dict[str, Any] = {"alpha": 1.0, "beta": 0.3, "gamma": 1.0, "damping": 0.01, "workers": 1}
 
+
+def decays(t: Any, x: Any, rate: float) -> Any:
+    return (np.cos(math.pi * t) - rate * x[0],)
+
+
+DRIVEN = fr.NonlinearSystem(decays, period=2.0, parameters={"rate": 1.0})
+
 OPTIONS: list[tuple[Any, str, dict[str, Any]]] = [
     (MATHIEU, "determinant", {"terms": 40}),
     (MATHIEU, "monodromy", {"rtol": 1e-10}),
@@ -162,6 +169,8 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (fr.mathieu.characteristic_function, {"order": 3, "q": 1.0, "kind": "a"}),
     (fr.mathieu.floquet_solutions, {"equation": fr.Mathieu(0.5, -0.3), "per": "z"}),
     (fr.mathieu.exponents, {"alpha": 0.5, "beta": -0.3, "damping": 0.1, "per": "z", "workers": 1}),
+    (fr.NonlinearSystem, {"function": decays, "jacobian": None, "period": 2.0, "parameters": {"rate": 1.0}}),
+    (fr.periodic_orbit, {"system": DRIVEN, "start": [1.0], "period": 2.0, "tolerance": 1e-6}),
     (fr.solve, {"equation": fr.Mathieu(0.5, -0.3), "initial": (1.0, 0.0), "span": 2.0}),
     (fr.floquet_solutions, {"equation": fr.Meissner(0.5, -0.3)}),
     (
@@ -556,6 +565,7 @@ def test_the_table_has_every_public_function_and_every_argument() -> None:
         "FloquetMode",
         "Margin",
         "MeanForce",
+        "PeriodicOrbit",
         "Proof",
         "Reach",
         "RegionProof",

@@ -131,7 +131,7 @@ def test_a_linear_system_with_a_force() -> None:
         ({"parameters": {"nu": 1.0}}, "parameters has 'nu', which function does not take; it takes mu"),
         ({}, "parameters must have a value of 'mu'"),
         ({"parameters": {"mu": math.nan}}, "must be finite"),
-        ({"parameters": {"mu": 1.0}, "period": "2*pi/nu"}, "'nu', which is not among the parameters"),
+        ({"parameters": {"mu": 1.0}, "period": "2*pi/nu"}, "'nu', which is no parameter"),
         ({"parameters": {"mu": 1.0}, "period": "().__class__"}, "period must be a number or a formula"),
         ({"parameters": {"mu": 0.0}, "period": "2*pi/mu"}, "division by zero"),
         ({"parameters": {"mu": -1.0}, "period": "2*pi/mu"}, "period must be greater than zero"),

@@ -124,7 +124,7 @@ def test_a_period_of_the_forcing_may_be_several() -> None:
     orbit = fr.periodic_orbit(DUFFING, [1.0, 0.0], 4.0 * math.pi / 1.2)
     single = fr.periodic_orbit(DUFFING, [1.0, 0.0]).stability.multipliers
     assert np.abs(np.sort_complex(orbit.stability.multipliers) - np.sort_complex(np.square(single))).max() < 1e-10
-    with pytest.raises(ValueError, match="whole multiple of the system's"):
+    with pytest.raises(ValueError, match="1 to 1000 times the system's"):
         fr.periodic_orbit(DUFFING, [1.0, 0.0], 3.0)
 
 

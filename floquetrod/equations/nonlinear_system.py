@@ -301,12 +301,17 @@ def _formula(text: str, parameters: Mapping[str, float]) -> Any:
         names = [node.id for node in ast.walk(tree) if isinstance(node, ast.Name)]
         if unknown := [name for name in names if name not in known]:
             hint = did_you_mean(unknown[0], list(known))
-            raise ValueError(f"period = {text!r} has {unknown[0]!r}, which is not among the parameters{hint}")
+            raise ValueError(
+                f"period {validate.short(text)} has {validate.short(unknown[0])}, which is no parameter{hint}"
+            )
         if not all(isinstance(node, _ALLOWED) for node in ast.walk(tree)):
             raise SyntaxError("not a formula")
         return eval(compile(tree, "period", "eval"), {"__builtins__": {}}, known)
-    except (SyntaxError, TypeError, ArithmeticError) as error:
-        raise ValueError(f"period must be a number or a formula such as '2*pi/omega', got {text!r}: {error}") from None
+    except (SyntaxError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
+        raise ValueError(
+            f"period must be a number or a formula such as '2*pi/omega', got {validate.short(text)}: "
+            f"{validate.short(str(error))}"
+        ) from None
 
 
 def _is_number(value: Any) -> bool:

@@ -94,13 +94,13 @@ class Point(NamedTuple):
         States at the Gauss points.
     period : float
     value : float
-        Of the unknown parameter; NaN where there is none.
+        Of the unknown parameter; 0 where there is none.
     """
 
     nodes: Floats
     stages: Floats
     period: float
-    value: float = float("nan")
+    value: float = 0.0
 
     @property
     def scale(self) -> Floats:

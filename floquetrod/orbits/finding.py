@@ -25,6 +25,7 @@ _MORE = 2  # points of the finer of the two orbits that are compared
 _FOLLOWED = 1.5  # lengths of intervals, of those that follow deviations to about 1e-12
 _FIRST = (24, 120)  # intervals of the first mesh, tried in turn
 _MOST_MESHES = 10
+_MOST_TURNS = 1000  # of the forcing in an orbit (a choice)
 _TRIALS = np.array([0.08, 0.29, 0.5, 0.71, 0.92])  # of an interval, where the two are compared
 
 
@@ -96,9 +97,9 @@ def _turns(system: NonlinearSystem, period: float | None) -> int | None:
     own = system.period
     if own is None:
         return None
-    turns = 1 if period is None else round(period / own)
-    if turns < 1 or (period is not None and abs(period - turns * own) > 1e-6 * own):
-        raise ValueError(f"period must be a whole multiple of the system's, {own:.9g}, got {period!r}")
+    turns = 1 if period is None else round(min(period / own, 2.0 * _MOST_TURNS))
+    if not 1 <= turns <= _MOST_TURNS or (period is not None and abs(period - turns * own) > 1e-6 * own):
+        raise ValueError(f"period must be 1 to {_MOST_TURNS} times the system's, {own:.9g}, got {period!r}")
     return turns
 
 
@@ -108,7 +109,7 @@ def _from_orbit(system: NonlinearSystem, start: PeriodicOrbit, turns: int | None
         raise ValueError("start must be an orbit of a system that is forced, or autonomous, as this one is")
     given = start.collocation
     collocation = Collocation(system, given.mesh, given.degree, turns)
-    point = start.point._replace(value=math.nan)
+    point = start.point._replace(value=0.0)
     return collocation, point._replace(period=collocation.period_at(point))
 
 
@@ -141,7 +142,7 @@ def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -
     """
     system = collocation.system_at(point.value)
     collocation = Collocation(system, collocation.mesh, collocation.degree, collocation.turns)
-    point = point._replace(value=math.nan)
+    point = point._replace(value=0.0)
     collocation, point = meshes.carried(collocation, point, collocation.mesh, _degree(point.nodes.shape[1]))
     _require_periodic(collocation, point)
     steps, best = 0, None

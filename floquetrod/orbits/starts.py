@@ -226,7 +226,10 @@ def _marched(system: NonlinearSystem, state: Floats, span: float, when: str, sam
         )
     arrived = said["message"] == "Integration successful."
     if not arrived and (np.abs(states) < 1e-3 * _LARGEST).all():
-        raise ValueError("start leads to motion that cannot be followed: the function jumps, or changes too fast")
+        raise ValueError(
+            f"start leads to motion that cannot be followed over a period of {span:.4g}: does the function jump, or "
+            "change too fast?"
+        )
     if not (arrived and (np.abs(states) <= _LARGEST).all()):
         raise ValueError(
             f"start flows away: {when + ' ' if when else ''}the motion is beyond {_LARGEST:g}, or not finite"
