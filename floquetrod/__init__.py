@@ -53,6 +53,8 @@ if TYPE_CHECKING:
     from floquetrod.floquet.status import UndecidedWarning as UndecidedWarning
     from floquetrod.floquet.verdict import Stability as Stability
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
+    from floquetrod.milling import Milling as Milling
+    from floquetrod.milling import ToolMode as ToolMode
     from floquetrod.orbits import NoOrbitError as NoOrbitError
     from floquetrod.orbits import PeriodicOrbit as PeriodicOrbit
     from floquetrod.orbits import periodic_orbit as periodic_orbit
@@ -113,6 +115,8 @@ _WHERE = {
     "NoOrbitError": "orbits",
     "PeriodicOrbit": "orbits",
     "periodic_orbit": "orbits",
+    "Milling": "milling",
+    "ToolMode": "milling",
     "PeriodicSystem": "equations",
     "Perturbation": "simulation.start",
     "PlausibilityWarning": "_util.implausible",

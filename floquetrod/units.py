@@ -20,6 +20,8 @@ _UNITS: dict[str, dict[str, float]] = {
     "frequency": {"rad/s": 1.0, "1/s": 1.0, "Hz": 2.0 * math.pi, "kHz": 2e3 * math.pi, "rpm": math.pi / 30.0},
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048},
+    "mass": {"kg": 1.0, "g": 1e-3, "mg": 1e-6},
+    "stiffness": {"N/m": 1.0, "N/mm": 1e3, "kN/m": 1e3, "N/um": 1e6, "MN/m": 1e6},
     "pressure": {
         "Pa": 1.0,
         "kPa": 1e3,
@@ -246,8 +248,8 @@ def quantity(
     name : str
         What it is called in messages.
     kind : str
-        "force", "frequency" (angular, in rad/s), "length", "pressure", "density", "acceleration", "rate",
-        "speed", "time", "angle" or "ratio" (which has no unit).
+        "force", "frequency" (angular, in rad/s), "length", "mass", "stiffness", "pressure", "density", "acceleration",
+        "rate", "speed", "time", "angle" or "ratio" (which has no unit).
     critical_force : float, optional
         In N; with it, forces may be given in "Fcr".
     nominal : float, optional

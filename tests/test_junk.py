@@ -195,6 +195,20 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
         {"path": WELL, "friction": 0.2, "tool": fr.VibrationTool(1.0, 100.0, 3.0), "speed": 0.05}
         | {"far_force": 0.1, "push": 3.0, "depth": [10.0], "helical": "energy"},
     ),
+    (fr.ToolMode, {"frequency": "922Hz", "damping_ratio": 0.011, "mass": "39.93g"}),
+    (fr.ToolMode, {"frequency": "922Hz", "damping_ratio": 0.011, "stiffness": "1.3N/um"}),
+    (
+        fr.Milling,
+        {
+            "x": [fr.ToolMode("922Hz", 0.011, "39.93g")],
+            "y": [fr.ToolMode("922Hz", 0.011, "39.93g")],
+            "teeth": 2,
+            "tangential": "600MPa",
+            "radial": "200MPa",
+            "immersion": 0.5,
+            "direction": "up",
+        },
+    ),
     (fr.WellPath, {"depth": [0.0, 900.0], "inclination": [0.0, 0.1], "azimuth": [0.0, 0.5]}),
     (fr.WellPath.arc, {"length": 30.0, "inclination": (0.0, 0.1), "azimuth": 0.5, "depth": 900.0}),
     (fr.WellPath.straight, {"length": 30.0, "inclination": 0.1, "azimuth": 0.5, "depth": 900.0}),

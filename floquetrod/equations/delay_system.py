@@ -84,7 +84,7 @@ class DelaySystem(ByContent):
     >>> system = DelaySystem([[1.2]], [[[0.5]]], damping=[[0.05]], delayed=[(2.0 * math.pi, [[-0.2]])])
     >>> found = fr.stability(system)
     >>> found.status, f"{found.multipliers[0]:.9f}"
-    ('stable', '0.952316474+0.006558236j')
+    ('stable', '0.952316474-0.006558236j')
     """
 
     present: HillSystem | PeriodicSystem

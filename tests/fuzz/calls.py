@@ -43,6 +43,7 @@ VALUES = (fr.AxialLoad, fr.AxialWave, fr.Perturbation, fr.FiniteTimeCriterion, f
 VALUES += (
     fr.SimulationProblem,
     fr.DelaySystem,
+    fr.Milling,
     fr.HillSystem,
     fr.PeriodicSystem,
     fr.ForceRecord,
@@ -247,6 +248,7 @@ def table() -> dict[str, Call]:
         | _of_friction()
         | _of_systems()
         | _of_orbits()
+        | _of_milling()
     )
     criterion = fr.FiniteTimeCriterion()
     ranges = ROD.stable_mean_forces(0.34, 150.0, growth_tolerance=0.1)
@@ -555,6 +557,24 @@ def _of_friction() -> dict[str, Call]:
         "friction.trajectory": Call(f.trajectory, {"equation": FRICTION, "kick": 1.5, "periods": 3}),
         "friction.leapfrog_escapes": Call(
             f.leapfrog_escapes, {**point, "kick": 1.5, "periods": 3, "step": 0.1, "limit": 1e3}
+        ),
+    }
+
+
+def _of_milling() -> dict[str, Call]:
+    mode = fr.ToolMode("922Hz", 0.011, "39.93g")
+    cutter = {"x": [mode], "y": [mode], "teeth": 2, "tangential": "600MPa", "radial": "200MPa", "immersion": 0.5}
+    mill = fr.Milling(**{**cutter, "y": []})
+    place = {"speed": "9000rpm", "depth": "0.5mm"}
+    return {
+        "ToolMode": Call(fr.ToolMode, {"frequency": "922Hz", "damping_ratio": 0.011, "mass": 0.04, "stiffness": None}),
+        "Milling": Call(fr.Milling, cutter | {"direction": "down"}),
+        "Milling.cutting": Call(mill.cutting, {"angle": 0.3}),
+        "Milling.system": Call(mill.system, place),
+        "Milling.stability": Call(mill.stability, place),
+        "Milling.critical_depth": Call(mill.critical_depth, {"speed": "9000rpm", "most": "2mm"}),
+        "Milling.lobes": Call(
+            mill.lobes, {"speed": ("9000rpm", "9500rpm", 3), "depth": (0.0, "1mm", 3), "growth": False}
         ),
     }
 

@@ -5,9 +5,6 @@ D. Breda, S. Maset and R. Vermiglio, SIAM J. Numer. Anal. 50 (2012) 1456, doi:10
 
 from __future__ import annotations
 
-import math
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,6 +12,7 @@ from floquetrod._util import validate
 from floquetrod.equations import DelaySystem
 from floquetrod.floquet.systems import delay_maps, delay_roots, delay_spectra
 from floquetrod.floquet.systems.classification import classify_multipliers
+from floquetrod.floquet.systems.delay_mesh import Mesh
 from floquetrod.floquet.systems.delay_spectra import Multipliers
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import Cost
@@ -26,13 +24,6 @@ _PLENTY = (
 )
 _LEAST = 0.01  # modulus over the longest delay of multipliers looked for where nothing varies (a choice)
 _LEFT_OUT = "multipliers of modulus below {:.3g} are left out"
-
-
-class _Found(NamedTuple):
-    """Multipliers with one number of nodes, and the rows that took."""
-
-    multipliers: Multipliers | None
-    rows: int
 
 
 def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1) -> SystemStability:
@@ -56,8 +47,8 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
     Returns
     -------
     SystemStability
-        Its errors are estimates: twice the change to fewer nodes, and the condition of the invariant subspace times
-        rounding and the errors of the coefficients.
+        Its errors are estimates: twice the change to fewer nodes, twice that by coefficients off by their error, and
+        the condition of the invariant subspace times rounding.
 
     Examples
     --------
@@ -65,7 +56,7 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
     >>> system = DelaySystem([[3.0]], [[[2.0]]], damping=[[0.1]], delayed=[(2.0 * math.pi, [[0.15]])])
     >>> found = collocation(system)
     >>> f"{found.multipliers[0]:.12f}", found.error < 1e-11
-    ('-0.461668137358+0.221495084819j', True)
+    ('-0.461668137358-0.221495084819j', True)
     """
     rtol = validate.within("rtol", rtol, 1e-15, 1e-3)
     above = validate.within("above", above, 1e-4, 0.9)
@@ -98,8 +89,7 @@ def _converged(
         rows = system.order * max(on.size, len(on.nodes))
         given = delay_maps.coefficients(system, laid.period, on.nodes)
         matrix = delay_maps.period_maps(on, given)[0]
-        doubt = system.coefficient_error and _doubt(system, laid, matrix)
-        found = delay_spectra.leading(matrix, least, doubt)
+        found = delay_spectra.leading(matrix, least)
         if found is not None and before is not None:
             changed = delay_spectra.with_change(found, before)
             change = float((changed.radii / np.abs(changed.values)).max())
@@ -111,13 +101,17 @@ def _converged(
                 break
         before = None if found is None else found.all_values
         count += max(4, count // 4)
-    return (None, rows) if best is None else (best[1], rows)
+    if best is None:
+        return None, rows
+    moved = _moved(system, laid, on, least) if system.coefficient_error else None
+    return best[1] if moved is None else delay_spectra.with_change(best[1], moved), rows
 
 
-def _doubt(system: DelaySystem, laid: delay_maps.Layout, matrix: NDArray[np.float64]) -> float:
-    """Return about how far errors of the coefficients move the map, in the 2-norm."""
-    size = system.order * system.coefficient_error * (1 + len(system.delayed))
-    if system.is_second_order:
-        size *= laid.period * float(np.linalg.norm(delay_maps.inverse_mass(system), 2))
-    growth = 1.0 + float(np.linalg.norm(matrix, 2))
-    return size * laid.period * growth * math.sqrt(len(matrix))
+def _moved(system: DelaySystem, laid: delay_maps.Layout, on: Mesh, least: float) -> NDArray[np.complex128] | None:
+    """Return the eigenvalues of the map with coefficients off by what they may be."""
+    given = delay_maps.coefficients(system, laid.period, on.nodes)
+    power = 2 if system.is_second_order else 1
+    off = laid.period**power * system.coefficient_error * np.abs(delay_maps.inverse_mass(system)).sum(axis=1)[:, None]
+    moved = given._replace(value=given.value + off, delayed=tuple(each - off for each in given.delayed))
+    found = delay_spectra.leading(delay_maps.period_maps(on, moved)[0], least)
+    return None if found is None else found.all_values

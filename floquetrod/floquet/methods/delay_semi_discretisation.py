@@ -51,7 +51,7 @@ def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemSta
     >>> import math
     >>> system = DelaySystem([[3.0]], [[[2.0]]], damping=[[0.1]], delayed=[(2.0 * math.pi, [[0.15]])])
     >>> f"{semi_discretisation(system).multipliers[0]:.5f}"
-    '-0.46167+0.22150j'
+    '-0.46167-0.22150j'
     """
     above = validate.within("above", above, 0.01, 0.9)
     laid = delay_maps.layout(system)

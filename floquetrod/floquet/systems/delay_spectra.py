@@ -33,7 +33,7 @@ class Multipliers(NamedTuple):
 
 
 @np.errstate(over="ignore", invalid="ignore")  # what overflows is then not finite
-def leading(matrix: NDArray[np.float64], least: float, doubt: float = 0.0) -> Multipliers | None:
+def leading(matrix: NDArray[np.float64], least: float) -> Multipliers | None:
     """Return the eigenvalues of modulus above ``least``, the largest in any case; None where they cannot be told.
 
     With T11 the block of an ordered Schur form of the invariant subspace and P the spectral projector upon it, a change
@@ -58,10 +58,8 @@ def leading(matrix: NDArray[np.float64], least: float, doubt: float = 0.0) -> Mu
     projector = 1.0
     if count < len(form):
         projector = float(np.hypot(1.0, np.linalg.norm(solve_sylvester(block, -rest, coupling), 2)))
-    worst = float(scales.max() / scales.min()) if doubt else 1.0
-    error = projector * (
-        (_ROUNDING + 4.0 * _EPS * np.sqrt(len(matrix))) * float(np.linalg.norm(balanced, 2)) + doubt * worst
-    )
+    rounding = _ROUNDING + 4.0 * _EPS * float(np.sqrt(len(matrix)))
+    error = projector * rounding * float(np.linalg.norm(balanced, 2))
     discs = spectra.eigenvalue_discs(block, error)
     return None if discs is None else Multipliers(discs.values, discs.radii, everything)
 

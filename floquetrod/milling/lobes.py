@@ -1,0 +1,371 @@
+"""Stability lobes: spindle speeds and depths of cut judged together, critical depths, and which lobe is what."""
+
+from __future__ import annotations
+
+import functools
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod._util.report import Report, Reported, Table
+from floquetrod.floquet.systems import delay_growth, delay_many
+from floquetrod.floquet.systems.delay_maps import Coefficients, period_maps
+from floquetrod.floquet.systems.delay_mesh import Mesh, mesh
+from floquetrod.milling.cutter import Cutter, read_depth, read_speed
+from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
+
+Floats = NDArray[np.float64]
+
+_PHASE = 36.0  # rad that solutions turn by in a piece, at most (a choice)
+_RESOLVED = (
+    8,
+    0.5,
+)  # nodes with which some radians are resolved to about 1e-6: so many, and for each radian (measured)
+_STEPS, _REACH = 4, 50.0  # depths tried up to the least critical depth, and how many of these deep (a choice)
+_PRECISE = 1e-11  # of a critical depth, relative
+_ENOUGH = 8  # nodes more, with which a boundary is known to some ten digits (measured)
+_JUMP = 0.5  # rad of a multiplier's angle from one speed to the next that begins another lobe (a choice)
+_NOT_REAL = 1e-6  # rad of a multiplier's angle, from 0 or pi
+
+Kind = Literal["Hopf", "flip", "fold"]
+
+
+class _Cut(NamedTuple):
+    """A mesh for one number of pieces and nodes, and H at its nodes."""
+
+    mesh: Mesh
+    cutting: Floats
+
+
+class Lobe(NamedTuple):
+    """A stretch of the boundary of chatter over which it begins in one way.
+
+    Attributes
+    ----------
+    kind : {"Hopf", "flip", "fold"}
+        How the vibration begins: with a frequency of its own, or with twice the time between teeth, or once, as period.
+    number : int
+        Whole vibrations between two teeth.
+    speeds : (float, float)
+        Spindle speeds between which, in rad/s.
+    depth, at : float
+        Its least critical depth in m, and the speed there.
+    frequency : float
+        Chatter frequency there, angular, in rad/s.
+    """
+
+    kind: Kind
+    number: int
+    speeds: tuple[float, float]
+    depth: float
+    at: float
+    frequency: float
+
+    def __str__(self) -> str:
+        """Return, say, "Hopf lobe 3"."""
+        return f"{self.kind} lobe {self.number}"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Lobes(Reported, NoTruthValue, ByContent):
+    """Stability lobes of a cutter.
+
+    Attributes
+    ----------
+    milling : Milling
+    chart : Chart
+        Depth of cut in mm over spindle speed in rpm; its ``bands`` are those of chatter.
+    speeds, depths : ndarray (m,)
+        Spindle speeds in rad/s, those of the chart, and the critical depth in m at each, infinite where none is found.
+    lobes : tuple of Lobe
+        The lobes between them, in the order of speeds.
+    """
+
+    ask = ".chart, .lobes"
+
+    milling: Cutter
+    chart: Chart
+    speeds: Floats
+    depths: Floats
+    lobes: tuple[Lobe, ...]
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the chart with its bands, lobes named where they are lowest; return the matplotlib axes."""
+        from floquetrod.plotting.lobes import draw_lobes
+
+        return draw_lobes(self, ax)
+
+    def report(self) -> Report:
+        """Return the lobes as a table."""
+        rows = [
+            (
+                str(lobe),
+                f"{_rpm(lobe.speeds[0]):.6g} to {_rpm(lobe.speeds[1]):.6g}",
+                f"{1e3 * lobe.depth:.6g}",
+                f"{_rpm(lobe.at):.6g}",
+                f"{lobe.frequency / (2.0 * math.pi):.6g}",
+            )
+            for lobe in self.lobes
+        ]
+        head = ("lobe", "speeds / rpm", "least depth / mm", "at / rpm", "chatter / Hz")
+        widths = [f"<{max(len(row[i]) for row in (head, *rows))}" for i in range(len(head))]
+        return Report(repr(self.milling).strip("<>"), (), Table(list(zip(head, widths, strict=True)), rows))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the lobes for JSON, in rad/s and m."""
+        return {
+            "lobes": [{"name": str(lobe), **lobe._asdict()} for lobe in self.lobes],
+            "speeds_rad_per_s": self.speeds.tolist(),
+            "critical_depths_m": [depth if math.isfinite(depth) else None for depth in self.depths.tolist()],
+            "stable_share": float(self.chart.stable.mean()),
+            "undecided": self.chart.undecided,
+        }
+
+    def __repr__(self) -> str:
+        """Return what there is."""
+        return f"<{self.chart.y.name} over {self.chart.x.name}: {len(self.lobes)} lobes; {self.chart.caption}>"
+
+
+@dataclass(frozen=True)
+class CuttingPlane(Family):
+    """A cutter over spindle speeds in rad/s and depths of cut in m."""
+
+    milling: Cutter
+    growth_unit: str = "1/s"
+    growth_tolerance: float = 0.0
+
+    @property
+    def vertex(self) -> float:
+        """As near to the boundary as it takes few verdicts to come."""
+        return 1e-7
+
+    def subject(self) -> dict[str, Any]:
+        """Say what the cutter is."""
+        return {"kind": repr(self.milling).strip("<>"), "fixed": []}
+
+    def verdicts(self, x: Floats, y: Floats, *, growth: bool = False, quick: bool = False) -> Verdicts:
+        """Return verdicts, and growth rates in 1/s where they must be told or were needed."""
+        speeds, depths = np.broadcast_arrays(x, y)
+        found = judged(self.milling, speeds.ravel(), depths.ravel(), growth=growth)
+        periods = self.milling.pitch / speeds
+        rates = np.maximum(found.logs, 0.0).reshape(speeds.shape) / periods
+        return Verdicts(found.status.reshape(speeds.shape), rates)
+
+
+def judged(milling: Cutter, speeds: Floats, depths: Floats, *, growth: bool = False) -> delay_many.Judged:
+    """Return verdicts at speeds and depths (b,), and logarithms of the largest modulus where they were needed."""
+    pieces, counts = _resolution(milling, speeds, depths)
+    status, logs = np.zeros(speeds.size, dtype=np.int8), np.empty(speeds.size)
+    for each in np.unique(pieces):
+        some = np.flatnonzero(pieces == each)
+
+        def maps(which: NDArray[np.intp], count: int, some: NDArray[np.intp] = some, each: int = int(each)) -> Floats:
+            return _maps(milling, speeds[some[which]], depths[some[which]], each, count)
+
+        status[some], logs[some] = delay_many.judged(maps, counts[some], growth=growth)
+    return delay_many.Judged(status, logs)
+
+
+def _resolution(milling: Cutter, speeds: Floats, depths: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Return into how many pieces the longest part between jumps is cut, and the nodes in each, of places (b,)."""
+    stiffest = max(mode.frequency for mode in milling.modes)
+    lightest = min(mode.mass for mode in milling.modes)
+    longest = max(np.diff(_breaks(milling, 1))) * milling.pitch
+    phase = longest / speeds * np.sqrt(stiffest**2 + depths * _largest_cutting(milling) / lightest)
+    pieces = np.ceil(phase / _PHASE).astype(np.intp)
+    nodes = _RESOLVED[0] + _RESOLVED[1] * phase / pieces
+    return pieces, (4 * np.ceil(0.25 * nodes)).astype(np.intp)
+
+
+@functools.lru_cache(maxsize=16)
+def _largest_cutting(milling: Cutter) -> float:
+    """Return about the largest norm of H, in Pa."""
+    return float(np.linalg.norm(milling.cutting(np.linspace(0.0, milling.pitch, 65)), 2, axis=(1, 2)).max())
+
+
+def _breaks(milling: Cutter, pieces: int) -> tuple[float, ...]:
+    """Return the ends of pieces as parts of the time between teeth, the longest part between jumps cut into some."""
+    edges = sorted({0.0, *(angle / milling.pitch for angle in milling.jumps), 1.0})
+    longest = max(high - low for low, high in pairwise(edges))
+    found = [0.0]
+    for low, high in pairwise(edges):
+        found += np.linspace(low, high, math.ceil(pieces * (high - low) / longest - 1e-9) + 1)[1:].tolist()
+    return tuple(found)
+
+
+@functools.lru_cache(maxsize=32)
+def _cut(milling: Cutter, pieces: int, count: int) -> _Cut:
+    breaks = _breaks(milling, pieces)
+    middles = 0.5 * (np.asarray(breaks[1:]) + np.asarray(breaks[:-1]))
+    active = tuple((milling.cutting(middles * milling.pitch) != 0.0).any(axis=(1, 2)).tolist())
+    on = mesh(breaks, count, 2, (1.0,), (active,))
+    return _Cut(on, milling.cutting(on.nodes * milling.pitch))
+
+
+def _maps(milling: Cutter, speeds: Floats, depths: Floats, pieces: int, count: int) -> Floats:
+    """Return the maps over the time between teeth, (b, S, S)."""
+    on, cutting = _cut(milling, pieces, count)
+    n = len(milling.modes)
+    omega, ratio, mass = (np.array(column) for column in zip(*map(_numbers, milling.modes), strict=True))
+    period = milling.pitch / speeds
+    force = (period**2 * depths)[:, None, None, None] * (cutting / mass[:, None])
+    free = (period**2)[:, None, None, None] * np.diag(omega**2)
+    damping = -period[:, None, None, None] * np.diag(2.0 * ratio * omega)
+    rate = np.broadcast_to(damping, (speeds.size, len(on.nodes), n, n))
+    return period_maps(on, Coefficients(-free - force, rate, (force,)))
+
+
+def _numbers(mode: Any) -> tuple[float, float, float]:
+    return mode.frequency, mode.damping_ratio, mode.mass
+
+
+def critical_depths(milling: Cutter, speeds: Floats, most: float | None = None) -> Floats:
+    """Return the least depths in m at which chatter begins at speeds in rad/s, infinite where none is found."""
+    softest = min(2.0 * mode.damping_ratio * (1.0 + mode.damping_ratio) * mode.stiffness for mode in milling.modes)
+    least = softest / _largest_cutting(milling)
+    limit = _REACH * least if most is None else most
+    tried = np.linspace(0.0, limit, max(2, math.ceil(limit / least * _STEPS) + 1))
+    status = judged(milling, np.repeat(speeds, tried.size), np.tile(tried, speeds.size)).status
+    return _first(milling, speeds, tried, status.reshape(speeds.size, tried.size))
+
+
+def _first(milling: Cutter, speeds: Floats, tried: Floats, status: NDArray[np.int8]) -> Floats:
+    """Return the first changes along the depths tried, status (speeds, depths), infinite where there is none."""
+    chatter = status != delay_many.STABLE
+    first = chatter.argmax(axis=1)
+    low, high = tried[np.maximum(first - 1, 0)], tried[first]
+    result = np.where(chatter[:, 0], 0.0, math.inf)
+    found = chatter.any(axis=1) & ~chatter[:, 0]
+    if found.any():
+        result[found] = _crossed(milling, speeds[found], low[found], high[found])
+    return result
+
+
+def _crossed(milling: Cutter, speeds: Floats, low: Floats, high: Floats) -> Floats:
+    """Return depths between some at which nothing grows and some at which chatter does: the Illinois method.
+
+    M. Dowell and P. Jarratt, BIT 11 (1971) 168, doi:10.1007/BF01934364.
+    """
+    ends = [_logs(milling, speeds, low), _logs(milling, speeds, high)]
+    kept = np.zeros(speeds.size)  # which end stayed last: its logarithm counts half the next time
+    for _ in range(60):
+        wide = np.flatnonzero(high - low > _PRECISE * high)
+        if not wide.size:
+            break
+        one, other = ends[0][wide], ends[1][wide]
+        share = np.clip(one / (one - other), 1e-3, 1.0 - 1e-3)
+        middle = low[wide] + (high - low)[wide] * share
+        logs = _logs(milling, speeds[wide], middle)
+        grows = logs > 0.0
+        ends[0][wide] = np.where(grows, np.where(kept[wide] > 0.0, 0.5 * one, one), logs)
+        ends[1][wide] = np.where(grows, logs, np.where(kept[wide] < 0.0, 0.5 * other, other))
+        low[wide], high[wide] = np.where(grows, low[wide], middle), np.where(grows, middle, high[wide])
+        kept[wide] = np.where(grows, 1.0, -1.0)
+        if (np.abs(logs) < 1e-12).all():
+            return np.asarray(np.where(high - low > _PRECISE * high, _at(low, wide, middle), 0.5 * (low + high)))
+    return np.asarray(0.5 * (low + high))
+
+
+def _at(values: Floats, places: NDArray[np.intp], new: Floats) -> Floats:
+    found = values.copy()
+    found[places] = new
+    return found
+
+
+def _logs(milling: Cutter, speeds: Floats, depths: Floats) -> Floats:
+    """Return the logarithms of the largest moduli (b,), with nodes enough for some ten digits."""
+    pieces, counts = _resolution(milling, speeds, depths)
+    found = np.empty(speeds.size)
+    for each, count in {*zip(pieces.tolist(), counts.tolist(), strict=True)}:
+        some = np.flatnonzero((pieces == each) & (counts == count))
+        maps = _maps(milling, speeds[some], depths[some], each, count + _ENOUGH)
+        found[some] = np.log(delay_growth.moduli(maps))
+    return found
+
+
+def lobes_of(milling: Cutter, speed: Any, depth: Any, *, growth: bool) -> Lobes:
+    """Return the stability lobes, see `Milling.lobes`."""
+    across, up = _axis("speed", speed, read_speed), _axis("depth", depth, read_depth)
+    x = Axis("spindle speed", r"\Omega", "rad/s", across)
+    y = Axis("depth of cut", "a", "m", up)
+    chart = charted(CuttingPlane(milling), x, y, growth=growth).in_units(spindle="rpm", depth="mm")
+    status = np.where(chart.stable, delay_many.STABLE, delay_many.UNSTABLE).T
+    depths = _first(milling, across, up, status)
+    return Lobes(milling, chart, across, depths, tuple(_named(milling, across, depths)))
+
+
+def _axis(name: str, given: Any, read: Any) -> Floats:
+    """Return the values of an axis given as (low, high, number), ends with units."""
+    parts = validate.sequence(name, given, '("5000rpm", "10000rpm", 400)')
+    if len(parts) != 3:
+        raise ValueError(f"{name} must be (low, high, number), got {validate.short(given)}")
+    return axis_values(name, (read(parts[0], f"{name}[0]"), read(parts[1], f"{name}[1]"), parts[2]))
+
+
+class _Onset(NamedTuple):
+    """How chatter begins at a speed: the angle of the multiplier, and vibrations between teeth."""
+
+    kind: Kind
+    angle: float
+    turns: float
+
+
+def _named(milling: Cutter, speeds: Floats, depths: Floats) -> list[Lobe]:
+    """Return the lobes between critical depths: neighbours that begin in one way, with about one angle."""
+    there = np.flatnonzero(np.isfinite(depths) & (depths > 0.0)).tolist()
+    onsets = {i: _onset(milling, speeds[i], depths[i]) for i in there}
+    groups: list[list[int]] = []
+    for i in there:
+        one, last = onsets[i], onsets.get(i - 1)
+        if last is None or one.kind != last.kind or abs(one.angle - last.angle) > _JUMP:
+            groups.append([])
+        groups[-1].append(i)
+    found = []
+    for members in groups:
+        lowest = min(members, key=lambda i: float(depths[i]))
+        onset, speed = onsets[lowest], float(speeds[lowest])
+        ends = float(speeds[members[0]]), float(speeds[members[-1]])
+        frequency = onset.turns * 2.0 * math.pi * speed / milling.pitch
+        found.append(Lobe(onset.kind, math.floor(onset.turns), ends, float(depths[lowest]), speed, frequency))
+    return found
+
+
+def _onset(milling: Cutter, speed: float, depth: float) -> _Onset:
+    """Return how chatter begins at a speed and its critical depth."""
+    speeds, depths = np.array([speed]), np.array([depth])
+    pieces, count = (int(each[0]) for each in _resolution(milling, speeds, depths))
+    count += _ENOUGH
+    values, vectors = np.linalg.eig(_maps(milling, speeds, depths, pieces, count)[0])
+    leading = int(np.abs(values).argmax())
+    angle = abs(float(np.angle(values[leading])))
+    kind: Kind = "fold" if angle < _NOT_REAL else "flip" if math.pi - angle < _NOT_REAL else "Hopf"
+    vector = vectors[:, leading] if values[leading].imag >= 0.0 else vectors[:, leading].conj()
+    return _Onset(kind, angle, abs(_turns(milling, vector, angle, pieces, count)))
+
+
+def _turns(milling: Cutter, vector: NDArray[np.complex128], angle: float, pieces: int, count: int) -> float:
+    """Return how often a solution vibrates between teeth: of angle / 2 pi + k the one that is strongest in it."""
+    on, _ = _cut(milling, pieces, count)
+    n, kept = len(milling.modes), count + 2
+    values = vector[2 * n :].reshape(-1, kept, n)
+    breaks = np.asarray(_breaks(milling, pieces))
+    middles = 0.5 * (breaks[1:] + breaks[:-1]) * milling.pitch
+    touched = np.flatnonzero((milling.cutting(middles) != 0.0).any(axis=(1, 2)))
+    points = 0.5 - 0.5 * np.cos(math.pi * np.arange(kept) / (kept - 1))
+    times = breaks[touched, None] + np.diff(breaks)[touched, None] * points
+    weights = np.sin(math.pi * np.arange(kept) / (kept - 1)) * np.diff(breaks)[touched, None]
+    most = math.ceil(0.3 * len(on.nodes))  # more turns the nodes would not resolve
+    tried = angle / (2.0 * math.pi) + np.arange(-most, most)
+    waves = np.exp(-2j * math.pi * tried[:, None, None] * times)
+    strength = np.square(np.abs(np.einsum("kpt,pt,ptn->kn", waves, weights, values))).sum(axis=1)
+    return float(tried[int(strength.argmax())])
+
+
+def _rpm(speed: float) -> float:
+    return 30.0 * speed / math.pi

@@ -1,0 +1,84 @@
+"""A milling cutter as people ask about it: verdicts, critical depths and stability lobes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod.milling import lobes
+from floquetrod.milling.cutter import Cutter, read_depth, read_speed
+from floquetrod.milling.lobes import Lobes
+
+
+@dataclass(frozen=True, eq=False, repr=False, init=False)
+class Milling(Cutter):
+    """A cutter with straight teeth, evenly spaced, fed along x, whose tip vibrates in modes along x and y.
+
+    A tooth at the angle phi from y takes a chip as thick as the feed and what the tip's vibration q(t) and that a tooth
+    before, q(t - tau), make it; its force is depth times (tangential, radial) times that.  About the periodic motion
+
+        M q'' + C q' + K q = -depth H(t) (q(t) - q(t - tau)),   tau = 2 pi / (teeth speed),
+
+    with H of period tau, zero where no tooth is within the immersion.
+
+    Parameters
+    ----------
+    x, y : sequence of ToolMode
+        Modes along the feed and across it; at least one in all.
+    teeth : int
+        Number of teeth, 1 to 64.
+    tangential, radial : str or float
+        Cutting coefficients, such as "600N/mm2" or "600MPa"; numbers are in Pa.
+    immersion : str or float
+        Width of cut as part of the cutter's diameter, above 0 and up to 1, a slot.
+    direction : {"up", "down"}
+        Whether a tooth enters where the chip is thin ("up") or thick; of a slot it does not matter.
+
+    Examples
+    --------
+    >>> from floquetrod import ToolMode
+    >>> slot = Milling(x=[ToolMode("922Hz", 0.011, "39.93g")], teeth=2, tangential="600MPa", radial="200MPa")
+    >>> slot.stability("5000rpm", "0.5mm").status
+    'unstable'
+    >>> f"{1000.0 * slot.critical_depth('5000rpm'):.5f} mm"
+    '0.40863 mm'
+    """
+
+    def critical_depth(self, speed: Any, most: Any = None) -> float:
+        """Return the least depth of cut, in m, at which chatter begins, infinite where none is up to ``most``.
+
+        Depths are tried in steps of a quarter of about the least that chatters at any speed; of the first change ten
+        digits are found.
+
+        Parameters
+        ----------
+        speed : str or float
+            As of `system`.
+        most : str or float, optional
+            Depth up to which is searched; by default fifty times that least one.
+        """
+        limit = None if most is None else read_depth(most, "most")
+        return float(lobes.critical_depths(self, np.array([read_speed(speed)]), limit)[0])
+
+    def lobes(self, speed: Any, depth: Any, *, growth: bool = False) -> Lobes:
+        """Return the stability lobes: the chart of spindle speed and depth of cut, and which lobe is what.
+
+        Parameters
+        ----------
+        speed, depth : (low, high, number)
+            Ends with units as of `system`: ("5000rpm", "10000rpm", 400), ("0mm", "4mm", 200).
+        growth : bool
+            Whether to keep growth rates, in 1/s, too, which takes several times as long.
+
+        Examples
+        --------
+        >>> from floquetrod import ToolMode
+        >>> slot = Milling(x=[ToolMode("922Hz", 0.011, "39.93g")], teeth=2, tangential="600MPa", radial="200MPa")
+        >>> found = slot.lobes(("8000rpm", "10000rpm", 12), ("0mm", "4mm", 10))
+        >>> print(found.chart.x.unit, found.chart.y.unit)
+        rpm mm
+        """
+        return lobes.lobes_of(self, speed, depth, growth=validate.flag("growth", growth))
