@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import floquetrod as fr
+from benchmarks import drag
 from conftest import depth
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
@@ -49,6 +50,18 @@ def test_along_an_arc_the_force_is_the_closed_form(mu: float, ends: tuple[float,
     np.testing.assert_allclose(found.force[kept], expected[kept], rtol=0.0, atol=1e-10 * size)
     np.testing.assert_allclose(found.contact[kept], lying[kept], rtol=0.0, atol=1e-10 * WEIGHT)
     assert found.error < 1e-7 * size
+
+
+@pytest.mark.parametrize("name", ["arc", "S", "turn"])
+def test_from_station_to_station_others_come_to_it_with_the_first_order(name: str) -> None:
+    """The method of torque-and-drag codes (SPE 11380), three times as good with stations three times as close."""
+    off = []
+    for apart in (30.0, 10.0):
+        path = drag.path(name, apart)
+        found = drag.TUBING.mean_force(path, drag.FRICTION, motion="pulled", depth=[0.0])
+        off.append(drag.johancsik(path, "pulled") + found.at_top)
+    assert off[0] / off[1] == pytest.approx(3.0, abs=0.1)
+    assert abs(off[1]) < 0.002 * abs(found.at_top)
 
 
 @pytest.mark.parametrize("inclination", [90.0, 75.0, 40.0])
