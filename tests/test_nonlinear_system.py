@@ -167,3 +167,19 @@ def test_functions_compiled_by_numba() -> None:
 
 def exact_compiled(t: Any, x: Any, mu: float) -> Any:
     return ((0.0, 1.0), (-2.0 * mu * x[0] * x[1] - 1.0, mu * (1.0 - x[0] ** 2)))
+
+
+def test_parameters_may_come_in_one_mapping() -> None:
+    def by_name(t: Any, x: Any, mu: float, nu: float) -> Any:
+        return x[1], mu * (1 - x[0] ** 2) * x[1] - nu * x[0]
+
+    def at_once(t: Any, x: Any, p: Any) -> Any:
+        return x[1], p["mu"] * (1 - x[0] ** 2) * x[1] - p["nu"] * x[0]
+
+    values = {"mu": 1.0, "nu": 1.1}
+    one, other = (fr.NonlinearSystem(f, parameters=values) for f in (by_name, at_once))
+    x = np.array([[1.0, 2.0], [0.3, 0.4]])
+    np.testing.assert_array_equal(one.rates([0.0, 0.0], x), other.rates([0.0, 0.0], x))
+    assert fr.periodic_orbit(one, [2.0, 0.0]).period == fr.periodic_orbit(other, [2.0, 0.0]).period
+    with pytest.raises(ValueError, match="parameters has 'mi', which function does not take; it takes mu, nu"):
+        fr.NonlinearSystem(by_name, parameters={"mi": 1.0, "nu": 1.0})

@@ -22,6 +22,7 @@ from floquetrod.equations.rates import Rates
 
 Floats = NDArray[np.float64]
 
+_ALL_AT_ONCE = ("p", "params", "parameters")  # names of an argument that takes all parameters
 _ALLOWED = (
     ast.Expression,
     ast.BinOp,
@@ -47,7 +48,8 @@ class NonlinearSystem(ByContent):
     function : callable (t, x, **parameters) -> n numbers
         f.  It is called with many instants at once, t (k,) and x (n, k), where that gives the same as one at a time:
         write it with numpy, ``def f(t, x, mu): return x[1], mu * (1 - x[0] ** 2) * x[1] - x[0]``.  One compiled by
-        numba is called from compiled code, with x (n,).
+        numba is called from compiled code, with x (n,).  One written ``f(t, x, p)``, or with ``parameters`` in place
+        of ``p``, is given all of them there, as a mapping: ``p["mu"]``.
     jacobian : callable (t, x, **parameters) -> (n, n), optional
         Derivatives, that of component i with x[j] in row i and column j; checked against differences of ``function``.
         Left out, they are found by complex steps where f allows that, to rounding, else by differences.
@@ -83,6 +85,7 @@ class NonlinearSystem(ByContent):
         if jacobian is not None:
             validate.function("jacobian", jacobian)
         given = _numbers(parameters)
+        function, jacobian = _by_name(function, given), _by_name(jacobian, given)
         for name, call in (("function", function), ("jacobian", jacobian)):
             _require_names(name, call, given)
         _take(self, function, jacobian, period, given, Rates(function, jacobian))
@@ -267,6 +270,30 @@ def _numbers(parameters: Any) -> dict[str, float]:
         if not isinstance(name, str) or not name.isidentifier():
             raise TypeError(f"parameters must have names as Python's arguments have, got {validate.short(name)}")
     return {name: validate.finite(f"parameters['{name}']", value) for name, value in parameters.items()}
+
+
+@dataclass(frozen=True)
+class _WithMapping:
+    """A function of t, x and a mapping of all parameters, called with them by name."""
+
+    function: Callable[..., Any]
+
+    def __call__(self, t: Any, x: Any, **parameters: float) -> Any:
+        """Return what the function does."""
+        return self.function(t, x, parameters)
+
+
+def _by_name(function: Any, given: Mapping[str, float]) -> Any:
+    """Return a function that takes parameters by name, as it stands or made of one that takes them in a mapping."""
+    if function is None or hasattr(function, "py_func"):
+        return function
+    try:
+        wanted = list(inspect.signature(function).parameters.values())
+    except (TypeError, ValueError):  # it does not say
+        return function
+    names = [each.name for each in wanted[2:] if each.kind is not each.VAR_KEYWORD]
+    takes_mapping = len(names) == 1 and names[0] in _ALL_AT_ONCE and names[0] not in given
+    return _WithMapping(function) if takes_mapping else function
 
 
 def _require_names(argument: str, function: Any, given: Mapping[str, float], others: str = "t and x") -> None:
