@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.mean_force import MeanForce as MeanForce
     from floquetrod.rod.answers.reach import Reach as Reach
     from floquetrod.rod.answers.safe_box import SafeBox as SafeBox
+    from floquetrod.rod.answers.steady_motion import SteadyMotion as SteadyMotion
     from floquetrod.rod.answers.verdict import CoupledRodStability as CoupledRodStability
     from floquetrod.rod.answers.verdict import RodStability as RodStability
     from floquetrod.rod.friction.kicks import FrictionalRodStability as FrictionalRodStability
@@ -136,6 +137,7 @@ _WHERE = {
     "SquareWave": "equations",
     "Stability": "floquet.verdict",
     "StabilityIntervals": "rod.ranges",
+    "SteadyMotion": "rod.answers.steady_motion",
     "Study": "ensembles.study",
     "UndecidedWarning": "floquet.status",
     "UniformForceWarning": "rod.model.assumptions",

@@ -140,8 +140,8 @@ def test_lift_off_is_that_of_a_soft_and_of_a_hard_wall() -> None:
     b = (2.0 * 1e-6 / 3.0) ** 0.25
     soft, hard = 1e-3 * 1e-6 / b**2, 1e4 * 1e-6 / b**2
     slope = soft / (math.sqrt(2.0) * 1.5**0.25) * b
-    assert lift.energy(soft, 1.0).value == pytest.approx(-0.5 * 2.0 * soft * slope, rel=1e-3)
-    assert lift.energy(hard, 1.0).value == pytest.approx(-2.0 / 7.5 * math.sqrt(2.0 / 3.0) * hard**2.5, rel=1e-3)
+    assert lift.energy(soft, 1.0).value == pytest.approx(-0.5 * 2.0 * soft * slope, rel=5e-3)
+    assert lift.energy(hard, 1.0).value == pytest.approx(-2.0 / 7.5 * math.sqrt(2.0 / 3.0) * hard**2.5, rel=5e-3)
 
 
 def test_the_derivatives_of_the_energy_of_lift_off_are_its_own() -> None:

@@ -31,14 +31,14 @@ def test_orbits_of_one_mode_are_within_a_percent_of_the_shared_truth(
 def test_an_orbit_closes_and_is_where_motion_settles() -> None:
     equation = one_mode(7, 0.2, 0.2, 140.5, 1e-4)
     (found,) = equation.orbits(2)
-    a, v, _ = equation.marched(*found.start[:, None], 2)
-    assert a[0] == pytest.approx(found.start[0], abs=2e-5)
-    near = 1.02 * found.start
+    a, v, _ = equation.marched(*found.states[0][:, None], 2)
+    assert a[0] == pytest.approx(found.states[0][0], abs=2e-5)
+    near = 1.02 * found.states[0]
     a, v = near[:1], near[1:]
     for _ in range(15):
         a, v, _ = equation.marched(a, v, 2)
-    left = np.array([a[0], v[0] / 70.0]) - found.start / [1.0, 70.0]
-    away = 0.02 * np.linalg.norm(found.start / [1.0, 70.0])
+    left = np.array([a[0], v[0] / 70.0]) - found.states[0] / [1.0, 70.0]
+    away = 0.02 * np.linalg.norm(found.states[0] / [1.0, 70.0])
     assert np.linalg.norm(left) < 2.0 * np.abs(found.multipliers).max() ** 15 * away < away
 
 

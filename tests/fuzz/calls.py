@@ -141,6 +141,7 @@ LEFT_OUT = {
     },
     "MeanForce": "constructed by Rod.mean_force",
     "Reach": "constructed by Rod.reach",
+    "SteadyMotion": "constructed by Rod.steady_motion",
     "VibrationTool.as_dict": "takes no argument",
     "WellPath.as_dict": "takes no argument",
     "WellPath.report": "takes no argument",
@@ -443,6 +444,7 @@ def _of_rods(place: Path) -> dict[str, Call]:
             ROD.stability,
             {"load": LOAD, "modes": None, "friction": None, "kick": None, "progress": None, **tolerance},
         ),
+        "Rod.steady_motion": Call(ROD.steady_motion, {"load": LOAD, "mode": 2, "indentation": 1e-4}),
         "Rod.critical_kick": Call(ROD.critical_kick, {"load": LOAD, **mu, **tolerance}),
         "Rod.critical_kicks": Call(ROD.critical_kicks, {**load, **mu, **tolerance, "like": LOAD, "workers": 1}),
         "Rod.stable_mean_forces": Call(

@@ -35,8 +35,8 @@ class Orbit(NamedTuple):
     ----------
     turns : int
         Periods of the load that it takes.
-    start : ndarray (2,)
-        a in rad (of a function of unit norm) and a_t in rad/s at time 0.
+    states : ndarray (k, 2)
+        a in rad (of a function of unit norm) and a_t in rad/s at equal instants from time 0 on.
     amplitude : float
         Largest angle in rad.
     multipliers : ndarray (2,)
@@ -44,7 +44,7 @@ class Orbit(NamedTuple):
     """
 
     turns: int
-    start: Floats
+    states: Floats
     amplitude: float
     multipliers: Any
 
@@ -178,7 +178,7 @@ class OneMode:
                 kept = np.isfinite(a).all(axis=1) & (np.abs(a).max(axis=1) * self.peak < 1.2 * LARGEST)
                 a, moved = a[kept], moved[kept]
         a = a[(moved < 1e-8) & (np.abs(a).max(axis=1) * self.peak > 1e-3)]
-        return self._apart(a[:, 0], (a @ first.T)[:, 0], turns)
+        return self._apart(a, a @ first.T, turns)
 
     def _starts(self, times: Floats, turns: int) -> Floats:
         """Return harmonic motions of many sizes and phases, as fast as free motion of that size about is."""
@@ -207,17 +207,17 @@ class OneMode:
         return missed, slope
 
     def _apart(self, a: Floats, v: Floats, turns: int) -> list[Orbit]:
-        """Return the orbits that are different, from their states at time 0."""
-        found: list[Orbit] = []
+        """Return the orbits that are different, from their states (orbits, instants)."""
         if not a.size:
-            return found
-        most = self.marched(a, v, turns)[2] * self.peak
+            return []
+        most = self.marched(a[:, 0], v[:, 0], turns)[2] * self.peak
         order = np.argsort(most)
         order = order[np.diff(most[order], prepend=0.0) > _SAME * most[order]]
-        slope = self._map(a[order], v[order], turns)[2]
-        for i, k in enumerate(order.tolist()):
-            found.append(Orbit(turns, np.array([a[k], v[k]]), float(most[k]), np.linalg.eigvals(slope[..., i])))
-        return found
+        slope = self._map(a[order, 0], v[order, 0], turns)[2]
+        return [
+            Orbit(turns, np.stack([a[k], v[k]], axis=1), float(most[k]), np.linalg.eigvals(slope[..., i]))
+            for i, k in enumerate(order.tolist())
+        ]
 
     def may_resonate(self, turns: int) -> bool:
         """Return whether free motion up to the largest angle may be as fast as the turns-th part of the load."""

@@ -23,8 +23,12 @@ import numpy as np
 from floquetrod._util.arrays import Floats
 
 _LARGEST = 60.0  # K up to which the slope is solved for; beyond it goes like K^1.5 to 4e-4
-_LEAST_CONTACT = 0.3  # of the weight, below which contact is about to be lost, and the energy no longer grows with it
-_SOLVED = 25  # values of K it is solved for: enough for 3e-4 between them
+_LEAST_CONTACT, _ROUNDED = (
+    0.2,
+    0.1,
+)  # of the weight: below, contact is about to be lost, and what is saved grows no more
+_SOLVED = 32  # values of K it is solved for
+_DEGREE = 14  # of the polynomial through them, smooth for integrators, right to 0.3 %
 _POINTS = 150  # of the finite differences, whose error of second order is extrapolated
 
 
@@ -62,8 +66,9 @@ class LiftOff:
 
         The indentation goes like contact^(2/3), so that b goes like contact^(-1/12) and K like contact^(-5/6).
         """
-        pressed = contact > _LEAST_CONTACT
-        n = np.where(pressed, contact, _LEAST_CONTACT)
+        root = np.hypot(contact - _LEAST_CONTACT, _ROUNDED)
+        n = 0.5 * (contact + _LEAST_CONTACT + root)  # contact, but for where it is about to be lost
+        dn, ddn = 0.5 * (1.0 + (contact - _LEAST_CONTACT) / root), 0.5 * _ROUNDED**2 / root**3
         squared = np.sqrt(self.rigidity * self.indentation / self.weight)  # b^2 under the weight
         unit = squared / self.indentation
         scale = -self.rigidity * np.sqrt(squared)
@@ -71,13 +76,14 @@ class LiftOff:
         s, ds, whole = _slope(k)
         left = 1.5833333333333333 * whole - 0.8333333333333334 * s * k
         bent = n ** (7.0 / 12.0) * 0.8333333333333334 * k / n * (0.8333333333333334 * ds * k - 0.75 * s)
+        by_n = scale * n ** (7.0 / 12.0) * left / unit**2
         return Energy(
             scale * n ** (19.0 / 12.0) * whole / unit**2,
             scale * n**0.75 * s / unit,
-            pressed * scale * n ** (7.0 / 12.0) * left / unit**2,
+            by_n * dn,
             scale * n ** (-1.0 / 12.0) * ds,
-            pressed * scale * n**-0.25 * (0.75 * s - 0.8333333333333334 * k * ds) / unit,
-            pressed * scale * (7.0 / 12.0 * n ** (-5.0 / 12.0) * left + bent) / unit**2,
+            scale * n**-0.25 * (0.75 * s - 0.8333333333333334 * k * ds) / unit * dn,
+            scale * (7.0 / 12.0 * n ** (-5.0 / 12.0) * left + bent) / unit**2 * dn**2 + by_n * ddn,
         )
 
 
@@ -85,25 +91,32 @@ def _slope(k: Any) -> tuple[Any, Any, Any]:
     """Return s, its derivative, and its integral from 0."""
     ratio, integral = _solutions()
     x, y, soft = np.log1p(np.minimum(k, _LARGEST)), 1.0 + k, k < _LARGEST
-    r, dr = ratio(x), ratio(x, 1) / y
+    r, dr = ratio(x), ratio.deriv()(x) / y
     hard = r * np.sqrt((1.0 + _LARGEST) / _LARGEST)
     s = np.where(soft, k * np.sqrt(y) * r, hard * k**1.5)
     ds = np.where(soft, np.sqrt(y) * (r + k * dr + 0.5 * k * r / y), 1.5 * hard * np.sqrt(k))
-    return s, ds, integral(x) + np.where(soft, 0.0, 0.4 * hard * (k**2.5 - _LARGEST**2.5))
+    up_to = np.minimum(k, _LARGEST)
+    return s, ds, up_to**2 * integral(x) + 0.4 * hard * (np.maximum(k, _LARGEST) ** 2.5 - _LARGEST**2.5)
 
 
 @functools.cache
 def _solutions() -> tuple[Any, Any]:
-    """Return s / (K sqrt(1 + K)) and the integral of s as functions of log(1 + K)."""
-    from scipy.interpolate import CubicSpline
+    """Return s / (K sqrt(1 + K)) and the integral of s over K^2 as polynomials of log(1 + K)."""
+    from numpy.polynomial import Chebyshev
 
-    x = np.linspace(0.0, np.log1p(_LARGEST), _SOLVED)
+    top = float(np.log1p(_LARGEST))
+    x = 0.5 * top * (1.0 - np.cos(np.pi * (np.arange(_SOLVED) + 0.5) / _SOLVED))
     k = np.expm1(x)
-    k[0] = 1e-3
-    ratio = CubicSpline(x, [_solved(value) / (value * np.sqrt(1.0 + value)) for value in k.tolist()])
-    fine = np.linspace(0.0, x[-1], 16 * _SOLVED)
-    there = np.expm1(fine)
-    return ratio, CubicSpline(fine, there * np.sqrt(1.0 + there) * ratio(fine) * (1.0 + there)).antiderivative()
+    solved = np.array([_solved(value) for value in k.tolist()])
+    ratio = Chebyshev.fit(x, solved / (k * np.sqrt(1.0 + k)), _DEGREE, domain=[0.0, top])
+    points, weights = np.polynomial.legendre.leggauss(96)
+    share = 0.5 * (points + 1.0)
+    dense = 0.5 * top * (1.0 - np.cos(np.pi * (np.arange(64) + 0.5) / 64))
+    outer = np.expm1(dense)[:, None]
+    inner = outer * share**2
+    slopes = inner * np.sqrt(1.0 + inner) * ratio(np.log1p(inner))
+    whole = (slopes / outer) @ (weights * share)
+    return ratio, Chebyshev.fit(dense, whole, 3 * _DEGREE, domain=[0.0, top])
 
 
 def _solved(k: float) -> float:

@@ -1,0 +1,251 @@
+"""The steady motion of a rod under a load: which mode, its orbit in the modes that matter, and its stability."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
+from floquetrod.equations import NonlinearSystem, PeriodicSystem, sampling
+from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.status import Status
+from floquetrod.floquet.systems.result import SystemStability
+from floquetrod.orbits import NoOrbitError, PeriodicOrbit, periodic_orbit
+from floquetrod.rod.answers.steady_motion import SteadyMotion
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.loads.load import AnyLoad, Load, require_load
+from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
+from floquetrod.rod.mode_equations.one_mode import LARGEST, OneMode, Orbit
+from floquetrod.rod.model.data import RodData
+from floquetrod.rod.modes.mode_model import ModeModel
+
+MOST_HALF_WAVES = 60  # of a mode whose motion is computed (a choice: seconds)
+_NEAR = ((0, 0), (6, 2), (12, 6))
+"""Modes on either side of the one that moves, and of the one three times as short, taken in turn: the last answers."""
+
+_TOLERANCE = 1e-5  # of the orbit
+_INSTANTS = 512  # of a period, at which a motion is looked at: the largest angle is 2e-5 low at most
+
+
+class Found(NamedTuple):
+    """An orbit of one mode."""
+
+    mode: int
+    orbit: Orbit
+    alone: OneMode
+
+
+@dataclass(frozen=True)
+class _Function:
+    """The rates of a motion as a `NonlinearSystem` calls them, at one instant or many."""
+
+    motion: LargeMotion
+    derive: bool = False
+
+    def __call__(self, t: Any, x: Any) -> Floats:
+        """Return rates (n, ...) or their derivatives (n, n, ...) of states (n, ...)."""
+        states = np.atleast_2d(np.asarray(x).T)
+        times = np.broadcast_to(t, len(states))
+        found = self.motion.jacobians(times, states) if self.derive else self.motion.rates(times, states)
+        return found[0] if np.ndim(x) == 1 else np.moveaxis(found, 0, -1)
+
+
+def steady_motion(model: ModeModel, given: AnyLoad, mode: int | None, indentation: float) -> SteadyMotion:
+    """Return the steady motion under a load; see `floquetrod.Rod.steady_motion`."""
+    load, rod = require_load("load", given), model.rod
+    indentation = validate.within("indentation", indentation, 1e-8, 0.1, "a part of the radial clearance, such as 1e-4")
+    if mode is not None:
+        mode = validate.integer("mode", mode, 1, MOST_HALF_WAVES, "half waves of the motion to look at")
+    require_possible(rod, load)
+    shapes = Shapes.of(rod, load, _count(rod, mode))
+    rest = model.verdict(load, None, 0.0, None)
+    found = next(iter(orbits_of(rod, load, shapes, candidates(rest, shapes, mode), indentation)), None)
+    if found is None:
+        return _resting(rod, load, rest, mode)
+    return _motion(rod, load, rest, shapes, found, indentation)
+
+
+def require_possible(rod: RodData, load: Load) -> None:
+    """Raise ValueError for rods whose large motion is not known here, with the remedy."""
+    ends = rod.end_conditions
+    if "free" in (ends.upper, ends.lower):
+        raise validate.wrong_value(
+            "ends", f'must not be free, got "{ends}": a free end leaves the wall; simulate the rod, or take "guided"'
+        )
+    if not rod.course.is_straight:
+        raise validate.wrong_value(
+            "rod", "must lie in a straight channel: in one that bends the contact force changes too; simulate it"
+        )
+    if rod.critical_mode > MOST_HALF_WAVES / 1.5:
+        raise validate.wrong_value(
+            "length",
+            f"must be at most {MOST_HALF_WAVES / 1.5 * rod.critical_half_wave:.4g} m, that of "
+            f"{MOST_HALF_WAVES / 1.5:g} half waves, got {rod.length:g} m; take a part of the rod",
+        )
+
+
+def _count(rod: RodData, mode: int | None) -> int:
+    """Return how many beam functions the modes are made of."""
+    return max(math.ceil(3.0 * rod.critical_mode), 3 * (mode or 0)) + 4
+
+
+def candidates(rest: RodStability, shapes: Shapes, mode: int | None) -> list[int]:
+    """Return modes to look at: the one asked for, those that grow, the fastest first, or all, where nothing grows."""
+    if mode is not None:
+        return [mode]
+    growing = [m for resonance in rest.resonances for m in resonance.modes] if rest.status != "stable" else []
+    return list(dict.fromkeys(growing)) or sorted(set(shapes.numbers.tolist()))
+
+
+def alone(rod: RodData, load: Load, shapes: Shapes, mode: int, indentation: float) -> OneMode:
+    """Return the equation of one mode."""
+    place = shapes.numbers.tolist().index(mode)
+    return OneMode(LargeMotion(rod, load, shapes.some([place]), indentation))
+
+
+def orbits_of(rod: RodData, load: Load, shapes: Shapes, modes: list[int], indentation: float) -> Iterator[Found]:
+    """Yield the stable orbits of modes alone, the smallest of each first."""
+    for mode in modes:
+        equation = alone(rod, load, shapes, mode, indentation)
+        every = [o for turns in (2, 1) if equation.may_resonate(turns) for o in equation.orbits(turns)]
+        for orbit in sorted(every, key=lambda each: each.amplitude):
+            if orbit.is_stable:
+                yield Found(mode, orbit, equation)
+
+
+def _resting(rod: RodData, load: Load, rest: RodStability, mode: int | None) -> SteadyMotion:
+    """Return rest, where it is stable; ValueError where the rod moves further than is looked at."""
+    if rest.status == "unstable" and (mode is None or mode in rest.unstable_modes):
+        raise validate.wrong_value(
+            "load",
+            f"makes the rod move further than {math.degrees(LARGEST):.0f} degrees, or in no one mode, where it leaves "
+            "its wall; simulate it",
+        )
+    weight = rod.mass_per_length * rod.effective_gravity
+    which = "in any mode alone" if mode is None else f"in mode {mode}"
+    note = f"a search up to {math.degrees(LARGEST):.0f} degrees found no periodic motion {which}"
+    is_stable = rest.status == "stable"
+    return SteadyMotion(
+        rod, load, 0, 0.0, 0.0, None, (), rest.status, is_stable, (weight, weight), None, (0.0, 0.0), note
+    )
+
+
+def _motion(
+    rod: RodData, load: Load, rest: RodStability, shapes: Shapes, found: Found, indentation: float
+) -> SteadyMotion:
+    """Return the motion near an orbit of one mode, with all modes that matter."""
+    sets = [_chosen(shapes, found.mode, *near) for near in _NEAR]
+    every: list[PeriodicOrbit] = []
+    for i, chosen in enumerate(sets):
+        fewer = (every[-1], sets[i - 1], chosen) if every else None
+        every.append(_orbit(LargeMotion(rod, load, shapes.some(chosen), indentation), found, fewer))
+    first, orbit = every[-2:]
+    many, motion = sets[-1], LargeMotion(rod, load, shapes.some(sets[-1]), indentation)
+    times = orbit.period * np.arange(_INSTANTS) / _INSTANTS
+    states = orbit(times)
+    amplitude = _largest(motion, states)
+    before = _largest(LargeMotion(rod, load, shapes.some(sets[-2])), first(times))
+    contact = motion.contact_force(times, states)
+    shorter = motion.shortening(states)
+    place = float(motion.shapes.nodes[int(contact.min(axis=0).argmin())]) * rod.length
+    least = float(contact.min())
+    status, note = _judged(rod, load, shapes, many, orbit, indentation)
+    if rod.damping_rate == 0.0:
+        note = f"{note}; without damping motion never settles: it beats about this orbit".lstrip("; ")
+    return SteadyMotion(
+        rod,
+        load,
+        found.mode,
+        amplitude,
+        abs(amplitude - before) + orbit.error * amplitude + _SHORT * amplitude,
+        orbit,
+        tuple(motion.shapes.numbers.tolist()),
+        status,
+        rest.status == "stable",
+        (least, float(contact.max())),
+        place if least < 0.0 else None,
+        (float(shorter.min()), float(shorter.max())),
+        note,
+    )
+
+
+_SHORT = 2e-5  # part of the largest angle, by which it is low where it falls between instants and places looked at
+
+
+def _largest(motion: LargeMotion, states: Floats) -> float:
+    """Return the largest angle in rad."""
+    return float(np.abs(motion.angles(states)).max())
+
+
+def _chosen(shapes: Shapes, mode: int, near: int, shorter: int) -> Any:
+    """Return which modes to take: neighbours, and those three times as short, of one symmetry where there is one."""
+    numbers = shapes.numbers
+    place = numbers.tolist().index(mode)
+    alike = shapes.even == shapes.even[place]
+    wanted = (np.abs(numbers - mode) <= near) | (np.abs(numbers - 3 * mode) <= shorter)
+    return np.flatnonzero(alike & wanted)
+
+
+def _orbit(motion: LargeMotion, found: Found, before: Any) -> PeriodicOrbit:
+    """Return the orbit in some modes, from that of one mode, or of ``before``: fewer ones."""
+    n, load = motion.size, motion.load
+    period = found.orbit.turns * 2.0 * math.pi / load.frequency
+    record = found.orbit.states
+    times = np.linspace(0.0, period, len(record) + 1)
+    states = np.zeros((len(times), 2 * n))
+    if before is None:
+        place = motion.shapes.numbers.tolist().index(found.mode)
+        states[:-1, [place, n + place]] = record
+    else:
+        orbit, few, many = before
+        places = np.searchsorted(many, few)
+        states[:, np.concatenate([places, n + places])] = orbit(times)
+    states[-1] = states[0]
+    system = NonlinearSystem(_Function(motion), _Function(motion, True), 2.0 * math.pi / load.frequency)
+    try:
+        return periodic_orbit(system, (times, states), period, tolerance=_TOLERANCE)
+    except NoOrbitError as error:
+        raise validate.wrong_value(
+            "load", f"leads to no periodic motion near that of mode {found.mode}: {error}; simulate it"
+        ) from None
+
+
+def _judged(
+    rod: RodData, load: Load, shapes: Shapes, many: Any, orbit: PeriodicOrbit, indentation: float
+) -> tuple[Status, str]:
+    """Return whether the orbit is stable against all modes, and what to note."""
+    others = np.setdiff1d(np.arange(len(shapes.numbers)), many)
+    alike = shapes.even[others] == shapes.even[many[0]]
+    own = _beside(rod, load, shapes, (many, others[alike], True), orbit, indentation)
+    if own.status != "stable" or alike.all():
+        return own.status, ""
+    apart = _beside(rod, load, shapes, (many, others[~alike], False), orbit, indentation)
+    return apart.status, "" if apart.status == "stable" else f"{apart.status} against modes of the other symmetry"
+
+
+def _beside(
+    rod: RodData, load: Load, shapes: Shapes, modes: tuple[Any, Any, bool], orbit: PeriodicOrbit, indentation: float
+) -> SystemStability:
+    """Return the verdict on small motion beside an orbit in modes that take no part in it, or together with its own."""
+    many, group, together = modes
+    motion = LargeMotion(rod, load, shapes.some(np.concatenate([many, group])), indentation)
+    n, own = motion.size, len(many)
+    moving = np.concatenate([np.arange(own), n + np.arange(own)])
+    rows = np.arange(2 * n) if together else np.setdiff1d(np.arange(2 * n), moving)
+    units = np.concatenate([np.ones(n), np.sqrt(np.maximum(motion.shapes.frequencies, load.frequency**2))])
+
+    def derivatives(times: Floats, wider: float = 1.0) -> Floats:
+        states = np.zeros((len(times), 2 * n))
+        states[:, moving] = wider * orbit(times)
+        return np.asarray((motion.jacobians(times, states) * units / units[:, None])[:, rows[:, None], rows])
+
+    some = orbit.period / 16.0 * np.arange(16.0)
+    change = np.abs(derivatives(some, 1.001) - derivatives(some)).max() * 1e3
+    found = sampling.smooth(derivatives, orbit.period, math.inf)
+    error = found.error + 2.0 * float(change) * orbit.error
+    return stability(PeriodicSystem.from_pieces(found.pieces, coefficient_error=error))
