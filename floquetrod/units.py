@@ -17,6 +17,7 @@ _POUND_FORCE = 4.4482216152605  # in N
 
 _UNITS: dict[str, dict[str, float]] = {
     "force": {"N": 1.0, "kN": 1e3, "MN": 1e6, "mN": 1e-3, "lbf": _POUND_FORCE, "kip": 1e3 * _POUND_FORCE},
+    "force density": {"N^2/Hz": 1.0, "N2/Hz": 1.0, "kN^2/Hz": 1e6, "mN^2/Hz": 1e-6, "lbf^2/Hz": _POUND_FORCE**2},
     "frequency": {"rad/s": 1.0, "1/s": 1.0, "Hz": 2.0 * math.pi, "kHz": 2e3 * math.pi, "rpm": math.pi / 30.0},
     "time": {"s": 1.0, "ms": 1e-3, "us": 1e-6, "min": 60.0},
     "length": {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048},
@@ -249,7 +250,7 @@ def quantity(
         What it is called in messages.
     kind : str
         "force", "frequency" (angular, in rad/s), "length", "mass", "stiffness", "pressure", "density", "acceleration",
-        "rate", "speed", "time", "angle" or "ratio" (which has no unit).
+        "rate", "speed", "time", "angle", "force density" (one-sided spectral density) or "ratio" (which has no unit).
     critical_force : float, optional
         In N; with it, forces may be given in "Fcr".
     nominal : float, optional

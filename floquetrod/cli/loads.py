@@ -66,6 +66,12 @@ def add_kind(command: argparse.ArgumentParser) -> None:
         "--axial-damping", metavar="RATE", help="decay rate of axial waves in 1/s (needs --wave; default 0)"
     )
     command.add_argument(
+        "--noise",
+        metavar="DENSITY",
+        help="one-sided spectral density of what is random of the force, such as 0.02N^2/Hz, or spectrum, that of what "
+        "the fit leaves of --force; verdicts are then in mean square",
+    )
+    command.add_argument(
         "--force",
         metavar="FILE",
         help="a measured force, a text file with columns of time and force such as record.csv: gives the waveform, and "

@@ -136,9 +136,56 @@ def second_moments(
 
     L. Arnold, Stochastic Differential Equations, Wiley 1974, section 8.5.
     """
+    return _moments_of(*_checked(system, noise, interpretation))
+
+
+def balanced_moments(system: Any, noise: Any, interpretation: str = "ito") -> SecondMoments:
+    """Return the second moments of unknowns of alike sizes: those of `second_moments` scaled by powers of two.
+
+    No exponent changes, and what is rounded of one entry weighs no more than what is of another.
+    """
+    subject, sources, interpretation = _checked(system, noise, interpretation)
+    sizes = sum((matrix_sizes(matrix) for matrix in subject.every_matrix), np.zeros((subject.order,) * 2))
+    for matrix, _, intensity in sources:
+        sizes = sizes + float(intensity.max(initial=0.0)) * matrix_sizes(matrix)
+    if subject.order > 1 and sizes.any():
+        from scipy.linalg import matrix_balance
+
+        scale = matrix_balance(sizes, permute=False, separate=True)[1][0]
+        subject, sources = _scaled(subject, sources, scale[None, :] / scale[:, None])
+    return _moments_of(subject, sources, interpretation)
+
+
+def matrix_sizes(matrix: Matrix) -> Matrix:
+    """Return the largest magnitude of each entry over a batch."""
+    return np.asarray(np.abs(matrix).reshape(-1, *matrix.shape[-2:]).max(axis=0))
+
+
+def _scaled(system: PeriodicSystem, sources: list[Source], ratio: Matrix) -> tuple[PeriodicSystem, list[Source]]:
+    """Return a system and its noise for unknowns scaled by powers of two, the ratios of which are given."""
+    error = system.coefficient_error * float(ratio.max())
+    turned = [
+        source._replace(matrix=source.matrix * ratio, error=source.error * float(ratio.max())) for source in sources
+    ]
+
+    def scale(matrix: Matrix) -> Matrix:
+        return np.asarray(matrix * ratio)
+
+    if system.pieces:
+        pieces = [(duration, value.mapped(scale, scale)) for duration, value in system.pieces]
+        return PeriodicSystem.from_pieces(pieces, coefficient_error=error), turned
+    series = [[scale(m) for m in part] for part in (system.cosines, system.sines)]
+    return PeriodicSystem(scale(system.mean), *series, period=system.period, coefficient_error=error), turned
+
+
+def _checked(system: Any, noise: Any, interpretation: str) -> tuple[PeriodicSystem, list[Source], str]:
+    """Return the system in first order and the sources of noise, checked."""
     interpretation = validate.choice("interpretation", interpretation, INTERPRETATIONS)
-    subject = of_first_order(system)
-    sources = sources_of(system, noise)
+    return of_first_order(system), sources_of(system, noise), interpretation
+
+
+def _moments_of(subject: PeriodicSystem, sources: list[Source], interpretation: str) -> SecondMoments:
+    """Return the second moments in the sense that is meant."""
     whole = with_drift(subject, sources, 0.5) if interpretation == "stratonovich" else (subject, 0.0)
     return _moments(*whole, sources)
 

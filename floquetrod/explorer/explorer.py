@@ -15,6 +15,7 @@ from floquetrod.explorer.words import margin_words
 from floquetrod.plotting.explorer import ExplorerWindow
 from floquetrod.rod.answers.margins import Margin
 from floquetrod.rod.loads.load import KINDS, AnyLoad, Load, require_load
+from floquetrod.rod.modes.noisy import refusal
 from floquetrod.rod.rod import Rod
 
 
@@ -64,6 +65,8 @@ class Explorer:
         self._units = _units(rod, {} if units is None else units)
         self.load: Load = scale.first_load(self._units) if load is None else require_load("load", load)
         scale.require(self.load)
+        if self.load.noise:
+            raise refusal("load", self.load)
         self._options = options
         limits = _rounded(scale.limits(self.load), self._units)
         self._view = View(rod, self.load, limits)

@@ -12,6 +12,7 @@ from floquetrod._util import validate
 from floquetrod._util.content import ByContent, NoTruthValue
 from floquetrod.equations import Equation, SecondMoments, second_moments
 from floquetrod.equations.matrices import require_one
+from floquetrod.equations.second_moments import balanced_moments
 from floquetrod.floquet.dispatch import judge, run, stability
 from floquetrod.floquet.problems import Problem
 from floquetrod.floquet.systems.result import SystemStability
@@ -89,13 +90,13 @@ def critical_noise(system: Problem, noise: Any, interpretation: str = "ito") -> 
         raise ValueError(f"system must decay without noise for it to bear any, got one that is {_told(quiet)}")
 
     def moments(factor: float) -> SecondMoments:
-        return second_moments(system, _scaled(system, noise, factor), interpretation)
+        return balanced_moments(system, _scaled(system, noise, factor), interpretation)
 
     def growth(factor: float) -> float:
         found: SystemStability = run("monodromy", moments(factor))
         return found.exponents[0].real if found.exponents else math.nan
 
-    size = float(np.abs(loudest.mean - moments(0.0).mean).max())
+    size = float(np.abs(loudest.mean - second_moments(system, _scaled(system, noise, 0.0), interpretation).mean).max())
     if size == 0.0:
         raise ValueError("noise must have an intensity above zero and a matrix that is not zero, got none")
     first = math.sqrt(quiet.decay_rate / size)

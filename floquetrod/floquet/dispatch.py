@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from floquetrod._util import validate
-from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem, second_moments
+from floquetrod.equations import DelaySystem, Equation, HillSystem, PeriodicSystem
+from floquetrod.equations.second_moments import balanced_moments
 from floquetrod.floquet.problems import Problem, require_problem
 from floquetrod.floquet.registry import KINDS, in_turn, kind_of, names_of
 from floquetrod.floquet.verdict import FloquetVerdict, Stability, Verdict
@@ -125,7 +126,7 @@ def stability(
 def under_noise(problem: Problem, noise: Any, interpretation: str) -> Problem:
     """Return the second moments of an equation or a system where there is noise, itself where there is none."""
     if noise is not None:
-        return second_moments(problem, noise, interpretation)
+        return balanced_moments(problem, noise, interpretation)
     if interpretation != "ito":
         raise TypeError(f"interpretation={validate.short(interpretation)} is that of noise, which must be given, too")
     return problem

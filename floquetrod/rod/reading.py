@@ -12,7 +12,7 @@ from floquetrod import units
 from floquetrod._util.arguments import argument_of, located
 from floquetrod._util.suggest import short
 from floquetrod._util.tables import require_file
-from floquetrod.rod.loads.load import KINDS, LIMITS, AxialWave, Load, Quantity, kind
+from floquetrod.rod.loads.load import KINDS, LIMITS, AxialWave, Load, Quantity, kind, noise_density
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.rod import Rod
 
@@ -27,7 +27,7 @@ ArgumentName: TypeAlias = Callable[[str], str]
 RECORD_OPTIONS = ("time_column", "force_column", "time_unit", "force_unit")
 """What says how to read a measured force."""
 
-LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "force", *RECORD_OPTIONS)
+LOAD_OPTIONS = ("mean_at", "wave", "axial_damping", "noise", "force", *RECORD_OPTIONS)
 """What says of which kind a load is."""
 
 _LARGEST = 1e12  # of an axial damping in 1/s: a typing error lies beyond
@@ -81,12 +81,23 @@ def read_kind(given: Mapping[str, Any], record: ForceRecord | None, named: Argum
         )
     at = 0.5 if given["mean_at"] is None else _fraction(given["mean_at"], named("mean_at"))
     load = replace(kind(record), mean_at=at)
+    if given["noise"] is not None:
+        load = replace(load, noise=_noise(given["noise"], record, named))
     if wave is None:
         return load
     rate = units.quantity(
         "0" if damping is None else damping, named("axial_damping"), "rate", least=0.0, largest=_LARGEST
     )
     return AxialWave(**load.as_dict(), far_end=wave, axial_damping=rate)
+
+
+def _noise(text: str, record: ForceRecord | None, named: ArgumentName) -> Any:
+    """Return a density of noise, that of what the fit leaves of a record for the word spectrum."""
+    if text.strip().lower() != "spectrum":
+        return noise_density(named("noise"), text)
+    if record is None:
+        raise ValueError(f"{named('noise')} spectrum needs {named('force')}: it is that of a measured force")
+    return record.noise_spectrum
 
 
 def _fraction(text: str, name: str) -> float | None:

@@ -143,6 +143,11 @@ class Rod(RodData):
         ('CoupledModel', ('clamped ends',))
         """
         like = kind(like)
+        if like.noise:
+            from floquetrod.rod.modes.noisy import NoisyModel, require_independent
+
+            require_independent(coupling(self, like), like)
+            return NoisyModel(self, like)
         if not coupling(self, like):
             return IndependentModel(self, like)
         # Loaded where it is needed: a rod with hinged ends answers without.
@@ -698,6 +703,42 @@ class Rod(RodData):
         from floquetrod.rod import motion
 
         return motion.steady_motion(self.modes_under(require_load("load", load)), load, mode, indentation)
+
+    def critical_noise(self, load: AnyLoad, *, growth_tolerance: float = 0.0) -> float:
+        """Return by which factor the noise of a load may be multiplied with the rod still stable in mean square.
+
+        Of noise 1 that is the largest density in N^2/Hz.  It is found to 1e-10, between a factor at which the verdict
+        is stable and one at which it is not; infinite where no change is found.
+
+        Parameters
+        ----------
+        load : AxialLoad
+            With noise.
+        growth_tolerance : float
+            Growth of second moments in 1/s up to which a mode counts as stable.
+
+        Raises
+        ------
+        ValueError
+            For a load without noise, and where the rod is not stable without it.
+
+        Examples
+        --------
+        Of a rod that is pulled high modes decide: 8 c E I m, c the damping rate, m the mass per length in motion.
+
+        >>> import floquetrod as fr
+        >>> rod = Rod.nitinol().replace(damping_rate=1.0)
+        >>> bound = 8.0 * rod.damping_rate * rod.flexural_rigidity * rod.mass_per_length
+        >>> round(rod.critical_noise(fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)) / bound, 6)
+        1.0
+        """
+        from floquetrod.rod.modes.noisy import NoisyModel, critical_noise
+
+        found, tolerance = require_load("load", load), validate.tolerance("growth_tolerance", growth_tolerance)
+        model = self.modes_under(found)
+        if not isinstance(model, NoisyModel):
+            raise validate.wrong_value("load", "must have noise, such as noise=1.0, to be asked how much it bears")
+        return critical_noise(model, found, tolerance)
 
     # --- proofs ---
 

@@ -15,13 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import files, validate
+from floquetrod._util.arguments import Mention
 from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import level_of_caller
 from floquetrod._util.progress import Progress
 from floquetrod._util.report import Report, Reported
 from floquetrod._util.version import __version__
 from floquetrod.rod.answers.mean_force import friction_along
-from floquetrod.rod.loads.load import LIMITS, Load, load_from_dict, load_number, require_load
+from floquetrod.rod.loads.load import LIMITS, Load, load_from_dict, load_number, noise_in_words, require_load
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.rod import Rod
 from floquetrod.simulation.checkpoints import Checkpoint
@@ -144,6 +145,12 @@ class SimulationProblem:
         """Check and clean the parameters; the derived numbers raise for what they cannot be computed from."""
         validate.instance("rod", self.rod, Rod)
         load = require_load("load", self.load)
+        if load.noise:
+            raise validate.wrong_value(
+                "load",
+                f"must have no noise to be simulated, got {noise_in_words(load.noise)}; give it ",
+                Mention("noise", "noise=0", "0"),
+            )
         kick = Perturbation.random(1e-3, seed=1) if self.perturbation is None else self.perturbation
         validate.instance("perturbation", kick, Perturbation, "such as Perturbation.modes({8: 0.05})")
         cleaned: dict[str, Any] = {

@@ -339,7 +339,9 @@ def _of_equations() -> dict[str, Call]:
                 "frequency": 40.0,
             },
         ),
-        "AxialLoad": Call(fr.AxialLoad, {**PUSH, "mean_at": 0.3, "waveform": (0.5 - 1j, 0.2)}),
+        "AxialLoad": Call(
+            fr.AxialLoad, {**PUSH, "mean_at": 0.3, "waveform": (0.5 - 1j, 0.2), "noise": ((1.0, 0.02), (9.0, 0.01))}
+        ),
         "AxialWave": Call(
             fr.AxialWave, {**PUSH, "far_end": "free", "axial_damping": 0.5, "mean_at": None, "waveform": "sine"}
         ),
@@ -458,6 +460,9 @@ def _of_rods(place: Path) -> dict[str, Call]:
         "Rod.stable_frequencies": Call(
             ROD.stable_frequencies,
             {"mean": 0.34, "amplitude": 0.34, "bounds": (100.0, 150.0), "progress": None, **tolerance},
+        ),
+        "Rod.critical_noise": Call(
+            QUIET.critical_noise, {"load": fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0), **tolerance}
         ),
         "Rod.critical_mean_force": Call(ROD.critical_mean_force, {"amplitude": 0.34, "frequency": 150.0, **tolerance}),
         "Rod.critical_amplitude": Call(ROD.critical_amplitude, {"mean": 0.34, "frequency": 150.0, **tolerance}),

@@ -6,6 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import MISSING, dataclass, field, fields, replace
+from itertools import pairwise
 from typing import Any, Literal, NamedTuple, Self, TypeAlias
 
 import numpy as np
@@ -156,6 +157,10 @@ class Loads(NamedTuple):
 Waveform: TypeAlias = str | tuple[complex, ...]
 """"sine", or complex amplitudes h_1, h_2, ... of the harmonics."""
 
+Noise: TypeAlias = float | str | tuple[tuple[float, float], ...]
+"""A density in N^2/Hz, with a unit before it is checked, or pairs of a frequency in Hz and the density there."""
+
+_LOUDEST = 1e24  # N^2/Hz
 _MOST_HARMONICS = 1000  # of a waveform (a choice)
 _RESONANT = 1e-6  # denominator of an axial wave below which rounding leaves it too few digits (a choice)
 
@@ -177,6 +182,8 @@ class Load(TellsAttributes, ABC):
         grows downwards by the weight along the rod.  None neglects that weight.
     waveform : "sine" or sequence of complex
         sin(omega t), or h_1, h_2, ...: the amplitude times Re(h_1 e^(i omega t) + h_2 e^(2 i omega t) + ...).
+    noise : float, str or sequence of (float, float)
+        One-sided spectral density of what is random of the force, see `AxialLoad`; waves have none.
     """
 
     mean: float
@@ -184,6 +191,7 @@ class Load(TellsAttributes, ABC):
     frequency: float
     mean_at: float | None = field(default=0.5, kw_only=True)
     waveform: Waveform = field(default="sine", kw_only=True)
+    noise: Noise = field(default=0.0, kw_only=True)
 
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
@@ -193,6 +201,7 @@ class Load(TellsAttributes, ABC):
             hint = "a fraction of the length: 0 is the upper end, 1 the lower, None neglects the weight along the rod"
             object.__setattr__(self, "mean_at", validate.within("mean_at", self.mean_at, 0.0, 1.0, hint))
         object.__setattr__(self, "waveform", _waveform(self.waveform))
+        object.__setattr__(self, "noise", noise_density("noise", self.noise))
 
     @property
     def harmonics(self) -> NDArray[np.complex128]:
@@ -234,11 +243,15 @@ class Load(TellsAttributes, ABC):
             found.append("weight along the rod neglected")
         elif self.mean_at != 0.5:
             found.append(f"mean force at {self.mean_at:g} of the length")
+        if self.noise:
+            found.append(noise_in_words(self.noise))
         return ", ".join(found)
 
     def kind_as_dict(self) -> dict[str, Any]:
         """Return everything but mean, amplitude and frequency, as words and numbers for a file."""
         values = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in LIMITS}
+        if not self.noise:
+            del values["noise"]
         if self.waveform != "sine":
             values["waveform"] = [[h.real, h.imag] for h in self.harmonics.tolist()]
         return {"type": type(self).__name__, **values}
@@ -274,6 +287,11 @@ class AxialLoad(Load):
     waveform : "sine" or sequence of complex
         sin(omega t), the default, or h_1, h_2, ...: the amplitude times Re(h_1 e^(i omega t) + h_2 e^(2 i omega t) +
         ...).
+    noise : float, str or sequence of (float, float)
+        One-sided spectral density S of what is random of the force, in N^2/Hz or with a unit, "0.02 N^2/Hz": the mean
+        square of the force in a band is S times its width in Hz.  Or pairs of a frequency in Hz and the density there,
+        linear in between, the first one below the first frequency, and none above the last.  0, none, by default.
+        Verdicts are then those in mean square, see `floquetrod.Rod.stability`.
 
     Examples
     --------
@@ -313,6 +331,8 @@ def load_from_dict(data: Mapping[str, Any]) -> Load:
     load = kinds[values.pop("type")]
     if values.get("waveform", "sine") != "sine":
         values["waveform"] = tuple(complex(*pair) for pair in values["waveform"])
+    if isinstance(values.get("noise"), list):
+        values["noise"] = tuple(tuple(pair) for pair in values["noise"])
     return load(**values)
 
 
@@ -351,6 +371,8 @@ class AxialWave(Load):
         As in `AxialLoad`, by default 0.5.
     waveform : "sine" or sequence of complex
         As in `AxialLoad`, by default "sine".
+    noise : float
+        None but 0: random waves are not computed.
     far_end : {"held", "free", "driven"}
         The lower end, s = L: held against axial motion, the default; free of axial vibration; driven alike, as both
         ends are in the study.
@@ -374,6 +396,12 @@ class AxialWave(Load):
     def __post_init__(self) -> None:
         """Check and clean the parameters."""
         super().__post_init__()
+        if self.noise:
+            raise validate.wrong_value(
+                "noise",
+                f"is taken to be the same all along the rod, got {noise_in_words(self.noise)} with waves; give an ",
+                Mention("wave", "AxialLoad", "no --wave"),
+            )
         validate.choice("far_end", self.far_end, FAR_ENDS)
         rate = validate.nonnegative("axial_damping", self.axial_damping, "give the decay rate in 1/s")
         object.__setattr__(self, "axial_damping", validate.within("axial_damping", rate, 0.0, _FASTEST))
@@ -433,6 +461,56 @@ class AxialWave(Load):
 def with_waves(load: Load, axial_damping: float = 0.0) -> AxialWave:
     """Return an `AxialLoad` with the waves it sends from both ends, damped at a rate in 1/s."""
     return AxialWave(**load.as_dict(), far_end="driven", axial_damping=axial_damping)
+
+
+def noise_density(name: str, value: Any) -> float | tuple[tuple[float, float], ...]:
+    """Return a spectral density of noise, checked: a number in N^2/Hz, or pairs of a frequency in Hz and a density."""
+    if isinstance(value, str):
+        return units.quantity(value, name, "force density", least=0.0, largest=_LOUDEST)
+    if not validate.iterable(value) or (isinstance(value, np.ndarray) and value.ndim == 0):
+        return validate.within(name, value, 0.0, _LOUDEST, "a density in N^2/Hz, zero or more")
+    found = []
+    for i, pair in enumerate(validate.listed(name, value, validate.MOST_NUMBERS, "pairs")):
+        if isinstance(pair, str) or not validate.iterable(pair) or len(tuple(pair)) != 2:
+            example = "a density in N^2/Hz or pairs of a frequency in Hz and a density"
+            raise validate.wrong_type(name, f"must be {example}, got {validate.short(pair)} among the pairs")
+        hertz, density = pair
+        at = validate.within(f"{name}[{i}][0]", hertz, 0.0, _FASTEST, "give it in Hz")
+        found.append((at, validate.within(f"{name}[{i}][1]", density, 0.0, _LOUDEST, "give it in N^2/Hz")))
+    if not found or any(one >= other for (one, _), (other, _) in pairwise(found)):
+        raise validate.wrong_value(
+            name, f"must have frequencies that increase, one at least, got {validate.short(value)}"
+        )
+    return tuple(found) if any(density for _, density in found) else 0.0
+
+
+def density_at(noise: Noise, hertz: Any) -> NDArray[np.float64]:
+    """Return the one-sided spectral density of noise in N^2/Hz at frequencies in Hz."""
+    if isinstance(noise, tuple):
+        at, density = np.array(noise).T
+        return np.asarray(np.interp(hertz, at, density, right=0.0))
+    return np.full(np.shape(hertz), float(noise))
+
+
+def largest_density(noise: Noise, hertz: float) -> float:
+    """Return the largest density in N^2/Hz at any frequency from so many Hz on."""
+    if not isinstance(noise, tuple):
+        return float(noise)
+    return max([float(density_at(noise, hertz)), *(density for at, density in noise if at >= hertz)])
+
+
+def louder(noise: Noise, factor: float) -> Noise:
+    """Return noise whose density is a factor as large."""
+    if isinstance(noise, tuple):
+        return tuple((at, factor * density) for at, density in noise)
+    return factor * float(noise)
+
+
+def noise_in_words(noise: Noise) -> str:
+    """Return how loud noise is."""
+    if not isinstance(noise, tuple):
+        return f"noise of {float(noise):.4g} N^2/Hz"
+    return f"noise of up to {max(density for _, density in noise):.4g} N^2/Hz below {noise[-1][0]:.4g} Hz"
 
 
 def _waveform(value: Any) -> Waveform:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -26,6 +26,7 @@ from floquetrod.rod.loads.record_period import PeriodicFit, find, power_spectrum
 
 _LATEST = 1e12  # s
 _FEWEST = 12  # samples
+_BANDS, _IN_A_BAND = 32, 16  # of the spectrum of the noise, and independent frequencies in each (a choice)
 _MOST_HARMONICS = 1000  # largest value of ``harmonics`` (a choice)
 
 
@@ -228,6 +229,30 @@ class ForceRecord(LoadSource, ByContent):
     def load(self) -> AxialLoad:
         """The fitted force as a load, the same all along a rod; its harmonics are the waveform."""
         return AxialLoad(self.mean, self.amplitude, self.frequency, waveform=self.waveform)
+
+    @cached_property
+    def noise_spectrum(self) -> tuple[tuple[float, float], ...]:
+        """Frequencies in Hz, and the one-sided spectral density there in N^2/Hz of the residual of the fit.
+
+        The power of the residual averaged over bands of 16 independent frequencies or more, 32 bands at most: each is
+        good to a quarter or better.  Of what is above half of the sampling rate nothing is known.
+        """
+        samples = Samples.of(self.time, self.samples)
+        level = self.samples - self.mean - self.trend * (self.time - samples.centre)
+        found = power_spectrum(samples, level - self._vibration(self.frequency * self.time))
+        rate = (self.time.size - 1) / float(self.time[-1] - self.time[0])
+        hertz = found.step * np.arange(1, found.power.size + 1) / (2.0 * samples.half)
+        bands = max(1, min(_BANDS, self.time.size // (2 * _IN_A_BAND)))
+        parts = zip(np.array_split(hertz, bands), np.array_split(2.0 / rate * found.power, bands), strict=True)
+        return tuple((float(at.mean()), float(density.mean())) for at, density in parts)
+
+    @property
+    def noisy_load(self) -> AxialLoad:
+        """The `load` with the spectrum of the residual as its noise, so that verdicts are those in mean square.
+
+        With the record itself, or its `load`, in place of a load the noise makes the verdict uncertain, no more.
+        """
+        return replace(self.load, noise=self.noise_spectrum)
 
     kept = Renamed("harmonic_numbers", until="0.2")
 

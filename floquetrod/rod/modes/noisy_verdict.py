@@ -1,0 +1,283 @@
+"""The verdict in mean square on a rod under a force that is partly random: that on the second moments of each mode."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from floquetrod._util.arguments import wrong_value
+from floquetrod._util.arrays import Floats
+from floquetrod._util.progress import Progress
+from floquetrod._util.report import Table, number
+from floquetrod.equations.batches import pick
+from floquetrod.floquet.dispatch import stability
+from floquetrod.floquet.references import united
+from floquetrod.floquet.systems.result import Resonance, SystemStability
+from floquetrod.floquet.verdict import Cost, Status, tolerated
+from floquetrod.rod.answers.intervals import Search
+from floquetrod.rod.answers.margins import Edge
+from floquetrod.rod.answers.verdict import Evidence, RodStability
+from floquetrod.rod.loads.load import Load, Loads, Quantity
+from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
+from floquetrod.rod.model.assumptions import assumptions
+from floquetrod.rod.model.contact import constants_under, up_to_wall
+
+if TYPE_CHECKING:
+    from floquetrod.rod.modes.noisy import NoisyModel
+
+_STEPS = 65  # of each piece of a search for a margin (a choice)
+_LISTED = 5  # modes in a report besides those that grow, those next to growth
+
+ASSUMED = (
+    "growth is that of second moments, twice that of amplitudes: the verdict is in mean square",
+    "the random force acts on each mode as white noise of its density at twice the mode's frequency (Ito's sense and "
+    "Stratonovich's are the same)",
+)
+"""What is taken for granted of noise."""
+
+
+@dataclass(frozen=True)
+class NoisyEvidence(Evidence):
+    """Independent modes under noise, the second moments of each with its own verdict.
+
+    Attributes
+    ----------
+    model : NoisyModel
+    numbered : tuple of int
+        Modes looked at.
+    mode_verdicts : tuple of SystemStability
+        Verdict on the second moments of each of them, in units of time in which its own frequency is 1.
+    mode_growth_rates : ndarray
+        Growth rate of the second moments of each mode in 1/s, negative where they decay.
+    mode_intensities : ndarray
+        s of each mode, q'' + ... = s q xi, in 1/s^1.5.
+    left_out_bound : float
+        Bound in 1/s on the growth of every other mode in mean square, infinite where the modes were chosen.
+    """
+
+    kind: ClassVar[str] = "modes under noise"
+
+    model: NoisyModel = field(compare=False)
+    numbered: tuple[int, ...]
+    mode_verdicts: tuple[SystemStability, ...]
+    mode_growth_rates: Floats = field(compare=False)
+    mode_intensities: Floats = field(compare=False)
+    left_out_bound: float
+
+    @property
+    def load(self) -> Load:
+        """The load."""
+        return self.model.like
+
+    @property
+    def modes(self) -> tuple[int, ...]:
+        """Modes looked at."""
+        return self.numbered
+
+    @property
+    def references(self) -> tuple[str, ...]:
+        """What to cite for the methods used."""
+        return united(*(verdict.references for verdict in self.mode_verdicts))
+
+    @property
+    def cutoff(self) -> str:
+        """Why these modes and no others."""
+        if math.isinf(self.left_out_bound):
+            return f"the {len(self.modes)} modes requested; others were not checked"
+        if self.left_out_bound > 0.0:
+            growth = f"every higher mode grows at less than {self.left_out_bound:.2g} per second"
+            return f"modes 1 to {self.modes[-1]}, in mean square: {growth}"
+        return f"modes 1 to {self.modes[-1]}, in mean square: no higher mode can grow"
+
+    @property
+    def resonances(self) -> tuple[Resonance, ...]:
+        """Nothing: noise may make modes grow that resonate with nothing; `unstable_modes` are those that grow."""
+        return ()
+
+    def unstable_modes(self, verdict: RodStability) -> tuple[int, ...]:
+        """Return the modes that grow faster than the tolerance in mean square."""
+        found = zip(self.modes, self.mode_verdicts, self.mode_growth_rates, strict=True)
+        tolerance = verdict.growth_tolerance
+        return tuple(m for m, v, rate in found if v.status == "unstable" and not tolerated(rate, tolerance))
+
+    def fastest_mode(self, verdict: RodStability) -> int | None:
+        """Return the mode that grows fastest, None when none grows."""
+        fastest = int(np.nan_to_num(self.mode_growth_rates, nan=-math.inf).argmax())
+        return self.modes[fastest] if self.mode_growth_rates[fastest] > 0.0 else None
+
+    def damping_to_stabilise(self, verdict: RodStability) -> float:
+        """Return a damping rate in 1/s above which this load is stable in mean square, to nine digits."""
+        return self.model.damping_required(self.load, verdict.growth_tolerance)
+
+    def growth_of(self, verdict: RodStability, mode: int) -> float:
+        """Return the growth rate of the second moments of a mode in 1/s."""
+        return self.model.growth_of_modes(self.load, [mode])[0]
+
+    def plot(self, verdict: RodStability, ax: Any = None) -> Any:
+        """Raise ValueError: there is no shape to draw where modes are independent."""
+        raise wrong_value("plot", "draws the shape in which coupled modes grow, and these modes are independent")
+
+    def headline(self, verdict: RodStability) -> str:
+        """Return the modes that grow."""
+        if verdict.status != "unstable":
+            return "in mean square"
+        return f"in mean square, {self._growing(verdict)}"
+
+    def fastest_in_words(self, verdict: RodStability) -> str:
+        """Return the mode that grows fastest."""
+        mode = verdict.fastest_mode
+        return f"{'all high modes grow' if mode is None else f'mode {mode} grows'} in mean square"
+
+    def grows_in(self, verdict: RodStability) -> str:
+        """Return in which mode."""
+        mode = verdict.fastest_mode
+        return " in mean square" + ("" if mode is None else f" in mode {mode}")
+
+    def method(self, verdict: RodStability) -> str:
+        """Return the methods, and how good the growth rates are."""
+        methods = ", ".join(sorted({each.method for each in self.mode_verdicts}))
+        return f"second moments, {methods}; growth good to {verdict.error:.0e} 1/s"
+
+    @property
+    def table(self) -> Table:
+        """The modes that grow and the five nearest to growth, in order."""
+        troubled = sum(verdict.status != "stable" for verdict in self.mode_verdicts)
+        nearest = np.argsort(-self.mode_growth_rates, kind="stable")[: max(_LISTED, min(troubled, 4 * _LISTED))]
+        columns = [("mode", ">4"), ("noise 1/s^1.5", ">14"), ("where", "<10"), ("growth of q^2 1/s", ">18")]
+        return Table(
+            columns,
+            [
+                (
+                    str(self.modes[i]),
+                    f"{self.mode_intensities[i]:.5g}",
+                    self.mode_verdicts[i].status,
+                    f"{self.mode_growth_rates[i]:.5g}",
+                )
+                for i in sorted(nearest.tolist())
+            ],
+        )
+
+    def numbers(self, verdict: RodStability) -> dict[str, Any]:
+        """Return the bound on modes left out, every mode, and the kind of load."""
+        rows = zip(self.modes, self.mode_verdicts, self.mode_growth_rates, self.mode_intensities, strict=True)
+        return {
+            "in_mean_square": True,
+            "growth_rate_error_per_s": number(verdict.error),
+            "left_out_growth_bound_per_s": number(self.left_out_bound),
+            "load": self.load.kind_as_dict(),
+            "modes": [
+                {
+                    "mode": mode,
+                    "status": each.status,
+                    "growth_of_second_moments_per_s": number(float(rate)),
+                    "noise_per_s_1.5": float(s),
+                    "method": each.method,
+                }
+                for mode, each, rate, s in rows
+            ],
+            "note": verdict.note,
+        }
+
+    def edge(
+        self,
+        verdict: RodStability,
+        varied: Quantity,
+        piece: tuple[float, float],
+        seconds: float,
+        progress: Progress | None,
+    ) -> Edge:
+        """Return where the verdict first changes from ``piece[0]`` to ``piece[1]``, by samples."""
+        piece = up_to_wall(verdict.rod, self.load, varied, piece)
+        if piece[0] == piece[1]:
+            return Edge(None, piece[0], 0.0)
+        search = Search(varied, self.load, (min(piece), max(piece)), verdict.margin_tolerance)
+        places = np.linspace(*piece, _STEPS)
+        try:
+            stable = self.model.stable_at(search, places, progress)
+        except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
+            return Edge(None, piece[0], 0.0)
+        resolution = abs(float(places[1] - places[0]))
+        differ = np.flatnonzero(stable != (verdict.status == "stable"))
+        if not differ.size:
+            return Edge(None, piece[1], resolution)
+        first = int(differ[0])
+        at = piece[0] if first == 0 else self.model.edge(search, float(places[first - 1]), float(places[first]))
+        return Edge(at, at, resolution)
+
+    def sentence(self, verdict: RodStability) -> str:
+        """Return status, growth and the modes that grow."""
+        if verdict.status != "unstable":
+            return f"{verdict.status} in mean square"
+        rate = f"{verdict.growth_rate:.6g} 1/s, tenfold in {verdict.time_to_grow():.3g} s"
+        mode = "" if verdict.fastest_mode is None else f"mode {verdict.fastest_mode} at "
+        return f"unstable in mean square: {self._growing(verdict)}; {mode}{rate}"
+
+    def _growing(self, verdict: RodStability) -> str:
+        names = verdict.unstable_modes
+        if not names:
+            return "all high modes grow"
+        if len(names) > 3:
+            return f"{len(names)} modes grow, {names[0]} to {names[-1]}"
+        return f"modes {', '.join(map(str, names))} grow" if len(names) > 1 else f"mode {names[0]} grows"
+
+
+def classify_noisy(
+    model: NoisyModel,
+    load: Load,
+    chosen: tuple[int, ...] | None,
+    growth_tolerance: float,
+    progress: Progress | None,
+) -> RodStability:
+    """Classify the second moments of every mode and put the verdicts together."""
+    constants = constants_under(model.rod, load.mean)
+    last, left_out = (0, math.inf) if chosen else model.modes_needed(load, growth_tolerance)
+    modes = chosen or tuple(range(1, last + 1))
+    parts = NoisyModes(constants, load).parts(Loads((1,), *Loads.single(load).flat), modes)
+    every = parts.moments(np.ones((1, len(modes)), dtype=np.bool_))
+    verdicts = []
+    for i in range(len(modes)):
+        verdicts.append(stability(pick(every, i)))
+        if progress is not None:
+            progress(i + 1, len(modes))
+    units = np.broadcast_to(parts.rate, (1, len(modes)))[0]
+    rates = units * np.array([v.exponents[0].real if v.exponents else math.nan for v in verdicts])
+    beyond = 0.0 if chosen else model.growth_beyond(load)
+    status, note = _concluded(verdicts, units, (beyond, left_out), growth_tolerance)
+    exponents = (unit * each for unit, v in zip(units.tolist(), verdicts, strict=True) for each in v.exponents)
+    errors = (unit * v.exponent_errors[0] if v.exponents else math.inf for unit, v in zip(units, verdicts, strict=True))
+    return RodStability(
+        rod=model.rod,
+        evidence=NoisyEvidence(model, modes, tuple(verdicts), rates, parts.intensity[0], left_out),
+        growth_tolerance=growth_tolerance,
+        status=status,
+        growth_rate=max(0.0, float(rates.max()), beyond),
+        exponents=tuple(sorted(exponents, key=lambda exponent: -exponent.real)),
+        period=2.0 * math.pi / load.frequency,
+        error=float(max(errors)),
+        cost=Cost(sum(verdict.cost.amount for verdict in verdicts), "operations"),
+        note=note,
+        assumptions=(*assumptions(model.rod, load), *ASSUMED),
+    )
+
+
+def _concluded(
+    verdicts: list[SystemStability], units: Floats, others: tuple[float, float], growth_tolerance: float
+) -> tuple[Status, str]:
+    """Return the verdict on all modes, and what to know of it; ``others`` grow at least, and at most, so fast."""
+    beyond, left_out = others
+    rates = [v.growth_rate * unit for v, unit in zip(verdicts, units.tolist(), strict=True)]
+    found = list(zip(verdicts, rates, strict=True))
+    alike = f"all high modes grow at {beyond:.3g} 1/s in mean square: the noise has this density at every frequency"
+    if beyond > growth_tolerance:
+        return "unstable", f"{alike}; give pairs of frequency and density where it has not"
+    if any(v.status == "unstable" and not tolerated(rate, growth_tolerance) for v, rate in found):
+        return "unstable", ""
+    unsure = [v for v, rate in found if v.status == "undecided" and (rate == 0.0 or not rate < growth_tolerance)]
+    if unsure:
+        return "undecided", "; ".join(dict.fromkeys(v.note for v in unsure))
+    if growth_tolerance < left_out < math.inf:
+        return "undecided", f"higher modes may grow at up to {left_out:.2g} 1/s in mean square"
+    return "stable", ""

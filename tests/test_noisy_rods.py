@@ -1,0 +1,218 @@
+"""Rods under a force that is partly random: verdicts in mean square, how much noise they bear, records, files."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+from conftest import depth
+from floquetrod.cli import main
+from floquetrod.equations.batches import pick
+from floquetrod.rod.loads.load import Loads, load_from_dict
+from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
+from floquetrod.rod.modes.noisy import NoisyModel
+
+ROD = fr.Rod.nitinol().replace(damping_rate=1.0)
+FCR = ROD.critical_force
+CONSTANTS = ROD.modes_under().constants  # type: ignore[attr-defined]
+HIGH_MODES = 8.0 * ROD.damping_rate * ROD.flexural_rigidity * ROD.mass_per_length
+"""Density in N^2/Hz that high modes bear: S k^2 / 2 = 4 c w^2."""
+
+
+def load(noise: Any, amplitude: float = 0.1, mean: float = 0.3) -> fr.AxialLoad:
+    return fr.AxialLoad(mean * FCR, amplitude * FCR, 150.0, noise=noise)
+
+
+def test_without_vibration_each_mode_bears_what_its_equation_says() -> None:
+    m = np.arange(1.0, 200.0)
+    squared = CONSTANTS.bending * m**4 - CONSTANTS.per_newton * m**2 * 0.3 * FCR + CONSTANTS.pendulum_squared
+    most = float((8.0 * ROD.damping_rate * squared / (CONSTANTS.per_newton * m**2) ** 2).min())
+    found = ROD.critical_noise(load(1.0, amplitude=0.0))
+    assert found == pytest.approx(most, rel=1e-9)
+    for factor, status in ((1.0 - 1e-6, "stable"), (1.0 + 1e-6, "unstable")):
+        assert ROD.stability(load(factor * most, amplitude=0.0)).status == status
+
+
+def test_all_high_modes_grow_beyond_the_density_that_they_bear() -> None:
+    pulled = fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)
+    assert ROD.critical_noise(pulled) == pytest.approx(HIGH_MODES, rel=1e-8)
+    verdict = ROD.stability(fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.5 * HIGH_MODES))
+    assert verdict.status == "unstable"
+    assert "all high modes grow at 1 1/s" in verdict.note
+    assert verdict.growth_rate >= 1.0 - 1e-3
+
+
+def test_the_verdict_is_that_on_the_second_moments_of_each_mode() -> None:
+    verdict = ROD.stability(load(0.5 * HIGH_MODES), modes=(7, 11))
+    for i, mode in enumerate((7, 11)):
+        equation = ROD.modal_system(load(0.0), (mode,)).equations[0]  # type: ignore[union-attr]
+        k = CONSTANTS.per_newton * mode**2
+        s = math.sqrt(0.25 * HIGH_MODES) * k / 150.0**1.5  # per root of unit tau
+        expected = 150.0 * fr.stability(equation, noise=s).exponents[0].real
+        assert verdict.mode_growth_rates[i] == pytest.approx(expected, abs=1e-8)
+
+
+def test_growth_lies_between_its_bounds() -> None:
+    rng = np.random.default_rng(2)
+    for _ in range(depth(40, 4)):
+        rod = ROD.replace(damping_rate=float(rng.uniform(0.0, 8.0)))
+        force = fr.AxialLoad(
+            rng.uniform(-1.0, 0.9) * FCR,
+            rng.uniform(0.0, 0.5) * FCR,
+            rng.uniform(20.0, 250.0),
+            noise=rng.uniform(0.0, 0.02),
+            waveform=(1.0, 0.2j) if rng.uniform() < 0.3 else "sine",
+        )
+        modes = NoisyModes(rod.modes_under().constants, force)  # type: ignore[attr-defined]
+        last = int(rng.integers(8, 50))
+        parts = modes.parts(Loads((1,), *Loads.single(force).flat), [last, last + 1, last + 9])
+        low, high = (bound[0] for bound in parts.growth_bounds)
+        every = parts.moments(np.ones((1, 3), dtype=np.bool_))
+        for i in range(3):
+            found = fr.stability(pick(every, i), "monodromy").exponents[0].real * parts.rate[0, i]
+            assert low[i] - 1e-6 <= found <= high[i] + 1e-6
+            assert i == 0 or found <= modes.left_out(force, last) + 1e-6
+
+
+def test_arrays_of_loads_say_what_single_ones_do() -> None:
+    mean = np.linspace(0.1, 1.0, 10) * FCR
+    like = load(0.1 * HIGH_MODES)
+    together = ROD.verdicts(mean, 0.1 * FCR, 150.0, like=like)
+    alone = [ROD.stability(like.varied("mean", float(each))) for each in mean]
+    assert together.tolist() == [{"stable": 1, "unstable": 0}[each.status] for each in alone]
+    growth = ROD.growth_rate(mean, 0.1 * FCR, 150.0, like=like)
+    assert growth == pytest.approx([each.growth_rate for each in alone], abs=1e-7)
+    assert np.count_nonzero(ROD.verdicts(mean, 0.1 * FCR, 150.0)) > np.count_nonzero(together)
+
+
+def test_noise_below_the_frequencies_of_modes_is_not_felt() -> None:
+    slow = load(((0.5, HIGH_MODES), (1.0, HIGH_MODES)))
+    quiet, noisy = (ROD.stability(each) for each in (load(0.0), slow))
+    assert (quiet.status, noisy.status) == ("stable", "stable")
+    assert noisy.mode_growth_rates.max() == pytest.approx(-2.0 * quiet.decay_rate, abs=1e-6)
+    band = ((0.0, 10.0 * HIGH_MODES), (40.0, 10.0 * HIGH_MODES), (41.0, 0.0))
+    assert ROD.stability(load(band)).status == "unstable"
+    assert ROD.critical_noise(load(band)) < 1.0
+
+
+@pytest.mark.slow
+def test_ranges_margins_and_maps_know_noise() -> None:
+    like = load(0.1 * HIGH_MODES)
+    quiet = ROD.stable_mean_forces(0.1 * FCR, 150.0, bounds=(0.0, FCR))
+    noisy = ROD.stable_mean_forces(0.1 * FCR, 150.0, bounds=(0.0, FCR), like=like)
+    assert noisy.resolution > 0.0
+    for part in noisy:
+        assert any(one.low <= part.low and part.high <= one.high for one in quiet)
+        for end, inside in ((part.low, 1.0), (part.high, -1.0)):
+            if 0.0 < end < FCR:
+                near = [like.varied("mean", end + inside * way * 1e-6 * FCR) for way in (1.0, -1.0)]
+                assert [ROD.stability(each).status for each in near] == ["stable", "unstable"]
+    assert all(band.worst_growth > 0.0 for band in noisy.unstable)
+    margins = ROD.stability(like).margins()
+    assert margins["mean"].below < ROD.stability(load(0.0)).margins()["mean"].below
+    chart = fr.stability_map(ROD, mean=(0.0, FCR, 20), amplitude=0.1 * FCR, frequency=(100.0, 200.0, 10), like=like)
+    flat = ROD.verdicts(chart.y.values[:, None], 0.1 * FCR, chart.x.values, like=like)
+    assert np.array_equal(chart.stable, flat == 1)
+    assert "noise of" in repr(chart)
+
+
+def test_a_noisy_rod_is_proved_stable_and_unstable() -> None:
+    like = load(0.1 * HIGH_MODES)
+    stable = ROD.certify(0.3 * FCR, 0.1 * FCR, 150.0, like=like)
+    assert stable.status == "stable"
+    assert "in mean square" in stable.statement
+    assert ROD.certify(0.17 * FCR, 0.1 * FCR, 150.0, like=like).status == "unstable"
+    assert ROD.certify(0.17 * FCR, 0.0, 150.0, like=load(1.1 * HIGH_MODES)).status != "stable"
+
+
+@pytest.mark.slow
+def test_a_box_of_forces_is_proved_under_noise() -> None:
+    found = ROD.certify((0.29 * FCR, 0.31 * FCR), 0.1 * FCR, 150.0, like=load(0.1 * HIGH_MODES))
+    assert found.status == "stable"
+
+
+def record() -> fr.ForceRecord:
+    time = np.arange(4000) / 400.0
+    noise = 0.1 * np.random.default_rng(1).standard_normal(time.size)
+    return fr.ForceRecord(time, 0.3 * FCR + 0.1 * FCR * np.sin(150.0 * time) + noise)
+
+
+def test_the_residual_of_a_record_is_its_noise() -> None:
+    found = record().noise_spectrum
+    density = [each for _, each in found]
+    assert np.mean(density) == pytest.approx(2.0 * 0.1**2 / 400.0, rel=0.05)  # its mean square over half the rate
+    assert max(density) < 2.0 * min(density)
+    assert found[-1][0] < 200.0
+    noisy = record().noisy_load
+    assert noisy.noise == found
+    assert ROD.stability(noisy).status == "stable"
+
+
+def test_the_noise_of_a_load_is_kept_in_files_and_words() -> None:
+    for noise in (0.02, ((1.0, 0.02), (2.0, 0.0))):
+        force = fr.AxialLoad(1.0, 1.0, 10.0, noise=noise)
+        data = json.loads(json.dumps(force.kind_as_dict() | {"mean": 1.0, "amplitude": 1.0, "frequency": 10.0}))
+        assert load_from_dict(data) == force
+        assert fr.AxialLoad(**force.as_dict()) == force
+        assert "noise of" in force.features
+    assert fr.AxialLoad(1.0, 1.0, 10.0, noise="0.02 N^2/Hz").noise == 0.02
+    assert fr.AxialLoad(1.0, 1.0, 10.0, noise="2e-6 kN^2/Hz").noise == pytest.approx(2.0)
+    assert "noise" not in fr.AxialLoad(1.0, 1.0, 10.0).kind_as_dict()
+
+
+def check(*words: str) -> int:
+    point = ["--mean", "0.3Fcr", "--amplitude", "0.1Fcr", "--frequency", "150", "--damping-rate", "1"]
+    return main(["check", "--rod", "nitinol", *point, "--no-margins", *words])
+
+
+def test_the_terminal_takes_noise(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert check("--noise", "0.0001N^2/Hz") == 0
+    text = capsys.readouterr().out
+    assert "STABLE: in mean square" in text
+    assert "noise of 0.0001 N^2/Hz" in text
+    assert check("--noise", "spectrum") == 2
+    assert "--noise spectrum needs --force" in capsys.readouterr().err
+    assert check("--noise", "-1") == 2
+    assert "--noise must be zero or more" in capsys.readouterr().err
+    path = tmp_path / "force.csv"
+    rows = zip(record().time.tolist(), record().samples.tolist(), strict=True)
+    path.write_text("\n".join(["time,force", *(f"{t},{f}" for t, f in rows)]), encoding="utf-8")
+    assert check("--force", str(path), "--noise", "spectrum", "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["in_mean_square"] is True
+    assert len(found["load"]["noise"]) > 10
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda: load(-1.0), "noise must be zero or more"),
+        (lambda: load(math.nan), "noise must be"),
+        (lambda: load("1 N/Hz"), "unit 'N/Hz' is not understood"),
+        (lambda: load([(2.0, 1.0), (1.0, 1.0)]), "noise must have frequencies that increase"),
+        (lambda: load([(2.0, -1.0)]), r"noise\[0\]\[1\] must be zero or more"),
+        (lambda: fr.AxialWave(1.0, 1.0, 10.0, noise=0.1), "give an AxialLoad"),
+        (lambda: ROD.replace(ends="clamped").stability(load(0.1)), "noise is judged where modes are independent"),
+        (lambda: ROD.stability(load(0.1), friction=0.1, kick=0.05), r"friction is not answered under .*give .*noise=0"),
+        (lambda: ROD.modal_system(load(0.1)), "modal_system is not answered under noise"),
+        (lambda: ROD.largest_safe_box(load(0.1)), "largest_safe_box is not answered under noise"),
+        (lambda: fr.simulate(ROD, load(0.1), duration=0.01), "load must have no noise to be simulated"),
+        (lambda: ROD.certify(0.1, 0.1, (100.0, 150.0), like=load(0.1)), "frequency must be one number under noise"),
+        (lambda: ROD.critical_noise(load(0.0)), "load must have noise"),
+        (lambda: ROD.critical_noise(load(1.0, mean=0.17)), "load must be stable without noise"),
+    ],
+)
+def test_what_noise_cannot_be_is_told(call: Any, says: str) -> None:
+    with pytest.raises(ValueError, match=says):
+        call()
+
+
+def test_one_place_chooses_the_model() -> None:
+    assert isinstance(ROD.modes_under(load(0.1)), NoisyModel)
+    assert not isinstance(ROD.modes_under(load(0.0)), NoisyModel)
