@@ -26,6 +26,8 @@ _TINY, LARGEST = 1e-9, 1e12  # what the library takes, in SI units: a typing err
 
 _SHOWN = ("force", "frequency", "speed")  # kinds of quantity that --unit is for
 
+_MOST_POINTS = 25_000_000  # half a gigabyte with growth rates
+
 
 def describe_command(command: argparse.ArgumentParser, text: str, run: Any) -> None:
     """Give a command its help, which begins with the first paragraph of ``text`` and ends with the rest."""
@@ -202,6 +204,18 @@ def _in_channel(rod: fr.Rod, changes: dict[str, float]) -> fr.Rod:
     if "bore" in changes:
         changes["channel_diameter"] = changes.pop("bore")
     return rod.replace(**changes) if changes else rod
+
+
+def read_points(text: str) -> tuple[int, int]:
+    """Return columns and rows."""
+    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text, re.ASCII)
+    columns, rows = (int(match[1]), int(match[2])) if match else (0, 0)
+    if min(columns, rows) < 2 or columns * rows > _MOST_POINTS:
+        raise ValueError(
+            f"--points must be columns x rows such as 400x300, two or more and {_MOST_POINTS:,} in all at most, "
+            f"got {text!r}"
+        )
+    return columns, rows
 
 
 def check_out(path: Path, kinds: Sequence[str], name: str = "--out") -> None:

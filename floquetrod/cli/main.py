@@ -193,6 +193,7 @@ _COMMANDS = {
     "report": _Command(
         "write a rod under a load into one file, a page or a PDF", lambda: import_module("floquetrod.cli.report")
     ),
+    "lobes": _Command("draw the stability lobes of a milling cutter", lambda: import_module("floquetrod.cli.lobes")),
     "reproduce": _Command("make the published study again", lambda: import_module("floquetrod.cli.reproduce")),
 }
 """The commands in the order of the help; what one of them imports is imported for it alone."""

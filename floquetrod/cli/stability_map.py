@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import re
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from floquetrod.cli.common import (
     check_out,
     describe_command,
     read_friction,
+    read_points,
     read_quantity,
     read_rod,
     read_tolerance,
@@ -59,8 +59,6 @@ Ends that are not hinged, weight along an inclined rod and axial waves (--wave) 
 millisecond or more: begin with few points.
 """
 
-_MOST_POINTS = 25_000_000  # half a gigabyte with growth rates
-
 
 def add(chart: argparse.ArgumentParser) -> None:
     """Add help and options of the command to its parser."""
@@ -102,7 +100,7 @@ def _map(options: argparse.Namespace) -> Output:
         check_out(path, (*charts.FIGURES, ".csv", ".npz"))
         if path.suffix == ".csv" and options.pixels:
             raise ValueError(f"--out {path}: a .csv file holds the vertices of bands; leave out --pixels")
-    columns, rows = _points(options.points)
+    columns, rows = read_points(options.points)
     like = read_kind(options, read_record(options, rod))
     values = read_values(options, rod, like)
     tolerance, mu_and_kick = read_tolerance(options), read_friction(options)
@@ -163,18 +161,6 @@ def _map(options: argparse.Namespace) -> Output:
     }
     lines = [drawn.caption, *([drawn.bands.caption] if bands else []), f"written: {', '.join(written)}"]
     return output(options, lambda: "\n".join(lines), lambda: record)
-
-
-def _points(text: str) -> tuple[int, int]:
-    """Return columns and rows."""
-    match = re.fullmatch(r"(\d{1,6})x(\d{1,6})", text, re.ASCII)
-    columns, rows = (int(match[1]), int(match[2])) if match else (0, 0)
-    if min(columns, rows) < 2 or columns * rows > _MOST_POINTS:
-        raise ValueError(
-            f"--points must be columns x rows such as 400x300, two or more and {_MOST_POINTS:,} in all at most, "
-            f"got {text!r}"
-        )
-    return columns, rows
 
 
 def _point(text: str, varied: list[Quantity], across: str, rod: fr.Rod) -> dict[Quantity, float]:

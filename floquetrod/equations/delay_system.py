@@ -53,10 +53,16 @@ class DelaySystem(ByContent):
     ----------
     stiffness : array_like (n, n)
         Mean of K.
-    cosines, sines : sequence of array_like (n, n)
+    cosines : sequence of array_like (n, n)
         Of K, from the first harmonic on, as of a `HillSystem`; none by default.
-    mass, damping, gyroscopic : array_like (n, n), optional
-        M, C and G as of a `HillSystem`.
+    sines : sequence of array_like (n, n)
+        Of K, likewise.
+    mass : array_like (n, n), optional
+        M, as of a `HillSystem`.
+    damping : array_like (n, n), optional
+        C, likewise.
+    gyroscopic : array_like (n, n), optional
+        G, likewise.
     period : float
         Period of K and of all D_j; any where nothing varies.
     delayed : sequence of (delay, D0), (delay, D0, cosines) or (delay, D0, cosines, sines)
@@ -125,8 +131,12 @@ class DelaySystem(ByContent):
         ----------
         pieces : sequence of (duration, K)
             Of K as `HillSystem.from_pieces` takes them; the exact sum of the durations is the period.
-        mass, damping, gyroscopic : array_like (n, n), optional
-            As of the system.
+        mass : array_like (n, n), optional
+            M, as of the system.
+        damping : array_like (n, n), optional
+            C, as of the system.
+        gyroscopic : array_like (n, n), optional
+            G, as of the system.
         delayed : sequence of (delay, pieces)
             Of each term its delay and the pieces of D_j, whose durations add up to the same period.
         coefficient_error : float
@@ -162,8 +172,10 @@ class DelaySystem(ByContent):
         ----------
         mean : array_like (N, N)
             Mean of A.
-        cosines, sines : sequence of array_like (N, N)
+        cosines : sequence of array_like (N, N)
             Of A, from the first harmonic on; none by default.
+        sines : sequence of array_like (N, N)
+            Of A, likewise.
         period : float
             Period of A and of all B_j; any where nothing varies.
         delayed : sequence of (delay, B0), (delay, B0, cosines) or (delay, B0, cosines, sines)

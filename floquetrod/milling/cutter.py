@@ -205,7 +205,9 @@ class Cutter(ByContent):
 
         Parameters
         ----------
-        speed, depth : str or float
+        speed : str or float
+            As of `system`.
+        depth : str or float
             As of `system`.
         """
         found: SystemStability = stability(self.system(speed, depth))

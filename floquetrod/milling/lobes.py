@@ -54,8 +54,10 @@ class Lobe(NamedTuple):
         Whole vibrations between two teeth.
     speeds : (float, float)
         Spindle speeds between which, in rad/s.
-    depth, at : float
-        Its least critical depth in m, and the speed there.
+    depth : float
+        Its least critical depth in m.
+    at : float
+        The speed there, in rad/s.
     frequency : float
         Chatter frequency there, angular, in rad/s.
     """
@@ -81,8 +83,10 @@ class Lobes(Reported, NoTruthValue, ByContent):
     milling : Milling
     chart : Chart
         Depth of cut in mm over spindle speed in rpm; its ``bands`` are those of chatter.
-    speeds, depths : ndarray (m,)
-        Spindle speeds in rad/s, those of the chart, and the critical depth in m at each, infinite where none is found.
+    speeds : ndarray (m,)
+        Spindle speeds in rad/s, those of the chart.
+    depths : ndarray (m,)
+        The critical depth in m at each, infinite where none is found.
     lobes : tuple of Lobe
         The lobes between them, in the order of speeds.
     """

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import Any, Self
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from floquetrod._util import validate
 from floquetrod.milling import lobes
 from floquetrod.milling.cutter import Cutter, read_depth, read_speed
 from floquetrod.milling.lobes import Lobes
+from floquetrod.milling.tool_file import read_tool
 
 
 @dataclass(frozen=True, eq=False, repr=False, init=False)
@@ -26,12 +28,16 @@ class Milling(Cutter):
 
     Parameters
     ----------
-    x, y : sequence of ToolMode
-        Modes along the feed and across it; at least one in all.
+    x : sequence of ToolMode
+        Modes along the feed; at least one in all.
+    y : sequence of ToolMode
+        Modes across it.
     teeth : int
         Number of teeth, 1 to 64.
-    tangential, radial : str or float
-        Cutting coefficients, such as "600N/mm2" or "600MPa"; numbers are in Pa.
+    tangential : str or float
+        Cutting coefficient of the force against the tooth's motion, such as "600N/mm2" or "600MPa"; a number is in Pa.
+    radial : str or float
+        That of the force away from the chip, likewise.
     immersion : str or float
         Width of cut as part of the cutter's diameter, above 0 and up to 1, a slot.
     direction : {"up", "down"}
@@ -46,6 +52,27 @@ class Milling(Cutter):
     >>> f"{1000.0 * slot.critical_depth('5000rpm'):.5f} mm"
     '0.40863 mm'
     """
+
+    @classmethod
+    def from_toml(cls, path: str | Path) -> Self:
+        """Return the cutter of a TOML file: a table [tool] with the parameters, [[tool.x]] and [[tool.y]] with modes.
+
+        Keys are those of the parameters, of a mode those of `ToolMode`; ``speed`` and ``depth``, ranges for the lobes,
+        are for the terminal.
+
+        Parameters
+        ----------
+        path : str or Path
+
+        Raises
+        ------
+        ValueError
+            Naming file and key, for what cannot be read.
+        """
+        try:
+            return cls(**read_tool(path).arguments)
+        except TypeError as error:
+            raise ValueError(f"tool file {path}: {error}") from None
 
     def critical_depth(self, speed: Any, most: Any = None) -> float:
         """Return the least depth of cut, in m, at which chatter begins, infinite where none is up to ``most``.
@@ -68,8 +95,10 @@ class Milling(Cutter):
 
         Parameters
         ----------
-        speed, depth : (low, high, number)
-            Ends with units as of `system`: ("5000rpm", "10000rpm", 400), ("0mm", "4mm", 200).
+        speed : (low, high, number)
+            Ends with units as of `system`: ("5000rpm", "10000rpm", 400).
+        depth : (low, high, number)
+            Likewise: ("0mm", "4mm", 200).
         growth : bool
             Whether to keep growth rates, in 1/s, too, which takes several times as long.
 

@@ -576,6 +576,7 @@ def _of_milling() -> dict[str, Call]:
     return {
         "ToolMode": Call(fr.ToolMode, {"frequency": "922Hz", "damping_ratio": 0.011, "mass": 0.04, "stiffness": None}),
         "Milling": Call(fr.Milling, cutter | {"direction": "down"}),
+        "Milling.from_toml": Call(fr.Milling.from_toml, {"path": Path(__file__).parents[2] / "examples/tool.toml"}),
         "Milling.cutting": Call(mill.cutting, {"angle": 0.3}),
         "Milling.system": Call(mill.system, place),
         "Milling.stability": Call(mill.stability, place),

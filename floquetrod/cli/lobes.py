@@ -1,0 +1,115 @@
+"""`floquetrod lobes`: the stability lobes of a milling cutter."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import Any
+
+import floquetrod as fr
+from floquetrod import units
+from floquetrod._util.tables import require_file
+from floquetrod.cli.common import check_out, describe_command, read_points
+from floquetrod.cli.output import Output, output
+from floquetrod.cli.waiting import Waiting
+from floquetrod.milling.tool_file import read_tool
+
+_HELP = """\
+Draw the stability lobes of a milling cutter: at which spindle speeds and depths of cut it chatters.
+
+examples:
+  floquetrod lobes examples/tool.toml
+  floquetrod lobes examples/tool.toml --speed 5000rpm:10000rpm --depth 0mm:4mm --points 400x200 --out lobes.png
+  floquetrod lobes examples/tool.toml --at 5000rpm --json
+
+The file has the cutter's modes, teeth, immersion and cutting coefficients, and may have the ranges of speed and depth.
+A "Hopf" lobe chatters with a frequency of its own, a "flip" lobe with twice the time between teeth as its period; their
+number counts whole vibrations between two teeth.  With --at a speed, the critical depth of cut there is said instead.
+
+A .png, .pdf or .svg file is a figure, a .csv file the vertices of the boundary in rpm and mm, a .npz file all the
+numbers (floquetrod.Chart.load reads it); --out may be repeated.
+"""
+
+_KINDS = {"speed": "frequency", "depth": "length"}
+
+
+def add(command: argparse.ArgumentParser) -> None:
+    """Add help and options of the command to its parser."""
+    describe_command(command, _HELP, _lobes)
+    command.add_argument("tool", metavar="FILE", type=Path, help="the cutter, a TOML file")
+    command.add_argument("--speed", metavar="LOW:HIGH", help="spindle speeds, such as 5000rpm:10000rpm")
+    command.add_argument("--depth", metavar="LOW:HIGH", help="axial depths of cut, such as 0mm:4mm")
+    command.add_argument("--points", metavar="COLUMNSxROWS", default="200x100", help="columns x rows (default 200x100)")
+    command.add_argument("--growth", action="store_true", help="shade by growth rate")
+    command.add_argument("--at", metavar="SPEED", help="say the critical depth at this spindle speed only")
+    command.add_argument(
+        "--out", metavar="FILE", action="append", type=Path, help="file to write; may be repeated (default lobes.png)"
+    )
+
+
+def _lobes(options: argparse.Namespace) -> Output:
+    require_file("FILE", options.tool, "a TOML file of a milling cutter")
+    mill = fr.Milling.from_toml(options.tool)
+    return _critical_depth(options, mill) if options.at is not None else _chart(options, mill)
+
+
+def _critical_depth(options: argparse.Namespace, mill: fr.Milling) -> Output:
+    speed = units.quantity(options.at, "--at", "frequency", least=1e-6)
+    depth = mill.critical_depth(speed)
+    known = math.isfinite(depth)
+    said = f"chatters from a depth of {1e3 * depth:.6g} mm on" if known else "does not chatter at any depth tried"
+    text = f"{repr(mill).strip('<>')}: at {30.0 * speed / math.pi:.6g} rpm it {said}"
+    return output(
+        options, lambda: text, lambda: {"speed_rad_per_s": speed, "critical_depth_m": depth if known else None}
+    )
+
+
+def _chart(options: argparse.Namespace, mill: fr.Milling) -> Output:
+    from floquetrod.plotting import charts
+
+    paths = options.out or [Path("lobes.png")]
+    for path in paths:
+        check_out(path, (*charts.FIGURES, ".csv", ".npz"))
+    columns, rows = read_points(options.points)
+    ranges = {name: _range(options, name) for name in _KINDS}
+    with Waiting("deciding stability"):
+        lobes = mill.lobes((*ranges["speed"], columns), (*ranges["depth"], rows), growth=options.growth)
+    with Waiting("finding the boundary"):
+        lobes.chart.find_bands()
+    for path in paths:
+        with Waiting(f"writing {path}"):
+            _write(lobes, path)
+    written = [str(path) for path in paths]
+    text = f"{lobes.report()}\n{lobes.chart.caption}\nwritten: {', '.join(written)}"
+    return output(options, lambda: text, lambda: lobes.as_dict() | {"written": written})
+
+
+def _write(lobes: Any, path: Path) -> None:
+    from floquetrod.plotting import charts
+
+    if path.suffix == ".npz":
+        lobes.chart.save(path)
+    elif path.suffix == ".csv":
+        lobes.chart.bands.to_csv(path)
+    else:
+        charts.save_figure(lobes.plot(), path)
+
+
+def _range(options: argparse.Namespace, name: str) -> tuple[float, float]:
+    """Return the ends of a range, of the option or of the file, in SI units."""
+    text = getattr(options, name) or read_tool(options.tool).ranges.get(name)
+    if text is None:
+        raise ValueError(
+            f"--{name} is required: a range such as {'5000rpm:10000rpm' if name == 'speed' else '0mm:4mm'}"
+        )
+    ends = text.split(":")
+    if len(ends) != 2:
+        raise ValueError(f"--{name} must be a range such as 0mm:4mm, two values with a colon between, got {text!r}")
+    unit = units.unit_of(ends[1])
+    if unit and units.unit_of(ends[0]) == "":
+        ends[0] += unit
+    low, high = (units.quantity(end, f"--{name}", _KINDS[name], least=0.0) for end in ends)
+    if not low < high:
+        raise ValueError(f"--{name} must be a range from less to more, got {text!r}")
+    return low, high
