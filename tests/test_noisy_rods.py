@@ -65,12 +65,12 @@ def test_growth_lies_between_its_bounds() -> None:
         force = fr.AxialLoad(
             rng.uniform(-1.0, 0.9) * FCR,
             rng.uniform(0.0, 0.5) * FCR,
-            rng.uniform(20.0, 250.0),
+            rng.uniform(100.0, 250.0),
             noise=rng.uniform(0.0, 0.02),
             waveform=(1.0, 0.2j) if rng.uniform() < 0.3 else "sine",
         )
         modes = NoisyModes(rod.modes_under().constants, force)  # type: ignore[attr-defined]
-        last = int(rng.integers(8, 50))
+        last = int(rng.integers(8, 30))
         parts = modes.parts(Loads((1,), *Loads.single(force).flat), [last, last + 1, last + 9])
         low, high = (bound[0] for bound in parts.growth_bounds)
         every = parts.moments(np.ones((1, 3), dtype=np.bool_))

@@ -143,17 +143,13 @@ class Rod(RodData):
         ('CoupledModel', ('clamped ends',))
         """
         like = kind(like)
-        if like.noise:
-            from floquetrod.rod.modes.noisy import NoisyModel, require_independent
-
-            require_independent(coupling(self, like), like)
-            return NoisyModel(self, like)
-        if not coupling(self, like):
+        if not coupling(self, like) and not like.noise:
             return IndependentModel(self, like)
-        # Loaded where it is needed: a rod with hinged ends answers without.
+        # Loaded where they are needed: a rod with hinged ends under a sine answers without.
         from floquetrod.rod.modes.coupled import CoupledModel
+        from floquetrod.rod.modes.noisy import NoisyModel
 
-        return CoupledModel(self, like)
+        return NoisyModel(self, like) if like.noise else CoupledModel(self, like)
 
     def modal_system(self, load: AnyLoad, modes: Iterable[int] | None = None) -> ModalSystem | HillSystem:
         """Return the equations of the rod's modes under a load.
@@ -732,13 +728,10 @@ class Rod(RodData):
         >>> round(rod.critical_noise(fr.AxialLoad(-1.0, 0.0, 150.0, noise=1.0)) / bound, 6)
         1.0
         """
-        from floquetrod.rod.modes.noisy import NoisyModel, critical_noise
+        from floquetrod.rod.modes.noisy_search import critical_noise
 
-        found, tolerance = require_load("load", load), validate.tolerance("growth_tolerance", growth_tolerance)
-        model = self.modes_under(found)
-        if not isinstance(model, NoisyModel):
-            raise validate.wrong_value("load", "must have noise, such as noise=1.0, to be asked how much it bears")
-        return critical_noise(model, found, tolerance)
+        found = require_load("load", load)
+        return critical_noise(self.modes_under(found), found, growth_tolerance)
 
     # --- proofs ---
 

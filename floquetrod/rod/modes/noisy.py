@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import numpy as np
@@ -17,12 +17,13 @@ from floquetrod.floquet.systems.many import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.rod.answers.intervals import FoundIntervals, Search, StabilityInterval, UnstableBand
 from floquetrod.rod.answers.verdict import RodStability
-from floquetrod.rod.loads.load import Load, Loads, largest_density, louder, noise_in_words
-from floquetrod.rod.mode_equations.coupling import WAVEFORM
+from floquetrod.rod.loads.load import Load, Loads, noise_in_words
+from floquetrod.rod.mode_equations.coupling import WAVEFORM, coupling
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
 from floquetrod.rod.model.constants import mode_constants
 from floquetrod.rod.model.contact import constants_under, require_on_wall
 from floquetrod.rod.modes.mode_model import Answers, ModeModel, Statuses
+from floquetrod.rod.modes.noisy_search import damping_required, edge, stable_at
 
 if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
@@ -30,10 +31,7 @@ if TYPE_CHECKING:
 
 _AT_ONCE = 1 << 17  # modes under loads that are judged at once (a choice)
 _SAMPLES = 257  # of a search between bounds (a choice)
-_CLOSER, _ROUNDS = 17, 9  # places between two samples in each round of a search: to 4e-11 of their distance
-_STRONGEST = 10.0  # damping rate that is tried, in terms of the frequency of the load (a choice)
-_LOUDEST = 1e9  # density that is tried, in terms of what high modes bear (a choice)
-_DAMPINGS = 60  # halvings at most of what damping stabilises
+_CLOSER = 17  # places in a band at which growth is looked at (a choice)
 
 
 @dataclass(frozen=True)
@@ -45,6 +43,10 @@ class NoisyModel(ModeModel):
 
     loads_at_once: ClassVar[int | None] = 2000
     damping_found: ClassVar[str] = "that of the load whose growth in mean square is worst"
+
+    def __post_init__(self) -> None:
+        """Refuse modes that are coupled."""
+        _require_independent(coupling(self.rod, self.like), self.like)
 
     @property
     def coupling(self) -> tuple[str, ...]:
@@ -205,47 +207,27 @@ class NoisyModel(ModeModel):
         """Return the stability intervals of one quantity of the load, sampled; ``resolution`` is their distance."""
         self.require_on_wall(search)
         places = np.linspace(*search.bounds, _SAMPLES)
-        stable = self.stable_at(search, places, progress)
+        stable = stable_at(self, search, places, progress)
         runs = np.flatnonzero(np.diff(np.concatenate([[False], stable, [False]]).astype(np.int8)))
         found = []
         for first, after in zip(runs[::2].tolist(), runs[1::2].tolist(), strict=True):
-            low = search.bounds[0] if first == 0 else self.edge(search, places[first], places[first - 1])
+            low = search.bounds[0] if first == 0 else edge(self, search, places[first], places[first - 1])
             ends = after == _SAMPLES
-            high = search.bounds[1] if ends else self.edge(search, places[after - 1], places[after])
+            high = search.bounds[1] if ends else edge(self, search, places[after - 1], places[after])
             found.append(StabilityInterval(low, high, None if first == 0 else "unnamed", None if ends else "unnamed"))
         modes = self.count_for(Loads.along(search.load, search.varied, places), search.growth_tolerance)
         return FoundIntervals(tuple(found), modes, 0, float(places[1] - places[0]))
-
-    def stable_at(self, search: Search, places: Floats, progress: Progress | None = None) -> Bools:
-        """Return whether loads along a quantity are stable."""
-        model = self.under(search.load)
-        loads = Loads.along(search.load, search.varied, places)
-        return np.asarray(model.status(loads, search.growth_tolerance, None, progress) == STABLE)
-
-    def edge(self, search: Search, inside: float, outside: float) -> float:
-        """Return where the answer of `stable_at` changes between two values that it tells apart, within the first."""
-        for _ in range(_ROUNDS):
-            places = np.linspace(inside, outside, _CLOSER)
-            stable = self.stable_at(search, places)
-            differ = np.flatnonzero(stable != stable[0])
-            if not differ.size:
-                break
-            after = int(differ[0])
-            if places[after] in (inside, outside) and places[after - 1] in (inside, outside):
-                break
-            inside, outside = float(places[after - 1]), float(places[after])
-        return float(inside)
 
     def first_unstable(self, search: Search, progress: Progress | None = None) -> float:
         """Return where a quantity that grows from zero first meets growth; infinite without any."""
         self.require_on_wall(search)
         places = np.linspace(*search.bounds, _SAMPLES)
-        stable = self.stable_at(search, places, progress)
+        stable = stable_at(self, search, places, progress)
         unstable = np.flatnonzero(~stable)
         if not unstable.size:
             return math.inf
         first = int(unstable[0])
-        return 0.0 if first == 0 else self.edge(search, float(places[first - 1]), float(places[first]))
+        return 0.0 if first == 0 else edge(self, search, float(places[first - 1]), float(places[first]))
 
     def unstable_bands(
         self, search: Search, modes: int, bands: Sequence[tuple[float, float]], progress: Progress | None
@@ -257,42 +239,11 @@ class NoisyModel(ModeModel):
             growth = model.answers(Loads.along(search.load, search.varied, places)).growth
             worst = int(np.nan_to_num(growth).argmax())
             at = float(places[worst])
-            damping = model.damping_required(search.load.varied(search.varied, at), search.growth_tolerance)
+            damping = damping_required(model, search.load.varied(search.varied, at), search.growth_tolerance)
             found.append(UnstableBand(low, high, float(np.nan_to_num(growth)[worst]), at, "unnamed", damping))
             if progress is not None:
                 progress(done, len(bands))
         return tuple(found)
-
-    def damping_required(self, load: Load, growth_tolerance: float) -> float:
-        """Return the least damping rate in 1/s, to nine digits, above which a load is stable, as far as tried.
-
-        Infinite where the mean force alone buckles a mode, and where none up to ten times the frequency of the load is.
-        """
-        last, _ = constants_under(self.rod, load.mean).modes_needed(load, growth_tolerance)
-        still = self.under(load)._modes(load.mean).parts(Loads((1,), *Loads.single(load).flat), range(1, last + 1))
-        if still.squared.min() <= 0.0:
-            return math.inf
-
-        def is_stable(rate: float) -> bool:
-            rod: Any = self.rod.replace(damping_rate=rate)
-            model = replace(self, rod=rod, like=load)
-            if model.growth_beyond(load) > growth_tolerance:
-                return False
-            return bool(model.status(Loads((1,), *Loads.single(load).flat), growth_tolerance)[0] == STABLE)
-
-        if is_stable(0.0):
-            return 0.0
-        low, high = 0.0, 1e-6 * load.frequency
-        while not is_stable(high):
-            low, high = high, 4.0 * high
-            if high > _STRONGEST * load.frequency:
-                return math.inf
-        for _ in range(_DAMPINGS):
-            if high - low <= 1e-9 * high:
-                break
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if is_stable(middle) else (middle, high)
-        return high
 
     def certify(
         self,
@@ -312,32 +263,6 @@ class NoisyModel(ModeModel):
         raise refusal("largest_safe_box", self.like)
 
 
-def critical_noise(model: NoisyModel, load: Load, growth_tolerance: float) -> float:
-    """Return the largest factor of the noise of a load at which it is stable in mean square, to 1e-10."""
-
-    def is_stable(factor: float) -> bool:
-        tried = replace(load, noise=louder(load.noise, factor))
-        there = model.under(tried)
-        if there.growth_beyond(tried) > growth_tolerance:
-            return False
-        return bool(there.status(Loads((1,), *Loads.single(load).flat), growth_tolerance)[0] == STABLE)
-
-    constants = mode_constants(model.rod)
-    loudest = largest_density(load.noise, 0.0)
-    bound = 8.0 * model.rod.damping_rate * constants.bending / constants.per_newton**2
-    low, high = 0.0, bound / loudest or 1.0
-    while is_stable(high):
-        low, high = high, 4.0 * high
-        if high * loudest > _LOUDEST * bound:
-            return math.inf
-    while high - low > 1e-10 * high:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if is_stable(middle) else (low, middle)
-        if low == 0.0 and high * loudest <= bound / _LOUDEST:
-            raise wrong_value("load", "must be stable without noise to bear any, got one that is not")
-    return low
-
-
 def _together(status: Statuses, growth: Floats, growth_tolerance: float, left_out: float) -> tuple[Statuses, Floats]:
     """Return status and growth of all modes of each load from those of each mode."""
     fine = (status == STABLE) | ((status == UNSTABLE) & tolerated(growth, growth_tolerance))
@@ -348,7 +273,7 @@ def _together(status: Statuses, growth: Floats, growth_tolerance: float, left_ou
     return together, growth.max(axis=1)
 
 
-def require_independent(coupled: tuple[str, ...], load: Load) -> None:
+def _require_independent(coupled: tuple[str, ...], load: Load) -> None:
     """Raise ValueError for noise on modes that are coupled."""
     if rest := [name for name in coupled if name != WAVEFORM]:
         neglected = ("; ", Mention("mean_at", "mean_at=None", "none"), " neglects the weight along the rod")

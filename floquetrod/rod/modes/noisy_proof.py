@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,10 +20,8 @@ from floquetrod.rod.loads.load import LIMITS, QUANTITIES, Loads, Quantity, load_
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import mode_constants
+from floquetrod.rod.modes.mode_model import ModeModel
 from floquetrod.rod.modes.noisy_verdict import ASSUMED
-
-if TYPE_CHECKING:
-    from floquetrod.rod.modes.noisy import NoisyModel
 
 _SECONDS = 30.0  # to spend on one mode at most (a choice)
 _ROUNDING = 64.0 * np.finfo(float).eps  # relative, of the coefficients of modes
@@ -35,7 +33,7 @@ _PROOF_ASSUMED = (
 
 
 def certify_noisy(
-    model: NoisyModel,
+    model: ModeModel,
     sides: tuple[Any, Any, Any],
     growth_tolerance: float,
     rod: Mapping[str, Any] | None,
@@ -52,7 +50,7 @@ def certify_noisy(
     constants = mode_constants(model.rod)
     last, left_out = model.modes_needed(strongest, tolerance)
     middle = model.like.with_numbers(0.5 * (low + high), 0.5 * (least + most), frequency)
-    growth = model.under(middle).rates(Loads((1,), *Loads.single(middle).flat), range(1, last + 1))[1][0]
+    growth = np.array(model.growth_of_modes(middle, range(1, last + 1)))
     found: list[RegionProof | Proof] = []
     for mode in (np.argsort(-growth, kind="stable") + 1).tolist():  # what is unstable first
         moments = _Moments(NoisyModes(constants, model.like), mode, frequency, tolerance)
@@ -69,7 +67,7 @@ def certify_noisy(
     return _together(model, box, found, tolerance, (last, left_out))
 
 
-def _box(model: NoisyModel, sides: tuple[Any, Any, Any], rod: Mapping[str, Any] | None) -> list[tuple[float, float]]:
+def _box(model: ModeModel, sides: tuple[Any, Any, Any], rod: Mapping[str, Any] | None) -> list[tuple[float, float]]:
     """Return the ends of all sides, checked."""
     if rod:
         raise wrong_value("rod", "must be left out under noise: a proof is of one rod, got " + ", ".join(rod))
@@ -120,7 +118,7 @@ class _Moments:
 
 
 def _together(
-    model: NoisyModel,
+    model: ModeModel,
     box: list[tuple[float, float]],
     found: list[RegionProof | Proof],
     tolerance: float,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -24,9 +24,8 @@ from floquetrod.rod.loads.load import Load, Loads, Quantity
 from floquetrod.rod.mode_equations.noisy_modes import NoisyModes
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.contact import constants_under, up_to_wall
-
-if TYPE_CHECKING:
-    from floquetrod.rod.modes.noisy import NoisyModel
+from floquetrod.rod.modes.mode_model import ModeModel
+from floquetrod.rod.modes.noisy_search import damping_required, edge, stable_at
 
 _STEPS = 65  # of each piece of a search for a margin (a choice)
 _LISTED = 5  # modes in a report besides those that grow, those next to growth
@@ -45,7 +44,7 @@ class NoisyEvidence(Evidence):
 
     Attributes
     ----------
-    model : NoisyModel
+    model : ModeModel
     numbered : tuple of int
         Modes looked at.
     mode_verdicts : tuple of SystemStability
@@ -60,7 +59,7 @@ class NoisyEvidence(Evidence):
 
     kind: ClassVar[str] = "modes under noise"
 
-    model: NoisyModel = field(compare=False)
+    model: ModeModel = field(compare=False)
     numbered: tuple[int, ...]
     mode_verdicts: tuple[SystemStability, ...]
     mode_growth_rates: Floats = field(compare=False)
@@ -110,7 +109,7 @@ class NoisyEvidence(Evidence):
 
     def damping_to_stabilise(self, verdict: RodStability) -> float:
         """Return a damping rate in 1/s above which this load is stable in mean square, to nine digits."""
-        return self.model.damping_required(self.load, verdict.growth_tolerance)
+        return damping_required(self.model, self.load, verdict.growth_tolerance)
 
     def growth_of(self, verdict: RodStability, mode: int) -> float:
         """Return the growth rate of the second moments of a mode in 1/s."""
@@ -196,7 +195,7 @@ class NoisyEvidence(Evidence):
         search = Search(varied, self.load, (min(piece), max(piece)), verdict.margin_tolerance)
         places = np.linspace(*piece, _STEPS)
         try:
-            stable = self.model.stable_at(search, places, progress)
+            stable = stable_at(self.model, search, places, progress)
         except ValueError:  # too many modes, or loads too large or too slow: nothing is known of them
             return Edge(None, piece[0], 0.0)
         resolution = abs(float(places[1] - places[0]))
@@ -204,7 +203,7 @@ class NoisyEvidence(Evidence):
         if not differ.size:
             return Edge(None, piece[1], resolution)
         first = int(differ[0])
-        at = piece[0] if first == 0 else self.model.edge(search, float(places[first - 1]), float(places[first]))
+        at = piece[0] if first == 0 else edge(self.model, search, float(places[first - 1]), float(places[first]))
         return Edge(at, at, resolution)
 
     def sentence(self, verdict: RodStability) -> str:
@@ -225,17 +224,17 @@ class NoisyEvidence(Evidence):
 
 
 def classify_noisy(
-    model: NoisyModel,
+    model: ModeModel,
     load: Load,
     chosen: tuple[int, ...] | None,
     growth_tolerance: float,
     progress: Progress | None,
 ) -> RodStability:
     """Classify the second moments of every mode and put the verdicts together."""
-    constants = constants_under(model.rod, load.mean)
+    equations = NoisyModes(constants_under(model.rod, load.mean), load)
     last, left_out = (0, math.inf) if chosen else model.modes_needed(load, growth_tolerance)
     modes = chosen or tuple(range(1, last + 1))
-    parts = NoisyModes(constants, load).parts(Loads((1,), *Loads.single(load).flat), modes)
+    parts = equations.parts(Loads((1,), *Loads.single(load).flat), modes)
     every = parts.moments(np.ones((1, len(modes)), dtype=np.bool_))
     verdicts = []
     for i in range(len(modes)):
@@ -244,7 +243,7 @@ def classify_noisy(
             progress(i + 1, len(modes))
     units = np.broadcast_to(parts.rate, (1, len(modes)))[0]
     rates = units * np.array([v.exponents[0].real if v.exponents else math.nan for v in verdicts])
-    beyond = 0.0 if chosen else model.growth_beyond(load)
+    beyond = 0.0 if chosen else equations.growth_beyond(load)
     status, note = _concluded(verdicts, units, (beyond, left_out), growth_tolerance)
     exponents = (unit * each for unit, v in zip(units.tolist(), verdicts, strict=True) for each in v.exponents)
     errors = (unit * v.exponent_errors[0] if v.exponents else math.inf for unit, v in zip(units, verdicts, strict=True))
