@@ -20,8 +20,7 @@ Write all there is to say of a rod under a load into one file that can be passed
 examples:
   floquetrod report --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s --out nitinol.html
   floquetrod report --rod examples/tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --out tubing.pdf
-  floquetrod report --rod examples/tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --well examples/survey.csv \\
-      --friction 0.3 --tool 5kN@18Hz@30m --out tubing.html
+  floquetrod report --rod examples/tubing.toml --mean 3kN --amplitude 2kN --frequency 4Hz --well survey.csv --mu 0.3
 
 It holds the verdict with growth and margins, a map of mean forces and frequencies about the load, the constant forces
 at which the literature has the rod buckle, the stress and its share of yield where the grade is known, what is assumed,

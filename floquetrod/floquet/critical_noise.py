@@ -31,8 +31,10 @@ class CriticalNoise(ByContent, NoTruthValue):
         By which the intensities that were given, all of them, may be multiplied; infinite where no change was found.
     error : float
         Of the factor: with ``factor - error`` the verdict is stable, with ``factor + error`` unstable.
-    below, above : SystemStability or None
-        These two verdicts; None where the factor is infinite.
+    below : SystemStability or None
+        Verdict with ``factor - error``; None where the factor is infinite.
+    above : SystemStability or None
+        That with ``factor + error``.
     searched : float
         Factor up to which a change was looked for.
     """
