@@ -37,14 +37,20 @@ def describe_command(command: argparse.ArgumentParser, text: str, run: Any) -> N
     command.set_defaults(run=run)
 
 
-ROD_OPTIONS = ("rod", "length", "bore", "inclination", "damping_rate")
+ROD_OPTIONS = (
+    *("rod", "length", "bore", "inclination", "curvature"),
+    *("path", "depth", "depth_unit", "angle_unit", "damping_rate"),
+)
 """Options of `add_rod` that describe the rod."""
 
 
-def add_rod(command: argparse.ArgumentParser, subject: Any = None, *, classified: bool = True) -> None:
+def add_rod(
+    command: argparse.ArgumentParser, subject: Any = None, *, classified: bool = True, in_a_well: bool = False
+) -> None:
     """Add the options that describe a rod and, where it is to be classified, which growth matters.
 
-    ``subject`` is the group of options one of which is required, where --rod is one of several.
+    ``subject`` is the group of options one of which is required, where --rod is one of several.  A string pushed
+    ``in_a_well`` takes its channel from there.
     """
     (command if subject is None else subject).add_argument(
         "--rod",
@@ -61,6 +67,21 @@ def add_rod(command: argparse.ArgumentParser, subject: Any = None, *, classified
         metavar="ANGLE",
         help="angle of the channel from the vertical such as 70deg, 90deg being horizontal (replaces that of the rod)",
     )
+    if not in_a_well:
+        command.add_argument(
+            "--curvature",
+            metavar="CURVATURE",
+            help="curvature of the channel in its vertical plane such as 3deg/30m, positive where it builds (replaces "
+            "that of the rod)",
+        )
+        command.add_argument(
+            "--path",
+            metavar="FILE",
+            type=Path,
+            help="survey of the well that the rod lies in, a text file of columns such as MD (m), Inc (deg), Azi (deg)",
+        )
+        command.add_argument("--depth", help="measured depth of the rod's upper end such as 1200m (needs --path)")
+        add_survey_units(command)
     command.add_argument(
         "--damping-rate", metavar="RATE", help="decay rate of free motion in 1/s (replaces that of the rod)"
     )
@@ -71,6 +92,17 @@ def add_rod(command: argparse.ArgumentParser, subject: Any = None, *, classified
             help="growth in 1/s up to which a mode counts as stable (default: 0 to check and map, 1e-6 to certify and "
             "for ranges)",
         )
+
+
+def add_survey_units(command: argparse.ArgumentParser) -> None:
+    """Add the options for units that the headings of a survey do not name."""
+    command.add_argument("--depth-unit", metavar="UNIT", help="unit of depths in a survey whose headings name none")
+    command.add_argument("--angle-unit", metavar="UNIT", help="unit of its angles, where they name none: deg")
+
+
+def read_survey(options: argparse.Namespace, path: Path) -> fr.WellPath:
+    """Return the well whose survey is in a file."""
+    return fr.WellPath.from_csv(path, depth_unit=options.depth_unit, angle_unit=options.angle_unit)
 
 
 def add_units(command: argparse.ArgumentParser) -> None:
@@ -178,11 +210,14 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
     """Return the rod that the options describe."""
     from floquetrod.rod.reading import is_pipe, named_rod
 
-    changes = {
+    changes: dict[str, Any] = {
         key: units.quantity(text, f"--{key}", kind, least=_TINY, largest=LARGEST)
         for key, kind in (("length", "length"), ("bore", "length"), ("inclination", "angle"))
         if (text := getattr(options, key)) is not None
     }
+    if getattr(options, "curvature", None) is not None:
+        changes["curvature"] = units.quantity(options.curvature, "--curvature", "curvature")
+    changes |= _on_path(options)
     if is_pipe(options.rod):
         missing = [f"--{key}" for key in ("bore", "length") if key not in changes]
         if missing:
@@ -199,7 +234,21 @@ def read_rod(options: argparse.Namespace) -> fr.Rod:
     return rod
 
 
-def _in_channel(rod: fr.Rod, changes: dict[str, float]) -> fr.Rod:
+def _on_path(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the path of a well and the depth of the rod's upper end, where they were given."""
+    path, depth = getattr(options, "path", None), getattr(options, "depth", None)
+    if path is None:
+        if depth is not None:
+            raise ValueError(f"--depth needs --path, got {depth!r} alone: it is a depth in that well; add its survey")
+        return {}
+    for name in ("inclination", "curvature"):
+        if getattr(options, name) is not None:
+            raise ValueError(f"--{name} must not be given with --path, whose survey tells it; leave one of them out")
+    start = 0.0 if depth is None else units.quantity(depth, "--depth", "length", least=0.0, largest=LARGEST)
+    return {"path": read_survey(options, path), "depth": start}
+
+
+def _in_channel(rod: fr.Rod, changes: dict[str, Any]) -> fr.Rod:
     """Return the rod with another length or channel."""
     if "bore" in changes:
         changes["channel_diameter"] = changes.pop("bore")

@@ -24,6 +24,7 @@ from floquetrod.cli.loads import (
     read_record,
     warn_of_hertz,
 )
+from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.waiting import say
 from floquetrod.explorer.limits import Scale
@@ -121,7 +122,7 @@ def _given_load(options: argparse.Namespace, rod: fr.Rod) -> tuple[Load, bool]:
 def _named(options: argparse.Namespace) -> list[str]:
     """Return the options that name the rod and the measured force."""
     given = {name: getattr(options, name) for name in (*ROD_OPTIONS, "force", *RECORD_OPTIONS)}
-    return [word for name, text in given.items() if text is not None for word in (f"--{name.replace('_', '-')}", text)]
+    return [word for name, text in given.items() if text is not None for word in (option(name), str(text))]
 
 
 def _require_web(options: argparse.Namespace) -> None:

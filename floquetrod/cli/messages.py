@@ -19,7 +19,7 @@ _OPTIONS = {
 
 def option(name: str) -> str:
     """Return the option that sets an argument, as it is typed."""
-    return _OPTIONS.get(name, f"--{name.replace('_', '-')}")
+    return name if name.startswith("--") else _OPTIONS.get(name, f"--{name.replace('_', '-')}")
 
 
 def in_options(message: Exception | str, options: argparse.Namespace) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import floquetrod as fr
 from floquetrod import units
-from floquetrod.cli.common import add_rod, check_out, describe_command, read_rod
+from floquetrod.cli.common import add_rod, add_survey_units, check_out, describe_command, read_rod, read_survey
 from floquetrod.cli.output import Output, output
 from floquetrod.cli.waiting import Waiting
 
@@ -33,15 +33,14 @@ def add(command: argparse.ArgumentParser) -> None:
     """Add help and options of the command to its parser."""
     describe_command(command, _HELP, _reach)
     add_well(command, required=True)
-    add_rod(command, classified=False)
+    add_survey_units(command)
+    add_rod(command, classified=False, in_a_well=True)
     command.add_argument("--figure", metavar="FILE", type=Path, help="write a figure of all of it (.png, .pdf, .svg)")
 
 
 def add_well(command: argparse.ArgumentParser, *, required: bool) -> None:
     """Add the options that describe a well and how a string is pushed into it."""
     command.add_argument("--well", required=required, metavar="FILE", type=Path, help="survey, a text file of columns")
-    command.add_argument("--depth-unit", metavar="UNIT", help="unit of its depths, where the headings name none")
-    command.add_argument("--angle-unit", metavar="UNIT", help="unit of its angles, where the headings name none: deg")
     command.add_argument(
         "--friction",
         "--mu",
@@ -67,7 +66,7 @@ def read_reach(options: argparse.Namespace, rod: fr.Rod) -> fr.Reach:
     """Return how far a string can be pushed into the well of the options."""
     from floquetrod.rod import reading
 
-    path = fr.WellPath.from_csv(options.well, depth_unit=options.depth_unit, angle_unit=options.angle_unit)
+    path = read_survey(options, options.well)
     with Waiting("pushing the string"):
         return rod.reach(
             path,

@@ -82,7 +82,7 @@ def _require_well(options: argparse.Namespace) -> None:
     if options.well is not None and options.friction is None:
         raise ValueError("--well needs --friction, the coefficient with its wall, such as --friction 0.3")
     if options.well is None:
-        for name in ("friction", "tool", "push", "depth_unit", "angle_unit"):
+        for name in ("friction", "tool", "push"):
             if (given := getattr(options, name)) is not None:
                 raise ValueError(
                     f"--{name.replace('_', '-')} needs --well, got {given!r} alone: it is about the well the string is "

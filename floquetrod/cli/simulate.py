@@ -88,6 +88,11 @@ def add(command: argparse.ArgumentParser) -> None:
     command.add_argument("--duration", metavar="TIME", default="2s", help="how long to simulate (default 2s)")
     add_coefficient(command, "default 0", 0.0)
     command.add_argument(
+        "--natural-curvature",
+        metavar="CURVATURE",
+        help="shape of the rod without load: a curvature such as 3deg/30m, or path for that of its channel (default 0)",
+    )
+    command.add_argument(
         "--kick",
         metavar="MODE:SPEED",
         action="append",
@@ -123,6 +128,13 @@ def add(command: argparse.ArgumentParser) -> None:
     )
 
 
+def _natural_curvature(text: str | None) -> float | str:
+    """Return a curvature in 1/m, or the word path."""
+    if text is None or text.strip().lower() == "path":
+        return 0.0 if text is None else "path"
+    return units.quantity(text, "--natural-curvature", "curvature")
+
+
 def _simulate(options: argparse.Namespace) -> Output:
     require_quantities(options)
     rod = read_rod(options)
@@ -147,6 +159,7 @@ def _simulate(options: argparse.Namespace) -> Output:
         frames=_frames(load, duration, options.friction) if options.frames is None else options.frames,
         feed_speed=feed,
         far_force=far,
+        natural_curvature=_natural_curvature(options.natural_curvature),
     )
     try:
         with warnings_at_once(), Waiting("simulating", "steps") as progress:
