@@ -184,3 +184,16 @@ def test_newton_says_where_it_stood() -> None:
     with pytest.raises(fr.NoOrbitError, match=r"it stood at the period .* missed by") as caught:
         fr.periodic_orbit(LORENZ, (np.arange(0.0, 9.0, 0.02), motion), 0.01)
     assert caught.value.point is not None
+
+
+@pytest.mark.parametrize("unit", [1e-4, 1e4])
+def test_units_of_time_and_of_states_do_not_matter(unit: float) -> None:
+    """Of van der Pol's oscillator in other units, position in one and time in another."""
+
+    def rates(t: Any, x: Any) -> Any:
+        return x[1], (1.0 - (unit * x[0]) ** 2) * x[1] / unit - x[0] / unit**2
+
+    orbit = fr.periodic_orbit(fr.NonlinearSystem(rates), [2.0 / unit, 0.0])
+    assert orbit.period / unit == pytest.approx(6.663286859323131, rel=1e-13)
+    assert orbit.stability.multipliers[0].real == pytest.approx(8.596950636038e-4, rel=1e-9)
+    assert orbit.error < 1e-9

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from floquetrod._util import validate
+from floquetrod._util.caching import cached_property
 from floquetrod._util.calling import constructor_hints
 from floquetrod._util.content import ByContent
 from floquetrod._util.suggest import did_you_mean
@@ -179,7 +180,7 @@ class NonlinearSystem(ByContent):
         """Whether no period is given."""
         return self.given_period is None
 
-    @property
+    @cached_property
     def period(self) -> float | None:
         """Period of f in t at the values of the parameters; None where it is autonomous."""
         given = self.given_period

@@ -284,29 +284,44 @@ class Collocation(ByContent):
         missed = [
             row.target - float((row.nodes * point.nodes).sum() + row.scalars @ self.values(point)) for row in rows
         ]
-        return self._solution(condensed, rows, point.scale, condensed.gaps, np.array(missed), 1.0)
+        return self._step(condensed, rows, point.scale, condensed.gaps, np.array(missed), 1.0)
 
     def tangent(self, condensed: Condensed, rows: Sequence[Row], scale: Floats) -> Step:
         """Return the solution of the linearised equations on which the last row grows at rate 1, the others not."""
         targets = np.zeros(len(rows))
         targets[-1] = 1.0
-        return self._solution(condensed, rows, scale, np.zeros_like(condensed.gaps), targets, 0.0)
+        return self._step(condensed, rows, scale, np.zeros_like(condensed.gaps), targets, 0.0)
 
-    def _solution(
-        self, condensed: Condensed, rows: Sequence[Row], scale: Floats, gaps: Floats, targets: Floats, constant: float
-    ) -> Step:
-        """Return the solution of the linearised equations, in components of size 1."""
-        count, n = gaps.shape
+    def responses(
+        self, condensed: Condensed, rows: Sequence[Row], scale: Floats, gaps: Floats, targets: Floats
+    ) -> tuple[Floats, Floats]:
+        """Return the changes at the mesh (N, n, q) and of the free scalars (S, q) that q gaps and targets ask for.
+
+        Gaps (N, n, q) in the unit of the states, targets (S, q).  Solved in components, scalars and rows of size 1.
+        """
+        count, n = gaps.shape[:2]
+        ties = np.array([row.nodes * scale for row in rows]).reshape(len(rows), count, n)
+        corner = np.array([row.scalars for row in rows]).reshape(len(rows), len(self.scalars))
+        columns = condensed.columns / scale[:, None]
+        units = 1.0 / np.maximum(np.abs(columns).sum(axis=(0, 1)), 1e-300)
+        sizes = 1.0 / np.maximum(np.abs(ties).sum(axis=(1, 2)) + np.abs(corner * units).sum(axis=1), 1e-300)
         found = bordered.solve(
             condensed.maps * scale / scale[:, None],
-            condensed.columns / scale[:, None],
-            (gaps / scale)[:, :, None],
-            np.array([row.nodes * scale for row in rows]).reshape(len(rows), count, n),
-            np.array([row.scalars for row in rows]).reshape(len(rows), len(self.scalars)),
-            targets[:, None],
+            columns * units,
+            gaps / scale[:, None],
+            ties * sizes[:, None, None],
+            corner * units * sizes[:, None],
+            targets * sizes[:, None],
         )
-        nodes, scalars = found.nodes[:, :, 0] * scale, found.scalars[:, 0]
-        factors = condensed.inner
+        return found.nodes * scale[:, None], found.scalars * units[:, None]
+
+    def _step(
+        self, condensed: Condensed, rows: Sequence[Row], scale: Floats, gaps: Floats, targets: Floats, constant: float
+    ) -> Step:
+        """Return the solution of the linearised equations, at the Gauss points too."""
+        n, factors = gaps.shape[1], condensed.inner
+        found = self.responses(condensed, rows, scale, gaps[:, :, None], targets[:, None])
+        nodes, scalars = found[0][:, :, 0], found[1][:, 0]
         stages = np.einsum("ijab,ib->ija", factors[..., :n], nodes) + constant * factors[..., n]
         return Step(nodes, stages + factors[..., n + 1 :] @ scalars, scalars)
 

@@ -245,12 +245,10 @@ def _rounding(collocation: Collocation, point: Point, condensed: Condensed, rows
     terms = np.abs(rates) + np.einsum("ikab,ikb->ika", jacobians, np.abs(point.stages))
     size = np.abs(point.nodes) + (point.period * collocation.steps)[:, None] * terms.max(axis=1)
     waves = np.cos(np.arange(size.size).reshape(size.shape) * np.array([[[2.399]], [[0.731]], [[1.117]]]))
-    states, periods = [], []
-    for signs in np.sign(waves):
-        step = collocation.solved(condensed._replace(gaps=2.0 * _EPS * size * signs), rows, point)
-        states.append(float((np.abs(step.nodes) / point.scale).max()))
-        periods.append(float(np.abs(step.scalars).max(initial=0.0)))
-    return 2.0 * max(states), 2.0 * max(periods)
+    gaps = np.moveaxis(2.0 * _EPS * size * np.sign(waves), 0, -1)
+    nodes, scalars = collocation.responses(condensed, rows, point.scale, gaps, np.zeros((len(rows), len(waves))))
+    states = float((np.abs(nodes) / point.scale[:, None]).max())
+    return 2.0 * states, 2.0 * float(np.abs(scalars).max(initial=0.0))
 
 
 def _trace(collocation: Collocation, matrices: Floats) -> float:
