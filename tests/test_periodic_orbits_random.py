@@ -1,4 +1,4 @@
-"""Random forced systems against DOP853 and Newton's method on the return map: no orbit and no verdict is wrong."""
+"""Random systems against DOP853 and Newton's method on the return map: no orbit and no verdict is wrong."""
 
 from __future__ import annotations
 
@@ -59,6 +59,44 @@ def drawn(seed: int) -> tuple[fr.NonlinearSystem, int]:
     made = Oscillators(rng, count) if seed % 2 else Network(rng, max(2, 2 * count - int(rng.integers(0, 2))))
     size = 2 * count if seed % 2 else len(made.decay)  # type: ignore[union-attr]
     return fr.NonlinearSystem(made, period="2*pi/omega", parameters={"omega": float(rng.uniform(0.6, 2.5))}), size
+
+
+class SelfExcited:
+    """Van der Pol oscillators, close enough in frequency for the drag between them to hold them together."""
+
+    def __init__(self, rng: np.random.Generator, count: int) -> None:
+        self.stiffness = np.diag(rng.uniform(0.9, 1.1, count))
+        self.drag = rng.uniform(0.5, 1.5) * (np.eye(count) - 1.0 / count)
+        self.drive, self.hard, self.count = rng.uniform(0.3, 2.0, count), rng.uniform(0.0, 0.5, count), count
+
+    def __call__(self, t: Any, x: Any) -> Any:
+        """Return the rates."""
+        q, v = x[: self.count], x[self.count :]
+        column = (slice(None), *(None,) * (np.ndim(x) - 1))
+        push = self.drive[column] * (1.0 - q**2) * v
+        return np.concatenate([v, push - self.drag @ v - self.stiffness @ q - self.hard[column] * q**3])
+
+
+def autonomous_reference(orbit: fr.PeriodicOrbit) -> tuple[float, NDArray[np.complex128]]:
+    """Return the period and the multipliers but for the trivial one, from the neighbourhood of an orbit."""
+    system, n = orbit.system, len(orbit.states[0])
+    state, period = orbit.states[0] * (1.0 + 1e-4 * np.cos(np.arange(n))), orbit.period * (1.0 + 1e-4)
+    anchor = system.rates([0.0], state[None])[0]
+
+    def rates(t: float, y: Floats) -> Floats:
+        matrix = system.jacobians([t], y[None, :n])[0]
+        return np.concatenate([system.rates([t], y[None, :n])[0], (matrix @ y[n:].reshape(n, n)).ravel()])
+
+    for _ in range(5):
+        start = np.concatenate([state, np.eye(n).ravel()])
+        found = solve_ivp(rates, (0.0, period), start, method="DOP853", rtol=RTOL, atol=1e-14).y[:, -1]
+        matrix, end = found[n:].reshape(n, n), found[:n]
+        last = system.rates([0.0], end[None])[0]
+        core = np.block([[matrix - np.eye(n), last[:, None]], [anchor[None], np.zeros((1, 1))]])
+        step = -np.linalg.solve(core, np.append(end - state, 0.0))
+        state, period = state + step[:n], period + step[n]
+    multipliers = np.linalg.eigvals(matrix)
+    return period, np.delete(multipliers, np.abs(multipliers - 1.0).argmin())
 
 
 def reference(system: fr.NonlinearSystem, state: Floats, period: float) -> tuple[Floats, Floats]:
@@ -122,3 +160,24 @@ def test_random_forced_systems(tens: int) -> None:
     assert len(orbits) >= 8
     for orbit in orbits:
         check(orbit)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fives", range(6))
+def test_random_oscillators_that_excite_themselves(fives: int) -> None:
+    for seed in range(5 * fives, 5 * fives + 5):
+        rng = np.random.default_rng(seed)
+        count = int(rng.integers(1, 4))
+        system = fr.NonlinearSystem(SelfExcited(rng, count))
+        orbit = fr.periodic_orbit(system, np.concatenate([2.0 * np.ones(count), np.zeros(count)]))
+        period, multipliers = autonomous_reference(orbit)
+        verdict = orbit.stability
+        assert abs(orbit.period - period) <= orbit.period_error + 1e-12 * period
+        assert orbit.trivial_multiplier_less_1 is not None
+        assert orbit.trivial_multiplier_less_1 < 1e-10
+        for mu, error in zip(verdict.multipliers, verdict.multiplier_errors, strict=True):
+            assert np.abs(multipliers - mu).min() <= error + 1e-10
+        assert verdict.status == ("stable" if float(np.abs(multipliers).max()) < 1.0 else "unstable")
+        LOG.info(
+            "%d %s %.3g %.1e %.1e", 2 * count, verdict.status, period, orbit.period_error, abs(orbit.period - period)
+        )

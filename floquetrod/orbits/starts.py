@@ -130,7 +130,7 @@ def _settled(system: NonlinearSystem, state: Floats, period: float) -> Guess:
     best: Guess | None = None
     strobed = [state]
     for turn in range(_MOST_PERIODS):
-        found = _marched(system, state, period, f"after {turn} periods of {period:.6g}")
+        found = _marched(system, state, period, f"in period {turn + 1}, each of {period:.6g},")
         best = found if best is None or found.gap < best.gap else best
         if found.gap <= (_CLOSE if turn else _DIRECTLY):
             return found
@@ -146,7 +146,7 @@ def _settled(system: NonlinearSystem, state: Floats, period: float) -> Guess:
 
 def _near_return(system: NonlinearSystem, state: Floats, period: float) -> Guess:
     """Return the motion over about one period from a state, or where motion from it returns best after about one."""
-    found = _marched(system, state, period, f"after a period of {period:.6g}")
+    found = _marched(system, state, period, f"within a period of {period:.6g}")
     if found.gap <= _DIRECTLY:
         return found
     motion = _marched(system, found.states[-1], _PERIODS_SEARCHED * period, "", _PERIODS_SEARCHED * _SAMPLES // 2)
@@ -173,8 +173,8 @@ def _autonomous(system: NonlinearSystem, state: Floats) -> Guess:
     fastest = float(np.abs(np.linalg.eigvals(matrix)).max())
     speed = float(np.linalg.norm(system.rates([0.0], state[None])[0]) / max(float(np.linalg.norm(state)), 1e-300))
     span = 20.0 / max(fastest, speed, 1e-300)
-    for chunk in range(_MOST_CHUNKS):
-        motion = _marched(system, state, span, f"after {span * (2.0 - 2.0 ** (1 - chunk)):.4g}", samples=4000)
+    for _ in range(_MOST_CHUNKS):
+        motion = _marched(system, state, span, f"within {span:.4g}", samples=4000)
         last = slice(len(motion.times) // 3, None)
         if _rests(motion):
             rest = ", ".join(f"{value:.6g}" for value in motion.states[-1, :6])
