@@ -36,13 +36,32 @@ def test_where_it_ends_mean_forces_become_infinite() -> None:
         assert force == pytest.approx(one.at_top, rel=1e-6)
 
 
-@pytest.mark.parametrize("above_end", [0.0, 30.0])
+@pytest.mark.parametrize("above_end", [pytest.param(0.0, marks=pytest.mark.slow), 30.0])
 def test_each_force_with_the_tool_is_that_of_its_own_string(above_end: float) -> None:
     tool = fr.VibrationTool("8kN", "18Hz", above_end)
     found = TUBING.reach(WELL, 0.3, tool=tool, depth=[2500.0])
     still, shaken = (TUBING.mean_force(WELL, 0.3, bottom=2500.0, tool=each, depth=[0.0]) for each in (None, tool))
     assert found.injector[0] == pytest.approx(still.at_top, rel=1e-6)
     assert found.injector_shaken[0] == pytest.approx(shaken.at_top, rel=1e-6)
+
+
+@pytest.mark.parametrize("push", [None, "15kN"])
+def test_the_force_at_the_bit_is_what_the_upper_end_can_push_there(push: str | None) -> None:
+    found = TUBING.reach(WELL, 0.3, push=push, depth=[1200.0, 2500.0, 3500.0])
+    assert np.isnan(found.bit[-1])
+    scale = TUBING.critical_force
+    for depth, force in zip(found.bit_depth[:2], found.bit[:2], strict=True):
+        slack = 5e-4 * (scale + force**2 / scale)
+        for off, arrives in ((-slack, True), (slack, False)):
+            top = TUBING.mean_force(WELL, 0.3, far_force=force + off, bottom=depth, depth=[0.0]).at_top
+            assert (top <= (math.inf if push is None else 15e3) and math.isfinite(top)) == arrives
+
+
+def test_where_it_never_gets_nothing_arrives_at_the_bit() -> None:
+    found = TUBING.reach(WELL, 0.3, depth=[3500.0])
+    assert np.isnan(found.bit).all()
+    assert found.as_dict()["bit_N"] == [None]
+    assert "locked" in str(found.report())
 
 
 def test_strings_are_marched_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -82,7 +101,9 @@ def test_a_tool_gains_reach_and_says_where_it_hurts() -> None:
     assert held.any()
     assert (shaken.kick[held] > shaken.sliding).all()
     assert np.isinf(shaken.kick[~held]).all()
-    assert shaken.stable_frequencies
+    assert shaken.useful_frequencies == shaken.stable_frequencies != ()
+    assert still.useful_frequencies == ()
+    assert (shaken.bit_shaken >= shaken.bit - 1.0)[np.isfinite(shaken.bit)].all()
 
 
 @pytest.mark.slow

@@ -14,11 +14,12 @@ def draw_reach(found: Any) -> Any:
     from matplotlib.figure import Figure
 
     more = [1.0] if found.tool else []
-    figure = Figure(figsize=(7.2, 9.6 + 1.6 * len(more)), layout="constrained")
-    axes = figure.subplots(5 + len(more), 1, height_ratios=[1.5, 1.2, 1.2, 1.0, 1.0, *more])
-    section, injector, force, contact, friction = axes[:5]
+    figure = Figure(figsize=(7.2, 10.9 + 1.4 * len(more)), layout="constrained")
+    axes = figure.subplots(6 + len(more), 1, height_ratios=[1.5, 1.2, 1.0, 1.2, 1.0, 1.0, *more])
+    section, injector, bit, force, contact, friction = axes[:6]
     _draw_section(found, section)
     _draw_injector(found, injector)
+    _draw_bit(found, bit)
     along = found.along
     _draw_line(force, along.depth, 1e-3 * along.force, "force in the string / kN")
     _draw_line(contact, along.depth, 1e-3 * along.contact, "contact / (kN/m)")
@@ -29,8 +30,8 @@ def draw_reach(found: Any) -> Any:
         finite = along.contact[np.isfinite(along.contact)]
         contact.set_ylim(bottom=1e-6 * finite.max())  # of the largest, in N: a thousandth
     if found.tool:
-        _draw_growth(found, axes[5])
-    for ax in axes[2:]:
+        _draw_growth(found, axes[6])
+    for ax in axes[3:]:
         _shade(found, ax)
     for ax in axes[1:]:
         ax.set_xlim(found.path.start, found.path.end)
@@ -73,6 +74,16 @@ def _draw_injector(found: Any, ax: Any) -> None:
         ax.legend(loc="best", fontsize="x-small", frameon=False)
     ax.axhline(0.0, color="0.7", linewidth=0.6)
     ax.set_ylabel("injector / kN")
+
+
+def _draw_bit(found: Any, ax: Any) -> None:
+    """Draw what arrives at the lower end over its depth; what would arrive near the injector is far more."""
+    ax.plot(found.bit_depth, 1e-3 * found.bit, color="black", linestyle="--" if found.tool else "-", marker=".")
+    if found.tool:
+        ax.plot(found.bit_depth, 1e-3 * found.bit_shaken, color="black", marker=".")
+    deep = np.concatenate([found.bit[1:], found.bit_shaken[1:], [found.far_force + 1e3]])
+    ax.set_ylim(1e-3 * found.far_force, 1e-3 * found.far_force + 1.1e-3 * (float(np.nanmax(deep)) - found.far_force))
+    ax.set_ylabel("at the bit / kN")
     ax.set_xlabel("measured depth of the lower end / m")
 
 

@@ -47,7 +47,10 @@ class Effort(NamedTuple):
 CHECKED, FAST, SOUGHT = Effort(np.array([1e-12, 1e-10]), np.array([2, 1])), Effort(1e-8, 1), Effort(1e-6, 1)
 """Of one string, and what it is compared with, whose error is the difference; of many strings; of a depth sought."""
 
-_NEARLY = 0.5 * math.pi - 1e-13  # y beyond which the force is infinite to rounding
+LOCKED = 0.5 * math.pi
+"""The y from which on the force is infinite."""
+
+_NEARLY = LOCKED - 1e-13  # to rounding
 _LEAST = 1e-3  # cos^2 y below which a wave is not damped any more: it has ended long before (a choice)
 
 MOTIONS = {"pushed": 1.0, "standing": 0.0, "pulled": -1.0}

@@ -18,7 +18,7 @@ from floquetrod._util.caching import cached_property
 from floquetrod._util.content import ByContent
 from floquetrod._util.roots import roots
 from floquetrod.wells.arcs import Floats, Points
-from floquetrod.wells.drag import Drag, Effort, Place, States, Strings
+from floquetrod.wells.drag import LOCKED, Drag, Effort, Place, States, Strings
 
 Ints = NDArray[np.intp]
 
@@ -58,7 +58,7 @@ class _March:
         moving = np.arange(self.top.size)
         self._enter(moving)
         for _ in range(_MOST_STEPS):
-            is_locked = self.state[0, moving] >= 0.5 * math.pi
+            is_locked = self.state[0, moving] >= LOCKED
             self._lock(moving[is_locked])
             moving = moving[~is_locked & (self.depth[moving] > self.top[moving])]
             if not moving.size:
@@ -210,7 +210,7 @@ class _Step(ByContent):
     def is_changing(self) -> NDArray[np.bool_]:
         """Whether strings that are not locked up have another shape at the end than it is taken to be."""
         wants = self.slopes.drag.is_helix(self.slopes.place(self.end), self.new[0])
-        return np.asarray((wants != self.slopes.is_helix) & (self.new[0] < 0.5 * math.pi))
+        return np.asarray((wants != self.slopes.is_helix) & (self.new[0] < LOCKED))
 
     def curve(self) -> _Curve:
         """Return the solution within the step."""

@@ -8,23 +8,25 @@ import numpy as np
 
 from floquetrod.wells import march
 from floquetrod.wells.arcs import Floats
-from floquetrod.wells.drag import Drag, Effort, States, Strings
+from floquetrod.wells.drag import LOCKED, Drag, Effort, States, Strings
 
-_PASSES = 30  # over what is below a tool: each brings four digits
+_PASSES = 30  # over what is below a tool at most: four are usual
+_STEEP = 0.1, 10.0  # slopes of what is missing, negative, between which a secant is trusted
 _CLOSE = 1e-10  # m/s of a wave, between passes
 
 
 def run(
-    drag: Drag, top: float, bottoms: Floats, far_force: float, depths: Floats, effort: Effort, is_shaken: Any = True
+    drag: Drag, top: float, bottoms: Floats, far_force: Any, depths: Floats, effort: Effort, is_shaken: Any = True
 ) -> States:
     """Return the states at measured depths of strings whose lower ends are at ``bottoms`` in m.
 
-    The tool, where there is one, works in those of which ``is_shaken`` is true, one for all or of each its own.
+    The force in N at the lower end is one for all or of each its own; so is ``is_shaken``, which says in which of them
+    the tool works, where there is one.
     """
     size = bottoms.size
-    start = float(drag.y_of(np.array(far_force)))
+    start = np.broadcast_to(drag.y_of(np.asarray(far_force)), size)
     wave = np.where(np.broadcast_to(is_shaken, size), 0.0 if drag.shaking is None else drag.shaking.wave, 0.0)
-    strings = Strings(np.full(size, top), bottoms, np.full(size, start), wave)
+    strings = Strings(np.full(size, top), bottoms, start, wave)
     if drag.shaking is None or not drag.shaking.above_end:
         return march.up(drag, strings, depths, effort)
     tools = np.maximum(bottoms - drag.shaking.above_end, top)
@@ -36,14 +38,19 @@ def run(
 
 
 def _below(drag: Drag, strings: Strings, wave: Floats, depths: Floats, effort: Effort) -> States:
-    """Return the states below the tools, where waves run down: they have ``wave`` at the tool, which is on top."""
-    at_end = wave
+    """Return the states below the tools, where waves run down: they have ``wave`` at the tool, which is on top.
+
+    The wave at the lower end is found by secants, that of a string that hardly moves by what is missing at the tool.
+    """
+    close = max(_CLOSE, 1e-2 * float(np.max(effort.tolerance))) * (1.0 + wave.max())
+    at_end, before, lacked = wave, wave, np.zeros(wave.size)
     for _ in range(_PASSES):
         found = march.up(drag, strings._replace(wave=at_end), depths, effort, towards=1.0)
-        missing = np.where(
-            found.top_y < 0.5 * np.pi, wave - found.top_wave, 0.0
-        )  # none gets past where it is locked up
-        if np.abs(missing).max() <= _CLOSE * (1.0 + wave.max()):
+        missing = np.where(found.top_y < LOCKED, wave - found.top_wave, 0.0)  # none passes a lock-up
+        if np.abs(missing).max() <= close:
             break
-        at_end = at_end + missing
+        with np.errstate(divide="ignore", invalid="ignore"):
+            slope = (missing - lacked) / (at_end - before)
+        before, lacked = at_end, missing
+        at_end = at_end - missing / np.where((slope < -_STEEP[0]) & (slope > -_STEEP[1]), slope, -1.0)
     return found

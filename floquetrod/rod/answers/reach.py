@@ -19,7 +19,7 @@ from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
 from floquetrod.units import with_unit
 from floquetrod.wells import strings
-from floquetrod.wells.drag import FAST, SOUGHT, Drag, Effort, Place
+from floquetrod.wells.drag import FAST, LOCKED, SOUGHT, Drag, Effort, Place
 from floquetrod.wells.path import WellPath
 
 Floats = NDArray[np.float64]
@@ -30,7 +30,9 @@ _ROUNDS = 2
 _GROWS = 1e-6  # 1/s: tenfold in a month (a choice)
 _FREQUENCIES = np.linspace(0.25, 2.0, 36)  # of the tool's, which is among them
 _PLACES = 50  # along the string, for each of them
-_ROWS = 10  # of a report
+_BITS = 12  # depths for which the force at the lower end is sought
+_TRIED, _BIT_ROUNDS = 12, 3  # forces tried at once, so often
+_LARGEST = math.atan(10.0)  # y of the largest: ten critical forces (a choice: pipes yield before)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -46,6 +48,14 @@ class Reach(Reported, ByContent):
         Compression in N at the upper end that it takes to push the lower end there, without a tool; negative for a pull
         that holds it, infinite where it is locked up.
     injector_shaken : ndarray (n,)
+        The same with the tool.
+    bit_depth : ndarray (m,)
+        Some of the depths, 12 at most.
+    bit : ndarray (m,)
+        Greatest compression in N that reaches the lower end there without a tool, the upper end pushed with ``push``;
+        NaN where the string does not get.  To 4e-4 (S + F^2 / S) and up to 10 S, S the critical force in a level
+        hole.
+    bit_shaken : ndarray (m,)
         The same with the tool.
     far_force : float
         Compression in N at the lower end.
@@ -87,6 +97,9 @@ class Reach(Reported, ByContent):
     depth: Floats
     injector: Floats
     injector_shaken: Floats
+    bit_depth: Floats
+    bit: Floats
+    bit_shaken: Floats
     far_force: float
     push: float
     reach: float
@@ -114,6 +127,14 @@ class Reach(Reported, ByContent):
         """Ranges of the tool's frequency in rad/s, of those looked at, with which nothing across the string grows."""
         return tuple(spans(self.frequencies, self.frequency_growth <= _GROWS))
 
+    @property
+    def useful_frequencies(self) -> tuple[tuple[float, float], ...]:
+        """The ranges of `stable_frequencies` where the tool gains reach, else none.
+
+        What it gains does not depend on its frequency here, as waves are not thrown back by the ends.
+        """
+        return self.stable_frequencies if self.gain > 0.0 else ()
+
     def __repr__(self) -> str:
         """Return the reach as a sentence."""
         return f"<{self._in_words}>"
@@ -136,6 +157,7 @@ class Reach(Reported, ByContent):
         ]
         if self.tool is not None:
             lines += [("shaken", self._shaken_in_words), ("grows", self._growth_in_words)]
+            lines.append(("useful", self._useful_in_words))
         lines.append(("assumed", "; ".join(self.assumptions)))
         return Report(self._in_words, lines, self._table)
 
@@ -160,11 +182,9 @@ class Reach(Reported, ByContent):
         if not grows.any():
             return f"nothing across the string: {self._kick_in_words}"
         k = int(np.argmax(self.growth))
-        stable = ", ".join(f"{a / 2 / math.pi:.3g} to {b / 2 / math.pi:.3g} Hz" for a, b in self.stable_frequencies)
-        other = f"nowhere with a tool of {stable}" if stable else "somewhere with every frequency that was looked at"
         return (
             f"{_listed(self.along.depth, grows)}: {self.growth[k]:.3g} 1/s at {self.along.depth[k]:.6g} m in half "
-            f"waves of {self.half_wave[k]:.3g} m; {other}"
+            f"waves of {self.half_wave[k]:.3g} m"
         )
 
     @property
@@ -176,11 +196,23 @@ class Reach(Reported, ByContent):
         return f"one that moves {with_unit(self.kick[k], 'm/s', 3)} across does, at {self.along.depth[k]:.6g} m"
 
     @property
+    def _useful_in_words(self) -> str:
+        if not self.useful_frequencies:
+            return "no frequency that was looked at: " + ("something grows" if self.gain > 0.0 else "nothing is gained")
+        ranges = ", ".join(f"{a / 2 / math.pi:.3g} to {b / 2 / math.pi:.3g} Hz" for a, b in self.useful_frequencies)
+        return f"{ranges}: gains {self.gain:.4g} m, and nothing grows"
+
+    @property
     def _table(self) -> Table:
-        chosen = np.unique(np.linspace(0, self.depth.size - 1, _ROWS).round().astype(int))
-        columns = [("depth m", ">9"), ("injector kN", ">11")] + ([("with tool kN", ">12")] if self.tool else [])
-        forces = (self.injector, self.injector_shaken)[: len(columns) - 1]
-        return Table(columns, [[f"{self.depth[i]:.0f}", *(_kilo(each[i]) for each in forces)] for i in chosen])
+        rows = np.searchsorted(self.depth, self.bit_depth)
+        names = ("injector kN", "bit kN"), ("with tool kN", "with tool kN")
+        forces = (self.injector[rows], self.bit), (self.injector_shaken[rows], self.bit_shaken)
+        kept = range(2 if self.tool else 1)
+        columns = [("depth m", ">9"), *((names[k][i], ">12") for i in range(2) for k in kept)]
+        values = [forces[k][i] for i in range(2) for k in kept]
+        return Table(
+            columns, [[f"{d:.0f}", *(_kilo(each[j]) for each in values)] for j, d in enumerate(self.bit_depth)]
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Return everything as numbers for JSON, units in the keys; None where a force is infinite."""
@@ -188,6 +220,9 @@ class Reach(Reported, ByContent):
             "depth_m": self.depth.tolist(),
             "injector_N": _numbers(self.injector),
             "injector_with_tool_N": _numbers(self.injector_shaken) if self.tool else None,
+            "bit_depth_m": self.bit_depth.tolist(),
+            "bit_N": _numbers(self.bit),
+            "bit_with_tool_N": _numbers(self.bit_shaken) if self.tool else None,
             "far_force_N": self.far_force,
             "push_N": number(self.push),
             "reach_m": self.reach,
@@ -204,6 +239,7 @@ class Reach(Reported, ByContent):
             "sliding_m_per_s": self.sliding,
             "frequencies_rad_per_s": self.frequencies.tolist(),
             "growth_by_frequency_per_s": self.frequency_growth.tolist(),
+            "useful_frequencies_rad_per_s": [list(each) for each in self.useful_frequencies],
             "assumptions": list(self.assumptions),
         }
 
@@ -225,7 +261,7 @@ def _listed(depth: Floats, is_so: NDArray[np.bool_]) -> str:
 
 
 def _kilo(force: float) -> str:
-    return f"{force / 1e3:.2f}" if math.isfinite(force) else "locked"
+    return f"{force / 1e3:.2f}" if math.isfinite(force) else "locked" if math.isinf(force) else "-"
 
 
 def _numbers(values: Floats) -> list[float | None]:
@@ -250,6 +286,8 @@ def reach(
     search = _Search(drag, far_force, push)
     forces = search.injector(np.tile(depths, (2 if tool else 1, 1)))
     reached = search.ends(depths, forces)
+    few = np.unique(np.linspace(0, depths.size - 1, _BITS).round().astype(int))
+    bits = search.bit(depths[few], forces[:, few])
     along = mean_force(drag, far_force, _standing_end(path, *reached[-1]), None)
     amplitude = along.speed * rod.mass_along * rod.wave_speed
     sliding = 0.0 if drag.shaking is None else drag.shaking.speed
@@ -259,6 +297,9 @@ def reach(
         depth=depths,
         injector=forces[0],
         injector_shaken=forces[-1],
+        bit_depth=depths[few],
+        bit=bits[0],
+        bit_shaken=bits[-1],
         far_force=far_force,
         push=push,
         reach=reached[0][0],
@@ -309,6 +350,30 @@ class _Search:
         start, bottoms = self.drag.path.start, depths.ravel()
         found = strings.run(self.drag, start, bottoms, self.far_force, np.empty(0), effort, is_shaken)
         return self.drag.force(found.top_y).reshape(depths.shape)
+
+    def bit(self, depths: Floats, forces: Floats) -> Floats:
+        """Return the greatest compression in N at the lower end at depths, for each row of ``injector`` there.
+
+        Many forces are tried at once for each depth, then many between two of them.
+        """
+        goes = np.isfinite(forces) & (forces <= self.push)
+        found = np.full(forces.shape, math.nan)
+        if not goes.any():
+            return found
+        row, column = np.nonzero(goes)
+        low = np.full(row.size, float(self.drag.y_of(np.array(self.far_force))))
+        high = np.maximum(low, _LARGEST)
+        bottoms, is_shaken = np.tile(depths[column], _TRIED), np.tile(row > 0, _TRIED)
+        for _ in range(_BIT_ROUNDS):
+            tried = np.linspace(low, high, _TRIED + 1)[1:]
+            far = self.drag.pipe.scale * np.tan(tried.ravel())
+            top = strings.run(self.drag, self.drag.path.start, bottoms, far, np.empty(0), SOUGHT, is_shaken).top_y
+            arrives = (self.drag.force(top).reshape(tried.shape) <= self.push) & (top.reshape(tried.shape) < LOCKED)
+            last, each = np.cumprod(arrives, axis=0).sum(axis=0), np.arange(row.size)
+            steps = np.concatenate([low[None], tried])
+            low, high = steps[last, each], steps[np.minimum(last + 1, _TRIED), each]
+        found[goes] = self.drag.pipe.scale * np.tan(0.5 * (low + high))
+        return found
 
     def ends(self, depths: Floats, forces: Floats) -> list[tuple[float, bool]]:
         """Return how deep the lower end gets, and whether it is stopped there, for each row of forces."""
