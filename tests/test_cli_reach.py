@@ -36,7 +36,10 @@ def test_it_says_what_the_library_finds(line: list[str], tmp_path: Path, capsys:
 def test_it_draws(line: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     picture = tmp_path / "reach.png"
     assert cli.main([*line, "--friction", "0.3", "--tool", "5kN@18Hz@30m", "--figure", str(picture)]) == 0
-    assert "grows" in capsys.readouterr().out
+    text = capsys.readouterr().out
+    assert "grows" in text
+    assert "useful" in text
+    assert "bit kN" in text
     assert picture.stat().st_size > 10_000
 
 

@@ -21,12 +21,12 @@ examples:
   floquetrod reach --well examples/survey.csv --rod examples/tubing.toml --friction 0.3 --figure reach.png
 
 The survey has columns such as MD (m), Inc (deg) and Azi (deg).  The string is pushed at the first station; its length
-and inclination follow from the well.  At lock-up no force there moves the lower end.  The table
-has the force that it takes at the injector, and the greatest that arrives at the bit.  A tool inside the string sends
-half its force each way, one at the lower end all of it up.  Friction is less as far as the wave moves the string faster
-than it slides, --speed.  The wave may make waves across the string grow against friction: the answer says where, how
-fast and in which half wave, and with which frequencies of the tool none would.  Depths are measured depths; forces are
-effective, push positive; without --push the upper end is pushed as hard as it takes.
+and inclination follow from the well.  At lock-up no force there moves the lower end.  The table has the force that it
+takes at the injector, and the greatest that arrives at the bit.  A tool inside the string sends half its force each
+way, one at the lower end all of it up.  Friction is less as far as the wave moves the string faster than it slides,
+--speed.  The wave may make waves across the string grow against friction: the answer says where, how fast and in which
+half wave, and which frequencies of the tool are useful: they gain reach, and nothing grows.  Depths are measured
+depths; forces are effective, push positive; without --push the upper end is pushed as hard as it takes.
 """
 
 
