@@ -197,6 +197,31 @@ def test_chart_of_a_family_with_delays() -> None:
                 assert not chart.stable[i, j]
 
 
+@pytest.mark.slow
+def test_near_boundaries_verdicts_are_right_or_undecided() -> None:
+    """On either side of Hayes' curve, and of a delayed oscillator's, by 1e-3 down to 1e-14 of the delayed term."""
+    rng, undecided = np.random.default_rng(8), 0
+    for _ in range(depth(300, 100)):
+        w, step = float(rng.uniform(0.1, 3.0)), 10.0 ** -float(rng.uniform(3.0, 14.0))
+        a, b = w / math.tan(w), -w / math.sin(w)
+        for side, wanted in ((-step, "stable"), (step, "unstable")):
+            status = fr.stability(hayes(a, b * (1.0 + side))).status
+            assert status in (wanted, "undecided"), (w, side)
+            undecided += status == "undecided"
+            assert status == wanted or abs(side) < 1e-9, (w, side)
+    assert undecided
+
+
+@pytest.mark.slow
+def test_bands_of_a_chart_lie_on_hayes_curve() -> None:
+    chart = fr.chart(hayes, over={"a": (-4.0, 2.0, 40), "b": (-5.0, 5.0, 40)})
+    (band,) = chart.bands.bands
+    inside = (band.x > -3.999) & (band.x < 1.999) & (np.abs(band.y) < 4.999)
+    for a, b in zip(band.x[inside].tolist(), band.y[inside].tolist(), strict=True):
+        # 1e-7 from the boundary; at a = 1, b = -1 two roots meet, and growth is the square root of the distance.
+        assert fr.stability(hayes(a, b)).exponents[0].real == pytest.approx(0.0, abs=math.sqrt(2e-7))
+
+
 def test_what_has_no_answer_is_said() -> None:
     system = delayed_mathieu(1.0, 0.2, 0.1, 0.05)
     assert fr.certify(system).status == "undecided"

@@ -19,7 +19,8 @@ from floquetrod.equations.batches import in_batches
 from floquetrod.floquet.dispatch import stability
 from floquetrod.floquet.problems import Problem, member
 from floquetrod.floquet.status import STATUS_CODES
-from floquetrod.floquet.systems.many import STABLE, UNSTABLE
+from floquetrod.floquet.systems import delay_many
+from floquetrod.floquet.systems.many import STABLE, UNDECIDED, UNSTABLE
 from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.floquet.verdict import tolerated
 from floquetrod.plane import Axis, Chart, Family, Verdicts, axis_values, charted
@@ -148,6 +149,8 @@ class Members(Family):
         if len(systems) == len(members):
             answers = in_batches(systems, lambda batch: arrays.verdicts(batch, workers=self.workers, quick=quick))
             status, rate = (np.array(column) for column in zip(*answers, strict=True))
+        elif all(isinstance(each, DelaySystem) for each in members):
+            status, rate = _delayed(members, growth=growth or self.growth_tolerance > 0.0)
         else:
             status, rate = _one_by_one(members)
         status[(status == UNSTABLE) & tolerated(rate, self.growth_tolerance)] = STABLE
@@ -170,6 +173,15 @@ class Members(Family):
         first, second = resonance.modes
         order = resonance.order or None
         return (second, -first, order) if resonance.kind == "difference" else (first, second, order)
+
+
+def _delayed(systems: Sequence[Any], *, growth: bool) -> tuple[NDArray[np.int8], Floats]:
+    """Return status and growth rate of systems with delays, the rate where it must be told or was needed."""
+    status, rate = delay_many.of_systems(systems, growth=growth)
+    for i in np.flatnonzero(status == UNDECIDED).tolist():
+        found = stability(systems[i])
+        status[i], rate[i] = STATUS_CODES[found.status], found.growth_rate
+    return status, np.maximum(rate, 0.0)
 
 
 def _one_by_one(equations: Sequence[Problem]) -> tuple[NDArray[np.int8], Floats]:

@@ -6,14 +6,15 @@ by its trace: |trace M^k| <= S r^k for S rows.  That takes a tenth of the time o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from floquetrod.equations import DelaySystem
 from floquetrod.floquet.status import STATUS_CODES
-from floquetrod.floquet.systems import delay_growth
+from floquetrod.floquet.systems import delay_growth, delay_maps
 
 Floats = NDArray[np.float64]
 Maps = Callable[[NDArray[np.intp], int], Floats]
@@ -55,6 +56,43 @@ def judged(maps: Maps, counts: NDArray[np.intp], *, growth: bool = False) -> Jud
         some = np.flatnonzero(counts == count)
         _of_one_count(maps, some, int(count), found, growth)
     return found
+
+
+def of_systems(systems: Sequence[DelaySystem], *, growth: bool = False) -> Judged:
+    """Return verdicts on systems, and growth rates per unit of time where they must be told or were needed.
+
+    Those whose pieces and delays are the same parts of their periods are judged together.
+    """
+    found = Judged(np.empty(len(systems), dtype=np.int8), np.empty(len(systems)))
+    laid = [delay_maps.layout(system) for system in systems]
+    groups: dict[Any, list[int]] = {}
+    for i, (system, one) in enumerate(zip(systems, laid, strict=True)):
+        key = (one.breaks, one.active, one.delays(system), system.order, system.is_second_order)
+        groups.setdefault(key, []).append(i)
+    for group in groups.values():
+        members, layouts = [systems[i] for i in group], [laid[i] for i in group]
+        phases = [delay_maps.rate(m) * one.period * one.longest for m, one in zip(members, layouts, strict=True)]
+        counts = np.minimum(4 * np.ceil(2.0 + 0.125 * np.asarray(phases)), _MOST - 2 * _MORE).astype(np.intp)
+        some = judged(_maps_of(members, layouts), counts, growth=growth)
+        found.status[group] = some.status
+        found.logs[group] = some.logs / np.array([one.period for one in layouts])
+    return found
+
+
+def _maps_of(systems: Sequence[DelaySystem], layouts: Sequence[delay_maps.Layout]) -> Maps:
+    """Return what makes the maps of systems with one mesh."""
+
+    def maps(which: NDArray[np.intp], count: int) -> Floats:
+        on = layouts[0].mesh(systems[0], count)
+        each = [delay_maps.coefficients(systems[i], layouts[i].period, on.nodes) for i in which.tolist()]
+        values, delayed = (np.concatenate([one.value for one in each]), [one.delayed for one in each])
+        rates = [np.zeros_like(one.value) if one.rate is None else one.rate for one in each]
+        rate = np.concatenate(rates) if systems[0].is_second_order else None
+        return delay_maps.period_maps(
+            on, delay_maps.Coefficients(values, rate, tuple(map(np.concatenate, zip(*delayed, strict=True))))
+        )
+
+    return maps
 
 
 def _of_one_count(maps: Maps, some: NDArray[np.intp], count: int, found: Judged, growth: bool) -> None:

@@ -54,10 +54,18 @@ class Layout(NamedTuple):
     breaks: tuple[float, ...]
     active: tuple[tuple[bool, ...], ...]
 
+    @property
+    def longest(self) -> float:
+        """The longest piece as part of the period."""
+        return float(np.diff(self.breaks).max())
+
+    def delays(self, system: DelaySystem) -> tuple[float, ...]:
+        """Return the delays as parts of the period."""
+        return tuple(float(Fraction(delay) / Fraction(self.period)) for delay in system.delays)
+
     def mesh(self, system: DelaySystem, count: int) -> Mesh:
         """Return the mesh with so many nodes in each piece."""
-        delays = tuple(float(Fraction(delay) / Fraction(self.period)) for delay in system.delays)
-        return mesh(self.breaks, count, 2 if system.is_second_order else 1, delays, self.active)
+        return mesh(self.breaks, count, 2 if system.is_second_order else 1, self.delays(system), self.active)
 
 
 def layout(system: DelaySystem) -> Layout:
