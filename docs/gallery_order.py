@@ -29,6 +29,7 @@ GALLERY = (
     "systems_blade",
     "systems_ground",
     "systems_trap",
+    "milling_lobes",
 )
 
 

@@ -78,6 +78,13 @@ def test_terms_of_one_delay_add_up() -> None:
     assert fr.stability(halves).exponents[0] == pytest.approx(fr.stability(whole).exponents[0], abs=1e-12)
 
 
+def test_verdicts_say_themselves() -> None:
+    found = fr.stability(delayed_mathieu(3.0, 2.0, -0.15, 0.1))
+    assert "1 equation of second order, general, 1 harmonic, 1 delayed term" in str(found.report())
+    assert found.as_dict(damping=True)["delays"] == [TURN]
+    assert "collocation" in str(fr.compare(found.equation).report())
+
+
 def test_first_and_second_order_say_the_same() -> None:
     cut, rest = [[0.0, 0.0], [-0.4, 0.0]], [[0.0, 0.0], [0.0, 0.0]]
     first = fr.DelaySystem.first_order_from_pieces(

@@ -107,6 +107,8 @@ LONG = {
     "how_to/ensembles.md",
     "how_to/system_forms.md",
     "how_to/conventions.md",
+    "how_to/milling.md",
+    "theory/delays.md",
     "how_to/reach.md",
     "theory/mean_force.md",
     "how_to/well.md",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -92,6 +92,8 @@ class DelaySystem(ByContent):
     >>> found.status, f"{found.multipliers[0]:.9f}"
     ('stable', '0.952316474-0.006558236j')
     """
+
+    MEANING: ClassVar[str] = ""
 
     present: HillSystem | PeriodicSystem
     delayed: tuple[DelayedTerm, ...]
