@@ -25,6 +25,7 @@ GALLERY = (
     "uncertainty",
     "systems_coupled",
     "systems_damping",
+    "systems_noise",
     "systems_beam",
     "systems_blade",
     "systems_ground",
