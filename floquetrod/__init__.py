@@ -63,6 +63,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.mean_force import MeanForce as MeanForce
     from floquetrod.rod.answers.reach import Reach as Reach
     from floquetrod.rod.answers.safe_box import SafeBox as SafeBox
+    from floquetrod.rod.answers.safe_kick import SafeKick as SafeKick
     from floquetrod.rod.answers.steady_motion import SteadyMotion as SteadyMotion
     from floquetrod.rod.answers.verdict import CoupledRodStability as CoupledRodStability
     from floquetrod.rod.answers.verdict import RodStability as RodStability
@@ -137,6 +138,7 @@ _WHERE = {
     "SquareWave": "equations",
     "Stability": "floquet.verdict",
     "StabilityIntervals": "rod.ranges",
+    "SafeKick": "rod.answers.safe_kick",
     "SteadyMotion": "rod.answers.steady_motion",
     "Study": "ensembles.study",
     "UndecidedWarning": "floquet.status",

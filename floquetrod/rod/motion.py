@@ -62,7 +62,9 @@ def steady_motion(model: ModeModel, given: AnyLoad, mode: int | None, indentatio
     if mode is not None:
         mode = validate.integer("mode", mode, 1, MOST_HALF_WAVES, "half waves of the motion to look at")
     require_possible(rod, load)
-    shapes = Shapes.of(rod, load, _count(rod, mode))
+    if load.amplitude == 0.0:  # any frequency is that of a constant force: one near those of the rod
+        load = load.varied("frequency", rod.pendulum_frequency)
+    shapes = Shapes.of(rod, load, beam_functions(rod, mode))
     rest = model.verdict(load, None, 0.0, None)
     found = next(iter(orbits_of(rod, load, shapes, candidates(rest, shapes, mode), indentation)), None)
     if found is None:
@@ -89,7 +91,7 @@ def require_possible(rod: RodData, load: Load) -> None:
         )
 
 
-def _count(rod: RodData, mode: int | None) -> int:
+def beam_functions(rod: RodData, mode: int | None) -> int:
     """Return how many beam functions the modes are made of."""
     return max(math.ceil(3.0 * rod.critical_mode), 3 * (mode or 0)) + 4
 
@@ -112,10 +114,17 @@ def orbits_of(rod: RodData, load: Load, shapes: Shapes, modes: list[int], indent
     """Yield the stable orbits of modes alone, the smallest of each first."""
     for mode in modes:
         equation = alone(rod, load, shapes, mode, indentation)
-        every = [o for turns in (2, 1) if equation.may_resonate(turns) for o in equation.orbits(turns)]
-        for orbit in sorted(every, key=lambda each: each.amplitude):
+        for orbit in orbits_alone(equation):
             if orbit.is_stable:
                 yield Found(mode, orbit, equation)
+
+
+def orbits_alone(equation: OneMode) -> list[Orbit]:
+    """Return the orbits found of one mode alone, of one period of the load or two, the smallest first."""
+    if equation.motion.load.amplitude == 0.0:
+        return equation.equilibria()
+    every = [orbit for turns in (2, 1) if equation.may_resonate(turns) for orbit in equation.orbits(turns)]
+    return sorted(every, key=lambda each: each.amplitude)
 
 
 def _resting(rod: RodData, load: Load, rest: RodStability, mode: int | None) -> SteadyMotion:

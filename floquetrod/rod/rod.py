@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from floquetrod.rod.answers.mean_force import MeanForce
     from floquetrod.rod.answers.reach import Reach
     from floquetrod.rod.answers.safe_box import SafeBox
+    from floquetrod.rod.answers.safe_kick import SafeKick
     from floquetrod.rod.answers.steady_motion import SteadyMotion
     from floquetrod.rod.answers.verdict import RodStability
     from floquetrod.rod.friction.kicks import CriticalKick, FrictionalRodStability
@@ -699,6 +700,39 @@ class Rod(RodData):
         from floquetrod.rod import motion
 
         return motion.steady_motion(self.modes_under(require_load("load", load)), load, mode, indentation)
+
+    def safe_kick(self, load: AnyLoad, *, indentation: float = 1e-4) -> SafeKick:
+        """Return which kicks a rod that is stable at rest comes to rest from, and which lead to a large motion.
+
+        A scan, for each mode alone that has a large stable orbit, over kicks and phases of the load: two-sided, up to
+        ``safe_up_to`` all that were tried came to rest, at ``escapes_at`` one did not.
+
+        Parameters
+        ----------
+        load : AxialLoad or AxialWave
+        indentation : float
+            As in `steady_motion`.
+
+        Returns
+        -------
+        SafeKick
+            Kicks in m/s, transverse velocities; infinite where no mode alone has a large orbit up to 40 degrees.
+
+        Raises
+        ------
+        ValueError
+            Where the rod at rest is not stable, without damping, and for what `steady_motion` refuses.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> rod = Rod.nitinol().replace(damping_rate=3.0, length=1.2)
+        >>> rod.safe_kick(fr.AxialLoad(mean=0.1, amplitude=0.01, frequency=40.0))
+        <safe against any kick: no large motion was found>
+        """
+        from floquetrod.rod import kicked_motion
+
+        return kicked_motion.safe_kick(self.modes_under(require_load("load", load)), load, indentation)
 
     def critical_noise(self, load: AnyLoad, *, growth_tolerance: float = 0.0) -> float:
         """Return by which factor the noise of a load may be multiplied with the rod still stable in mean square.

@@ -103,14 +103,18 @@ class OneMode:
         load = self.motion.load
         return turns * math.ceil(_STEPS * max(1.0, self.fastest / load.frequency))
 
-    def marched(self, a: Floats, v: Floats, turns: int) -> tuple[Floats, Floats, Floats]:
-        """Return amplitudes and speeds after so many periods of the load from time 0, and the largest amplitudes."""
+    def marched(self, a: Floats, v: Floats, turns: int, start: Any = 0.0) -> tuple[Floats, Floats, Floats]:
+        """Return amplitudes and speeds after so many periods of the load, and the largest amplitudes on the way.
+
+        They begin at times ``start``, one or as many as there are motions.
+        """
         steps = self.steps(turns)
         h = turns * 2.0 * math.pi / self.motion.load.frequency / steps
-        halves = self.motion.parts(np.linspace(0.0, h * steps, 2 * steps + 1)) @ self._vibration
+        times = np.add.outer(np.linspace(0.0, h * steps, 2 * steps + 1), start)
+        halves = self.motion.parts(times) @ self._vibration
         rate, most = self._acceleration(), np.abs(a)
         for i in range(steps):
-            f0, f1, f2 = halves[2 * i : 2 * i + 3].tolist()
+            f0, f1, f2 = halves[2 * i : 2 * i + 3]
             k1 = rate(a, v, f0)
             a2, v2 = a + 0.5 * h * v, v + 0.5 * h * k1
             k2 = rate(a2, v2, f1)
@@ -123,12 +127,12 @@ class OneMode:
             most = np.maximum(most, np.abs(a))
         return a, v, most
 
-    def _acceleration(self) -> Callable[[Floats, Floats, float], Floats]:
+    def _acceleration(self) -> Callable[[Floats, Floats, Any], Floats]:
         """Return the function that gives a_tt of a, a_t and the force."""
         last, *others = self._slope[::-1].tolist()
         unit, j, c = (self.peak / LARGEST) ** 2, self._shortening, 2.0 * self.motion.rod.damping_rate
 
-        def rate(a: Floats, v: Floats, force: float) -> Floats:
+        def rate(a: Floats, v: Floats, force: Any) -> Floats:
             squared = a * a
             x = np.minimum(unit * squared, 1.5)
             stiff = last
@@ -154,7 +158,7 @@ class OneMode:
         return after_a[0], after_v[0], np.stack([by_a, by_v], axis=1)
 
     def orbits(self, turns: int) -> list[Orbit]:
-        """Return the orbits found, of so many periods of the load, by Newton's method from many starts, smallest first.
+        """Return the orbits found of so many periods of the load, by Newton's method from many starts, smallest first.
 
         A search, not a proof: of orbits that differ by sign or by whole periods of the load one is returned.  The
         equation is that at equal instants, derivatives those of the Fourier series through them.
@@ -179,6 +183,21 @@ class OneMode:
                 a, moved = a[kept], moved[kept]
         a = a[(moved < 1e-8) & (np.abs(a).max(axis=1) * self.peak > 1e-3)]
         return self._apart(a, a @ first.T, turns)
+
+    def equilibria(self) -> list[Orbit]:
+        """Return the angles but zero at which a constant force holds the mode, as orbits of a period, smallest first."""
+        roots = np.polynomial.polynomial.polyroots(self._slope)
+        squares = np.sort(roots[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0) & (roots.real < 1.0)].real)
+        slope = np.polynomial.polynomial.polyder(self._slope)
+        period, c = 2.0 * math.pi / self.motion.load.frequency, self.motion.rod.damping_rate
+        found = []
+        for x in squares.tolist():
+            stiff = 2.0 * x * float(np.polynomial.polynomial.polyval(x, slope))
+            rates = -c + np.array([1.0, -1.0]) * np.emath.sqrt(c * c - stiff)
+            angle = math.sqrt(x) * LARGEST
+            states = np.tile([angle / self.peak, 0.0], (_INSTANTS, 1))
+            found.append(Orbit(1, states, angle, np.exp(rates * period)))
+        return found
 
     def _starts(self, times: Floats, turns: int) -> Floats:
         """Return harmonic motions of many sizes and phases, as fast as free motion of that size about is."""
