@@ -115,6 +115,7 @@ LONG = {
     "how_to/noisy_force.md",
     "theory/noise.md",
     "theory/mean_force.md",
+    "theory/large_motion.md",
     "how_to/well.md",
     "how_to/uncertainty.md",
     "how_to/explorer.md",

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 
 import floquetrod as fr
+from benchmarks.large_motion import largest_simulated
 from floquetrod.rod import motion as motions
-from floquetrod.rod.loads.load import Load, with_waves
+from floquetrod.rod.large_orbits import orbits_of
+from floquetrod.rod.loads.load import with_waves
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
 
 ROD = fr.Rod.nitinol().replace(damping_rate=3.0)
@@ -66,7 +66,7 @@ def test_the_orbit_of_two_modes_on_the_wall_is_that_of_the_shared_truth(
 ) -> None:
     rod = ROD.replace(damping_rate=1.0)
     shapes = Shapes.of(rod, load(*under), 3 * mode)
-    (found,) = motions.orbits_of(rod, load(*under), shapes, [mode], 0.0)
+    (found,) = orbits_of(rod, load(*under), shapes, [mode], 0.0)
     two = motions._chosen(shapes, mode, 0, 0)
     equations = LargeMotion(rod, load(*under), shapes.some(two), indentation=0.0)
     orbit = motions._orbit(equations, found, None)
@@ -96,15 +96,6 @@ TABLE = [
 def test_angles_are_those_of_the_simulator(ends: str, under: tuple[float, float, float], mode: int) -> None:
     rod, given = ROD.replace(ends=ends), load(*under)
     found = rod.steady_motion(with_waves(given, rod.damping_rate), mode)
-    assert found.amplitude == pytest.approx(simulated(rod, given, mode), rel=0.01 if ends == "hinged" else 0.005)
-
-
-def simulated(rod: fr.Rod, under: Load, mode: int) -> float:
-    """Return the largest angle in rad of the simulated rod once it has settled, e^-16 of the start left."""
-    period = 2.0 * math.pi / under.frequency
-    periods = round(16.0 / rod.damping_rate / period)
-    kick = fr.Perturbation.modes({mode: rod.radial_clearance * 0.1 * under.frequency})
-    run = fr.simulate(
-        rod, under, duration=periods * period, frames=24 * periods + 1, perturbation=kick, segments=20 * mode
+    assert found.amplitude == pytest.approx(
+        largest_simulated(rod, given, mode), rel=0.01 if ends == "hinged" else 0.005
     )
-    return float(run.largest_angle[-24 * 12 :].max())

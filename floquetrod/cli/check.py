@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -176,6 +177,9 @@ def _check(options: argparse.Namespace) -> Output:
         with Waiting(f"writing {options.plot}"):
             charts.save_figure(result.plot(), options.plot)
     said = _Said(result, _margins(question, result), *_sine_beside(question))
+    angle, about = _grown(question, result)
+    said.numbers.update(about)
+    said = said._replace(grown=angle)
     if said.margins is None and options.margins is None:
         said = said._replace(not_searched=[("margins", _NOT_SEARCHED)])
     if written := [str(path) for path in (options.plot, options.plot_force) if path is not None]:
@@ -193,10 +197,13 @@ class _Said(NamedTuple):
     lines: list[tuple[str, str]]
     numbers: dict[str, Any]
     not_searched: Sequence[tuple[str, str]] = ()
+    grown: Sequence[tuple[str, str]] = ()
 
     def report(self, shown: dict[str, Unit]) -> Report:
         """Return the report in units."""
         said = self.result.report(names(shown), self.margins)
+        labels = [label for label, _ in said.lines]
+        said = said.with_lines(self.grown, before=labels[labels.index("growth") + 1] if "growth" in labels else None)
         return said.with_lines(self.not_searched, before="checked").with_lines(self.lines)
 
     def record(self) -> dict[str, Any]:
@@ -242,6 +249,23 @@ def _margins(asked: _Question, result: RodStability | fr.FrictionalRodStability)
         return None
     with Waiting(f"{result.status}; searching the margins", "percent") as progress:
         return result.margins(progress=progress)
+
+
+def _grown(
+    asked: _Question, result: RodStability | fr.FrictionalRodStability
+) -> tuple[list[tuple[str, str]], dict[str, Any]]:
+    """Return about how far the mode that grows fastest moves in the end, by a tenth of a second's estimate."""
+    if asked.mu_and_kick is not None or result.status != "unstable":
+        return [], {}
+    from floquetrod.rod.large_orbits import grown
+
+    found = grown(asked.rod, asked.load, result.linear)
+    if found is None:
+        return [], {}
+    beats = "" if asked.rod.damping_rate > 0.0 else ", about which it beats without damping"
+    leaves = "" if found.stays_on_wall else ", beyond where it leaves its wall"
+    text = f"about {math.degrees(found.orbit.amplitude):.2g} degrees in mode {found.mode} alone{beats}{leaves}"
+    return [("grows to", text)], {"grows_to_about_rad": found.orbit.amplitude}
 
 
 def _sine_beside(asked: _Question) -> tuple[list[tuple[str, str]], dict[str, Any]]:

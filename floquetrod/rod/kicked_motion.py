@@ -10,12 +10,12 @@ import numpy as np
 from floquetrod._util import validate
 from floquetrod._util.arrays import Bools, Floats
 from floquetrod.rod.answers.safe_kick import SafeKick
+from floquetrod.rod.large_orbits import alone, beam_functions, orbits_alone, require_possible
 from floquetrod.rod.loads.load import AnyLoad, Load, require_load
 from floquetrod.rod.mode_equations.large_motion import Shapes
 from floquetrod.rod.mode_equations.one_mode import LARGEST, OneMode, Orbit
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import ModeModel
-from floquetrod.rod.motion import alone, beam_functions, orbits_alone, require_possible
 
 _SPEEDS, _PHASES = 24, 16  # tried at a time
 _ROUNDS = 2  # of speeds, each between two neighbours of the one before

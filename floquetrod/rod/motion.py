@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -18,26 +17,18 @@ from floquetrod.floquet.systems.result import SystemStability
 from floquetrod.orbits import NoOrbitError, PeriodicOrbit, periodic_orbit
 from floquetrod.rod.answers.steady_motion import SteadyMotion
 from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.large_orbits import MOST_HALF_WAVES, Found, beam_functions, candidates, orbits_of, require_possible
 from floquetrod.rod.loads.load import AnyLoad, Load, require_load
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
-from floquetrod.rod.mode_equations.one_mode import LARGEST, OneMode, Orbit
+from floquetrod.rod.mode_equations.one_mode import LARGEST
 from floquetrod.rod.model.data import RodData
 from floquetrod.rod.modes.mode_model import ModeModel
 
-MOST_HALF_WAVES = 60  # of a mode whose motion is computed (a choice: seconds)
 _NEAR = ((0, 0), (6, 2), (12, 6))
 """Modes on either side of the one that moves, and of the one three times as short, taken in turn: the last answers."""
 
 _TOLERANCE = 1e-5  # of the orbit
 _INSTANTS = 512  # of a period, at which a motion is looked at: the largest angle is 2e-5 low at most
-
-
-class Found(NamedTuple):
-    """An orbit of one mode."""
-
-    mode: int
-    orbit: Orbit
-    alone: OneMode
 
 
 @dataclass(frozen=True)
@@ -70,61 +61,6 @@ def steady_motion(model: ModeModel, given: AnyLoad, mode: int | None, indentatio
     if found is None:
         return _resting(rod, load, rest, mode)
     return _motion(rod, load, rest, shapes, found, indentation)
-
-
-def require_possible(rod: RodData, load: Load) -> None:
-    """Raise ValueError for rods whose large motion is not known here, with the remedy."""
-    ends = rod.end_conditions
-    if "free" in (ends.upper, ends.lower):
-        raise validate.wrong_value(
-            "ends", f'must not be free, got "{ends}": a free end leaves the wall; simulate the rod, or take "guided"'
-        )
-    if not rod.course.is_straight:
-        raise validate.wrong_value(
-            "rod", "must lie in a straight channel: in one that bends the contact force changes too; simulate it"
-        )
-    if rod.critical_mode > MOST_HALF_WAVES / 1.5:
-        raise validate.wrong_value(
-            "length",
-            f"must be at most {MOST_HALF_WAVES / 1.5 * rod.critical_half_wave:.4g} m, that of "
-            f"{MOST_HALF_WAVES / 1.5:g} half waves, got {rod.length:g} m; take a part of the rod",
-        )
-
-
-def beam_functions(rod: RodData, mode: int | None) -> int:
-    """Return how many beam functions the modes are made of."""
-    return max(math.ceil(3.0 * rod.critical_mode), 3 * (mode or 0)) + 4
-
-
-def candidates(rest: RodStability, shapes: Shapes, mode: int | None) -> list[int]:
-    """Return modes to look at: the one asked for, those that grow, the fastest first, or all, where nothing grows."""
-    if mode is not None:
-        return [mode]
-    growing = [m for resonance in rest.resonances for m in resonance.modes] if rest.status != "stable" else []
-    return list(dict.fromkeys(growing)) or sorted(set(shapes.numbers.tolist()))
-
-
-def alone(rod: RodData, load: Load, shapes: Shapes, mode: int, indentation: float) -> OneMode:
-    """Return the equation of one mode."""
-    place = shapes.numbers.tolist().index(mode)
-    return OneMode(LargeMotion(rod, load, shapes.some([place]), indentation))
-
-
-def orbits_of(rod: RodData, load: Load, shapes: Shapes, modes: list[int], indentation: float) -> Iterator[Found]:
-    """Yield the stable orbits of modes alone, the smallest of each first."""
-    for mode in modes:
-        equation = alone(rod, load, shapes, mode, indentation)
-        for orbit in orbits_alone(equation):
-            if orbit.is_stable:
-                yield Found(mode, orbit, equation)
-
-
-def orbits_alone(equation: OneMode) -> list[Orbit]:
-    """Return the orbits found of one mode alone, of one period of the load or two, the smallest first."""
-    if equation.motion.load.amplitude == 0.0:
-        return equation.equilibria()
-    every = [orbit for turns in (2, 1) if equation.may_resonate(turns) for orbit in equation.orbits(turns)]
-    return sorted(every, key=lambda each: each.amplitude)
 
 
 def _resting(rod: RodData, load: Load, rest: RodStability, mode: int | None) -> SteadyMotion:

@@ -185,7 +185,7 @@ class OneMode:
         return self._apart(a, a @ first.T, turns)
 
     def equilibria(self) -> list[Orbit]:
-        """Return the angles but zero at which a constant force holds the mode, as orbits of a period, smallest first."""
+        """Return the angles but 0 at which a constant force holds the mode, as orbits of a period, smallest first."""
         roots = np.polynomial.polynomial.polyroots(self._slope)
         squares = np.sort(roots[(np.abs(roots.imag) < 1e-9) & (roots.real > 0.0) & (roots.real < 1.0)].real)
         slope = np.polynomial.polynomial.polyder(self._slope)

@@ -1,0 +1,103 @@
+"""Large orbits of a rod's modes, each alone: which rods and modes are looked at, and what is found."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.loads.load import Load
+from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
+from floquetrod.rod.mode_equations.one_mode import OneMode, Orbit
+from floquetrod.rod.model.data import RodData
+
+MOST_HALF_WAVES = 60  # of a mode whose motion is computed (a choice: seconds)
+
+
+class Found(NamedTuple):
+    """An orbit of one mode."""
+
+    mode: int
+    orbit: Orbit
+    alone: OneMode
+
+    @property
+    def stays_on_wall(self) -> bool:
+        """Whether the contact force of the mode alone stays positive."""
+        motion, states = self.alone.motion, self.orbit.states
+        period = self.orbit.turns * 2.0 * math.pi / motion.load.frequency
+        return bool(motion.contact_force(period * np.arange(len(states)) / len(states), states).min() > 0.0)
+
+
+def require_possible(rod: RodData, load: Load) -> None:
+    """Raise ValueError for rods whose large motion is not known here, with the remedy."""
+    ends = rod.end_conditions
+    if "free" in (ends.upper, ends.lower):
+        raise validate.wrong_value(
+            "ends", f'must not be free, got "{ends}": a free end leaves the wall; simulate the rod, or take "guided"'
+        )
+    if not rod.course.is_straight:
+        raise validate.wrong_value(
+            "rod", "must lie in a straight channel: in one that bends the contact force changes too; simulate it"
+        )
+    if rod.critical_mode > MOST_HALF_WAVES / 1.5:
+        raise validate.wrong_value(
+            "length",
+            f"must be at most {MOST_HALF_WAVES / 1.5 * rod.critical_half_wave:.4g} m, that of "
+            f"{MOST_HALF_WAVES / 1.5:g} half waves, got {rod.length:g} m; take a part of the rod",
+        )
+
+
+def beam_functions(rod: RodData, mode: int | None) -> int:
+    """Return how many beam functions the modes are made of."""
+    return max(math.ceil(3.0 * rod.critical_mode), 3 * (mode or 0)) + 4
+
+
+def candidates(rest: RodStability, shapes: Shapes, mode: int | None) -> list[int]:
+    """Return modes to look at: the one asked for, those that grow, the fastest first, or all, where nothing grows."""
+    if mode is not None:
+        return [mode]
+    growing = [m for resonance in rest.resonances for m in resonance.modes] if rest.status != "stable" else []
+    return list(dict.fromkeys(growing)) or sorted(set(shapes.numbers.tolist()))
+
+
+def alone(rod: RodData, load: Load, shapes: Shapes, mode: int, indentation: float) -> OneMode:
+    """Return the equation of one mode."""
+    place = shapes.numbers.tolist().index(mode)
+    return OneMode(LargeMotion(rod, load, shapes.some([place]), indentation))
+
+
+def orbits_of(rod: RodData, load: Load, shapes: Shapes, modes: list[int], indentation: float) -> Iterator[Found]:
+    """Yield the stable orbits of modes alone, the smallest of each first."""
+    for mode in modes:
+        equation = alone(rod, load, shapes, mode, indentation)
+        for orbit in orbits_alone(equation):
+            if orbit.is_stable:
+                yield Found(mode, orbit, equation)
+
+
+def orbits_alone(equation: OneMode) -> list[Orbit]:
+    """Return the orbits found of one mode alone, of one period of the load or two, the smallest first."""
+    if equation.motion.load.amplitude == 0.0:
+        return equation.equilibria()
+    every = [orbit for turns in (2, 1) if equation.may_resonate(turns) for orbit in equation.orbits(turns)]
+    return sorted(every, key=lambda each: each.amplitude)
+
+
+def grown(rod: RodData, load: Load, rest: RodStability) -> Found | None:
+    """Return about what the mode that grows fastest grows to, it alone and on the wall; None where that is not known.
+
+    In a tenth of a second: angles are within some percent of those of `Rod.steady_motion`.
+    """
+    try:
+        require_possible(rod, load)
+    except ValueError:
+        return None
+    mode = rest.fastest_mode
+    if rest.status != "unstable" or mode is None or mode > MOST_HALF_WAVES / 3:
+        return None
+    return next(orbits_of(rod, load, Shapes.of(rod, load, beam_functions(rod, mode)), [mode], 0.0), None)
