@@ -41,6 +41,10 @@ _INSPERGER = (
     "T. Insperger and G. Stepan, Semi-Discretization for Time-Delay Systems, Springer 2011, "
     "doi:10.1007/978-1-4614-0335-7"
 )
+_GU = (
+    "K. Gu, V. L. Kharitonov and J. Chen, Stability of Time-Delay Systems, Birkhaeuser 2003, "
+    "doi:10.1007/978-1-4612-0039-0"
+)
 _BREDA = "D. Breda, S. Maset and R. Vermiglio, SIAM J. Numer. Anal. 50 (2012) 1456, doi:10.1137/100815505"
 
 SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
@@ -59,7 +63,7 @@ SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
     ("system", "certify"): (_THEORY, _BOTT, _RUMP),
     ("delays", "collocation"): (_BREDA, _INSPERGER),
     ("delays", "semi_discretisation"): (_INSPERGER,),
-    ("delays", "certify"): (_RUMP,),
+    ("delays", "certify"): (_GU,),
     ("delays", "solve"): (_BREDA,),
     ("any", "solve"): (_JORBA,),
     ("any", "noise"): (_ARNOLD,),

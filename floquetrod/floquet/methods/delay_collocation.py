@@ -22,7 +22,6 @@ _MOST_ROWS = 2000  # of the equations of collocation, and of the map (a choice: 
 _PLENTY = (
     100  # rows from which on it ends with larger changes (a choice: ten times as many take a thousand times as long)
 )
-_LEAST = 0.01  # modulus over the longest delay of multipliers looked for where nothing varies (a choice)
 _LEFT_OUT = "multipliers of modulus below {:.3g} are left out"
 
 
@@ -42,7 +41,8 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
         Change of the multipliers from one number of nodes to the next at which it stops, from 1e-15 to 1e-3; above 100
         rows it is larger, as their number cubed.
     above : float
-        Modulus above which multipliers are found, the largest in any case; from 1e-4 to 0.9.
+        Modulus above which multipliers are found, the largest in any case, over the period or the longest delay, of
+        which the longer; from 1e-4 to 0.9.
 
     Returns
     -------
@@ -61,8 +61,7 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
     rtol = validate.within("rtol", rtol, 1e-15, 1e-3)
     above = validate.within("above", above, 1e-4, 0.9)
     laid = delay_maps.layout(system)
-    ratio = laid.period / float(system.period)
-    least = max(above**ratio, _LEAST if system.is_constant else 1e-4)
+    least = laid.least(system, above)
     found, rows = _converged(system, laid, least, rtol)
     cost = Cost(rows, "rows")
     if found is None:
@@ -71,7 +70,8 @@ def collocation(system: DelaySystem, *, rtol: float = 1e-12, above: float = 0.1)
     logs = delay_spectra.log_discs(found)
     if system.is_constant:
         logs = delay_roots.per_period(system, logs, laid.period)
-    return classify_multipliers(system, "collocation", logs, cost=cost, note=_LEFT_OUT.format(least ** (1.0 / ratio)))
+    note = _LEFT_OUT.format(least ** (float(system.period) / laid.period))
+    return classify_multipliers(system, "collocation", logs, cost=cost, note=note)
 
 
 def _converged(

@@ -39,7 +39,8 @@ def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemSta
     system : DelaySystem
         One whose finest map has at most 2,400 rows; else the result is undecided.
     above : float
-        Modulus above which multipliers are found, the largest in any case; from 0.01 to 0.9.
+        Modulus above which multipliers are found, the largest in any case, over the period or the longest delay, of
+        which the longer; from 0.01 to 0.9.
 
     Returns
     -------
@@ -60,8 +61,7 @@ def semi_discretisation(system: DelaySystem, *, above: float = 0.3) -> SystemSta
     cost = Cost(len(grids[-1].times) - 1, "steps")
     if rows > _MOST_ROWS or len(grids[-1].times) > 4 * _MOST_ROWS:
         return SystemStability.declined(system, "semi_discretisation", cost, f"needs a map of {rows:,} rows")
-    ratio = laid.period / float(system.period)
-    coarse, middle, fine = (_largest(_map(system, grid), max(above**ratio, 0.01)) for grid in grids)
+    coarse, middle, fine = (_largest(_map(system, grid), laid.least(system, above)) for grid in grids)
     one, other = _extrapolated(fine, _nearest(fine, middle)), None
     other = _extrapolated(_nearest(fine, middle), _nearest(_nearest(fine, middle), coarse))
     radii = _SAFETY * np.abs(one - other) + 1e-12 * np.abs(one)

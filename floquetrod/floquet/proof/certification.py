@@ -59,9 +59,10 @@ def certify(
     equation : Equation, HillSystem, PeriodicSystem or DelaySystem, or a class of equations
         A value, `Mathieu`, `Meissner`, `Hill` or an equation of your own, whose parameters are taken as the exact
         binary numbers they are; so is the period, unless ``period_over_pi`` states it exactly.  Of a system, the
-        verdict holds for all coefficients within its ``coefficient_error``.  Or one of the three classes, with its
-        parameters following.  Or a family, any callable that makes an equation or a system of its arguments: its
-        coefficients must be affine in each of them.
+        verdict holds for all coefficients within its ``coefficient_error``; one with delays is proved stable where it
+        is for all delays, and nothing else is proved of it.  Or one of the three classes, with its parameters
+        following.  Or a family, any callable that makes an equation or a system of its arguments: its coefficients must
+        be affine in each of them.
     max_digits : int
         Decimal digits at which to stop trying, 5 to 10,000.
     growth_tolerance : float

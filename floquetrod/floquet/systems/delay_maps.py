@@ -59,6 +59,10 @@ class Layout(NamedTuple):
         """The longest piece as part of the period."""
         return float(np.diff(self.breaks).max())
 
+    def least(self, system: DelaySystem, above: float) -> float:
+        """Return the modulus over the map's period that ``above`` is over the longest delay, where that is longer."""
+        return float(above ** min(1.0, self.period / max(system.longest_delay, self.period)))
+
     def delays(self, system: DelaySystem) -> tuple[float, ...]:
         """Return the delays as parts of the period."""
         return tuple(float(Fraction(delay) / Fraction(self.period)) for delay in system.delays)
