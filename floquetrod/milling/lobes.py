@@ -28,6 +28,7 @@ _RESOLVED = (
     0.5,
 )  # nodes with which some radians are resolved to about 1e-6: so many, and for each radian (measured)
 _STEPS, _REACH = 4, 50.0  # depths tried up to the least critical depth, and how many of these deep (a choice)
+_AT_ONCE = 16  # depths tried before deeper ones are (a choice)
 _PRECISE = 1e-11  # of a critical depth, relative
 _ENOUGH = 8  # nodes more, with which a boundary is known to some ten digits (measured)
 _JUMP = 0.5  # rad of a multiplier's angle from one speed to the next that begins another lobe (a choice)
@@ -235,8 +236,12 @@ def critical_depths(milling: Cutter, speeds: Floats, most: float | None = None) 
     least = softest / _largest_cutting(milling)
     limit = _REACH * least if most is None else most
     tried = np.linspace(0.0, limit, max(2, math.ceil(limit / least * _STEPS) + 1))
-    status = judged(milling, np.repeat(speeds, tried.size), np.tile(tried, speeds.size)).status
-    return _first(milling, speeds, tried, status.reshape(speeds.size, tried.size))
+    result = np.full(speeds.size, math.inf)
+    for start in range(0, tried.size - 1, _AT_ONCE):  # deep cuts, which take longest, only where needed
+        some, left = tried[start : start + _AT_ONCE + 1], np.flatnonzero(np.isinf(result))
+        status = judged(milling, np.repeat(speeds[left], some.size), np.tile(some, left.size)).status
+        result[left] = _first(milling, speeds[left], some, status.reshape(left.size, some.size))
+    return result
 
 
 def _first(milling: Cutter, speeds: Floats, tried: Floats, status: NDArray[np.int8]) -> Floats:
