@@ -29,6 +29,7 @@ figure, (left, right) = plt.subplots(1, 2, figsize=(10.0, 4.2), layout="constrai
 for noise, line in noises.items():
 
     def family(omega: float, epsilon: float, noise: float = noise) -> fr.SecondMoments:
+        """Return its second moments."""
         return fr.second_moments(system(omega, epsilon), [([[1.0]], noise)])
 
     bands = fr.chart(family, over={"omega": (1.6, 2.4, 17), "epsilon": (0.0, 0.6, 13)}).find_bands(accuracy=1e-3)

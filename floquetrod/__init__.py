@@ -41,6 +41,8 @@ if TYPE_CHECKING:
     from floquetrod.floquet.critical_noise import CriticalNoise as CriticalNoise
     from floquetrod.floquet.critical_noise import critical_noise as critical_noise
     from floquetrod.floquet.dispatch import stability as stability
+    from floquetrod.floquet.filtered_noise import FilteredGrowth as FilteredGrowth
+    from floquetrod.floquet.filtered_noise import filtered_growth as filtered_growth
     from floquetrod.floquet.margins import Margin as Margin
     from floquetrod.floquet.margins import margin as margin
     from floquetrod.floquet.proof import Proof as Proof
@@ -157,6 +159,8 @@ _WHERE = {
     "SecondMoments": "equations",
     "critical_noise": "floquet.critical_noise",
     "CriticalNoise": "floquet.critical_noise",
+    "filtered_growth": "floquet.filtered_noise",
+    "FilteredGrowth": "floquet.filtered_noise",
     "almost_sure_exponent": "floquet.almost_sure",
     "AlmostSureExponent": "floquet.almost_sure",
     "ensemble": "ensembles.ensemble",

@@ -304,3 +304,47 @@ def test_what_noise_cannot_be_asked_is_told() -> None:
         fr.certify(fr.Mathieu, alpha=0.5, beta=-1.2, noise=0.3)
     with pytest.raises(TypeError, match="not second moments"):
         fr.second_moments(fr.second_moments(system, noise), [(np.eye(3), 0.1)])
+
+
+@pytest.mark.slow
+def test_noise_of_a_correlation_time_grows_as_lognormals_do() -> None:
+    for variance, time in ((0.25, 0.5), (0.1, 2.0)):
+        b = math.sqrt(2.0 * variance / time)
+        found = fr.filtered_growth(fr.PeriodicSystem([[-1.0]]), ONE, ([[-1.0 / time]], [b], [1.0]))
+        exact = 4.0 * variance * time - 2.0  # E exp(2 int z) = exp(2 var int z), var int z = 2 v t per unit of time
+        assert abs(found.rate - exact) <= found.error + 1e-12
+        assert found.error < 1e-6
+        assert found.status == "stable"
+
+
+@pytest.mark.slow
+def test_fast_noise_is_white_and_noise_in_a_band_acts_by_its_density_at_twice_the_frequency() -> None:
+    oscillator, s = mathieu(1.0, 0.0, 0.05), 0.3
+    white = fr.stability(oscillator, noise=[(ONE, s)]).exponents[0].real
+    rates = [fr.filtered_growth(oscillator, ONE, ([[-1.0 / t]], [s / t], [1.0])).rate for t in (0.02, 0.01)]
+    assert abs(2.0 * rates[1] - rates[0] - white) < 2e-4
+    assert abs(rates[1] - white) < 2e-3
+    band = {}
+    for centre in (1.0, 2.0):
+        width = 0.4
+        found = fr.filtered_growth(
+            oscillator, ONE, ([[0.0, 1.0], [-(centre**2), -width]], [0.0, 1.0], [0.0, 0.1]), accuracy=1e-4
+        )
+        band[centre] = found.rate
+    # Of density (0.1 / width)^2 at its centre: 2 c less s^2 / 2 w^2, as for white noise of that density at 2 w.
+    assert band[2.0] == pytest.approx(-0.1 + 0.5 * (0.1 / 0.4) ** 2, abs=0.01)
+    assert band[1.0] < band[2.0] - 0.02
+
+
+@pytest.mark.parametrize(
+    ("filter_", "kind", "says"),
+    [
+        (([[1.0]], [1.0], [1.0]), ValueError, "filter must be stable"),
+        (([[-1.0]], [0.0], [1.0]), ValueError, "filter must have states that the noise all reaches"),
+        (([[-1.0]], [1.0, 2.0], [1.0]), ValueError, r"filter must be .* got shapes"),
+        ([[-1.0]], TypeError, r"filter must be \(F, b, d\)"),
+    ],
+)
+def test_bad_filters_are_told(filter_: Any, kind: type[Exception], says: str) -> None:
+    with pytest.raises(kind, match=says):
+        fr.filtered_growth(mathieu(1.0, 0.0, 0.05), ONE, filter_)

@@ -315,6 +315,11 @@ def _drift(matrix: _Known) -> _Known:
     return found.plus(other)
 
 
+def linear_moments(matrix: Matrix) -> Matrix:
+    """Return the matrix of P -> A P + P A^T for the entries P_ij, i <= j, of a symmetric P."""
+    return _drift(_Known(matrix)).value
+
+
 def _scattering(source: Source) -> _Known:
     """Return the matrix of P -> G P G^T for the entries P_ij, i <= j, of a symmetric P."""
     (i, j), (k, m) = _entries(source.matrix.shape[-1])

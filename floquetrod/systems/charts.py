@@ -210,7 +210,7 @@ def _kind(problem: Problem) -> str:
     if isinstance(problem, Equation):
         return problem.title
     plural = "" if problem.order == 1 else "s"
-    if problem.MEANING:
+    if getattr(problem, "MEANING", ""):
         return f"second moments, system of {problem.order} equation{plural} of first order"
     first = isinstance(problem, PeriodicSystem) or (isinstance(problem, DelaySystem) and not problem.is_second_order)
     delays = " with delays" if isinstance(problem, DelaySystem) else ""

@@ -85,6 +85,7 @@ LEFT_OUT = {
     "FloquetMode": "constructed by floquet_solutions",
     "AlmostSureExponent": "constructed by almost_sure_exponent",
     "CriticalNoise": "constructed by critical_noise",
+    "FilteredGrowth": "constructed by filtered_growth",
     "SecondMoments": "constructed by second_moments",
     "Margin": "constructed by margin and RodStability.margin",
     "Solution": "constructed by solve",
@@ -318,6 +319,10 @@ def _of_equations() -> dict[str, Call]:
             fr.stability, {"equation": EQUATION, "method": "auto", "noise": 0.1, "interpretation": "ito"}
         ),
         "second_moments": Call(fr.second_moments, {"system": NOISY, **NOISE}),
+        "filtered_growth": Call(
+            fr.filtered_growth,
+            {"system": NOISY, "matrix": [[1.0]], "filter": ([[-2.0]], [1.0], [0.3]), "accuracy": 1e-6, "most": 8},
+        ),
         "critical_noise": Call(fr.critical_noise, {"system": NOISY, **NOISE}),
         "almost_sure_exponent": Call(
             fr.almost_sure_exponent,

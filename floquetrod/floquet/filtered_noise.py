@@ -1,0 +1,174 @@
+"""Noise in a band: white noise through a linear filter, whose states make the moments of the system an open hierarchy.
+
+x' = (A(t) + G d.z) x with z' = F z + b xi.  Of the Hermite functions h_a of the filter's states, scaled to be
+independent and of variance one, the moments M_a = E[x x^T h_a] obey a linear periodic system in which each asks for one
+of higher order.  Those beyond an order are left out, and a higher order tells what that does (docs/theory/noise.md).
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import validate
+from floquetrod.equations import PeriodicSystem, matrices
+from floquetrod.equations.second_moments import linear_moments, of_first_order, sources_of
+from floquetrod.floquet.dispatch import run
+from floquetrod.floquet.problems import Problem
+from floquetrod.floquet.status import Status
+
+Floats = NDArray[np.float64]
+
+_MOST = 400  # moments of one truncation (a choice): a second or so
+_FIRST, _STEP = 4, 2  # orders that are tried (a choice)
+_FACTOR = 3.0  # error of a truncation over the change from the one before (a choice)
+
+
+class FilteredGrowth(NamedTuple):
+    """The growth of second moments under noise in a band, from two truncations.
+
+    Attributes
+    ----------
+    rate : float
+        Growth rate of the second moments per unit of time, negative where they decay.
+    error : float
+        Estimate: three times the change from the next lower order, and the error of the exponent.
+    order : int
+        Highest order of Hermite functions kept.
+    """
+
+    rate: float
+    error: float
+    order: int
+
+    @property
+    def status(self) -> Status:
+        """Stable or unstable in mean square where the error leaves no doubt; an estimate, never proved."""
+        return "stable" if self.rate < -self.error else "unstable" if self.rate > self.error else "undecided"
+
+
+def filtered_growth(
+    system: Problem, matrix: Any, filter: Any, *, accuracy: float = 1e-8, most: int = 24
+) -> FilteredGrowth:
+    """Return how fast second moments grow under noise that is white noise through a linear filter.
+
+    Of M q'' + C q' + K(t) q + (d.z) G q = 0 for a `HillSystem`, x' = A(t) x + (d.z) G x for a `PeriodicSystem`,
+    A'' + 2 c A' = (p(tau) + d.z) A for a scalar equation, with z' = F z + b xi and E[xi(t) xi(u)] = delta(t - u).
+
+    Parameters
+    ----------
+    system : Equation, HillSystem or PeriodicSystem
+        One system.
+    matrix : array_like (n, n)
+        G; [[1.0]] for a scalar equation.
+    filter : (F, b, d)
+        F (m, m), all of whose eigenvalues have negative real parts, b (m,) and d (m,): F = [[-1/t]] is noise of
+        correlation time t; F = [[0, 1], [-w^2, -2 z w]], b = [0, 1], d = [0, s] a band about w, 2 z w wide.
+    accuracy : float
+        Change of the rate between two orders at which the order is high enough.
+    most : int
+        Highest order tried, 6 to 100; with fewer where there would be more than 400 moments.
+
+    Returns
+    -------
+    FilteredGrowth
+        Rate, its estimated error, and the order; white noise has no filter, see `floquetrod.second_moments`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        For matrices that do not fit, filters that are not stable or whose states are not all reached by the noise, and
+        systems too large for an order of 6.
+
+    Examples
+    --------
+    x' = (z - 1) x with noise z of variance v and correlation time t: E[x^2] grows at 4 v t - 2.
+
+    >>> import floquetrod as fr
+    >>> found = fr.filtered_growth(fr.PeriodicSystem([[-1.0]]), [[1.0]], ([[-2.0]], [1.0], [1.0]))
+    >>> round(found.rate, 9), found.status  # v = 1/4, t = 1/2
+    (-1.5, 'stable')
+    """
+    accuracy = validate.positive("accuracy", accuracy)
+    most = validate.integer("most", most, _FIRST + _STEP, 100)
+    subject = of_first_order(system)
+    matrices.require_one(subject)
+    (source,) = sources_of(system, [(matrix, 1.0)])
+    if source.matrix.ndim > 2:
+        raise ValueError(f"matrix must be one matrix, got shape {source.matrix.shape}")
+    turned, through = _normal(*_filter(filter))
+    rates: list[tuple[int, float, float]] = []
+    for order in range(_FIRST, most + 1, _STEP):
+        size = math.comb(order + len(through), order) * subject.order * (subject.order + 1) // 2
+        if size > _MOST:
+            break
+        verdict = run("monodromy", _hierarchy(subject, source.matrix, turned, through, order))
+        if not verdict.exponents:
+            break
+        rates.append((order, verdict.exponents[0].real, verdict.exponent_errors[0]))
+        if len(rates) > 1 and abs(rates[-1][1] - rates[-2][1]) <= accuracy:
+            break
+    if len(rates) < 2:
+        raise ValueError(f"system must be smaller: with this filter it has more than {_MOST} moments at order 6")
+    order, rate, error = rates[-1]
+    return FilteredGrowth(rate, _FACTOR * abs(rate - rates[-2][1]) + error, order)
+
+
+def _filter(given: Any) -> tuple[Floats, Floats, Floats]:
+    """Return F, b and d, checked."""
+    if not isinstance(given, tuple | list) or len(given) != 3:
+        raise TypeError(f"filter must be (F, b, d), got {validate.short(given)}")
+    f = matrices.square("filter[0]", given[0])
+    b, d = (validate.array(f"filter[{i}]", given[i]) for i in (1, 2))
+    if f.ndim != 2 or b.shape != (len(f),) or d.shape != (len(f),):
+        raise ValueError(f"filter must be (m, m), (m,) and (m,), got shapes {f.shape}, {b.shape} and {d.shape}")
+    if not np.linalg.eigvals(f).real.max() < 0.0:
+        raise ValueError("filter must be stable: every eigenvalue of filter[0] must have a negative real part")
+    return f, b, d
+
+
+def _normal(f: Floats, b: Floats, d: Floats) -> tuple[Floats, Floats]:
+    """Return F and d for states of the filter that are independent and of variance one."""
+    from scipy.linalg import solve_continuous_lyapunov
+
+    covariance = solve_continuous_lyapunov(f, -np.outer(b, b))
+    try:
+        root = np.linalg.cholesky(0.5 * (covariance + covariance.T))
+    except np.linalg.LinAlgError:
+        raise ValueError("filter must have states that the noise all reaches: leave out those it does not") from None
+    return np.asarray(np.linalg.solve(root, f @ root)), np.asarray(root.T @ d)
+
+
+def _hierarchy(system: PeriodicSystem, matrix: Floats, turned: Floats, through: Floats, order: int) -> PeriodicSystem:
+    """Return the system of the moments M_a with Hermite functions up to an order."""
+    states = len(through)
+    every = [a for a in itertools.product(range(order + 1), repeat=states) if sum(a) <= order]
+    place = {a: i for i, a in enumerate(every)}
+    relaxing, coupling = np.zeros((2, len(every), len(every)))
+    for a, row in place.items():
+        for i, j in itertools.product(range(states), repeat=2):
+            moved = [*a]
+            moved[i] -= 1
+            moved[j] += 1
+            if a[i]:
+                relaxing[row, place[tuple(moved)]] += turned[i, j] * math.sqrt(a[i] * moved[j])
+        for j in range(states):
+            above = (*a[:j], a[j] + 1, *a[j + 1 :])
+            if above in place:
+                weight = through[j] * math.sqrt(a[j] + 1)
+                coupling[row, place[above]] += weight
+                coupling[place[above], row] += weight
+    unit = np.eye(len(every))
+
+    def each(part: Floats) -> Floats:
+        return np.asarray(np.kron(unit, linear_moments(part)))
+
+    fixed = np.kron(coupling, linear_moments(matrix)) + np.kron(relaxing, np.eye(len(linear_moments(matrix))))
+    if system.pieces:
+        return PeriodicSystem.from_pieces([(t, v.mapped(lambda m: each(m) + fixed, each)) for t, v in system.pieces])
+    series = [[each(m) for m in part] for part in (system.cosines, system.sines)]
+    return PeriodicSystem(each(system.mean) + fixed, *series, period=system.period)
