@@ -13,6 +13,9 @@ from hypothesis import strategies as st
 import floquetrod as fr
 from benchmarks import drag
 from conftest import depth
+from floquetrod.rod.answers.mean_force import drag_of
+from floquetrod.wells import strings
+from floquetrod.wells.drag import CHECKED, FAST, SOUGHT
 
 pytestmark = pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
 
@@ -90,6 +93,21 @@ def wells(draw: st.DrawFn) -> fr.WellPath:
     stations = draw(st.lists(st.tuples(st.floats(0.05, 2.0), st.floats(-1.0, 1.0)), min_size=2, max_size=4))
     inclination, azimuth = np.array(stations).T
     return fr.WellPath(100.0 + 200.0 * np.arange(len(stations)), inclination, azimuth)
+
+
+def test_a_helix_that_comes_and_goes_between_stations_is_found_with_any_step() -> None:
+    """One that begins to rounding where a step does, and one that begins and ends within a step."""
+    path = fr.WellPath(
+        [113.05613442, 466.45597334, 965.83981662, 1182.94008491, 1428.18642961],
+        [0.72567502, 1.00633654, 0.17936921, 1.6560107, 1.27392006],
+        [-0.40061225, -0.84490686, 0.5263619, -0.73784202, -0.73358672],
+    )
+    friction = [(0.0, 0.040631155557995235), (566.345924757363, 0.16154657980403428)]
+    found = drag_of(TUBING, path, friction, "pushed", "loading", None, 0.05)
+    bottoms = path.end - np.linspace(0.0, 3e-9, 13)
+    for effort in (CHECKED._replace(tolerance=1e-11, steps=3), FAST, SOUGHT):
+        force = found.force(strings.run(found, path.start, bottoms, 14983.829300062029, np.empty(0), effort).top_y)
+        np.testing.assert_allclose(force, -5454.0844, atol=0.02)
 
 
 @settings(max_examples=depth(60, 3))

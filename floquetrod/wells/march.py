@@ -90,9 +90,11 @@ class _March:
         """Try a step of every string that moves, and take those that are accurate enough."""
         step = self._tried(moving)
         error = step.error(self.tolerance[moving])
-        is_taken = error < 1.0
+        is_passing = step.is_passing
+        is_taken = (error < 1.0) & ~is_passing
         factor = _SAFETY * np.maximum(error, 1e-30) ** -0.125
-        self.longest[moving] = step.length * np.clip(factor, _SHRINKS, np.where(is_taken, _GROWS, 1.0))
+        factor = np.clip(factor, _SHRINKS, np.where(is_taken, _GROWS, 1.0))
+        self.longest[moving] = step.length * np.where(is_passing, np.minimum(factor, 0.5), factor)
         if is_taken.any():
             taken = np.flatnonzero(is_taken)
             self._take(moving[taken], step if is_taken.all() else step.some(taken))
@@ -212,6 +214,13 @@ class _Step(ByContent):
         wants = self.slopes.drag.is_helix(self.slopes.place(self.end), self.new[0])
         return np.asarray((wants != self.slopes.is_helix) & (self.new[0] < LOCKED))
 
+    @property
+    def is_passing(self) -> NDArray[np.bool_]:
+        """Whether strings have another shape half way, by a cubic, and their own again at the end."""
+        middle = 0.5 * (self.old[0] + self.new[0]) + 0.125 * self.length * (self.rises[0, 0] - self.rises[12, 0])
+        is_helix = self.slopes.drag.is_helix(self.slopes.place(0.5 * (self.depth + self.end)), middle)
+        return np.asarray((is_helix != self.slopes.is_helix) & (middle < LOCKED) & ~self.is_changing)
+
     def curve(self) -> _Curve:
         """Return the solution within the step."""
         from scipy.integrate import DOP853
@@ -235,7 +244,8 @@ class _Step(ByContent):
 
         every, begin, end = np.arange(i.size), np.zeros(i.size), np.ones(i.size)
         at_begin, at_end = wants(begin, every), wants(end, every)
-        at_begin = np.where(at_begin * at_end < 0.0, at_begin, 0.0)  # else it begins on the very edge
+        # Where it has just changed rounding may put it on the other side: it is on the side of its shape.
+        at_begin = np.where(some.slopes.is_helix, np.maximum(at_begin, 1e-300), np.minimum(at_begin, -1e-300))
         return roots(wants, begin, end, at_begin, at_end)
 
 
