@@ -36,7 +36,8 @@ def test_where_it_ends_mean_forces_become_infinite() -> None:
         assert force == pytest.approx(one.at_top, rel=1e-6)
 
 
-@pytest.mark.parametrize("above_end", [pytest.param(0.0, marks=pytest.mark.slow), 30.0])
+@pytest.mark.slow
+@pytest.mark.parametrize("above_end", [0.0, 30.0])
 def test_each_force_with_the_tool_is_that_of_its_own_string(above_end: float) -> None:
     tool = fr.VibrationTool("8kN", "18Hz", above_end)
     found = TUBING.reach(WELL, 0.3, tool=tool, depth=[2500.0])

@@ -23,6 +23,7 @@ from floquetrod.wells.drag import LOCKED, Drag, Effort, Place, States, Strings
 Ints = NDArray[np.intp]
 
 _SAFETY, _SHRINKS, _GROWS = 0.9, 0.2, 10.0  # of the next step (Hairer, Norsett and Wanner)
+_AT_ONCE = 1e-12  # of a step: a string that changes its shape before does so where it is
 _MOST_STEPS = 100_000  # of a string: a few hundred are usual
 
 
@@ -246,7 +247,8 @@ class _Step(ByContent):
         at_begin, at_end = wants(begin, every), wants(end, every)
         # Where it has just changed rounding may put it on the other side: it is on the side of its shape.
         at_begin = np.where(some.slopes.is_helix, np.maximum(at_begin, 1e-300), np.minimum(at_begin, -1e-300))
-        return roots(wants, begin, end, at_begin, at_end)
+        found = roots(wants, begin, end, at_begin, at_end)
+        return np.where(found < _AT_ONCE, 0.0, found)
 
 
 class _Curve(NamedTuple):
