@@ -695,7 +695,7 @@ class Rod(RodData):
         >>> load = fr.AxialLoad(mean=0.2 * rod.critical_force, amplitude=0.25 * rod.critical_force, frequency=140.0)
         >>> motion = rod.steady_motion(load)
         >>> motion
-        <moves by 10 degrees in mode 7>
+        <moves by 9.998 degrees in mode 7>
         """
         from floquetrod.rod import motion
 

@@ -69,9 +69,10 @@ def chart(
 
     Examples
     --------
+    >>> import floquetrod as fr
     >>> def pendulums(omega, epsilon):
     ...     coupling = [[[0.5 * epsilon, epsilon], [epsilon, 0.8 * epsilon]]]
-    ...     return HillSystem([[1.0, 0.0], [0.0, 4.0]], coupling, period=2.0 * np.pi / omega)
+    ...     return fr.HillSystem([[1.0, 0.0], [0.0, 4.0]], coupling, period=2.0 * np.pi / omega)
     >>> chart(pendulums, over={"omega": (2.5, 3.5, 3), "epsilon": (0.1, 0.3, 2)}).stable.tolist()
     [[True, False, True], [True, False, True]]
     """
