@@ -6,12 +6,14 @@ import cmath
 import math
 import pickle
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import floquetrod as fr
 from conftest import depth
+from floquetrod.equations.system_files import read_system
 
 TURN = 2.0 * math.pi
 
@@ -57,9 +59,14 @@ def test_characteristic_roots_solve_their_equation() -> None:
     for period in (1.0, 0.3, 7.0):
         system = fr.DelaySystem([[4.0]], damping=[[0.3]], delayed=[(1.7, [[0.4]]), (math.pi, [[-0.2]])], period=period)
         found = fr.stability(system)
-        for s in found.exponents:
+        assert len(found.exponents) > 1
+        assert found.exponent_errors[0] < 1e-10
+        pairs = zip(found.exponents, found.exponent_errors, found.multipliers, strict=True)
+        for s, error, mu in pairs:
             value = s * s + 0.3 * s + 4.0 + 0.4 * cmath.exp(-1.7 * s) - 0.2 * cmath.exp(-math.pi * s)
-            assert abs(value) < 1e-10 * (1.0 + abs(s) ** 2)
+            slope = 2.0 * s + 0.3 - 0.68 * cmath.exp(-1.7 * s) + 0.2 * math.pi * cmath.exp(-math.pi * s)
+            assert abs(value / slope) <= error + 1e-13
+            assert abs(mu - cmath.exp(s * period)) < 1e-12
 
 
 def test_no_delayed_term_is_the_ordinary_system() -> None:
@@ -202,6 +209,66 @@ def test_chart_of_a_family_with_delays() -> None:
                 assert chart.stable[i, j]
             if a + b > 0.0:
                 assert not chart.stable[i, j]
+
+
+SERIES = """
+[system]
+stiffness = [[3.0]]
+cosines = [[[2.0]]]
+damping = [[0.1]]
+period = 6.25
+[[system.delayed]]
+delay = "6.25s"
+matrix = [[0.15]]
+sines = [[[0.1]]]
+"""
+PIECES = """
+[system]
+[[system.pieces]]
+duration = 1.0
+mean = [[-1.0]]
+[[system.pieces]]
+duration = 0.5
+mean = [[0.2]]
+[[system.delayed]]
+delay = 0.75
+[[system.delayed.pieces]]
+duration = 1.0
+matrix = [[0.3]]
+slope = [[0.1]]
+[[system.delayed.pieces]]
+duration = 0.5
+matrix = [[0.0]]
+"""
+
+
+def test_files_hold_systems_with_delays(tmp_path: Path) -> None:
+    path = tmp_path / "system.toml"
+    path.write_text(SERIES, encoding="utf-8")
+    wave = [[[0.1]]]
+    expected = fr.DelaySystem([[3.0]], [[[2.0]]], damping=[[0.1]], period=6.25, delayed=[(6.25, [[0.15]], (), wave)])
+    assert read_system(path) == expected
+    path.write_text(PIECES, encoding="utf-8")
+    back = [(1.0, fr.equations.Varying([[0.3]], [[0.1]])), (0.5, [[0.0]])]
+    pieces = [(1.0, [[-1.0]]), (0.5, [[0.2]])]
+    assert read_system(path) == fr.DelaySystem.first_order_from_pieces(pieces, delayed=[(0.75, back)])
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "message"),
+    [
+        (SERIES, 'delay = "6.25s"', "", r"delayed\[0\]: key 'delay' is missing"),
+        (SERIES, 'delay = "6.25s"', 'delay = "0s"', r"delayed\[0\]: delay must be greater than zero"),
+        (SERIES, "matrix", "matrices", r"delayed\[0\]: unknown key 'matrices'"),
+        (SERIES, "[[0.15]]", "[[0.15, 1.0]]", r"delayed\[0\]"),
+        (PIECES, "slope", "mean", r"delayed\[0\]: pieces\[0\]: unknown key 'mean'"),
+        (PIECES, "delay = 0.75", "delay = 0.75\nmatrix = [[1.0]]", "key 'matrix' does not go with pieces"),
+    ],
+)
+def test_bad_files_are_refused(tmp_path: Path, text: str, old: str, new: str, message: str) -> None:
+    (tmp_path / "system.toml").write_text(text.replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(ValueError, match=message):
+        read_system(tmp_path / "system.toml")
 
 
 @pytest.mark.slow

@@ -41,7 +41,7 @@ def prove(options: argparse.Namespace) -> tuple[Output, Status]:
     return output(options, proof.report, proof.as_dict), proof.status
 
 
-def _read(options: argparse.Namespace) -> fr.HillSystem | fr.PeriodicSystem:
+def _read(options: argparse.Namespace) -> fr.HillSystem | fr.PeriodicSystem | fr.DelaySystem:
     """Return the system of ``options.system``."""
     require_file("--system", Path(options.system), "a TOML or npz file")
     try:

@@ -15,19 +15,22 @@ from floquetrod import units
 from floquetrod._util import validate
 from floquetrod._util.tables import require_known
 from floquetrod.equations import matrices
+from floquetrod.equations.delay_system import DelaySystem
 from floquetrod.equations.hill_system import HillSystem
 from floquetrod.equations.periodic_system import PeriodicSystem
 from floquetrod.equations.pieces import Varying
 
 _SERIES = ("cosines", "sines", "period", "frequency")
-_SECOND_ORDER = ("stiffness", "mass", "damping", "gyroscopic", "coefficient_error", "pieces", *_SERIES)
-_FIRST_ORDER = ("mean", "coefficient_error", "pieces", *_SERIES)
+_SECOND_ORDER = ("stiffness", "mass", "damping", "gyroscopic", "coefficient_error", "delayed", "pieces", *_SERIES)
+_FIRST_ORDER = ("mean", "coefficient_error", "delayed", "pieces", *_SERIES)
+_DELAYED = ("delay", "matrix", "cosines", "sines", "pieces")
+_OF_A_DELAYED_PIECE = ("duration", "matrix", "slope", "cosines", "sines")
 _OF_A_PIECE = ("duration", "stiffness", "mean", "slope", "cosines", "sines")
 _KEYS = tuple(dict.fromkeys((*_SECOND_ORDER, *_FIRST_ORDER)))
 _LARGEST = {".toml": 1 << 26, ".npz": 1 << 32}  # bytes that are read, those of unpacked arrays (a choice)
 
 
-def read_system(path: str | Path) -> HillSystem | PeriodicSystem:
+def read_system(path: str | Path) -> HillSystem | PeriodicSystem | DelaySystem:
     """Read one system from a TOML file, under [system], or from an npz file of arrays.
 
     Keys, or names of arrays, are the parameters of `HillSystem` (with ``stiffness``) or of `PeriodicSystem` (with
@@ -37,6 +40,9 @@ def read_system(path: str | Path) -> HillSystem | PeriodicSystem:
     A coefficient in pieces, which may jump, has a table [[system.pieces]] for each, with its ``duration`` and its
     ``stiffness`` or ``mean``, and with ``slope``, ``cosines`` and ``sines`` where it varies as `Varying` does.  In an
     npz file an array of all ``durations`` says so; the other arrays then have the pieces as their first axis.
+
+    Delayed terms, in TOML files, have a table [[system.delayed]] each, with the ``delay`` and the ``matrix``, with
+    ``cosines`` and ``sines``, or with tables [[system.delayed.pieces]] of ``duration`` and ``matrix``.
 
     Raises
     ------
@@ -101,7 +107,7 @@ def _by_piece(table: dict[str, Any]) -> Mapping[str, Any]:
     }
 
 
-def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem:
+def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySystem:
     """Return the system of a table; ValueError or TypeError names the key."""
     require_known(table, _KEYS)
     if "pieces" in table:
@@ -115,16 +121,43 @@ def _system(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem:
         form = "mean, in first order" if first_order else "stiffness, in second order"
         raise ValueError(f"key {misplaced[0]!r} does not go with {form}")
     given = {key: value for key, value in table.items() if key != "frequency"} | _period(table)
+    if "delayed" in table:
+        given["delayed"] = [_delayed(f"delayed[{i}]", one) for i, one in enumerate(_tables(table, "delayed"))]
+        return DelaySystem.first_order(**given) if first_order else DelaySystem(**given)
     system = PeriodicSystem(**given) if first_order else HillSystem(**given)
     matrices.require_one(system)
     return system
 
 
-def _in_pieces(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem:
+def _tables(table: Mapping[str, Any], key: str) -> list[Any]:
+    """Return a list of tables; ValueError where it is something else."""
+    listed = table[key]
+    if not isinstance(listed, list) or not listed or not all(isinstance(each, dict) for each in listed):
+        raise ValueError(f"{key} must be tables [[system.{key}]], got {validate.short(listed)}")
+    return listed
+
+
+def _delayed(name: str, table: Mapping[str, Any], *, pieces: bool = False) -> tuple[Any, ...]:
+    """Return a delayed term from its table."""
+    try:
+        require_known(table, _DELAYED)
+        needed = ("delay", "pieces") if pieces else ("delay", "matrix")
+        if missing := [key for key in needed if key not in table]:
+            raise ValueError(f"key {missing[0]!r} is missing")
+        if misplaced := [key for key in table if key not in (*needed, *(() if pieces else ("cosines", "sines")))]:
+            raise ValueError(f"key {misplaced[0]!r} does not go with {needed[1]}")
+        delay = units.quantity(table["delay"], "delay", "time", least=math.ulp(0.0))
+        if not pieces:
+            return delay, table["matrix"], table.get("cosines", ()), table.get("sines", ())
+        parts = enumerate(_tables(table, "pieces"))
+        return delay, [_piece(f"pieces[{i}]", one, "matrix", _OF_A_DELAYED_PIECE) for i, one in parts]
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{name}: {error}") from None
+
+
+def _in_pieces(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem | DelaySystem:
     """Return the system of a table with tables of pieces."""
-    listed = table["pieces"]
-    if not isinstance(listed, list) or not listed or not all(isinstance(piece, dict) for piece in listed):
-        raise ValueError(f"pieces must be tables [[system.pieces]], got {validate.short(listed)}")
+    listed = _tables(table, "pieces")
     misplaced = [key for key in ("stiffness", "mean", *_SERIES) if key in table]
     if misplaced:
         raise ValueError(f"key {misplaced[0]!r} belongs to the pieces; their durations make the period")
@@ -133,20 +166,28 @@ def _in_pieces(table: Mapping[str, Any]) -> HillSystem | PeriodicSystem:
         raise ValueError("it has pieces with stiffness and pieces with mean; give one of them in all")
     pieces = [_piece(f"pieces[{i}]", piece, named[0]) for i, piece in enumerate(listed)]
     others = {key: value for key, value in table.items() if key != "pieces"}
+    if "delayed" in table:
+        terms = enumerate(_tables(table, "delayed"))
+        others["delayed"] = [_delayed(f"delayed[{i}]", one, pieces=True) for i, one in terms]
     if named[0] == "stiffness":
-        return HillSystem.from_pieces(pieces, **others)
+        kind = DelaySystem if "delayed" in table else HillSystem
+        return kind.from_pieces(pieces, **others)
     misplaced = [key for key in others if key not in _FIRST_ORDER]
     if misplaced:
         raise ValueError(f"key {misplaced[0]!r} does not go with mean, in first order")
-    return PeriodicSystem.from_pieces(pieces, **others)
+    make = DelaySystem.first_order_from_pieces if "delayed" in table else PeriodicSystem.from_pieces
+    return make(pieces, **others)
 
 
-def _piece(name: str, table: Mapping[str, Any], mean: str) -> tuple[float, Varying]:
+def _piece(
+    name: str, table: Mapping[str, Any], mean: str, known: tuple[str, ...] = _OF_A_PIECE
+) -> tuple[float, Varying]:
     """Return the duration and the matrix of a piece."""
     try:
-        require_known(table, _OF_A_PIECE)
+        require_known(table, known)
         if "duration" not in table or mean not in table:
-            raise ValueError(f"it must have a duration and a {mean}, or a mean in first order")
+            other = ", or a mean in first order" if mean in _OF_A_PIECE else ""
+            raise ValueError(f"it must have a duration and a {mean}{other}")
         duration = units.quantity(table["duration"], "duration", "time", least=math.ulp(0.0))
         varying = {key: value for key, value in table.items() if key in ("slope", "cosines", "sines")}
         return duration, Varying(table[mean], **varying)

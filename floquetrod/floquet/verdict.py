@@ -452,6 +452,8 @@ def _exponents(sign: int, excess: float, growth: float, damping: float, period: 
 def _multiplier(exponent: complex, period: float) -> complex:
     size = _exp(exponent.real * period)
     angle = exponent.imag * period
+    if abs(angle) > math.pi * (1.0 + 2.0 * _EPS):  # a characteristic root, which has turned more than half
+        angle = math.remainder(angle, 2.0 * math.pi)
     if abs(angle) >= math.pi * (1.0 - _EPS):  # the half turn is exact, the sine of a rounded pi is not
         return complex(-size, 0.0)
     if angle == 0.0:
