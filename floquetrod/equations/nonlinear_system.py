@@ -121,7 +121,7 @@ class NonlinearSystem(ByContent):
         >>> import sympy
         >>> x, v, mu = sympy.symbols("x v mu")
         >>> NonlinearSystem.from_sympy([v, mu * (1 - x**2) * v - x], [x, v], parameters={mu: 1.0})
-        NonlinearSystem(_Lambdified(v, mu*v*(1 - x**2) - x), parameters={'mu': 1.0})
+        NonlinearSystem([v, mu*v*(1 - x**2) - x], parameters={'mu': 1.0})
         """
         from floquetrod.equations.symbolic import lambdified
 

@@ -34,7 +34,7 @@ class _Lambdified:
         return hash(str(self.parts))
 
     def __repr__(self) -> str:
-        return f"_Lambdified({', '.join(map(str, self.parts[0]))})"
+        return f"[{', '.join(map(str, self.parts[0]))}]"
 
 
 def lambdified(

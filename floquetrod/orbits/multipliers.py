@@ -20,6 +20,7 @@ Floats = NDArray[np.float64]
 
 _EPS = 2.220446049250313e-16
 _LARGEST_CONDITION = 100.0  # of the map over a segment: rounding then costs two digits (a choice)
+_SURE = 1e-9  # of logarithms: errors with which nobody needs other coordinates (a choice)
 _MOST_ROWS = 1000  # of the cyclic matrix (a choice: about a second)
 
 
@@ -93,13 +94,17 @@ def _alone(segments: Segments) -> Solutions:
 
 
 def _solutions(maps: Floats, errors: Floats, scales: Floats) -> Solutions | None:
-    """Return independent Floquet solutions, their states at the beginning of the mesh times ``scales``."""
-    if len(maps) == 1:
-        return cyclic.solutions(maps, errors, scales)
+    """Return independent Floquet solutions, their states at the beginning of the mesh times ``scales``.
+
+    In even coordinates where those say more: they help what decays unevenly, and cost digits where motion turns.
+    """
+    plain = cyclic.solutions(maps, errors, scales)
+    if len(maps) == 1 or (plain is not None and float(plain.radii.max()) < _SURE):
+        return plain
     even = cyclic.evened(maps, errors)
     found = cyclic.solutions(even.maps, even.errors, np.ones(len(scales)))
-    if found is None:
-        return None
+    if found is None or (plain is not None and plain.radii.max() <= found.radii.max()):
+        return plain
     states = scales[:, None] * (even.basis @ found.states)
     return found._replace(states=states / np.linalg.norm(states, axis=0))
 
