@@ -89,11 +89,10 @@ def test_the_linearised_system_has_the_multipliers() -> None:
     orbit = fr.periodic_orbit(DUFFING, [1.0, 0.0])
     other = fr.stability(orbit.linearised)
     assert other.status == orbit.status
-    found = sorted(zip(orbit.stability.multipliers, orbit.stability.multiplier_errors, strict=True), key=str)
-    for (mu, error), (other_mu, other_error) in zip(
-        found, sorted(zip(other.multipliers, other.multiplier_errors, strict=True), key=str), strict=True
-    ):
-        assert abs(mu - other_mu) <= error + other_error < 1e-8
+    found, known = orbit.stability, np.array(other.multipliers)
+    for mu, error in zip(found.multipliers, found.multiplier_errors, strict=True):
+        nearest = int(np.abs(known - mu).argmin())
+        assert abs(mu - known[nearest]) <= error + other.multiplier_errors[nearest] < 1e-8
 
 
 def test_an_orbit_starts_from_a_record_of_motion_and_from_another_orbit() -> None:
@@ -123,7 +122,8 @@ def test_orbits_of_a_conservative_system_form_a_family() -> None:
 def test_a_period_of_the_forcing_may_be_several() -> None:
     orbit = fr.periodic_orbit(DUFFING, [1.0, 0.0], 4.0 * math.pi / 1.2)
     single = fr.periodic_orbit(DUFFING, [1.0, 0.0]).stability.multipliers
-    assert np.abs(np.sort_complex(orbit.stability.multipliers) - np.sort_complex(np.square(single))).max() < 1e-10
+    for mu in orbit.stability.multipliers:
+        assert np.abs(np.square(single) - mu).min() < 1e-10
     with pytest.raises(ValueError, match="1 to 1000 times the system's"):
         fr.periodic_orbit(DUFFING, [1.0, 0.0], 3.0)
 
