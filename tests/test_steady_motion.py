@@ -57,6 +57,11 @@ def test_rods_whose_motion_is_not_known_are_refused(change: dict[str, object], w
         ROD.replace(**change).steady_motion(load(0.1, 0.1, 100.0))
 
 
+def test_noise_is_refused() -> None:
+    with pytest.raises(ValueError, match="noise"):
+        ROD.steady_motion(fr.AxialLoad(0.3, 0.1, 100.0, noise=1e-6))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("under", "mode", "on_wall"), [((0.2, 0.2, 140.5), 7, 0.158367), ((0.6, 0.25, 124.0), 8, 0.171483)]

@@ -36,6 +36,8 @@ class Found(NamedTuple):
 def require_possible(rod: RodData, load: Load) -> None:
     """Raise ValueError for rods whose large motion is not known here, with the remedy."""
     ends = rod.end_conditions
+    if load.noise:
+        raise validate.wrong_value("load", "must be without noise, which leads to no periodic motion; leave it out")
     if "free" in (ends.upper, ends.lower):
         raise validate.wrong_value(
             "ends", f'must not be free, got "{ends}": a free end leaves the wall; simulate the rod, or take "guided"'
