@@ -349,6 +349,9 @@ class Rod(RodData):
     ) -> RodStability | FrictionalRodStability:
         """Return the verdict on the rod under a load: stable when every mode is.
 
+        Under a load with noise it is the verdict in mean square, and growth is that of second moments, twice that of
+        amplitudes (docs/theory/noise.md); `critical_noise` tells how much noise is borne.
+
         Parameters
         ----------
         load : AxialLoad, AxialWave or ForceRecord
