@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import pickle
 from typing import Any
@@ -12,6 +13,7 @@ from matplotlib.path import Path
 from numpy.typing import NDArray
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod._util import compilation
 from floquetrod.mathieu import chart
 from floquetrod.plane import Band, Bands, Chart
@@ -261,3 +263,53 @@ def test_interpreted_kernels_find_the_same(monkeypatch: pytest.MonkeyPatch) -> N
     for one, other in zip(again, expected, strict=True):
         assert one.x == pytest.approx(other.x, rel=1e-9)
         assert one.y == pytest.approx(other.y, rel=1e-9, abs=1e-9)
+
+
+BENT = fr.Rod.nitinol()
+
+
+def bent_windows(curvature: float) -> list[dict[str, tuple[float, float]]]:
+    """Return windows in which the force never moves the rod off its wall: pushed, and pulled or on the high side."""
+    lift = BENT.weight_per_length / abs(curvature)  # N, with this sign of the curvature it leaves the wall
+    near = (0.02 * lift, 0.5 * lift) if curvature < 0.0 else (-0.5 * lift, 0.3 * lift)
+    far = (1.5 * lift, 3.0 * lift) if curvature < 0.0 else (-3.0 * lift, -1.5 * lift)
+    return [{"mean": mean, "amplitude": (0.0, 0.4 * lift), "frequency": (40.0, 200.0)} for mean in (near, far)]
+
+
+@pytest.mark.parametrize("fixed", ["mean", "amplitude", "frequency"])
+@pytest.mark.parametrize(
+    "curvature", [0.2, *(pytest.param(k, marks=pytest.mark.slow) for k in (0.6, 0.02, -0.02, -0.2))]
+)
+def test_bands_where_the_channel_bends_hold_all_that_grows(curvature: float, fixed: str) -> None:
+    rng = np.random.default_rng(7)
+    cases = list(itertools.product(bent_windows(curvature), (0.0, 0.5), (0.0, 0.3)))
+    for window, damping, tolerance in cases[:: depth(1, 3)]:
+        rod = BENT.replace(curvature=curvature, damping_rate=damping)
+        points = {name: rng.uniform(*ends, depth(2000, 100)) for name, ends in window.items()}
+        points[fixed][:] = np.mean(window[fixed])  # type: ignore[index]
+        axes = {name: (*ends, 2) for name, ends in window.items()} | {fixed: float(points[fixed][0])}
+        bands = fr.stability_map(rod, **axes, growth_tolerance=tolerance).find_bands(ACCURACY)
+        assert bands.resolution == (0.0, 0.0)
+        x, y = (points[name] for name in ("frequency", "mean", "amplitude") if name != fixed)
+        rate = rod.growth_rate(points["mean"], points["amplitude"], points["frequency"])
+        assert disagreements(bands, x, y, rate, tolerance) == []
+
+
+def test_bands_where_the_rod_leaves_its_wall_are_traced() -> None:
+    lift = BENT.weight_per_length / 0.2
+    rod = BENT.replace(curvature=-0.2)
+    found = fr.stability_map(rod, mean=(0.5 * lift, 2.0 * lift, 9), amplitude=0.1, frequency=(60.0, 90.0, 9))
+    assert found.undecided > 0
+    assert min(found.bands.resolution) > 0.0
+
+
+def test_a_mode_that_compression_holds_has_a_band_of_its_own() -> None:
+    rod = BENT.replace(curvature=0.2)
+    found = fr.stability_map(rod, mean=(0.1, 3.0, 2), amplitude=0.5, frequency=(40.0, 200.0, 2))
+    longest = rod.length / np.pi * np.sqrt(rod.curvature / rod.radial_clearance)
+    held = [band for band in found.bands if band.mode is not None and band.mode < longest]
+    assert held
+    for band in held:
+        assert rod.stability(fr.AxialLoad(band.place[1], 0.5, band.place[0]), [band.mode]).growth_rate == pytest.approx(
+            band.largest_growth, rel=1e-3
+        )

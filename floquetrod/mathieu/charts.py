@@ -160,4 +160,4 @@ class MathieuPlane(Family):
         )
         (first, last), (low, high) = x.values.tolist(), y.values.tolist()
         window = Window("mean", "amplitude", 1.0, low, high, (first, last))
-        return tongue_bands(oscillators, window, "amplitude", accuracy, progress, are_modes=False)
+        return tongue_bands(oscillators, window, "amplitude", accuracy, progress, modes=None)

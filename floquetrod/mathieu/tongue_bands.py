@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from floquetrod._util.arrays import Ints
 from floquetrod._util.progress import Progress
 from floquetrod.mathieu.tongue_curves import Window
 from floquetrod.mathieu.tongue_regions import UndampedEquations, unstable_regions
@@ -15,7 +16,7 @@ def tongue_bands(
     accuracy: float,
     progress: Progress | None,
     *,
-    are_modes: bool,
+    modes: Ints | None,
 ) -> FoundBands:
     """Return the bands of all tongues, found by counts, so that none is missed.
 
@@ -25,8 +26,8 @@ def tongue_bands(
         As in `unstable_regions`.
     across : str
         The quantity along the horizontal axis of the chart.
-    are_modes : bool
-        Whether the oscillators are modes 1, 2, ...
+    modes : ndarray of int or None
+        The numbers of the modes that the oscillators are.
     """
     regions = unstable_regions(oscillators, window, accuracy, progress)
     shapes = regions.outlines
@@ -40,7 +41,7 @@ def tongue_bands(
             Band(
                 line if lines_across else place,
                 place if lines_across else line,
-                int(regions.which[i]) + 1 if are_modes else None,
+                None if modes is None else int(modes[regions.which[i]]),
                 int(regions.order[i]),
                 float(shapes.growth[i]) - oscillators.damping,
                 peak if lines_across else peak[::-1],

@@ -217,9 +217,7 @@ class IndependentModel(ModeModel):
         return BandSearch(self.rod, search, modes).unstable_bands(bands)
 
     def bands(self, across: Quantity, up: Quantity, fixed: float, growth_tolerance: float) -> BandFinder | None:
-        """Return what finds the unstable bands of a map between exact curves; None where compression holds modes."""
-        if not 0.0 <= self.constants.held < 1.0:
-            return None
+        """Return what finds the unstable bands of a map between exact curves."""
         from floquetrod.rod.modes.independent_bands import ExactBands
 
         return ExactBands(self.constants, across, up, fixed, growth_tolerance)

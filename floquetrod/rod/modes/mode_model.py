@@ -39,8 +39,8 @@ Statuses = NDArray[np.int8]
 class BandFinder(Protocol):
     """Finds the unstable bands of a map over two axes, of which the ends count, see `floquetrod.plane.Family`."""
 
-    def __call__(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> FoundBands:
-        """Return them."""
+    def __call__(self, x: Axis, y: Axis, accuracy: float, progress: Progress | None) -> FoundBands | None:
+        """Return them, None where verdicts must be traced."""
 
 
 class Answers(NamedTuple):
