@@ -1,4 +1,4 @@
-"""Draw the picture of the README: a rod's map of safe loads, and why one load is not safe.
+"""Draw the picture of the README: how far a string can be pushed into a well, without and with a vibration tool.
 
 python docs/make_picture.py
 """
@@ -12,51 +12,48 @@ import matplotlib as mpl
 
 mpl.use("Agg")
 
-import numpy as np
 from matplotlib import pyplot
 from PIL import Image
 
 import floquetrod as fr
 from floquetrod.plotting import palette
 
-rod = fr.Rod.nitinol()
-unit = rod.critical_force
-load = fr.AxialLoad(mean=0.2 * unit, amplitude=0.2 * unit, frequency=150.0)
-verdict = rod.stability(load)
+ROOT = Path(__file__).parent.parent
+well = fr.WellPath.from_csv(ROOT / "examples/survey.csv")
+found = fr.Rod.from_toml(ROOT / "examples/tubing.toml").reach(well, 0.3, tool=fr.VibrationTool("5kN", "18Hz"))
 
-figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.6, 3.9), layout="constrained", width_ratios=(1.35, 1.0))
-chart = fr.stability_map(
-    rod,
-    mean=(0.0, 1.1 * unit, 250),
-    amplitude=load.amplitude,
-    frequency=(20.0, 200.0, 300),
-    growth=True,
-    growth_tolerance=0.1,
-)
-chart.in_units(mean="Fcr", frequency="Hz").plot(left)
-left.set_title("Which loads are safe?  White ones.  (7·1: mode 7, tongue 1)", fontsize="medium")
+figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.6, 3.6), layout="constrained")
+left.plot(1e-3 * found.bit_depth, 1e-3 * found.bit, color="black", label="pushed")
+left.plot(1e-3 * found.bit_depth, 1e-3 * found.bit_shaken, "--", color="black", label="pushed, with the tool")
+for depth, text in ((found.reach, "stuck"), (found.reach_shaken, "stuck, with the tool")):
+    left.annotate(
+        f"{text}\n{depth:.0f} m",
+        (1e-3 * depth, 0.0),
+        xytext=(-70, 20) if text == "stuck" else (0, 84),
+        textcoords="offset points",
+        ha="center",
+        fontsize="small",
+        bbox=palette.BOX,
+        arrowprops={"arrowstyle": "->", "linewidth": 0.8},
+    )
+left.set(xlim=(0.0, 4.5), ylim=(0.0, 45.0), xlabel="measured depth of the bit / km", ylabel="force at the bit / kN")
+left.set_title("How far can I push it?", fontsize="medium")
+left.legend(loc="upper right", fontsize="small", frameon=False)
 
-fr.mathieu.chart((0.0, 0.2, 2), (-0.8, 0.1, 2)).plot(right)  # bands are not made of points
-alpha, beta = np.array([(mode.alpha, mode.beta) for mode in verdict.mode_equations]).T
-shown = (alpha < 0.14) & (beta > -0.8)
-right.plot(alpha[shown], beta[shown], **palette.POINT, linewidth=0.6)
-grown = verdict.fastest_mode - 1
-right.plot(alpha[grown], beta[grown], "o", color="black")
-style = {"textcoords": "offset points", "fontsize": "small", "bbox": palette.BOX}
-right.annotate(
-    f"mode {verdict.fastest_mode} grows at {verdict.growth_rate:.2f} 1/s",
-    (alpha[grown], beta[grown]),
-    xytext=(4, 42),
-    arrowprops={"arrowstyle": "-", "linewidth": 0.6},
-    **style,
-)
-right.set(xlim=(0.0, 0.2), ylim=(-0.8, 0.1), xlabel=r"$\alpha$", ylabel=r"$\beta$")
-right.set_title("Why is this one not?", fontsize="medium")
-here = load.frequency / (2.0 * np.pi), load.mean / unit
-left.plot(*here, **palette.POINT, markersize=8)
-left.annotate("this load", here, xytext=(10, 12), **style)
+along = found.along
+right.plot(1e-3 * along.depth, 1e-3 * along.force, color="black")
+right.axhline(0.0, color="0.7", linewidth=0.6, zorder=0)
+tall = {"transform": right.get_xaxis_transform(), "alpha": 0.4, "linewidth": 0.0}
+buckled = (along.is_snaking | along.is_helix) & (found.growth <= 0.0)
+right.fill_between(1e-3 * along.depth, 0.0, 1.0, where=buckled, color="0.75", label="buckled", **tall)
+grows = found.growth > 0.0
+right.fill_between(1e-3 * along.depth, 0.0, 1.0, where=grows, color=palette.UNSTABLE, label="vibration grows", **tall)
+right.set(xlim=(0.0, 4.5), xlabel="measured depth / km", ylabel="force in the string / kN")
+right.set_title(f"Where does it buckle or shake, with the bit at {found.reach_shaken:.0f} m?", fontsize="medium")
+
+right.legend(loc="best", fontsize="small", frameon=False)
 
 drawn = io.BytesIO()
 figure.savefig(drawn, dpi=150)
 # So many colours are enough, and small.
-Image.open(drawn).convert("RGB").quantize(96).save(Path(__file__).with_name("picture.png"), optimize=True)
+Image.open(drawn).convert("RGB").quantize(48).save(Path(__file__).with_name("picture.png"), optimize=True)
