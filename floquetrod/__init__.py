@@ -57,8 +57,11 @@ if TYPE_CHECKING:
     from floquetrod.mathieu.criterion import FiniteTimeCriterion as FiniteTimeCriterion
     from floquetrod.milling import Milling as Milling
     from floquetrod.milling import ToolMode as ToolMode
+    from floquetrod.orbits import Branch as Branch
     from floquetrod.orbits import NoOrbitError as NoOrbitError
     from floquetrod.orbits import PeriodicOrbit as PeriodicOrbit
+    from floquetrod.orbits import SpecialPoint as SpecialPoint
+    from floquetrod.orbits import follow as follow
     from floquetrod.orbits import periodic_orbit as periodic_orbit
     from floquetrod.plane import Bands as Bands
     from floquetrod.plane import Chart as Chart
@@ -116,6 +119,9 @@ _WHERE = {
     "Mathieu": "equations",
     "FiniteTimeCriterion": "mathieu.criterion",
     "NonlinearSystem": "equations",
+    "Branch": "orbits",
+    "follow": "orbits",
+    "SpecialPoint": "orbits",
     "NoOrbitError": "orbits",
     "PeriodicOrbit": "orbits",
     "periodic_orbit": "orbits",

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from floquetrod.orbits.branch import Branch
 from floquetrod.orbits.finding import periodic_orbit
+from floquetrod.orbits.following import follow
 from floquetrod.orbits.newton import NoOrbitError
 from floquetrod.orbits.orbit import PeriodicOrbit
+from floquetrod.orbits.special_points import SpecialPoint
 
-__all__ = ["NoOrbitError", "PeriodicOrbit", "periodic_orbit"]
+__all__ = ["Branch", "NoOrbitError", "PeriodicOrbit", "SpecialPoint", "follow", "periodic_orbit"]

@@ -29,11 +29,15 @@ class Solution(NamedTuple):
         The scalars.
     core : ndarray (n + S, n + S)
         What is left when all unknowns but x_0 and the scalars are eliminated; singular where the whole is.
+    kernel : ndarray (N, n), ndarray (S,)
+        The solution without right sides where the whole is singular, elsewhere what is nearest to one: the unknowns
+        and the scalars.
     """
 
     nodes: Floats
     scalars: Floats
     core: Floats
+    kernel: tuple[Floats, Floats]
 
 
 class _Level(NamedTuple):
@@ -85,18 +89,21 @@ def solve(maps: Floats, columns: Floats, right: Floats, rows: Floats, corner: Fl
     core[:n, :n], core[:n, n:] = before[0] + after[0], -rest[0, :, :scalars]
     tied = np.einsum("sin,inc->sc", rows, found)
     core[n:, :n], core[n:, n:] = tied[:, :n], tied[:, n : n + scalars] + corner
-    answer = _least(core, np.concatenate([rest[0, :, scalars:], targets - tied[:, n + scalars :]]))
+    answer, kernel = _least(core, np.concatenate([rest[0, :, scalars:], targets - tied[:, n + scalars :]]))
     nodes = found[:, :, : n + scalars] @ answer + found[:, :, n + scalars :]
-    return Solution(nodes, answer[n:], core)
+    return Solution(nodes, answer[n:], core, (found[:, :, : n + scalars] @ kernel, kernel[n:]))
 
 
-def _least(core: Floats, right: Floats) -> Floats:
-    """Return the shortest solution: where orbits form a family, as those of a conservative system do, the nearest."""
+def _least(core: Floats, right: Floats) -> tuple[Floats, Floats]:
+    """Return the shortest solution, and the vector that the matrix makes shortest.
+
+    Where orbits form a family, as those of a conservative system do, the shortest step leads to the nearest.
+    """
     left, sizes, turned = np.linalg.svd(core)
     kept = sizes > _FAMILY * sizes[0]
     if not kept.any() or not np.isfinite(sizes).all():
         raise np.linalg.LinAlgError("singular")
-    return np.asarray(turned[kept].T @ ((left[:, kept].T @ right) / sizes[kept][:, None]))
+    return np.asarray(turned[kept].T @ ((left[:, kept].T @ right) / sizes[kept][:, None])), turned[-1]
 
 
 def _eliminated(before: Floats, after: Floats, rest: Floats) -> tuple[_Level, Floats, Floats, Floats]:

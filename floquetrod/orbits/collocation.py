@@ -297,8 +297,22 @@ class Collocation(ByContent):
     ) -> tuple[Floats, Floats]:
         """Return the changes at the mesh (N, n, q) and of the free scalars (S, q) that q gaps and targets ask for.
 
-        Gaps (N, n, q) in the unit of the states, targets (S, q).  Solved in components, scalars and rows of size 1.
+        Gaps (N, n, q) in the unit of the states, targets (S, q).
         """
+        found, units = self._bordered(condensed, rows, scale, gaps, targets)
+        return found.nodes * scale[:, None], found.scalars * units[:, None]
+
+    def kernel(self, condensed: Condensed, rows: Sequence[Row], scale: Floats) -> Step:
+        """Return the change that the linearised equations and the rows leave alone, or nearly so."""
+        gaps, targets = np.zeros((*condensed.gaps.shape, 1)), np.zeros((len(rows), 1))
+        found, units = self._bordered(condensed, rows, scale, gaps, targets)
+        nodes, scalars = found.kernel
+        return self._with_stages(condensed, nodes * scale, scalars * units, 0.0)
+
+    def _bordered(
+        self, condensed: Condensed, rows: Sequence[Row], scale: Floats, gaps: Floats, targets: Floats
+    ) -> tuple[bordered.Solution, Floats]:
+        """Return the solution in components, scalars and rows of size 1, and the units of the scalars."""
         count, n = gaps.shape[:2]
         ties = np.array([row.nodes * scale for row in rows]).reshape(len(rows), count, n)
         corner = np.array([row.scalars for row in rows]).reshape(len(rows), len(self.scalars))
@@ -313,15 +327,19 @@ class Collocation(ByContent):
             corner * units * sizes[:, None],
             targets * sizes[:, None],
         )
-        return found.nodes * scale[:, None], found.scalars * units[:, None]
+        return found, units
 
     def _step(
         self, condensed: Condensed, rows: Sequence[Row], scale: Floats, gaps: Floats, targets: Floats, constant: float
     ) -> Step:
         """Return the solution of the linearised equations, at the Gauss points too."""
-        n, factors = gaps.shape[1], condensed.inner
-        found = self.responses(condensed, rows, scale, gaps[:, :, None], targets[:, None])
-        nodes, scalars = found[0][:, :, 0], found[1][:, 0]
+        nodes, scalars = self.responses(condensed, rows, scale, gaps[:, :, None], targets[:, None])
+        return self._with_stages(condensed, nodes[:, :, 0], scalars[:, 0], constant)
+
+    @staticmethod
+    def _with_stages(condensed: Condensed, nodes: Floats, scalars: Floats, constant: float) -> Step:
+        """Return a step at the Gauss points, too, from that at the mesh."""
+        n, factors = nodes.shape[1], condensed.inner
         stages = np.einsum("ijab,ib->ija", factors[..., :n], nodes) + constant * factors[..., n]
         return Step(nodes, stages + factors[..., n + 1 :] @ scalars, scalars)
 

@@ -21,8 +21,8 @@ Floats = NDArray[np.float64]
 
 _EPS = 2.220446049250313e-16
 _DEGREES = ((24, 8), (10**9, 6))  # Gauss points of systems of up to so many equations (a choice)
-_MORE = 2  # points of the finer of the two orbits that are compared
-_FOLLOWED = 1.5  # lengths of intervals, of those that follow deviations to about 1e-12
+MORE = 2  # points of the finer of the two orbits that are compared
+FOLLOWED = 1.5  # lengths of intervals, of those that follow deviations to about 1e-12
 _FIRST = (24, 120)  # intervals of the first mesh, tried in turn
 _MOST_MESHES = 10
 _MOST_TURNS = 1000  # of the forcing in an orbit (a choice)
@@ -153,9 +153,9 @@ def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -
         errors = meshes.interior_errors(collocation, coarse.point)
         least = meshes.least_density(collocation, point.period * collocation.jacobians(coarse.point))
         last = turn == _MOST_MESHES - 1 or len(errors) >= meshes.MOST
-        followed = float((least * collocation.steps).max()) <= _FOLLOWED
+        followed = float((least * collocation.steps).max()) <= FOLLOWED
         if last or (float(errors.max()) <= tolerance and followed):
-            found = _compared(collocation, coarse.point, coarse.condensed)
+            found = compared(collocation, coarse.point, coarse.condensed, _phase(collocation, coarse.point))
             steps, errors = steps + found.steps, found.errors
             best = found if best is None or found.error < best.error else best
             if last or found.error <= 10.0 * tolerance or found.rounding > tolerance:
@@ -193,7 +193,7 @@ def _require_motion(collocation: Collocation, point: Point) -> None:
         raise NoOrbitError(f"no periodic orbit was found: Newton's method came to a state of rest at ({rest})")
 
 
-class _Compared(NamedTuple):
+class Compared(NamedTuple):
     """An orbit with two points more in each interval, and how it differs from the one without them."""
 
     collocation: Collocation
@@ -203,20 +203,20 @@ class _Compared(NamedTuple):
     rounding: float
     error: float
     period_error: float
+    value_error: float  # of the unknown parameter
     steps: int
 
 
-def _compared(collocation: Collocation, point: Point, condensed: Condensed) -> _Compared:
-    """Return the orbit of a degree two higher on the same mesh, with errors from the difference."""
-    rows = _phase(collocation, point)
-    fine, start = meshes.carried(collocation, point, collocation.mesh, collocation.degree + _MORE)
+def compared(collocation: Collocation, point: Point, condensed: Condensed, rows: list[Row]) -> Compared:
+    """Return the orbit of a degree two higher on the same mesh where rows hold, with errors from the difference."""
+    fine, start = meshes.carried(collocation, point, collocation.mesh, collocation.degree + MORE)
     found = corrected(fine, start, rows)
     shares = (collocation.mesh[:-1, None] + collocation.steps[:, None] * _TRIALS).ravel()
     gaps = np.abs(meshes.evaluated(fine, found.point, shares) - meshes.evaluated(collocation, point, shares))
     nodes = np.abs(found.point.nodes - point.nodes)
     scale = found.point.scale
     errors = np.maximum((gaps / scale).reshape(-1, len(_TRIALS) * len(scale)).max(axis=1), (nodes / scale).max(axis=1))
-    rounding, of_period = _rounding(fine, found.point, found.condensed, rows)
+    rounding, of_scalars = _rounding(fine, found.point, found.condensed, rows)
     doubt, moved = _doubts(fine, found.point, rounding)
     trace, before = _trace(fine, fine.jacobians(found.point)), _trace(collocation, collocation.jacobians(point))
     before *= point.period / found.point.period
@@ -227,20 +227,23 @@ def _compared(collocation: Collocation, point: Point, condensed: Condensed) -> _
         found.point.period * trace,
         found.point.period * (2.0 * abs(trace - before) + _trace(fine, doubt)),
     )
-    return _Compared(
+    return Compared(
         fine,
         found.point,
         segments,
         errors,
         rounding,
         2.0 * float(errors.max()) + rounding,
-        0.0 if fine.turns else 2.0 * abs(found.point.period - point.period) + of_period,
+        0.0 if fine.turns else 2.0 * abs(found.point.period - point.period) + of_scalars["period"],
+        2.0 * abs(found.point.value - point.value) + of_scalars["parameter"] if fine.parameter else 0.0,
         found.steps,
     )
 
 
-def _rounding(collocation: Collocation, point: Point, condensed: Condensed, rows: list[Row]) -> tuple[float, float]:
-    """Return about what rounding of the equations does to the states, relative, and to the period."""
+def _rounding(
+    collocation: Collocation, point: Point, condensed: Condensed, rows: list[Row]
+) -> tuple[float, dict[str, float]]:
+    """Return about what rounding of the equations does to the states, relative, and to the free scalars by name."""
     rates, jacobians = collocation.rates(point), np.abs(collocation.jacobians(point))
     terms = np.abs(rates) + np.einsum("ikab,ikb->ika", jacobians, np.abs(point.stages))
     size = np.abs(point.nodes) + (point.period * collocation.steps)[:, None] * terms.max(axis=1)
@@ -248,7 +251,8 @@ def _rounding(collocation: Collocation, point: Point, condensed: Condensed, rows
     gaps = np.moveaxis(2.0 * _EPS * size * np.sign(waves), 0, -1)
     nodes, scalars = collocation.responses(condensed, rows, point.scale, gaps, np.zeros((len(rows), len(waves))))
     states = float((np.abs(nodes) / point.scale[:, None]).max())
-    return 2.0 * states, 2.0 * float(np.abs(scalars).max(initial=0.0))
+    largest = (2.0 * np.abs(scalars).max(axis=1)).tolist()
+    return 2.0 * states, dict(zip(collocation.scalars, largest, strict=True))
 
 
 def _trace(collocation: Collocation, matrices: Floats) -> float:
@@ -278,11 +282,18 @@ def _finished(found: Any, steps: int) -> PeriodicOrbit:
     evaluated.require_derivatives(times[:-1], point.nodes, collocation.system.parameters)
     if was and not evaluated.complex_steps:  # the derivatives were not those of the function
         return orbit_of(collocation, point)
-    states = np.concatenate([point.nodes, point.nodes[:1]])
+    return as_orbit(found, steps)
+
+
+def as_orbit(found: Compared, steps: int) -> PeriodicOrbit:
+    """Return the orbit as a result, its parameter, where that was unknown, as it was found."""
+    system, point = found.collocation.system_at(found.point.value), found.point._replace(value=math.nan)
+    collocation = Collocation(system, found.collocation.mesh, found.collocation.degree, found.collocation.turns)
+    times, states = point.period * collocation.mesh, np.concatenate([point.nodes, point.nodes[:1]])
     for array in (times, states):
         array.flags.writeable = False
     return PeriodicOrbit(
-        collocation.system,
+        system,
         point.period,
         found.period_error,
         times,

@@ -55,7 +55,7 @@ VALUES += (
 """Classes that people construct, and whose methods they call with arguments."""
 
 RESULTS = (fr.Chart, fr.RodStability, fr.StabilityIntervals, fr.Simulation, fr.mathieu.TransitionCurves)
-RESULTS += (fr.Bands, fr.SafeBox, fr.systems.FirstOrderTongue)
+RESULTS += (fr.Bands, fr.SafeBox, fr.systems.FirstOrderTongue, fr.Branch, fr.SpecialPoint)
 """Classes that only the package constructs, and whose methods people call with arguments."""
 
 LEFT_OUT = {
@@ -65,6 +65,12 @@ LEFT_OUT = {
     "NonlinearSystem.require_parameter": "raises",
     "NoOrbitError": "an exception",
     "PeriodicOrbit": "constructed by periodic_orbit",
+    "Branch": "constructed by follow",
+    **dict.fromkeys(
+        ("Branch.report", "Branch.as_dict", "Branch.to_xarray", "SpecialPoint.as_dict"), "takes no argument"
+    ),
+    "Branch.plot": "its axes are objects of matplotlib",
+    "SpecialPoint": "constructed by follow",
     "ForceRecord.plot": "its axes are objects of matplotlib",
     "ForceRecord.spectrum": "takes no argument",
     "Comparison": "constructed by compare",
@@ -250,7 +256,7 @@ def table() -> dict[str, Call]:
         | _of_mathieu()
         | _of_friction()
         | _of_systems()
-        | _of_orbits()
+        | _of_orbits(place)
         | _of_milling()
     )
     criterion = fr.FiniteTimeCriterion()
@@ -371,13 +377,23 @@ def _van_der_pol(t: Any, x: Any, mu: float) -> Any:
     return x[1], mu * (1 - x[0] ** 2) * x[1] - x[0]
 
 
-def _of_orbits() -> dict[str, Call]:
+def _pitchfork(t: Any, x: Any, p: float) -> Any:
+    y = x[0] - np.sin(t)
+    return (np.cos(t) + p * y - y**3,)
+
+
+def _of_orbits(place: Path) -> dict[str, Call]:
     import sympy
 
     x, mu = sympy.symbols("x mu")
     parameters = {"mu": 0.5}
     system = fr.NonlinearSystem(_van_der_pol, parameters=parameters)
     given = {"function": _van_der_pol, "jacobian": None, "period": None, "parameters": parameters}
+    forked = fr.NonlinearSystem(_pitchfork, period=2.0 * math.pi, parameters={"p": -0.2})
+    orbit = fr.periodic_orbit(forked, [0.0])
+    branch = fr.follow(orbit, {"p": (-0.3, 0.3)}, longest=0.3)
+    branch.save(place / "branch.npz")
+    over = {"over": {"p": (-0.3, 0.3)}, "steps": 1, "longest": 0.3, "tolerance": 1e-8, "progress": None}
     return {
         "NonlinearSystem": Call(fr.NonlinearSystem, given),
         "NonlinearSystem.with_parameters": Call(system.with_parameters, {"mu": 0.7}),
@@ -388,6 +404,10 @@ def _of_orbits() -> dict[str, Call]:
         "NonlinearSystem.from_hill": Call(
             fr.NonlinearSystem.from_hill, {"system": SYSTEM, "force": lambda t, q, velocity: -(q**3), "period": 2.0}
         ),
+        "follow": Call(fr.follow, {"orbit": orbit, **over}),
+        "SpecialPoint.switch": Call(branch.special_points[0].switch, {"side": 1, "distance": 0.1}),
+        "Branch.save": Call(branch.save, {"path": str(place / "again.npz")}),
+        "Branch.load": Call(fr.Branch.load, {"path": str(place / "branch.npz"), "system": forked}),
         "periodic_orbit": Call(fr.periodic_orbit, {"system": system, "start": [2.0, 0.0], "tolerance": 1e-8}),
     }
 

@@ -1,0 +1,210 @@
+"""A branch of periodic orbits over a parameter: what is known of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod._util import extras
+from floquetrod._util.caching import cached_property
+from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod._util.report import Report, Reported, Table
+from floquetrod.equations import NonlinearSystem
+from floquetrod.floquet.status import STATUS_CODES
+from floquetrod.orbits.branch_files import load, save
+from floquetrod.orbits.crossings import multipliers_of
+from floquetrod.orbits.extents import extent
+from floquetrod.orbits.orbit import PeriodicOrbit
+from floquetrod.orbits.special_points import SpecialPoint
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Branch(ByContent, Reported, NoTruthValue):
+    """Periodic orbits that go over into each other as a parameter of the system changes, in their order.
+
+    Attributes
+    ----------
+    parameter : str
+        Name of the parameter.
+    over : (float, float)
+        Range of its values that was asked for.
+    orbits : tuple of PeriodicOrbit (k,)
+        Each with its verdict.  Where the parameter turns back, the ``error`` of an orbit is that of its states at the
+        same length along the branch, not at the same value of the parameter.
+    special_points : tuple of SpecialPoint
+        Where a multiplier crosses the unit circle, in the order of the orbits.
+    ends : (str, str)
+        Why the branch ends where it does, before its first orbit and after its last.
+    tolerance : float
+        Error of the states that meshes were chosen for.
+    """
+
+    ask = ".status, an array with 1 where an orbit is stable, 0 where not and -1 where undecided"
+
+    parameter: str
+    over: tuple[float, float]
+    orbits: tuple[PeriodicOrbit, ...]
+    special_points: tuple[SpecialPoint, ...]
+    ends: tuple[str, str]
+    tolerance: float = field(default=1e-10, compare=False)
+
+    @property
+    def system(self) -> NonlinearSystem:
+        """The system, with the parameters of the first orbit."""
+        return self.orbits[0].system
+
+    @cached_property
+    def values(self) -> Floats:
+        """Values of the parameter (k,)."""
+        return np.array([orbit.system.parameters[self.parameter] for orbit in self.orbits])
+
+    @cached_property
+    def period(self) -> Floats:
+        """Periods (k,), in the unit of the system's time."""
+        return np.array([orbit.period for orbit in self.orbits])
+
+    @cached_property
+    def status(self) -> NDArray[np.int8]:
+        """Verdicts (k,): 1 stable, 0 unstable, -1 undecided."""
+        return np.array([STATUS_CODES[orbit.status] for orbit in self.orbits], dtype=np.int8)
+
+    @cached_property
+    def largest(self) -> Floats:
+        """Largest value of each state over the period (k, n), to about 1e-6 of its range."""
+        return np.array([extent(orbit)[1] for orbit in self.orbits])
+
+    @cached_property
+    def least(self) -> Floats:
+        """Least value of each state over the period (k, n), likewise."""
+        return np.array([extent(orbit)[0] for orbit in self.orbits])
+
+    @property
+    def amplitude(self) -> Floats:
+        """Half of what lies between the largest and the least value of each state (k, n)."""
+        return 0.5 * (self.largest - self.least)
+
+    @cached_property
+    def multipliers(self) -> NDArray[np.complex128]:
+        """Multipliers (k, n), of autonomous systems (k, n - 1) without that of the orbit's own motion; NaN unknown."""
+        return np.array([multipliers_of(orbit).values for orbit in self.orbits])
+
+    @cached_property
+    def multiplier_errors(self) -> Floats:
+        """Their errors, in the same shape."""
+        return np.array([multipliers_of(orbit).errors for orbit in self.orbits])
+
+    def plot(self, ax: Any = None, *, state: int = 0, quantity: str = "amplitude") -> Any:
+        """Draw the branch: solid where stable, dashed where unstable, dotted where undecided, special points named.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw into; a new figure by default.
+        state : int
+            Which state, counted from 0.
+        quantity : {"amplitude", "largest", "least", "period"}
+            What is drawn over the parameter.
+        """
+        from floquetrod._util import validate
+        from floquetrod.plotting.branches import draw_branch
+
+        validate.choice("quantity", quantity, ("amplitude", "largest", "least", "period"))
+        state = validate.integer("state", state, 0, self.orbits[0].states.shape[1] - 1)
+        return draw_branch(self, ax, state, quantity)
+
+    def report(self) -> Report:
+        """Return the branch in lines, and a table of its special points."""
+        counts = [f"{int((self.status == code).sum())} {name}" for name, code in STATUS_CODES.items()]
+        low, high = float(self.values.min()), float(self.values.max())
+        lines = [
+            (
+                "branch",
+                f"{self.parameter} from {low:.6g} to {high:.6g}, {len(self.orbits)} orbits: {', '.join(counts)}",
+            ),
+            ("period", f"{self.period.min():.6g} to {self.period.max():.6g}"),
+            ("error", f"{max(orbit.error for orbit in self.orbits):.1g} of the states at most, along the branch"),
+            ("begins", self.ends[0]),
+            ("ends", self.ends[1]),
+        ]
+        kinds = [point.kind for point in self.special_points]
+        named = [f"{kinds.count(kind)} {kind}{'s' * (kinds.count(kind) > 1)}" for kind in dict.fromkeys(kinds)]
+        return Report(", ".join(named) or "no special points", lines, self._table() if kinds else None)
+
+    def _table(self) -> Table:
+        columns = (
+            ("", ">3"),
+            ("point", "<16"),
+            (self.parameter, "<16"),
+            ("error", ">8"),
+            ("period", ">10"),
+            ("mu", "<24"),
+        )
+        rows = [
+            (str(i), point.kind, f"{point.value:.11g}", f"{point.error:.0e}", f"{point.orbit.period:.6g}", _mu(point))
+            for i, point in enumerate(self.special_points)
+        ]
+        return Table(columns, rows)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the branch as numbers for JSON."""
+        return {
+            "parameter": self.parameter,
+            "over": list(self.over),
+            "values": self.values.tolist(),
+            "status": self.status.tolist(),
+            "period": self.period.tolist(),
+            "largest": self.largest.tolist(),
+            "least": self.least.tolist(),
+            "special_points": [point.as_dict() for point in self.special_points],
+            "ends": list(self.ends),
+        }
+
+    def to_xarray(self) -> Any:
+        """Return an xarray.Dataset over the orbits and the special points (needs xarray, an extra)."""
+        xarray = extras.xarray()
+        names = ("largest", "least", "amplitude")
+        data: dict[str, Any] = {name: (("orbit", "state"), getattr(self, name)) for name in names}
+        data |= {"status": ("orbit", self.status), "period": ("orbit", self.period)}
+        data |= {name: (("orbit", "multiplier"), getattr(self, name)) for name in ("multipliers", "multiplier_errors")}
+        points = self.special_points
+        data["special_kind"] = ("special_point", np.array([point.kind for point in points], dtype=str))
+        data["special_value"] = ("special_point", np.array([point.value for point in points], dtype=float))
+        data["special_error"] = ("special_point", np.array([point.error for point in points], dtype=float))
+        attributes = {"parameter": self.parameter, "begins": self.ends[0], "ends": self.ends[1]}
+        return xarray.Dataset(data, {self.parameter: ("orbit", self.values)}, attributes)
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything but the function of the system to an npz file.
+
+        An older file of that name stays whole until the new one is complete.
+        """
+        return save(self, path)
+
+    @classmethod
+    def load(cls, path: str | Path, system: NonlinearSystem) -> Branch:
+        """Read a branch that `save` wrote, of a system that is not in the file, because it is a function.
+
+        Raises ValueError for a file that is damaged, if only in one bit, or foreign, or of another system.
+        """
+        return cls(**load(path, system))
+
+    def __str__(self) -> str:
+        return str(self.report())
+
+    def __repr__(self) -> str:
+        """Return the branch as a sentence."""
+        return (
+            f"<branch of {len(self.orbits)} orbits, {self.parameter} from {self.values.min():.6g} to "
+            f"{self.values.max():.6g}, {len(self.special_points)} special points>"
+        )
+
+
+def _mu(point: SpecialPoint) -> str:
+    mu = point.multiplier
+    return f"{mu.real:.8f} +- {mu.imag:.8f} i" if point.kind == "Neimark-Sacker" else f"{mu.real:.8f}"

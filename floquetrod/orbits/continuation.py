@@ -1,0 +1,201 @@
+"""A branch of orbits followed in one direction by pseudo-arclength, step by step."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.orbits import arclength, finding
+from floquetrod.orbits import mesh as meshes
+from floquetrod.orbits.arclength import Measure, Place
+from floquetrod.orbits.collocation import Collocation, Point
+from floquetrod.orbits.crossings import Multipliers, Tests, multipliers_of, tests
+from floquetrod.orbits.finding import Compared
+from floquetrod.orbits.newton import NoOrbitError
+from floquetrod.orbits.orbit import PeriodicOrbit
+
+Floats = NDArray[np.float64]
+
+_FIRST = 0.01  # length of the first step (a choice)
+_LEAST = 1e-7  # length of a step below which the branch is given up
+_TURN = 0.9  # cosine of the angle between directions below which a step is made shorter (a choice)
+_GENTLE = 0.985  # above which the next one is longer
+_FEW = 4  # steps of Newton's method up to which the next step is longer
+_MOST_MESHES = 4
+_REST = 1e-4  # motion as a part of the largest on the branch, below which an orbit has shrunk to a state of rest
+
+
+class Task(NamedTuple):
+    """What is followed: a parameter by name, its range, the tolerance of the states, the longest step."""
+
+    parameter: str
+    low: float
+    high: float
+    tolerance: float
+    longest: float
+
+
+class Sample(NamedTuple):
+    """A place of a branch, the orbit of a higher degree there, its multipliers, and what tells special points."""
+
+    place: Place
+    compared: Compared
+    orbit: PeriodicOrbit
+    value: float
+    value_error: float
+    multipliers: Multipliers
+    tests: Tests
+
+    @classmethod
+    def of(cls, place: Place, found: Compared) -> Sample:
+        """Return the sample of a place whose orbit of a higher degree is known."""
+        orbit = finding.as_orbit(found, place.steps + found.steps)
+        multipliers = multipliers_of(orbit)
+        signs = tests(multipliers, float(place.direction.scalars[-1]))
+        return cls(place, found, orbit, found.point.value, found.value_error, multipliers, signs)
+
+
+class Ended(Exception):
+    """The branch cannot be followed on; the message says why."""
+
+
+def sampled(place: Place, measure: Measure) -> Sample:
+    """Return what is known of a place: the orbit of a higher degree, its error and its multipliers."""
+    collocation, point = place.collocation, place.point
+    row = measure.row(collocation, point, place.direction)
+    found = finding.compared(collocation, point, place.condensed, arclength.rows_of(collocation, point, row))
+    return Sample.of(place, found)
+
+
+def started(orbit: PeriodicOrbit, task: Task, measure: Measure) -> Place:
+    """Return the place of an orbit on a branch, going on to larger values of the parameter."""
+    given = orbit.collocation
+    fine = Collocation(orbit.system, given.mesh, given.degree, given.turns, task.parameter)
+    point = orbit.point._replace(value=orbit.system.parameters[task.parameter])
+    collocation, point = meshes.carried(fine, point, given.mesh, given.degree - finding.MORE)
+    row = arclength.pinned(collocation, point, point.value)
+    return arclength.placed(collocation, point, row, row, measure)
+
+
+class Continuation:
+    """The march along a branch from a place; it changes its own place, step and units."""
+
+    def __init__(self, task: Task, start: Sample, measure: Measure, direction: float) -> None:
+        """Begin at a sample, in its direction or against it."""
+        self.task, self.measure, self.length = task, measure, min(_FIRST, task.longest)
+        step = arclength.scaled(start.place.direction, direction)
+        place = start.place._replace(direction=step)
+        self.sample = start._replace(place=place, tests=start.tests._replace(turning=direction * start.tests.turning))
+        outward = task.high - start.value if step.scalars[-1] > 0.0 else start.value - task.low
+        self.at_end = outward <= 1e-12 * (task.high - task.low)
+
+    def advanced(self) -> Sample:
+        """Return the next sample, on the end of the range where the branch leaves it.  Raises Ended."""
+        if self.at_end:
+            raise Ended(f"{self.task.parameter} = {self.sample.value:.6g} is the end of the range")
+        place = self._stepped()
+        bound = self._bound_passed(place.point.value)
+        if bound is not None:
+            place, self.at_end = self._at(bound, place), True
+        found = sampled(self._resolved(place), self.measure)
+        self._require_motion(found)
+        self.measure = self.measure.grown(found.place.point)
+        self.sample = found
+        return found
+
+    def _stepped(self) -> Place:
+        """Return the place a step on, the step as long as Newton's method and the branch's bends allow."""
+        said = ""
+        while self.length >= _LEAST:
+            try:
+                place = self.corrected(self.length)
+            except (NoOrbitError, ValueError, ArithmeticError) as error:
+                said = str(error)
+                self.length *= 0.5
+                continue
+            before = self.sample.place
+            row = self.measure.row(before.collocation, before.point, before.direction)
+            cosine = arclength.product(row, place.direction)
+            if cosine < _TURN:
+                said = "it bends too sharply"
+                self.length *= 0.5
+                continue
+            if place.steps <= _FEW and cosine > _GENTLE:
+                self.length = min(1.5 * self.length, self.task.longest)
+            elif place.steps > _FEW + 2:
+                self.length *= 0.7
+            return place
+        raise Ended(
+            f"no orbit was found beyond {self.task.parameter} = {self.sample.value:.9g}, however short the step: {said}"
+        )
+
+    def corrected(self, length: float, guess: Point | None = None) -> Place:
+        """Return the place at a length along the present direction."""
+        before = self.sample.place
+        collocation, point = before.collocation, before.point
+        row = self.measure.row(collocation, point, before.direction)
+        ahead = row._replace(target=row.target + length)
+        guess = collocation.moved(point, before.direction, length) if guess is None else guess
+        return arclength.placed(collocation, guess, ahead, row, self.measure)
+
+    def _bound_passed(self, value: float) -> float | None:
+        """Return the end of the range beyond which a value lies; None inside."""
+        low, high = self.task.low, self.task.high
+        return low if value < low else high if value > high else None
+
+    def _at(self, bound: float, place: Place) -> Place:
+        """Return the place between the present one and another where the parameter has a value."""
+        before = self.sample.place
+        change = arclength.between(before.collocation, before.point, place.point)
+        share = (bound - before.point.value) / (place.point.value - before.point.value)
+        guess = place.collocation.moved(before.point, change, share)
+        row = arclength.pinned(place.collocation, guess, bound)
+        onward = self.measure.row(place.collocation, place.point, place.direction)
+        try:
+            return arclength.placed(place.collocation, guess, row, onward, self.measure)
+        except ValueError as error:
+            raise Ended(f"no orbit was found at the end of the range: {error}") from None
+
+    def _resolved(self, place: Place) -> Place:
+        """Return the place on a mesh that resolves it, and is not much finer."""
+        for _ in range(_MOST_MESHES):
+            given, errors = place.collocation, meshes.interior_errors(place.collocation, place.point)
+            least = meshes.least_density(given, place.point.period * given.jacobians(place.point))
+            mesh = meshes.equidistributed(given, errors, 0.3 * self.task.tolerance, least)
+            rough = float(errors.max()) > self.task.tolerance or float((least * given.steps).max()) > finding.FOLLOWED
+            rough = rough and len(errors) < meshes.MOST
+            if not rough and len(mesh) > 0.6 * len(place.collocation.mesh):
+                return place
+            collocation, point, row = arclength.moved_to(place, mesh, self.measure)
+            last = arclength.pinned(collocation, point, point.value) if self.at_end else row
+            try:
+                place = arclength.placed(collocation, point, last, row, self.measure)
+            except ValueError as error:
+                raise Ended(
+                    f"the orbit at {self.task.parameter} = {point.value:.9g} was lost on a new mesh: {error}"
+                ) from None
+        return place
+
+    def _require_motion(self, found: Sample) -> None:
+        """Raise Ended where an orbit of an autonomous system has shrunk to a state of rest, or passed through one."""
+        place, before = found.place, self.sample.place
+        if place.collocation.turns:
+            return
+        moves = float((np.ptp(place.point.nodes, axis=0) / self.measure.scale).max())
+        shares = place.collocation.mesh[:-1]
+        was = before.collocation.rates_at_mesh(before.point)
+        old = np.stack(
+            [np.interp(shares, before.collocation.mesh[:-1], column, period=1.0) for column in was.T], axis=1
+        )
+        along = float((old * place.collocation.rates_at_mesh(place.point) / self.measure.scale**2).sum())
+        if moves < _REST or along < 0.0:
+            where = f"{self.task.parameter} = {self._rest(found):.6g}"
+            raise Ended(f"the orbit shrinks to a state of rest (a Hopf point) near {where}")
+
+    def _rest(self, found: Sample) -> float:
+        """Return the value of the parameter where the orbit has shrunk to nothing, from two squares of amplitudes."""
+        sizes = [float(np.ptp(each.place.point.nodes, axis=0).max()) ** 2 for each in (self.sample, found)]
+        change = (found.value - self.sample.value) / (sizes[1] - sizes[0]) if sizes[0] != sizes[1] else 0.0
+        return self.sample.value - sizes[0] * change

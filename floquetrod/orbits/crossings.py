@@ -1,0 +1,100 @@
+"""What tells that a multiplier crosses the unit circle between two points of a branch, and where."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod.orbits.orbit import PeriodicOrbit
+
+Floats = NDArray[np.float64]
+Complexes = NDArray[np.complex128]
+
+
+class Multipliers(NamedTuple):
+    """Multipliers of an orbit, its own motion's set aside, and errors; NaN where they are not known."""
+
+    values: Complexes
+    errors: Floats
+
+
+class Tests(NamedTuple):
+    """Functions that change sign along a branch, each smooth, 0 where their sign is not known.
+
+    Attributes
+    ----------
+    turning : float
+        Rate of the parameter along the branch: changes sign at a fold.
+    plus : float
+        Product of 1 - mu over the multipliers, each part of 1 + |mu|: at a fold and at a branch point.
+    minus : float
+        Product of 1 + mu likewise: at a period doubling.
+    pairs : float
+        Product of 1 - mu_i mu_j over pairs: where a complex pair crosses the circle.
+    """
+
+    turning: float
+    plus: float
+    minus: float
+    pairs: float
+
+
+def multipliers_of(orbit: PeriodicOrbit) -> Multipliers:
+    """Return the multipliers of an orbit, from the verdict on it."""
+    stability = orbit.stability
+    own = 1 if orbit.system.is_autonomous else 0
+    if not stability.exponents:
+        missing = np.full(orbit.states.shape[1] - own, np.nan)
+        return Multipliers(missing.astype(complex), missing)
+    values = np.exp(np.asarray(stability.exponents) * orbit.period)
+    errors = np.abs(values) * np.expm1(np.minimum(np.asarray(stability.exponent_errors) * orbit.period, 700.0))
+    return Multipliers(values, errors)
+
+
+def tests(found: Multipliers, turning: float) -> Tests:
+    """Return the test functions, from multipliers and the rate of the parameter; 0 where an error covers the sign."""
+    every = (_factors(found, name) for name in ("plus", "minus", "pairs"))
+    signed = [_product(x) if len(x) and (np.abs(1.0 - x) > errors).all() else 0.0 for x, errors in every]
+    return Tests(turning, *signed)
+
+
+def value(found: Multipliers, test: str) -> float:
+    """Return a test function, whether or not its sign is known."""
+    return _product(_factors(found, test)[0])
+
+
+def doubt(found: Multipliers, test: str) -> float:
+    """Return the error of a test function."""
+    x, errors = _factors(found, test)
+    parts, blurs = np.abs(1.0 - x) / (1.0 + np.abs(x)), errors / (1.0 + np.abs(x))
+    return float(sum(blurs[k] * np.prod(np.delete(parts, k)) for k in range(len(x))))
+
+
+def _factors(found: Multipliers, test: str) -> tuple[Complexes, Floats]:
+    """Return the numbers that a test function compares with 1, and their errors."""
+    values, errors = found
+    if test == "plus":
+        return values, errors
+    if test == "minus":
+        return -values, errors
+    i, j = np.triu_indices(len(values), 1)
+    sizes = np.abs(values)
+    with np.errstate(over="ignore", invalid="ignore"):  # of errors that are not known
+        return values[i] * values[j], sizes[i] * errors[j] + sizes[j] * errors[i] + errors[i] * errors[j]
+
+
+def _product(x: Complexes) -> float:
+    """Return the product of 1 - x, each part of 1 + |x|."""
+    return float(np.prod((1.0 - x) / (1.0 + np.abs(x))).real)
+
+
+def nearest(found: Multipliers, kind: str) -> int:
+    """Return which multiplier is nearest to where a kind of point has one."""
+    values = found.values
+    if kind == "period doubling":
+        return int(np.abs(values + 1.0).argmin())
+    if kind == "Neimark-Sacker":
+        return int(np.where(values.imag > 0.0, np.abs(np.abs(values) - 1.0), np.inf).argmin())
+    return int(np.abs(values - 1.0).argmin())

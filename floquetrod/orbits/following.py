@@ -1,0 +1,266 @@
+"""`fr.follow`: the branch of orbits that one of them lies on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.progress import Progress
+from floquetrod.orbits import arclength, finding
+from floquetrod.orbits import mesh as meshes
+from floquetrod.orbits.arclength import Measure
+from floquetrod.orbits.branch import Branch
+from floquetrod.orbits.collocation import Collocation
+from floquetrod.orbits.continuation import Continuation, Ended, Sample, Task, sampled, started
+from floquetrod.orbits.extents import extent, returns_after
+from floquetrod.orbits.locating import Watch, located
+from floquetrod.orbits.newton import NoOrbitError
+from floquetrod.orbits.orbit import PeriodicOrbit
+from floquetrod.orbits.special_points import SpecialPoint
+
+_SAME = 1e-5  # of the extents of states, by which two orbits are told apart (a choice)
+_CLOSED = "the branch closes on itself"
+_INTERRUPTED = "interrupted; fr.follow(branch) goes on"
+
+
+def follow(
+    orbit: PeriodicOrbit | Branch,
+    over: Mapping[str, tuple[float, float]] | None = None,
+    *,
+    steps: int = 400,
+    longest: float = 0.04,
+    tolerance: float = 1e-10,
+    progress: Progress | None = None,
+) -> Branch:
+    """Return the branch of periodic orbits on which one lies, over a range of a parameter, with its special points.
+
+    By pseudo-arclength, so that the branch is followed round folds, too: from the orbit to both sides, until it leaves
+    the range, closes on itself, shrinks to a state of rest, or cannot be followed on; `Branch.ends` says which.  Meshes
+    adapt to the orbits.  Every orbit has its verdict; where a multiplier crosses the unit circle between two of them,
+    the place is located.  Two crossings of the same kind within a step cancel and are not seen: make steps shorter.
+    Ctrl-C ends the search and returns what has been found.
+
+    Parameters
+    ----------
+    orbit : PeriodicOrbit or Branch
+        Where to begin; a branch is continued from both of its ends that can go on.
+    over : mapping of str to (float, float)
+        Name of the parameter, and the range; of a branch its own by default.  The period of the forcing may depend on
+        the parameter.
+    steps : int
+        Most orbits to each side.
+    longest : float
+        Length of the longest step, in units of the range and of the largest magnitudes of the states.
+    tolerance : float
+        Error of the states that meshes are chosen for, from 1e-12 to 1e-3 of the largest of each.
+    progress : callable, optional
+        Called with the number of orbits found and the most there can be.
+
+    Raises
+    ------
+    ValueError
+        Where there is no parameter of the name, and where the orbit is not within the range.
+    TypeError
+        Where what is to be followed is no orbit.
+
+    Examples
+    --------
+    >>> import floquetrod as fr
+    >>> def roessler(t, x, c):
+    ...     return -x[1] - x[2], x[0] + 0.2 * x[1], 0.2 + x[2] * (x[0] - c)
+    >>> orbit = fr.periodic_orbit(fr.NonlinearSystem(roessler, parameters={"c": 2.7}), [1.0, 1.0, 0.0], 5.75)
+    >>> branch = fr.follow(orbit, over={"c": (2.5, 3.0)})
+    >>> [(point.kind, round(point.value, 9)) for point in branch.special_points]
+    [('period doubling', 2.832445028)]
+    >>> round(branch.special_points[0].switch().period / orbit.period, 1)
+    2.0
+    """
+    if not isinstance(orbit, Branch):
+        validate.instance("orbit", orbit, PeriodicOrbit, "find one with fr.periodic_orbit, or give a Branch")
+    name, low, high = _range(orbit, over)
+    steps = validate.integer("steps", steps, 1, 100_000)
+    longest = validate.within("longest", longest, 1e-5, 1.0)
+    task = Task(name, low, high, validate.within("tolerance", tolerance, 1e-12, 1e-3), longest)
+    validate.progress(progress)
+    if isinstance(orbit, Branch):
+        return _extended(orbit, task, steps, progress)
+    for parts in (2, 3):
+        if returns_after(orbit, parts):
+            raise ValueError(
+                f"orbit must be one round of it: it returns after 1/{parts} of its period; give fr.periodic_orbit the "
+                f"period {orbit.period / parts:.9g}"
+            )
+    return _both_ways(orbit, task, steps, progress)
+
+
+def _range(orbit: PeriodicOrbit | Branch, over: Any) -> tuple[str, float, float]:
+    """Return the name of the parameter and its range, checked."""
+    if over is None and isinstance(orbit, Branch):
+        return orbit.parameter, *orbit.over
+    if not isinstance(over, Mapping) or len(over) != 1:
+        raise TypeError(
+            f"over must be one parameter with its range, such as {{'omega': (0.5, 2.0)}}, got {validate.short(over)}"
+        )
+    ((name, ends),) = over.items()
+    orbit.system.require_parameter(name)
+    low, high = validate.interval(f"over[{name!r}]", ends)
+    if isinstance(orbit, Branch):
+        if name != orbit.parameter:
+            raise ValueError(f"over must be a range of {orbit.parameter!r}, as of the branch; follow one of its orbits")
+        values = orbit.values
+        if not (low <= values.min() and values.max() <= high):
+            raise ValueError(
+                f"over[{name!r}] must contain the branch, from {values.min():.6g} to {values.max():.6g}, got ({low:g}, "
+                f"{high:g})"
+            )
+        return name, low, high
+    value = orbit.system.parameters[name]
+    if not low <= value <= high:
+        raise ValueError(
+            f"over[{name!r}] must contain the orbit's value, {value:.9g}, got ({low:g}, {high:g}); start from an orbit "
+            "within the range"
+        )
+    return name, low, high
+
+
+class _Way(NamedTuple):
+    """What was found to one side: samples' orbits, special points by the number of orbits before them, and the end."""
+
+    orbits: list[PeriodicOrbit]
+    points: list[SpecialPoint]
+    end: str
+
+
+def _both_ways(orbit: PeriodicOrbit, task: Task, steps: int, progress: Progress | None) -> Branch:
+    """Return the branch to both sides of an orbit."""
+    measure = Measure(orbit.point.scale, task.high - task.low)
+    try:
+        start = sampled(started(orbit, task, measure), measure)
+    except NoOrbitError as error:
+        raise ValueError(
+            f"orbit must not lie on a special point, where the parameter does not tell which way to go: {error}"
+        ) from None
+    forward = _followed(Continuation(task, start, measure, 1.0), start, steps, progress, 0)
+    if forward.end == _CLOSED:
+        backward = _Way([], [], _CLOSED)
+    elif forward.end == _INTERRUPTED:
+        backward = _Way([], [], _INTERRUPTED)
+    else:
+        backward = _followed(Continuation(task, start, measure, -1.0), start, steps, progress, len(forward.orbits))
+    return _joined(task, backward, [start.orbit], [], forward)
+
+
+def _joined(
+    task: Task, backward: _Way, orbits: list[PeriodicOrbit], points: list[SpecialPoint], forward: _Way
+) -> Branch:
+    """Return the branch made of what was found before and after known orbits."""
+    before = len(backward.orbits)
+    first = [replace(point, after=before - 1 - point.after) for point in reversed(backward.points)]
+    known = [replace(point, after=before + point.after) for point in points]
+    last = [replace(point, after=before + len(orbits) - 1 + point.after) for point in forward.points]
+    return Branch(
+        task.parameter,
+        (task.low, task.high),
+        (*reversed(backward.orbits), *orbits, *forward.orbits),
+        (*first, *known, *last),
+        (backward.end, forward.end),
+        task.tolerance,
+    )
+
+
+def _followed(march: Continuation, start: Sample, steps: int, progress: Progress | None, before: int) -> _Way:
+    """Return what is found in one direction, special points numbered by the orbits before them."""
+    watch = Watch(march.sample, march.measure)
+    orbits: list[PeriodicOrbit] = []
+    points: list[SpecialPoint] = []
+    end = f"{steps} steps were made; fr.follow(branch) goes on"
+    try:
+        while len(orbits) < steps:
+            last = march.sample
+            found = march.advanced()
+            for crossing in watch.crossings(found, march.measure):
+                point = located(crossing)
+                if point is None:
+                    continue
+                points.append(replace(point, after=len(orbits)))
+                if crossing.kind == "branch point" and point.kind == "period doubling":
+                    raise Ended(f"the branch joins the orbits of half its period at {point}")
+            orbits.append(found.orbit)
+            if progress is not None:
+                progress(before + len(orbits), 2 * steps)
+            if len(orbits) > 3 and _passes(march, start, last, found):
+                orbits[-1], end = start.orbit, _CLOSED
+                break
+    except Ended as reason:
+        end = str(reason)
+    except KeyboardInterrupt:
+        end = _INTERRUPTED
+    return _Way(orbits, points, end)
+
+
+def _passes(march: Continuation, start: Sample, last: Sample, found: Sample) -> bool:
+    """Return whether the branch has passed its start between two samples, in the direction in which it left it."""
+    if (last.value - start.value) * (found.value - start.value) > 0.0 or found.tests.turning * start.tests.turning < 0:
+        return False
+    given = found.place.collocation
+    fixed = Collocation(given.system_at(start.value), given.mesh, given.degree, given.turns)
+    share = (start.value - last.value) / (found.value - last.value)
+    was = meshes.carried(last.place.collocation, last.place.point, given.mesh, given.degree)[1]
+    guess = given.moved(was, arclength.between(given, was, found.place.point), share)
+    try:
+        there = finding.orbit_of(fixed, guess._replace(value=float("nan")))
+    except ValueError:
+        return False
+    ends, known = np.array(extent(there)), np.array(extent(start.orbit))
+    same = np.abs(ends - known) <= _SAME * march.measure.scale
+    alike = start.place.collocation.turns is None or np.allclose(
+        there.states[0], start.orbit.states[0], rtol=0.0, atol=_SAME * float(march.measure.scale.max())
+    )
+    return bool(same.all() and alike)
+
+
+def _extended(branch: Branch, task: Task, steps: int, progress: Progress | None) -> Branch:
+    """Return the branch with what follows both of its ends."""
+    if len(branch.orbits) < 2:
+        return _both_ways(branch.orbits[0], task, steps, progress)
+    if branch.ends[1] == _CLOSED:
+        return branch
+    forward = _onward(branch, task, steps, progress, 0)
+    backward = _onward(_reversed(branch), task, steps, progress, len(forward.orbits))
+    return _joined(task, backward, list(branch.orbits), list(branch.special_points), forward)
+
+
+def _reversed(branch: Branch) -> Branch:
+    return replace(branch, orbits=branch.orbits[::-1], ends=branch.ends[::-1])
+
+
+def _onward(branch: Branch, task: Task, steps: int, progress: Progress | None, before: int) -> _Way:
+    """Return what follows the last orbit of a branch."""
+    if branch.ends[1].startswith(("the branch joins", "the orbit shrinks")):
+        return _Way([], [], branch.ends[1])
+    scale = np.max([orbit.point.scale for orbit in branch.orbits], axis=0)
+    measure = Measure(scale, task.high - task.low)
+    try:
+        start = sampled(_last_place(branch, task, measure), measure)
+    except NoOrbitError as error:
+        return _Way([], [], f"no orbit was found at the end of the branch: {error}")
+    return _followed(Continuation(task, start, measure, 1.0), start, steps, progress, before)
+
+
+def _last_place(branch: Branch, task: Task, measure: Measure) -> arclength.Place:
+    """Return the place of the last orbit, going on from the one before it."""
+    place = []
+    for orbit in branch.orbits[-2:]:
+        given = orbit.collocation
+        fine = Collocation(orbit.system, given.mesh, given.degree, given.turns, task.parameter)
+        point = orbit.point._replace(value=orbit.system.parameters[task.parameter])
+        mesh = branch.orbits[-1].collocation.mesh
+        place.append(meshes.carried(fine, point, mesh, branch.orbits[-1].collocation.degree - finding.MORE))
+    (_, old), (collocation, point) = place
+    step = measure.unit(collocation, point, arclength.between(collocation, old, point))
+    row = measure.row(collocation, point, step)
+    return arclength.placed(collocation, point, row, row, measure)
