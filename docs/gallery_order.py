@@ -31,6 +31,9 @@ GALLERY = (
     "systems_ground",
     "systems_trap",
     "milling_lobes",
+    "orbit_van_der_pol",
+    "orbit_duffing",
+    "orbit_period_doubling",
 )
 
 

@@ -99,6 +99,8 @@ ELSEWHERE = {"theory/agreement.md"} | {f"how_to/{story}.md" for story in STORIES
 
 
 LONG = {
+    "theory/orbits.md",
+    "how_to/limit_cycle.md",
     "theory/simulator.md",
     "theory/simulated_wells.md",
     "theory/real_rods.md",
