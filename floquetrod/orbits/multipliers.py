@@ -21,7 +21,9 @@ Floats = NDArray[np.float64]
 _EPS = 2.220446049250313e-16
 _LARGEST_CONDITION = 100.0  # of the map over a segment: rounding then costs two digits (a choice)
 _SURE = 1e-9  # of logarithms: errors with which nobody needs other coordinates (a choice)
-_MOST_ROWS = 1000  # of the cyclic matrix (a choice: about a second)
+_NEAR = -3.0  # logarithm of multipliers that may decide
+_COARSE = 1e-7  # error of those that counts more than errors of the others (a choice)
+_MOST_ROWS = 300  # of the cyclic matrix (a choice: some ten milliseconds)
 
 
 class Segments(NamedTuple):
@@ -59,14 +61,7 @@ def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
     Of an autonomous system in frames that move with the orbit, one axis along its motion: what is left without that
     axis are maps across the motion, whose multipliers are all others, however close to 1 one of them is.
     """
-    largest = np.abs(segments.maps).max(axis=0) - np.eye(linearised.order)
-    scales = independent_solutions.balance(np.abs(largest))
-    maps = segments.maps * scales / scales[:, None]
-    errors = norms(segments.errors * scales / scales[:, None]) + _rounding(maps)
-    trivial = None
-    if segments.flow is not None:
-        maps, errors, trivial = _across(maps, errors, segments.flow / scales)
-        scales = np.ones(maps.shape[1])
+    scales, maps, errors, trivial = _scaled(segments)
     found: Solutions | None
     if maps.shape[1] == 1:
         found = _alone(segments)
@@ -87,6 +82,23 @@ def judged(linearised: PeriodicSystem, segments: Segments) -> OrbitVerdict:
     return OrbitVerdict(stability, trivial)
 
 
+def maps_across(segments: Segments) -> tuple[Floats, Floats]:
+    """Return the maps over intervals, of an autonomous system across its motion, and their errors in the 2-norm."""
+    return _scaled(segments)[1:3]
+
+
+def _scaled(segments: Segments) -> tuple[Floats, Floats, Floats, float | None]:
+    """Return scales of the states, maps of what is divided by them, their errors, and how far the trivial one is."""
+    largest = np.abs(segments.maps).max(axis=0) - np.eye(segments.maps.shape[1])
+    scales = independent_solutions.balance(np.abs(largest))
+    maps = segments.maps * scales / scales[:, None]
+    errors = norms(segments.errors * scales / scales[:, None]) + _rounding(maps)
+    if segments.flow is None:
+        return scales, maps, errors, None
+    maps, errors, trivial = _across(maps, errors, segments.flow / scales)
+    return np.ones(maps.shape[1]), maps, errors, trivial
+
+
 def _alone(segments: Segments) -> Solutions:
     """Return the one solution where there is but one multiplier, by Liouville's formula."""
     error = segments.trace_error + 4.0 * _EPS * abs(segments.trace)
@@ -103,10 +115,16 @@ def _solutions(maps: Floats, errors: Floats, scales: Floats) -> Solutions | None
         return plain
     even = cyclic.evened(maps, errors)
     found = cyclic.solutions(even.maps, even.errors, np.ones(len(scales)))
-    if found is None or (plain is not None and plain.radii.max() <= found.radii.max()):
+    if found is None or (plain is not None and _doubt(plain) <= _doubt(found)):
         return plain
     states = scales[:, None] * (even.basis @ found.states)
     return found._replace(states=states / np.linalg.norm(states, axis=0))
+
+
+def _doubt(found: Solutions) -> tuple[float, float]:
+    """Return the largest error of multipliers that may decide, 0 where it is small, and that of all."""
+    deciding = float(found.radii[found.logs.real > _NEAR].max(initial=0.0))
+    return deciding if deciding > _COARSE else 0.0, float(found.radii.max())
 
 
 def _rounding(maps: Floats) -> Floats:
