@@ -15,6 +15,7 @@ GALLERY = (
     "simulation_tubing",
     "helical_buckling",
     "vibration_and_drag",
+    "well_bends",
     "ensemble_phase_diagram",
     "ensemble_probability",
     "force_record",
