@@ -300,7 +300,7 @@ def test_what_noise_cannot_be_asked_is_told() -> None:
         fr.critical_noise(system, [(ONE, 0.0)])
     with pytest.raises(ValueError, match="at most 44 equations"):
         fr.second_moments(fr.HillSystem(np.eye(23)), [(np.eye(23), 0.1)])
-    with pytest.raises(TypeError, match="noise is for a value"):
+    with pytest.raises(TypeError, match="must be an equation or a system where noise is given"):
         fr.certify(fr.Mathieu, alpha=0.5, beta=-1.2, noise=0.3)
     with pytest.raises(TypeError, match="not second moments"):
         fr.second_moments(fr.second_moments(system, noise), [(np.eye(3), 0.1)])

@@ -226,20 +226,28 @@ def _source(system: HillSystem | PeriodicSystem, name: str, pair: Any) -> Source
     """Return one source, checked."""
     if not isinstance(pair, tuple | list) or len(pair) != 2:
         raise TypeError(f"noise must be a sequence {_EXAMPLE}, got {validate.short(pair)} as {name}")
-    matrix = matrices.square(f"{name}[0]", pair[0], system.order, system.MEAN)
-    intensity = validate.array(f"{name}[1]", pair[1], least=-math.inf, largest=math.inf)
+    return source(system, pair[0], pair[1], (name, f"{name}[0]", f"{name}[1]"))
+
+
+def source(
+    system: Equation | HillSystem | PeriodicSystem | DelaySystem, given: Any, strength: Any, names: tuple[str, str, str]
+) -> Source:
+    """Return a source of a matrix and an intensity, checked; ``names`` are those of both together, and of each."""
+    if isinstance(system, Equation):
+        system = system.as_system()
+    assert not isinstance(system, DelaySystem)  # noqa: S101  # `of_first_order` has refused it
+    matrix = matrices.square(names[1], given, system.order, system.MEAN)
+    intensity = validate.array(names[2], strength, least=-math.inf, largest=math.inf)
     if intensity.size and not (float(intensity.min()) >= 0.0 and float(intensity.max()) <= _LARGEST_INTENSITY):
         wrong = next(s for s in intensity.ravel().tolist() if not 0.0 <= s <= _LARGEST_INTENSITY)
-        raise ValueError(f"{name}[1] must be from 0 to {_LARGEST_INTENSITY:g}, got {wrong!r}")
+        raise ValueError(f"{names[2]} must be from 0 to {_LARGEST_INTENSITY:g}, got {wrong!r}")
     if not (np.abs(matrix) <= _LARGEST_INTENSITY).all():
-        raise ValueError(
-            f"{name}[0] must hold entries up to {_LARGEST_INTENSITY:g}; put their scale into the intensity"
-        )
+        raise ValueError(f"{names[1]} must hold entries up to {_LARGEST_INTENSITY:g}; put their scale elsewhere")
     try:
         np.broadcast_shapes(system.shape, matrix.shape[:-2], intensity.shape)
     except ValueError:
         shapes = f"matrix {matrix.shape[:-2]}, intensity {intensity.shape}, system {system.shape}"
-        raise ValueError(f"{name} must have a leading shape that fits the system's, got {shapes}") from None
+        raise ValueError(f"{names[0]} must have a leading shape that fits the system's, got {shapes}") from None
     if not isinstance(system, HillSystem):
         return Source(matrix, 0.0, intensity)
     return Source(*_on_positions(system, matrix), intensity)

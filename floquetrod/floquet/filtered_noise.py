@@ -16,13 +16,16 @@ from numpy.typing import NDArray
 
 from floquetrod._util import validate
 from floquetrod.equations import PeriodicSystem, matrices
-from floquetrod.equations.second_moments import linear_moments, of_first_order, sources_of
+from floquetrod.equations import pieces as by_pieces
+from floquetrod.equations.second_moments import linear_moments, of_first_order, source
 from floquetrod.floquet.dispatch import run
 from floquetrod.floquet.problems import Problem
 from floquetrod.floquet.status import Status
+from floquetrod.floquet.systems.whole import seconds_needed
 
 Floats = NDArray[np.float64]
 
+_MOST_SECONDS = 20.0  # of one order, estimated (a choice)
 _MOST = 400  # moments of one truncation (a choice): a second or so
 _FIRST, _STEP = 4, 2  # orders that are tried (a choice)
 _FACTOR = 3.0  # error of a truncation over the change from the one before (a choice)
@@ -97,16 +100,22 @@ def filtered_growth(
     most = validate.integer("most", most, _FIRST + _STEP, 100)
     subject = of_first_order(system)
     matrices.require_one(subject)
-    (source,) = sources_of(system, [(matrix, 1.0)])
-    if source.matrix.ndim > 2:
-        raise ValueError(f"matrix must be one matrix, got shape {source.matrix.shape}")
+    noise = source(system, matrix, 1.0, ("matrix", "matrix", "1"))
+    if noise.matrix.ndim > 2:
+        raise ValueError(f"matrix must be one matrix, got shape {noise.matrix.shape}")
     turned, through = _normal(*_filter(filter))
     rates: list[tuple[int, float, float]] = []
     for order in range(_FIRST, most + 1, _STEP):
         size = math.comb(order + len(through), order) * subject.order * (subject.order + 1) // 2
         if size > _MOST:
             break
-        verdict = run("monodromy", _hierarchy(subject, source.matrix, turned, through, order))
+        moments = _hierarchy(subject, noise.matrix, turned, through, order)
+        if not seconds_needed(by_pieces.of_batch(moments))[0] <= _MOST_SECONDS:
+            raise ValueError(
+                f"matrix and filter must be of a size at which a period takes less than {_MOST_SECONDS:g} s, got more: "
+                "give them in the units of the system"
+            )
+        verdict = run("monodromy", moments)
         if not verdict.exponents:
             break
         rates.append((order, verdict.exponents[0].real, verdict.exponent_errors[0]))

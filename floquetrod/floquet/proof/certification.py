@@ -140,7 +140,10 @@ def certify(
             raise TypeError(f"{names} must follow a class or another callable: certify({kind}, ...), not a value")
         return _under_noise(equation, noise, interpretation, max_digits)
     if noise is not None or interpretation != "ito":
-        raise TypeError("noise is for a value; of a family, give one that makes fr.second_moments(system, noise)")
+        raise TypeError(
+            f"equation must be an equation or a system where noise is given, got {validate.short(equation)}; of a "
+            "family, give one that makes fr.second_moments(system, noise)"
+        )
     if equation is Mathieu and parameters.keys() & {"a", "q"}:
         parameters = _from_aq(parameters)
     boxed = [name for name, value in parameters.items() if isinstance(value, tuple) and name not in LISTS]
