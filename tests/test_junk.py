@@ -425,6 +425,7 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
             "far_force": None,
             "stop_early": False,
             "natural_curvature": 0.0,
+            "tool": None,
         },
     ),
 ]
