@@ -295,6 +295,29 @@ def test_bands_where_the_channel_bends_hold_all_that_grows(curvature: float, fix
         assert disagreements(bands, x, y, rate, tolerance) == []
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("plane", PLANES)
+@pytest.mark.parametrize("seed", range(12))
+def test_bands_of_random_rods_that_build_or_drop(plane: tuple[str, str], seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    curvature = float(rng.choice([-1.0, 1.0]) * 10.0 ** rng.uniform(-2.0, 0.0))
+    length, damping = 10.0 ** rng.uniform(-0.3, 0.8), rng.choice([0.0, 10.0 ** rng.uniform(-2.0, 1.0)])
+    rod = ROD.replace(length=float(length), damping_rate=float(damping), curvature=curvature)
+    lift = -rod.weight_per_length / curvature  # N, at this force the rod leaves its wall
+    room = rng.uniform(0.1, 3.0) * UNIT
+    near, far = lift + np.sign(rng.choice([-lift, lift])) * np.sort(rng.uniform(0.05, 1.0, 2)) * room
+    low, high, most = min(near, far), max(near, far), 0.95 * abs(near - lift)
+    windows = {"frequency": (30.0, 30.0 * rng.uniform(1.5, 6.0)), "mean": (low, high), "amplitude": (0.0, most)}
+    points = {name: rng.uniform(*ends, 1000) for name, ends in windows.items()}
+    (third,) = set(windows) - set(plane)
+    points[third][:] = np.mean(windows[third])
+    axes: dict[str, Any] = {name: (*ends, 2) for name, ends in windows.items()} | {third: float(points[third][0])}
+    bands = fr.stability_map(rod, **axes).find_bands(ACCURACY)
+    assert bands.resolution == (0.0, 0.0)
+    rate = rod.growth_rate(points["mean"], points["amplitude"], points["frequency"])
+    assert disagreements(bands, points[plane[0]], points[plane[1]], rate, 0.0) == []
+
+
 def test_bands_where_the_rod_leaves_its_wall_are_traced() -> None:
     lift = BENT.weight_per_length / 0.2
     rod = BENT.replace(curvature=-0.2)
