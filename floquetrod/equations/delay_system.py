@@ -240,7 +240,7 @@ class DelaySystem(ByContent):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """Leading shape of a batch, of which there are none: ()."""
+        """Leading shape of a batch, always empty, as one system is described."""
         return ()
 
     @property
