@@ -197,7 +197,11 @@ def test_boxes_of_functions_that_were_sampled(jumps: bool, rng: np.random.Genera
         (lambda w: fr.HillSystem(np.eye(1 + (w > 1.2))), ValueError, "got systems of different kinds or orders"),
         (lambda w: fr.HillSystem.from_pieces([(w, [[1.0]]), (1.0, [[2.0]])]), ValueError, "durations of pieces"),
         (lambda w: sampled(w, w * w), ValueError, "affine in each parameter over the box, got a coefficient"),
-        (lambda w: w, TypeError, r"equation\(w=1\) must return a HillSystem, a PeriodicSystem or an Equation, got 1.0"),
+        (
+            lambda w: w,
+            TypeError,
+            r"equation\(w=1\) must return a HillSystem, a PeriodicSystem, a DelaySystem or an Equation, got 1.0",
+        ),
         (
             lambda w: fr.HillSystem(np.ones((3, 1, 1))),
             ValueError,

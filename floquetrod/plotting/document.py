@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 from floquetrod._util import validate
 from floquetrod._util.files import atomic_file
 from floquetrod._util.report import Report
+from floquetrod.plotting import palette
 
 KINDS = (".html", ".pdf")
 """Endings of the files that can be written."""
@@ -21,10 +22,17 @@ _A4 = (8.27, 11.69)  # inches
 _COLUMNS, _ROWS = 92, 74  # of a page of text in 8.5 points
 _SALT = "floquetrod"  # so that the same figure has the same bytes
 
-_STYLE = """
-:root { color-scheme: light dark; --ink: #1a1a1a; --page: #ffffff; --line: #c8c8c8; }
-@media (prefers-color-scheme: dark) { :root { --ink: #e6e6e6; --page: #161616; --line: #4a4a4a; } }
-@media print { :root { --ink: #000000; --page: #ffffff; --line: #999999; } section { break-inside: avoid; } }
+_COLOURS = [
+    "; ".join(f"--{name}: {pair[shade]}" for name, pair in palette.PAGE.items()) for shade in (0, 1)
+]  # in light, in the dark
+_STYLE = (
+    f"""
+:root {{ color-scheme: light dark; {_COLOURS[0]}; }}
+@media (prefers-color-scheme: dark) {{ :root {{ {_COLOURS[1]}; }} }}
+@media print {{ :root {{ {_COLOURS[0]}; }} section {{ break-inside: avoid; }} }}
+img {{ background: {palette.STABLE}; }}
+"""
+    + """
 body { font: 16px/1.5 system-ui, sans-serif; color: var(--ink); background: var(--page); max-width: 52rem;
   margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; border-bottom: 1px solid var(--line); }
@@ -32,8 +40,9 @@ h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; border-bott
 th, td { text-align: left; vertical-align: top; padding: 0.15rem 0.9rem 0.15rem 0; }
 table + table { margin-top: 0.8rem; } th { font-weight: 600; white-space: nowrap; }
 td { overflow-wrap: break-word; } td:not(:last-child) { white-space: nowrap; }
-img { width: 100%; height: auto; background: #ffffff; border-radius: 4px; }
+img { width: 100%; height: auto; border-radius: 4px; }
 """
+)
 
 
 class Section(NamedTuple):
@@ -124,7 +133,7 @@ def _figure_page(pages: Any, title: str, draw: Callable[[], Any]) -> None:
 def _page() -> Any:
     from matplotlib.figure import Figure
 
-    return Figure(figsize=_A4, facecolor="white")
+    return Figure(figsize=_A4, facecolor=palette.STABLE)
 
 
 def _drawn(draw: Callable[[], Any], kind: str) -> bytes:

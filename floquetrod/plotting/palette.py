@@ -32,6 +32,9 @@ OPEN: dict[str, Any] = {"facecolor": NEUTRAL, "hatch": "xxxxxx", "edgecolor": "b
 BOX: dict[str, Any] = {"boxstyle": "round", "facecolor": STABLE, "edgecolor": "black", "linewidth": 0.6}
 """Style of the box about a remark."""
 
+PAGE = {"ink": ("#1a1a1a", "#e6e6e6"), "page": (STABLE, "#161616"), "line": ("#c8c8c8", "#4a4a4a")}
+"""Text, ground and lines of a page that shows pictures, in light and in the dark."""
+
 POINT: dict[str, Any] = {"marker": "o", "color": "black", "markerfacecolor": STABLE}
 """Style of a load, or of a mode that does not grow; one that grows is filled with black."""
 
