@@ -12,8 +12,9 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 DOCS_READY := $(VENV)/.docs-ready
 DIST_READY := $(VENV)/.dist-ready
-# Hypothesis and pytest write their own caches; worksteal keeps both workers busy to the end.
-PYTEST := $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
+# Hypothesis and pytest write their own caches; worksteal keeps both workers busy to the end.  Each has a core of its own,
+# which a second thread of OpenBLAS would take from the other.
+PYTEST := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n $(WORKERS) --dist worksteal
 # Tests marked "kernels" reach every kernel.  They run once more interpreted, where a kernel is seen to be the Python it
 # is written in and every index is checked; with `make slow` compiled with every index checked, too.
 # Four times the examples and more, of every test that draws some.
