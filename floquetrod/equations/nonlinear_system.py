@@ -46,15 +46,15 @@ class NonlinearSystem(ByContent):
 
     Parameters
     ----------
-    function : callable (t, x, **parameters) -> n numbers
+    function : callable (t, x, and parameters by name) -> n numbers
         f.  It is called with many instants at once, t (k,) and x (n, k), where that gives the same as one at a time:
         write it with numpy, ``def f(t, x, mu): return x[1], mu * (1 - x[0] ** 2) * x[1] - x[0]``.  One compiled by
         numba is called from compiled code, with x (n,).  One written ``f(t, x, p)``, or with ``parameters`` in place
         of ``p``, is given all of them there, as a mapping: ``p["mu"]``.
-    jacobian : callable (t, x, **parameters) -> (n, n), optional
+    jacobian : callable (t, x, and parameters by name) -> (n, n), optional
         Derivatives, that of component i with x[j] in row i and column j; checked against differences of ``function``.
         Left out, they are found by complex steps where f allows that, to rounding, else by differences.
-    period : float, str or callable (**parameters), optional
+    period : float, str or callable (of parameters by name), optional
         Period of f in t.  Where it depends on parameters: a formula such as "2*pi/omega", or a function of some.
     parameters : mapping of str to float
         Values of the parameters, by the names with which f takes them.
@@ -146,7 +146,7 @@ class NonlinearSystem(ByContent):
         ----------
         system : HillSystem
             The linear part.
-        force : callable (t, q, velocity, **parameters) -> n numbers
+        force : callable (t, q, velocity, and parameters by name) -> n numbers
             The nonlinear part and what drives it, on the right side; of arrays q (n, k) as a function of a system.
         period : float, str or callable, optional
             Of both together; by default that of the linear part, None where its coefficients are constant and the

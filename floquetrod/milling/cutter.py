@@ -144,7 +144,7 @@ class Cutter(ByContent):
         return tuple(found)
 
     def cutting(self, angle: Any) -> Floats:
-        """Return H, in Pa, of the modes, with a tooth at angles (array_like): of shape (*angle.shape, n, n)."""
+        """Return H, in Pa, of the modes, with a tooth at angles (array_like): of shape (..., n, n)."""
         angle = np.asarray(angle, dtype=float)
         entry, leave = self.angles
         teeth = angle[..., None] + self.pitch * np.arange(self.teeth)
