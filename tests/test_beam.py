@@ -273,6 +273,7 @@ def test_a_thousand_functions_are_orthonormal(word: str) -> None:
     assert np.diff(waves[-500:]) == pytest.approx(math.pi, rel=1e-10)
 
 
+@pytest.mark.slow
 def test_of_large_bases_only_the_last_is_kept() -> None:
     ends = Ends.of("clamped")
     small = beam.basis(ends, 20)

@@ -94,6 +94,7 @@ def test_a_pair_crosses_the_circle() -> None:
         point.switch()
 
 
+@pytest.mark.slow
 def test_a_period_doubling_and_the_doubled_orbit() -> None:
     orbit = fr.periodic_orbit(fr.NonlinearSystem(roessler, parameters={"c": 2.8}), [1.0, 1.0, 0.0], 5.77)
     branch = fr.follow(orbit, {"c": (2.8, 2.85)}, longest=0.5)

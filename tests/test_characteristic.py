@@ -41,6 +41,7 @@ def test_orders_0_to_40_to_1e_12(q: float) -> None:
             assert abs(value - true) <= 1e-12 * max(1.0, abs(true), abs(q)) * (8.0 if abs(q) > 1e3 else 1.0), order
 
 
+@pytest.mark.slow
 def test_against_twenty_digits() -> None:
     # The dense solver above is itself good to about 1e-12 of the matrix's norm only; these few are exact.
     with mpmath.workdps(40):

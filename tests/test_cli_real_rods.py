@@ -177,6 +177,7 @@ def test_the_exit_code_is_the_verdict(capsys: pytest.CaptureFixture[str]) -> Non
     assert said(capsys, "check", "--rod", WIRE, *stable, "--no-margins", "--exit-code").startswith("STABLE\n")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("asked_once")
 def test_margins_are_left_out_where_they_take_long(capsys: pytest.CaptureFixture[str]) -> None:
     text = said(capsys, "check", "--rod", WIRE, *PUSH, "--modes", "1-51")

@@ -48,6 +48,7 @@ def test_tells_all_a_user_needs(capsys: pytest.CaptureFixture[str]) -> None:
         assert re.search(line, text), line
 
 
+@pytest.mark.slow
 def test_what_has_not_buckled_yet_says_when_it_will(capsys: pytest.CaptureFixture[str]) -> None:
     early = answer(capsys, "--kick", "7:0.1mm/s", "--duration", "0.6s")
     late = answer(capsys, "--kick", "7:0.1mm/s", "--duration", "1.8s")
@@ -93,6 +94,7 @@ ends = "clamped-hinged"
 """
 
 
+@pytest.mark.slow
 def test_real_rods_and_loads(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "well.toml"
     file.write_text(WELL, encoding="utf-8")
@@ -176,6 +178,7 @@ def test_too_few_segments_are_a_note(capsys: pytest.CaptureFixture[str]) -> None
     assert answer(capsys, "--kick", "7:0.1mm/s")["note"] == ""
 
 
+@pytest.mark.slow
 def test_a_rod_that_buckles_and_one_that_friction_holds(capsys: pytest.CaptureFixture[str]) -> None:
     load = ["--mean", "1.1Fcr", "--amplitude", "0", "--duration", "0.6s"]
     free = answer(capsys, *load)

@@ -37,7 +37,11 @@ def test_what_is_about_no_command_imports_none(arguments: list[str]) -> None:
     ("line", "absent"),
     [
         (CHECK, {"simulation", "ensembles", "explorer", "studies"}),
-        ("compare --alpha 0.5 --beta -0.25", {"rod", "simulation", "ensembles", "explorer", "friction", "studies"}),
+        pytest.param(
+            "compare --alpha 0.5 --beta -0.25",
+            {"rod", "simulation", "ensembles", "explorer", "friction", "studies"},
+            marks=pytest.mark.slow,
+        ),
         ("simulate --help", {"ensembles", "explorer", "studies"}),
         ("reproduce --help", {"rod", "simulation", "ensembles", "explorer", "studies"}),
     ],

@@ -487,7 +487,9 @@ def test_a_buckling_load_is_undecided_without_vibration() -> None:
 # --- damping ---
 
 
-@pytest.mark.parametrize("kind", ["sine", pytest.param("harmonics", marks=pytest.mark.slow), "wave"])
+@pytest.mark.parametrize(
+    "kind", ["sine", *(pytest.param(kind, marks=pytest.mark.slow) for kind in ("harmonics", "wave"))]
+)
 def test_damping_stabilises_from_where_it_is_said_to(kind: str) -> None:
     needed = verdict(kind).damping_to_stabilise
     assert 0.02 < needed < math.inf
@@ -585,6 +587,7 @@ def test_what_like_may_be() -> None:
 # --- what a verdict carries ---
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["sine", "wave"])
 def test_the_shape_belongs_to_the_fastest_solution(kind: str) -> None:
     found = verdict(kind)

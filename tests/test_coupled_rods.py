@@ -251,6 +251,7 @@ def test_a_rod_turned_round_grows_alike(ends: str) -> None:
         assert rates[0] == pytest.approx(rates[1], rel=1e-7)
 
 
+@pytest.mark.slow
 def test_finite_differences_turned_round_grow_alike() -> None:
     rod = SHORT.replace(ends="clamped-free", inclination=1.0)
     model = cases.model(rod, growing(rod, "free"))

@@ -85,6 +85,7 @@ def test_the_test_differs_from_its_threshold_only_beside_it() -> None:
     assert not (fr.mathieu.is_stable(ALPHA, BETA) & ~criterion.is_stable(ALPHA, BETA)).any()
 
 
+@pytest.mark.slow
 def test_charts_and_maps_take_the_criterion() -> None:
     criterion = fr.FiniteTimeCriterion()
     chart = fr.mathieu.chart((0.0, 3.0, 30), (-2.0, 0.5, 20), criterion=criterion)

@@ -246,6 +246,7 @@ def test_a_file_of_another_study_that_appears_meanwhile_is_left_alone(tmp_path: 
     assert place.read_bytes() == content
 
 
+@pytest.mark.slow
 def test_ctrl_c_while_a_store_is_made_leaves_nothing_beside_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from zarr.storage import LocalStore
 

@@ -83,6 +83,7 @@ def test_the_damping_that_stabilises_is_that_of_the_system(alpha: float, beta: f
         assert fr.stability(fr.Mathieu(alpha, beta, damping + found * (1.0 - 1e-8))).status == "unstable"
 
 
+@pytest.mark.slow
 @settings(max_examples=depth(20, 3), deadline=None)
 @given(EQUATIONS)
 def test_floquet_solutions_are_those_of_the_system(equation: fr.Mathieu | fr.Hill) -> None:

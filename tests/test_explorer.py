@@ -264,6 +264,7 @@ def test_without_the_weight_along_it_an_inclined_rod_has_independent_modes() -> 
     assert "--mean-at none" in commands.command(rod, shown.load, shown._units, ["--rod", "x.toml"])
 
 
+@pytest.mark.slow
 def test_the_command_gives_the_same_verdict(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     path = tmp_path / "my rod.toml"
     path.write_text(

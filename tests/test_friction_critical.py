@@ -102,6 +102,7 @@ def test_some_smallest_kicks_against_scans() -> None:
     assert scan(slowly_growing_points(np.random.default_rng(6), 4), 50)[3:] == (0, 0)
 
 
+@pytest.mark.slow
 def test_scans_notice() -> None:
     points = unstable_points(np.random.default_rng(7), 40)
     assert scan(points, 50, found_over=1.02).too_high > 10

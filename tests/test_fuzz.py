@@ -50,7 +50,7 @@ TRUST = (ROOT / "docs" / "theory" / "trust.md").read_text(encoding="utf-8")
 ROD = fr.Rod.nitinol()
 
 
-LONG = ("terminal", "disks", "real_rods", "concurrency", "margins", "kills", "kicks")
+LONG = ("terminal", "disks", "real_rods", "concurrency", "margins", "kills", "kicks", "systems", "ranges", "files")
 """Attacks that take a second and more."""
 
 

@@ -92,6 +92,7 @@ def test_growth_of_a_combination_resonance(damping: float, per_period: float) ->
         assert fit.rate == pytest.approx(verdict.growth_rate, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_random_systems_within_the_error(rng: np.random.Generator) -> None:
     """Fresh systems in every run; growth is followed until it prevails."""
     for _ in range(5):
@@ -172,6 +173,7 @@ def test_a_simulated_rod_grows_as_theory_with_the_wave_says_within_the_error() -
     assert repr(fit).startswith("4.24")
 
 
+@pytest.mark.slow
 def test_a_simulated_tube_in_a_clamped_damped_inclined_channel() -> None:
     rod = ROD.replace(
         inner_radius=0.4e-3, ends="clamped", damping_rate=0.5, inclination=math.radians(70.0), fluid_inside=1000.0

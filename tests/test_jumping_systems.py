@@ -313,6 +313,7 @@ def test_the_damping_that_stabilises() -> None:
         assert fr.stability(damped).status == status
 
 
+@pytest.mark.slow
 def test_errors_of_coefficients_decide_nothing() -> None:
     """A verdict holds for all coefficients within their error, whatever finds it."""
     for system in (SQUARE, MADE["damped"], fr.HillSystem(STIFF, cosines=[SOFT], period=2.9)):
@@ -641,6 +642,7 @@ def drawn(rng: np.random.Generator) -> fr.HillSystem | fr.PeriodicSystem:
     return fr.HillSystem.from_pieces(pieces, **others)
 
 
+@pytest.mark.slow
 def test_stated_errors_cover_the_truth_of_random_pieces(rng: np.random.Generator) -> None:
     for _ in range(depth(150, 8)):
         system = drawn(rng)
@@ -689,6 +691,7 @@ def test_a_series_cut_into_pieces_is_the_same_system(rng: np.random.Generator) -
         assert np.allclose(*ends, rtol=1e-12, atol=1e-12 * np.abs(ends[0]).max())
 
 
+@pytest.mark.slow
 def test_the_same_ramps_written_otherwise(rng: np.random.Generator) -> None:
     """Cut further, begun later in the period, and in another unit of time."""
     for _ in range(depth(60, 2)):
@@ -737,6 +740,7 @@ def test_floquet_solutions_begin_within_their_error(seed: int) -> None:
             assert off <= mode.error * size < 1e-13
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MADE)
 def test_the_matrix_of_a_verdict_is_the_map_within_its_error(name: str) -> None:
     truth, (matrix, error) = true_map(MADE[name]), fr.stability(MADE[name]).monodromy

@@ -214,7 +214,11 @@ AT_16 = "16 is taken in rad/s: at 16 rad/s no mode grows, at 16 Hz one does"
             f"--mark frequency {AT_16}",
         ),
         (["simulate", *STRENGTH, "--duration", "2ms", "--frequency", "16"], f"--frequency {AT_16}"),
-        (["explore", *STRENGTH, "--out", "explorer.png", "--frequency", "16"], f"--frequency {AT_16}"),
+        pytest.param(
+            ["explore", *STRENGTH, "--out", "explorer.png", "--frequency", "16"],
+            f"--frequency {AT_16}",
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_a_bare_frequency_whose_hertz_change_the_verdict_is_told(

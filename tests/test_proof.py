@@ -149,6 +149,7 @@ def test_square_wave_agrees_with_the_reference(equation: Meissner) -> None:
     assert_agrees(equation)
 
 
+@pytest.mark.slow
 @given(hills(harmonics=3))
 @settings(max_examples=depth(25, 6))
 @example(Hill(0.0, (1.0,)))

@@ -92,6 +92,7 @@ def scan_a_rod(modes: float, mean: float, amplitude: float, speed: float, power:
         scan(rod, ranges, fixed, 1500)
 
 
+@pytest.mark.slow
 @settings(max_examples=3)
 @RODS_AND_LOADS
 def test_dense_scans_of_random_rods(modes: float, mean: float, amplitude: float, speed: float, power: float) -> None:

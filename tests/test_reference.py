@@ -245,6 +245,7 @@ def test_vibration_stabilised_strip() -> None:
     assert reference(Mathieu(1.0, 0.378488, damping=0.03)).status == "unstable"  # damping destabilises
 
 
+@pytest.mark.slow
 def test_tiny_parameters() -> None:
     verdict = reference(Mathieu(1e-300, -0.25))
     assert verdict.status == "unstable"

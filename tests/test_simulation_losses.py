@@ -32,7 +32,8 @@ def nursery(what: str, folder: Path, count: int, rng: np.random.Generator) -> di
     return found
 
 
-@pytest.mark.parametrize("count", [3, pytest.param(100, marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [3, 100])
 def test_runs_killed_during_saves_end_in_the_same_bits(tmp_path: Path, rng: np.random.Generator, count: int) -> None:
     found = nursery("kills", tmp_path, count, rng)
     assert (found["killed"], found["wrong"], found["finished"]) == (count, 0, True), found

@@ -29,6 +29,7 @@ def test_a_stable_load_without_a_large_orbit_leaves_the_rod_at_rest() -> None:
     assert "at rest" in repr(found)
 
 
+@pytest.mark.slow
 def test_the_motion_of_a_short_rod_obeys_its_equations() -> None:
     under = load(0.1, 0.3, 110.0)
     found = SHORT.steady_motion(under)

@@ -411,6 +411,7 @@ def test_nothing_grows_exactly_and_nothing_is_said_to(name: str) -> None:
             assert all(abs(e.real) <= error for e, error in zip(result.exponents, result.exponent_errors, strict=True))
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore::floquetrod.UndecidedWarning")  # what is undecided contradicts nothing
 def test_stated_errors_cover_exponents_that_are_known(rng: np.random.Generator) -> None:
     wrong = [line for _ in range(depth(8, 1)) for line in neutral.disagreements(rng)]

@@ -73,7 +73,8 @@ def test_the_same_input_has_the_same_bits(
     assert len(asked(lambda: bits(fr.stability(SYSTEMS[kind](n))), rng, _CALLS if n < 8 else depth(60, 15))) == 1
 
 
-@pytest.mark.parametrize("kind", ["undamped", pytest.param("damped", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["undamped", "damped"])
 def test_every_method_and_arrays_have_the_same_bits(
     kind: str, monkeypatch: pytest.MonkeyPatch, rng: np.random.Generator
 ) -> None:

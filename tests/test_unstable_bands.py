@@ -187,6 +187,7 @@ def test_bands_of_coupled_modes() -> None:
     assert "damping rate above which that load is stable" in found.table("rad/s", 1.0)
 
 
+@pytest.mark.slow
 def test_the_required_damping_is_refined_to_the_worst_load() -> None:
     # Two samples next to the worst load tie, and three refinements left 5e-7 of the damping out.
     rod = fr.Rod(182.645e9, 3499.19, 0.552784e-3, 1.20374, 0.944477e-3, damping_rate=0.80377)
