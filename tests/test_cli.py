@@ -117,7 +117,7 @@ def test_examples_in_the_help_can_be_typed(capsys: pytest.CaptureFixture[str]) -
     assert len(commands) > 5
     for command in commands:
         with pytest.raises(SystemExit):
-            cli.main([command, "--help"])
+            cli.main([command, "--help-all"])
         examples = re.findall(r"^  floquetrod (.*)$", capsys.readouterr().out, re.MULTILINE)
         assert examples, command
         for example in examples:

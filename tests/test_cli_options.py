@@ -50,3 +50,23 @@ def test_quantities_say_what_they_are_in() -> None:
         text = _COMMANDS[name].format_help()
         assert "forces       N, kN" in text
         assert "Fcr (the critical force of the rod), % (of that force)" in text
+
+
+@pytest.mark.parametrize("name", sorted(_COMMANDS))
+def test_help_shows_five_options_and_the_examples_and_help_all_everything(
+    name: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    command = _COMMANDS[name]
+    shown = {}
+    for option in ("--help", "--help-all"):
+        with pytest.raises(SystemExit) as stop:
+            command.parse_args([option])
+        assert stop.value.code == 0
+        shown[option] = capsys.readouterr().out
+    assert shown["--help-all"] == command.format_help()
+    listed = re.findall(r"^  (?!floquetrod)(\S+)", shown["--help"].partition("\nexamples:")[0], re.MULTILINE)
+    assert len(listed) == 2 + len(command.common) <= 2 + 5  # two of them --help and --help-all
+    assert set(command.common) <= {action.dest for action in command._actions}
+    examples = re.findall(r"^  floquetrod .*$", shown["--help-all"], re.MULTILINE)
+    assert examples == re.findall(r"^  floquetrod .*$", shown["--help"], re.MULTILINE)
+    assert shown["--help"].rstrip().endswith(f"floquetrod {name} --help-all")

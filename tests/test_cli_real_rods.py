@@ -412,6 +412,6 @@ def test_help_teaches_real_rods(capsys: pytest.CaptureFixture[str]) -> None:
         ("map", ("examples/wire.toml", "--wave free")),
     ):
         with pytest.raises(SystemExit):
-            cli.main([command, "--help"])
+            cli.main([command, "--help-all"])
         text = capsys.readouterr().out
         assert [word for word in words if word not in text] == []

@@ -331,7 +331,7 @@ def test_options_that_do_not_go_together(
 
 def test_the_file_in_the_help_is_a_system(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
-        cli.main(["check", "--help"])
+        cli.main(["check", "--help-all"])
     shown = capsys.readouterr().out
     found = re.search(r"^  \[system\]\n(?:  \w+ = .*\n)+", shown, re.MULTILINE)
     assert found is not None

@@ -12,6 +12,7 @@ from floquetrod._util.suggest import did_you_mean
 from floquetrod.cli import system
 from floquetrod.cli.common import (
     LARGEST,
+    ROD_AND_LOAD,
     ROD_OPTIONS,
     add_rod,
     add_units,
@@ -31,7 +32,7 @@ from floquetrod.cli.loads import (
     warn_of_hertz,
 )
 from floquetrod.cli.output import Output, names, output
-from floquetrod.cli.parser import whole_number
+from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.proof.region import RegionProof
 from floquetrod.floquet.proof.result import MAX_BOXES
@@ -67,12 +68,14 @@ _STATUS = {"stable": 0, "unstable": 1, "mixed": 1, "undecided": 3}
 """Exit statuses of --exit-code."""
 
 
-def add(certify: argparse.ArgumentParser) -> None:
+def add(certify: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(certify, _HELP, _certify)
+    describe_command(certify, _HELP, _certify, ("system", *ROD_AND_LOAD))
     subject = certify.add_mutually_exclusive_group(required=True)
     subject.add_argument(
-        "--system", metavar="FILE", help="a TOML or npz file with the matrices of a system, see floquetrod check --help"
+        "--system",
+        metavar="FILE",
+        help="a TOML or npz file with the matrices of a system, see floquetrod check --help-all",
     )
     add_rod(certify, subject)
     add_units(certify)

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import floquetrod as fr
 from floquetrod._util.report import Report
 from floquetrod.cli.common import (
+    ROD_AND_LOAD,
     ROD_OPTIONS,
     add_friction,
     add_rod,
@@ -34,6 +35,7 @@ from floquetrod.cli.loads import (
     warn_of_hertz,
 )
 from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import Waiting
 from floquetrod.floquet.registry import METHODS
 from floquetrod.floquet.status import STATUS_CODES, Status
@@ -106,12 +108,14 @@ _OF_A_ROD = (
 _LAST_MODE = 20_000  # far beyond any mode that matters: a typing error must not fill the memory
 
 
-def add(check: argparse.ArgumentParser) -> None:
+def add(check: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(check, _HELP, _check)
+    describe_command(check, _HELP, _check, ("system", *ROD_AND_LOAD))
     subject = check.add_mutually_exclusive_group(required=True)
     subject.add_argument(
-        "--system", metavar="FILE", help="a TOML or npz file with the matrices of a system, see floquetrod check --help"
+        "--system",
+        metavar="FILE",
+        help="a TOML or npz file with the matrices of a system, see floquetrod check --help-all",
     )
     add_rod(check, subject)
     add_friction(check)

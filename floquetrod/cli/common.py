@@ -15,7 +15,7 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.suggest import did_you_mean
 from floquetrod.cli.messages import option
-from floquetrod.cli.parser import ratio
+from floquetrod.cli.parser import Parser, ratio
 from floquetrod.cli.waiting import say
 from floquetrod.units import Unit
 
@@ -29,13 +29,20 @@ _SHOWN = ("force", "frequency", "speed")  # kinds of quantity that --unit is for
 _MOST_POINTS = 25_000_000  # half a gigabyte with growth rates
 
 
-def describe_command(command: argparse.ArgumentParser, text: str, run: Any) -> None:
-    """Give a command its help, which begins with the first paragraph of ``text`` and ends with the rest."""
+def describe_command(command: Parser, text: str, run: Any, common: Sequence[str]) -> None:
+    """Give a command its help, which begins with the first paragraph of ``text`` and ends with the rest.
+
+    The first paragraph of that rest are the examples; ``common`` are the options that --help shows, at most five.
+    """
+    command.show_most_used(*common)
     command.description, _, command.epilog = text.partition("\n\n")
     command.formatter_class = argparse.RawDescriptionHelpFormatter
     command.add_argument("--json", action="store_true", help="print JSON, units in the names")
     command.set_defaults(run=run)
 
+
+ROD_AND_LOAD = ("rod", "mean", "amplitude", "frequency")
+"""Options that every question about a rod under a load needs."""
 
 ROD_OPTIONS = (
     *("rod", "length", "bore", "inclination", "curvature"),

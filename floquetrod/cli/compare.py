@@ -7,7 +7,7 @@ import argparse
 import floquetrod as fr
 from floquetrod.cli.common import describe_command
 from floquetrod.cli.output import Output, output
-from floquetrod.cli.parser import real_number
+from floquetrod.cli.parser import Parser, real_number
 from floquetrod.cli.waiting import Waiting
 
 _HELP = """\
@@ -19,9 +19,9 @@ examples:
 """
 
 
-def add(compare: argparse.ArgumentParser) -> None:
+def add(compare: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(compare, _HELP, _compare)
+    describe_command(compare, _HELP, _compare, ("alpha", "beta", "damping", "waveform", "json"))
     compare.add_argument("--alpha", required=True, type=real_number, help="amplitude of the coefficient")
     compare.add_argument("--beta", required=True, type=real_number, help="mean of the coefficient")
     compare.add_argument("--damping", type=real_number, default=0.0, help="c, per unit tau (default 0)")

@@ -19,7 +19,7 @@ import floquetrod as fr
 from floquetrod._util.tables import require_file
 from floquetrod.cli.common import describe_command, warnings_at_once
 from floquetrod.cli.output import Output, output
-from floquetrod.cli.parser import ratio, whole_number
+from floquetrod.cli.parser import Parser, ratio, whole_number
 from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.ensembles.overview import Overview, Row
 
@@ -64,9 +64,9 @@ _REASONS = 5  # kinds of failure that are printed, the most frequent ones
 _LOGGED = 60.0  # s between lines of progress where stderr is a log: a thousand in a night
 
 
-def add(command: argparse.ArgumentParser) -> None:
+def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _ensemble)
+    describe_command(command, _HELP, _ensemble, ("study", "store", "workers", "part", "json"))
     command.add_argument("study", type=Path, help="TOML file: what is simulated, and what is varied")
     command.add_argument(
         "--store", metavar="FILE", type=Path, help="folder.zarr or file.npz to write while results come"

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import floquetrod as fr
 from floquetrod.cli.common import (
+    ROD_AND_LOAD,
     ROD_OPTIONS,
     add_rod,
     add_units,
@@ -26,6 +27,7 @@ from floquetrod.cli.loads import (
 )
 from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, output
+from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import say
 from floquetrod.explorer.limits import Scale
 from floquetrod.plotting import charts
@@ -56,9 +58,9 @@ a secret, is printed, and nobody can open the page without it; Ctrl-C ends the p
 _LAST_PORT = 65_535
 
 
-def add(explore: argparse.ArgumentParser) -> None:
+def add(explore: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(explore, _HELP, _explore)
+    describe_command(explore, _HELP, _explore, (*ROD_AND_LOAD, "web"))
     add_rod(explore, classified=False)
     add_units(explore)
     for name in KINDS:

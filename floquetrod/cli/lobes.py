@@ -12,6 +12,7 @@ from floquetrod import units
 from floquetrod._util.tables import require_file
 from floquetrod.cli.common import check_out, describe_command, read_points
 from floquetrod.cli.output import Output, output
+from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import Waiting
 from floquetrod.milling.tool_file import read_tool
 
@@ -34,9 +35,9 @@ numbers (floquetrod.Chart.load reads it); --out may be repeated.
 _KINDS = {"speed": "frequency", "depth": "length"}
 
 
-def add(command: argparse.ArgumentParser) -> None:
+def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _lobes)
+    describe_command(command, _HELP, _lobes, ("tool", "speed", "depth", "at", "out"))
     command.add_argument("tool", metavar="FILE", type=Path, help="the cutter, a TOML file")
     command.add_argument("--speed", metavar="LOW:HIGH", help="spindle speeds, such as 5000rpm:10000rpm")
     command.add_argument("--depth", metavar="LOW:HIGH", help="axial depths of cut, such as 0mm:4mm")

@@ -8,6 +8,7 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod.cli.common import add_coefficient, add_rod, describe_command, read_rod
 from floquetrod.cli.output import Output, output
+from floquetrod.cli.parser import Parser
 
 _HELP = """\
 Say how far a string of this section, of any length, can be pushed down the channel before it locks up.
@@ -21,9 +22,9 @@ end moves the lower one.  With --push also how long a string that force can push
 """
 
 
-def add(command: argparse.ArgumentParser) -> None:
+def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _lock_up)
+    describe_command(command, _HELP, _lock_up, ("rod", "bore", "length", "friction", "push"))
     add_rod(command, classified=False)
     add_coefficient(command, "required")
     command.add_argument("--far-force", metavar="FORCE", help="mean force at the lower end (default: 0)")

@@ -154,6 +154,7 @@ _EPILOG = """\
 examples:
   floquetrod check --rod nitinol --mean 0.2Fcr --amplitude 0.2Fcr --frequency 150rad/s
   floquetrod check --help
+  floquetrod check --help-all
 
 completion, once floquetrod[completion] is installed:
   floquetrod --print-completion bash > ~/.local/share/bash-completion/completions/floquetrod

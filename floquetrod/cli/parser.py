@@ -17,12 +17,38 @@ _OPTION = re.compile(rf"([{_DASHES}]{{1,2}})([A-Za-z][\w-]*)(=.*)?", re.DOTALL)
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line; ``elsewhere`` returns what to say of an option that others have, or ""."""
+    """A parser whose errors are one line, and whose --help can leave options to --help-all.
+
+    ``elsewhere`` returns what to say of an option that others have, or ""; ``common`` names what --help shows.
+    """
 
     elsewhere: Callable[[str], str] = staticmethod(lambda _: "")
+    common: tuple[str, ...] = ()
 
     def __init__(self, **options: Any) -> None:
-        super().__init__(**options, exit_on_error=False)  # but raise errors, which know the option that they are about
+        # Errors are raised, which know the option that they are about.
+        super().__init__(**options, add_help=False, exit_on_error=False)
+        self.add_argument("-h", "--help", action=_Help, help="show help and exit")
+
+    def show_most_used(self, *common: str) -> None:
+        """Let --help show these options alone, with the examples, and --help-all everything."""
+        self.common = common
+        self.add_argument("--help-all", action=argparse._HelpAction, help="show all options, with details, and exit")
+
+    def format_short_help(self) -> str:
+        """Return the help without options that few need, and without what follows the examples."""
+        if not self.common:
+            return self.format_help()
+        shown = [each for each in self._actions if each.dest in ("help", "help_all", *self.common)]
+        formatter = self._get_formatter()
+        formatter.add_usage(self.usage, shown, self._mutually_exclusive_groups)
+        formatter.add_text(self.description)
+        formatter.start_section("options")
+        formatter.add_arguments(shown)
+        formatter.end_section()
+        formatter.add_text((self.epilog or "").partition("\n\n")[0])
+        formatter.add_text(f"all {len(self._actions)} options, with details: {self.prog} --help-all")
+        return formatter.format_help()
 
     def error(self, message: str) -> NoReturn:
         """Raise ValueError, which the terminal shows as one line."""
@@ -71,6 +97,14 @@ class Parser(argparse.ArgumentParser):
         option = "--" + written[2].replace("_", "-")
         of_another = "" if option in known else self.elsewhere(option)
         self.error(f"unknown option {typed}{of_another or did_you_mean(option, known)}")
+
+
+class _Help(argparse._HelpAction):
+    """Show the short help and exit."""
+
+    def __call__(self, parser: Any, *_: Any) -> None:
+        parser._print_message(parser.format_short_help())
+        parser.exit()
 
 
 def _alone(word: str, words: Sequence[str], options: Any) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import (
+    ROD_AND_LOAD,
     add_rod,
     add_units,
     describe_command,
@@ -26,6 +27,7 @@ from floquetrod.cli.loads import (
     warn_of_hertz,
 )
 from floquetrod.cli.output import Output, output
+from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import Waiting
 from floquetrod.rod.model.constants import SLOW_GROWTH
 
@@ -51,9 +53,9 @@ stabilises the load with the fastest growth.
 """
 
 
-def add(ranges: argparse.ArgumentParser) -> None:
+def add(ranges: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(ranges, _HELP, _ranges)
+    describe_command(ranges, _HELP, _ranges, (*ROD_AND_LOAD, "growth_tolerance"))
     add_rod(ranges)
     add_units(ranges)
     add_kind(ranges)

@@ -9,6 +9,7 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod.cli.common import add_rod, add_survey_units, check_out, describe_command, read_rod, read_survey
 from floquetrod.cli.output import Output, output
+from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import Waiting
 
 _HELP = """\
@@ -30,9 +31,9 @@ depths; forces are effective, push positive; without --push the upper end is pus
 """
 
 
-def add(command: argparse.ArgumentParser) -> None:
+def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _reach)
+    describe_command(command, _HELP, _reach, ("well", "rod", "friction", "tool", "figure"))
     add_well(command, required=True)
     add_survey_units(command)
     add_rod(command, classified=False, in_a_well=True)

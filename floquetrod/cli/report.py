@@ -9,9 +9,19 @@ from pathlib import Path
 
 import floquetrod as fr
 from floquetrod.cli import reach
-from floquetrod.cli.common import add_rod, add_units, check_out, describe_command, read_rod, read_tolerance, read_units
+from floquetrod.cli.common import (
+    ROD_AND_LOAD,
+    add_rod,
+    add_units,
+    check_out,
+    describe_command,
+    read_rod,
+    read_tolerance,
+    read_units,
+)
 from floquetrod.cli.loads import add_kind, add_load, read_kind, read_load, read_record, require_quantities
 from floquetrod.cli.output import Output, names, output
+from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import Waiting
 
 _HELP = """\
@@ -28,9 +38,9 @@ and the command that makes it again; with --well how far the string can be pushe
 """
 
 
-def add(command: argparse.ArgumentParser) -> None:
+def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _report)
+    describe_command(command, _HELP, _report, (*ROD_AND_LOAD, "out"))
     add_rod(command)
     add_load(command)
     add_kind(command)

@@ -9,6 +9,7 @@ from typing import Any
 
 from floquetrod.cli.common import describe_command
 from floquetrod.cli.output import Output, output
+from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import say
 
 _HELP = """\
@@ -26,9 +27,9 @@ on a claim differs from the one that this version expects.
 """
 
 
-def add(reproduce: argparse.ArgumentParser) -> None:
+def add(reproduce: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(reproduce, _HELP, _reproduce)
+    describe_command(reproduce, _HELP, _reproduce, ("quick", "simulations", "out", "json"))
     reproduce.add_argument("--quick", action="store_true", help="coarser maps, in seconds")
     reproduce.add_argument("--simulations", action="store_true", help="simulate the rods of Figures 4 and 7, too")
     reproduce.add_argument(

@@ -14,6 +14,7 @@ import floquetrod as fr
 from floquetrod import units
 from floquetrod._util.files import writable
 from floquetrod.cli.common import (
+    ROD_AND_LOAD,
     add_coefficient,
     add_rod,
     add_units,
@@ -33,7 +34,7 @@ from floquetrod.cli.loads import (
 )
 from floquetrod.cli.messages import option
 from floquetrod.cli.output import Output, names, output
-from floquetrod.cli.parser import whole_number
+from floquetrod.cli.parser import Parser, whole_number
 from floquetrod.cli.waiting import Waiting, roughly, say
 from floquetrod.rod.loads.load import Load
 from floquetrod.simulation.starts import read_perturbation
@@ -74,9 +75,9 @@ _MOST_FRAMES = 100_000  # unless --frames names more (a choice)
 _LONG = 60.0  # s: of runs that take longer, this is said at their beginning (a choice)
 
 
-def add(command: argparse.ArgumentParser) -> None:
+def add(command: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(command, _HELP, _simulate)
+    describe_command(command, _HELP, _simulate, (*ROD_AND_LOAD, "duration"))
     add_rod(command, classified=False)
     add_units(command)
     add_load(command)

@@ -8,6 +8,7 @@ from typing import Any
 
 import floquetrod as fr
 from floquetrod.cli.common import (
+    ROD_AND_LOAD,
     add_friction,
     add_rod,
     add_units,
@@ -31,6 +32,7 @@ from floquetrod.cli.loads import (
     warn_of_hertz,
 )
 from floquetrod.cli.output import Output, output
+from floquetrod.cli.parser import Parser
 from floquetrod.cli.waiting import Waiting
 from floquetrod.rod.loads.load import KINDS, Quantity
 
@@ -60,9 +62,9 @@ millisecond or more: begin with few points.
 """
 
 
-def add(chart: argparse.ArgumentParser) -> None:
+def add(chart: Parser) -> None:
     """Add help and options of the command to its parser."""
-    describe_command(chart, _HELP, _map)
+    describe_command(chart, _HELP, _map, (*ROD_AND_LOAD, "out"))
     add_rod(chart)
     add_friction(chart)
     add_units(chart)

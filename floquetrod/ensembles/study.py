@@ -126,7 +126,7 @@ class Study:
         """Read a study file.
 
         Its tables are [rod], which may also be nitinol or the name of a rod file, [load], [run], [start], [over] and
-        [ensemble]; ``floquetrod ensemble --help`` shows one.  Files that it names lie beside it.
+        [ensemble]; ``floquetrod ensemble --help-all`` shows one.  Files that it names lie beside it.
 
         Raises
         ------
