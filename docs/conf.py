@@ -14,9 +14,11 @@ from sphinx.highlighting import PygmentsBridge
 
 import floquetrod
 
-HERE = Path(__file__).parent
-sys.path.append(str(HERE))  # where Sphinx finds gallery_order and our extensions
+sys.path.append(str(Path(__file__).parent))  # where Sphinx finds gallery_order and our extensions
 
+import executed
+
+HERE = Path(__file__).parent
 project = "floquetrod"
 author = "The floquetrod developers"
 project_copyright = author
@@ -30,6 +32,7 @@ extensions = [
     "sphinx.ext.napoleon",
     "sphinx_gallery.gen_gallery",
     "command_pages",
+    "executed",
     "formulas",
     "search_excerpts",
 ]
@@ -63,7 +66,8 @@ mathjax3_config = {"svg": {"fontCache": "global"}, "options": {"enableMenu": Fal
 # --- pages that execute -----------------------------------------------------------------------------------------------
 myst_enable_extensions = ["dollarmath", "amsmath", "deflist"]
 myst_heading_anchors = 3
-nb_execution_mode = "force"  # "cache" would serve what an older package computed
+nb_execution_mode = "cache"
+nb_execution_cache_path = executed.cache()  # which has nothing that another package computed
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_execution_in_temp = True
@@ -88,7 +92,7 @@ sphinx_gallery_conf = {
     "gallery_dirs": "gallery",
     "within_subsection_order": "gallery_order.GalleryOrder",
     "filename_pattern": r"\.py$",
-    "run_stale_examples": True,  # an example unchanged is not a package unchanged
+    "run_stale_examples": executed.are_examples_stale(),  # an example unchanged is not a package unchanged
     "abort_on_example_error": True,
     "only_warn_on_example_error": False,
     "download_all_examples": False,

@@ -170,8 +170,8 @@ def test_a_page_executes_and_each_mistake_in_its_derivations_is_found(page: str)
 def build(site: Path, page: str, example: str) -> subprocess.CompletedProcess[str]:
     """Build a site of one page and one example with the real configuration, as `make docs` does."""
     docs, examples = site / "docs", site / "examples"
-    docs.mkdir()
-    examples.mkdir()
+    docs.mkdir(exist_ok=True)
+    examples.mkdir(exist_ok=True)
     for path in [*DOCS.glob("*.py"), *DOCS.glob("*.css"), *DOCS.glob("*.js")]:
         shutil.copy(path, docs)
     shutil.copy(ROOT / "examples/GALLERY_HEADER.rst", examples)
@@ -180,6 +180,11 @@ def build(site: Path, page: str, example: str) -> subprocess.CompletedProcess[st
     (docs / "index.md").write_text(
         "# Site\n\n```{toctree}\npage\ngallery/index\nreference/commands/index\n```\n", encoding="utf-8"
     )
+    return rebuild(site)
+
+
+def rebuild(site: Path) -> subprocess.CompletedProcess[str]:
+    """Build the site again with what is there."""
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-T", "-q", "docs", "html"]
     return subprocess.run(command, capture_output=True, text=True, cwd=site)
 
@@ -379,3 +384,40 @@ def test_what_pages_name_exists() -> None:
     assert {page.name: lost for page in pages if (lost := lost_names(page.read_text(encoding="utf-8")))} == {}
     wrong = "`fr.no`, `Rod.no(1)`, `rod/no.py`, `fr.Rod.stability`, `rod/rod.py`"
     assert lost_names(wrong) == ["no", "Rod.no", "rod/no.py"]
+
+
+def test_what_is_executed_depends_on_code_and_on_nothing_that_a_reader_of_it_only_sees(tmp_path: Path) -> None:
+    module = runpy.run_path(str(DOCS / "executed.py"))
+    package = tmp_path / "package"
+    package.mkdir()
+    digests = []
+    for text in ('def f():\n    """Say."""\n    return 1', "def f():\n    return 1  # so", "def f():\n    return 2"):
+        (package / "one.py").write_text(text, encoding="utf-8")
+        digests.append(module["digest"].__wrapped__(package, tmp_path))
+    assert digests[0] == digests[1] != digests[2]
+    (package / "rods.toml").write_text("a = 1", encoding="utf-8")
+    assert module["digest"].__wrapped__(package, tmp_path) != digests[2]
+
+
+@pytest.mark.slow  # needs Sphinx
+def test_what_did_not_change_is_not_executed_again(tmp_path: Path) -> None:
+    head = "---\nfile_format: mystnb\nkernelspec: {name: python3}\n---\n\n# Page\n\n"
+    page = f"{head}```{{code-cell}}\nimport time\ntime.time_ns()\n```\n"
+    example = "import time\nprint(time.time_ns())"
+
+    def said() -> list[str]:
+        texts = [(tmp_path / "html" / name).read_text(encoding="utf-8") for name in ("page.html", "gallery/one.html")]
+        return [re.findall(r"\b\d{19}\b", re.sub("<[^>]+>", "", text))[0] for text in texts]
+
+    assert build(tmp_path, page, example).returncode == 0
+    first = said()
+    build(tmp_path, page, example)
+    assert said() == first
+    build(tmp_path, page + "\nMore.\n", example)
+    assert said() == first
+    build(tmp_path, page, example.replace("print", "print  "))
+    assert [now == then for now, then in zip(said(), first, strict=True)] == [True, False]
+    with (tmp_path / "docs/thumbnails.py").open("a", encoding="utf-8") as file:
+        file.write("\nMORE = 1\n")
+    rebuild(tmp_path)
+    assert not set(said()) & set(first)
