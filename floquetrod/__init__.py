@@ -83,6 +83,8 @@ if TYPE_CHECKING:
     from floquetrod.rod.model.assumptions import UniformForceWarning as UniformForceWarning
     from floquetrod.rod.model.contact import LeavesWallError as LeavesWallError
     from floquetrod.rod.ranges import StabilityIntervals as StabilityIntervals
+    from floquetrod.rod.reach_probability import ReachProbability as ReachProbability
+    from floquetrod.rod.reach_probability import probability_of_reach as probability_of_reach
     from floquetrod.rod.rod import Rod as Rod
     from floquetrod.rod.uncertainty import InstabilityProbability as InstabilityProbability
     from floquetrod.rod.uncertainty import probability_of_instability as probability_of_instability
@@ -155,6 +157,7 @@ _WHERE = {
     "LeavesWallError": "rod.model.contact",
     "MeanForce": "rod.answers.mean_force",
     "Reach": "rod.answers.reach",
+    "ReachProbability": "rod.reach_probability",
     "VibrationTool": "rod.loads.tool",
     "WellPath": "wells.path",
     "certify": "floquet.proof",
@@ -175,6 +178,7 @@ _WHERE = {
     "mathieu": "mathieu",
     "methods": "methods",
     "probability_of_instability": "rod.uncertainty",
+    "probability_of_reach": "rod.reach_probability",
     "ensembles": "ensembles",
     "simulation": "simulation",
     "simulate": "simulation.simulate",

@@ -193,8 +193,11 @@ def test_the_probability_of_instability_is_the_share_of_the_range() -> None:
     share = (above.low - below.high) / (around[1] - around[0])
     found = fr.probability_of_instability(ROD, LOAD, {"frequency": around}, samples=2000, seed=1)
     assert found.interval[0] <= share <= found.interval[1]
-    with pytest.raises(ValueError, match=r"length in parameters needs independent modes.*got a spring between"):
-        fr.probability_of_instability(ROD, LOAD, {"length": (0.7, 0.8)}, samples=10)
+    lengths, load = (0.999 * ROD.length, 1.001 * ROD.length), LOAD.varied("frequency", SLOW + FAST)
+    rods = fr.probability_of_instability(ROD, load, {"length": lengths}, samples=20, seed=1)
+    levels = np.random.default_rng(np.random.SeedSequence(1).spawn(2)[0]).random(20)
+    each = [ROD.replace(length=lengths[0] + (lengths[1] - lengths[0]) * u).stability(load).status for u in levels]
+    assert 20 > rods.unstable == each.count("unstable") > 0
 
 
 def test_the_terminal_prints_its_report() -> None:

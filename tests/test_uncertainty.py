@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import pickle
 from types import SimpleNamespace
 from typing import Any
@@ -9,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy import stats
+from scipy import special, stats
 
 import floquetrod as fr
+from conftest import depth
 from floquetrod.rod.distributions import Sampling, quantiles
 from floquetrod.rod.model.constants import ModeConstants
 from floquetrod.rod.uncertainty import SobolIndex, sobol_indices
@@ -119,6 +121,7 @@ def indices_of(unstable: Any, seed: int, count: int = 3) -> dict[str, SobolIndex
     stub: Any = SimpleNamespace(
         parameters=dict.fromkeys("abc"[:count]),
         at_once=1 << 12,
+        rows={name: slice(i, i + 1) for i, name in enumerate("abc"[:count])},
         verdicts=lambda levels: np.where(unstable(*levels), 0, 1).astype(np.int8),
     )
     return sobol_indices(stub, 1 << 13, np.random.SeedSequence(seed), 0.95)
@@ -229,7 +232,8 @@ def test_every_kind_of_distribution_is_taken() -> None:
         ({"frequency": (-1.0, 100.0)}, ValueError, "frequency must be greater than zero"),
         ({"length": (1e-9, 2e-9)}, ValueError, "frequency must be at least"),
         ({"mean": (0.0, 1e11)}, ValueError, "needs more than 20000 modes"),
-        ({"inclination": (1.0, 1.5)}, ValueError, "inclination in parameters needs independent modes.*weight along"),
+        ({"inclination_random": (0.0, 0.1)}, ValueError, "names inclination_random, .* the rod is on no path"),
+        ({"mean": ("0.1N", "2m")}, ValueError, r"parameters\['mean'\]\[1\] must .*force"),
     ],
 )
 def test_what_cannot_be_sampled_is_refused(given: Any, kind: type[Exception], words: str) -> None:
@@ -285,8 +289,105 @@ def test_coupled_modes_take_distributed_loads() -> None:
     clamped = ROD.replace(ends="clamped", damping_rate=0.05)
     found = fr.probability_of_instability(clamped, LOAD, {"mean": (0.1 * UNIT, 0.9 * UNIT)}, samples=60, seed=2)
     assert 0 < found.unstable < 60
-    with pytest.raises(ValueError, match=r"length in parameters needs independent modes.*clamped ends"):
-        fr.probability_of_instability(clamped, LOAD, {"length": (3.0, 3.1)}, samples=60)
+
+
+def test_coupled_modes_take_distributed_rods() -> None:
+    """Rods with clamped ends, and inclined ones with weight along them, are judged one by one."""
+    for rod, name, bounds in ((ROD.replace(ends="clamped"), "length", (3.0, 3.4)), (ROD, "inclination", (1.0, 1.5))):
+        given: dict[str, Any] = {name: bounds, "mean": (0.2 * UNIT, 0.6 * UNIT)}
+        levels = np.random.default_rng(2).uniform(size=(2, 12))
+        found = Sampling(rod, LOAD, given, 1e-6, 1).verdicts(levels)
+        expected = [
+            each.is_stable(load.mean, load.amplitude, load.frequency, growth_tolerance=1e-6)
+            for each, load in rods_and_loads(rod, given, levels)
+        ]
+        assert np.array_equal(found == 1, expected)
+        assert 0 < np.count_nonzero(found == 1) < 12
+    with pytest.raises(ValueError, match=r"must describe possible rods and loads, but there is length = -.*truncnorm"):
+        fr.probability_of_instability(ROD.replace(ends="clamped"), LOAD, {"length": (-2.0, -1.0)}, samples=60)
+
+
+# --- errors of a survey ---
+
+TURNS = ROD.replace(  # on the way down its third station it passes the vertical in some samples
+    path=fr.WellPath([0.0, 2.0, 3.5, 5.0], np.radians([74.0, 80.0, 86.0, 88.0]), np.radians([10.0, 12.0, 15.0, 13.0])),
+    depth=0.7,
+)
+OFF: dict[str, Any] = {
+    "inclination_random": stats.norm(0.0, math.radians(0.7)),
+    "density": (6300.0, 6700.0),
+    "inclination_systematic": (-0.03, 0.03),
+    "azimuth_random": stats.norm(0.0, math.radians(0.5)),
+    "azimuth_systematic": (-3.0, 3.0),
+}
+
+
+def wells_and_rods(levels: NDArray[np.float64]) -> Any:
+    """Yield the rods of `OFF` made by hand: 4 levels, one, one, 4, and one."""
+    phi, psi = TURNS.path.inclination, TURNS.path.azimuth
+    for u in levels.T:
+        off = math.radians(0.7) * special.ndtri(u[:4]) + 0.06 * u[5] - 0.03
+        turned = math.radians(0.5) * special.ndtri(u[6:10]) - 3.0 + 6.0 * u[10]
+        path = fr.WellPath(TURNS.path.depth, phi + off, psi + turned)
+        yield TURNS.replace(path=path, density=6300.0 + 400.0 * u[4])
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.ForcedAngleWarning")
+def test_errors_of_a_survey_give_the_verdicts_of_the_wells_they_make() -> None:
+    levels = np.random.default_rng(3).uniform(0.01, 0.99, (11, depth(300, 16)))
+    sampling = Sampling(TURNS, LOAD, OFF, 1e-6, 1)
+    expected = [rod.stability(LOAD, growth_tolerance=1e-6).status for rod in wells_and_rods(levels)]
+    found = sampling.verdicts(levels)
+    assert [{1: "stable", 0: "unstable", -1: "undecided"}[each] for each in found.tolist()] == expected
+    assert 0 < expected.count("unstable") < len(expected)
+
+
+@pytest.mark.slow
+def test_the_probability_with_a_bad_survey_is_that_of_a_monte_carlo_of_its_own() -> None:
+    found = fr.probability_of_instability(TURNS, LOAD, OFF, samples=1500, seed=4, confidence=0.999)
+    levels = np.random.default_rng(99).uniform(size=(11, 1500))
+    own = sum(
+        rod.verdicts(LOAD.mean, LOAD.amplitude, LOAD.frequency, growth_tolerance=1e-6) == 0
+        for rod in wells_and_rods(levels)
+    )
+    low, high = stats.binomtest(int(own), 1500).proportion_ci(0.999, "exact")
+    assert found.interval[0] < high
+    assert low < found.interval[1]
+    assert found.samples == 1500
+    assert "inclination_random, azimuth_random: independent from station to station" in found.assumptions
+
+
+def test_where_north_is_matters_to_no_rod() -> None:
+    given: dict[str, Any] = {"mean": (0.2 * UNIT, 0.5 * UNIT), "azimuth_systematic": (-3.0, 3.0)}
+    sampling = Sampling(TURNS, LOAD, given, 1e-6, 1)
+    levels = np.random.default_rng(1).uniform(size=(2, 12))
+    found = sampling.verdicts(levels)
+    assert np.array_equal(found, sampling.verdicts(np.array([levels[0], levels[1, ::-1]])))
+    assert 0 < np.count_nonzero(found == 1) < 12
+
+
+def test_errors_of_all_stations_are_one_quantity() -> None:
+    """Of the sum of four normal errors and one of their size, against shares of the variance by quadrature."""
+    stub: Any = SimpleNamespace(
+        parameters=dict.fromkeys(("stations", "one")),
+        at_once=1 << 12,
+        rows={"stations": slice(0, 4), "one": slice(4, 5)},
+        verdicts=lambda u: np.where(special.ndtri(u[:4]).sum(axis=0) + special.ndtri(u[4]) > 1.0, 0, 1).astype(np.int8),
+    )
+    found = sobol_indices(stub, 1 << 13, np.random.SeedSequence(5), 0.99)
+    z = stats.norm().ppf((np.arange(20_000) + 0.5) / 20_000)
+    for name, known, other in (("stations", 2.0, 1.0), ("one", 1.0, 2.0)):
+        given = stats.norm.sf((1.0 - known * z) / other)
+        p = stats.norm.sf(1.0 / math.sqrt(5.0))
+        assert found[name].first_interval[0] < given.var() / (p - p * p) < found[name].first_interval[1]
+
+
+def test_where_a_sample_leaves_the_wall_it_is_not_decided() -> None:
+    drops = ROD.replace(path=fr.WellPath([0.0, 3.1], [1.5, 1.4]))
+    load = fr.AxialLoad(0.4, 0.3, 150.0)
+    found = fr.probability_of_instability(drops, load, {"inclination_random": (-0.4, 0.4)}, samples=24, seed=1)
+    assert 0 < found.undecided < 24
+    assert found.interval[1] - found.interval[0] > found.undecided / 24
 
 
 def test_undecided_samples_widen_the_interval(monkeypatch: pytest.MonkeyPatch) -> None:

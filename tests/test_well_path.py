@@ -199,3 +199,42 @@ def test_doglegs_that_look_like_typing_errors_are_told() -> None:
         warnings.simplefilter("error")
         fr.WellPath(depth, np.radians(np.where(angles == 12.0, 3.0, angles)))
         fr.WellPath.arc(length=3.1, inclination=("80deg", "90deg"))  # of a laboratory: 97 deg/30 m
+
+
+# --- errors of a survey ---
+
+
+@given(path=paths(), off=st.floats(-0.2, 0.2), turned=st.floats(-7.0, 7.0))
+def test_what_all_stations_have_wrong_turns_the_path(path: fr.WellPath, off: float, turned: float) -> None:
+    """The same azimuth turns it about the vertical, and the same inclination is that of each station and no more."""
+    depth = np.linspace(path.start, path.end, 9)
+    north, east, down = path.with_errors(azimuth=turned).position(depth).T
+    before = path.position(depth).T
+    expected = before[0] + 1j * before[1]
+    np.testing.assert_allclose(north + 1j * east, expected * np.exp(1j * turned), atol=1e-9 * path.length)
+    np.testing.assert_allclose(down, before[2], atol=1e-9 * path.length)
+    tilted = path.inclination + off
+    if tilted.min() >= 0.0 and tilted.max() <= math.pi:
+        np.testing.assert_array_equal(path.with_errors(off).inclination, tilted)
+
+
+def test_errors_beyond_the_vertical_go_on_on_its_other_side() -> None:
+    path = fr.WellPath([0.0, 30.0, 60.0], [0.001, 0.1, math.pi - 0.001], [0.3, 0.3, 12.5])
+    found = path.with_errors([-0.003, "1deg", 0.004], 0.1)
+    np.testing.assert_allclose(found.inclination, [0.002, 0.1 + math.pi / 180.0, math.pi - 0.003])
+    np.testing.assert_allclose(np.exp(1j * found.azimuth), np.exp(1j * np.array([0.4 + math.pi, 0.4, 12.6 + math.pi])))
+    assert path.with_errors() == path
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"inclination": [0.1, 0.2]}, "inclination must have as many numbers as depth has, 3, got 2"),
+        ({"inclination": [0.1, math.nan, 0.2]}, "inclination at station 2 must be finite"),
+        ({"azimuth": "0.1m"}, "azimuth must .*angle"),
+        ({"inclination": [0.0, 0.0, 3.13]}, "inclination at station 3 must not reverse the direction"),
+    ],
+)
+def test_errors_that_leave_no_path_are_refused(given: dict, words: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=words):
+        fr.WellPath([0.0, 30.0, 60.0], 0.01).with_errors(**given)

@@ -96,6 +96,14 @@ def tolerance(name: str, value: Any) -> float:
     return within(name, value, 0.0, LARGEST)
 
 
+def confidence(value: Any) -> float:
+    """Return the argument ``confidence``, between 0 and 1."""
+    number = positive("confidence", value, "0.95, say")
+    if number >= 1.0:
+        raise wrong_value("confidence", f"must be less than 1, got {number:g}; 0.95, say")
+    return number
+
+
 def coefficient(name: str, value: Any) -> float:
     """Return ``value`` as a float of magnitude at most `LARGEST`, which it must be exactly."""
     return unrounded(

@@ -259,7 +259,8 @@ def _draw(drawn: Mapping[str, Any], count: int, seed: int) -> Iterator[tuple[str
     """Yield the names that are distributed with values drawn for them."""
     for name, given in drawn.items():  # parameters of several distributions would fit some number of levels
         for tried in (2, 3):
-            quantiles(name, given, np.linspace(0.25, 0.75, tried), "over")
+            quantiles(f"over[{name!r}]", given, np.linspace(0.25, 0.75, tried))
     levels = np.random.default_rng(seed).random((len(drawn), count))
     for (name, given), level in zip(drawn.items(), levels, strict=True):
-        yield name, quantiles(name, given, np.maximum(level, 2.0**-54), "over")  # 0 could be an infinite quantile
+        # 0 could be an infinite quantile
+        yield name, quantiles(f"over[{name!r}]", given, np.maximum(level, 2.0**-54))

@@ -48,9 +48,7 @@ def probability(runs: Any, name: str = "buckled", *, over: str | Iterable[str], 
     from scipy.stats import beta
 
     found = require_runs("runs", runs)
-    confidence = validate.positive("confidence", confidence, "0.95, say")
-    if confidence >= 1.0:
-        raise validate.wrong_value("confidence", f"must be less than 1, got {confidence:g}; 0.95, say")
+    confidence = validate.confidence(confidence)
     for needed in ("status", validate.choice("name", name, found.variables)):
         if needed not in found.variables:
             raise validate.wrong_value(

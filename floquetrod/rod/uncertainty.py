@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -13,14 +13,16 @@ from floquetrod._util.arrays import Floats
 from floquetrod._util.caching import cached_property
 from floquetrod._util.content import NoTruthValue
 from floquetrod._util.progress import Progress
-from floquetrod.rod.distributions import Sampling, distributions
-from floquetrod.rod.loads.load import AnyLoad, require_load
+from floquetrod.rod.distributions import SURVEY, Sampling, distributions
+from floquetrod.rod.loads.load import LIMITS, AnyLoad, require_load
+from floquetrod.rod.model import parts
 from floquetrod.rod.model.assumptions import assumptions
 from floquetrod.rod.model.constants import SLOW_GROWTH
 from floquetrod.rod.model.data import require_not_of_path
 from floquetrod.rod.rod import Rod
 
 _MOST_SAMPLES = 10**8  # a minute or two
+_SAMPLES, _SAMPLES_ONE_BY_ONE = 1_000_000, 1_000  # seconds either way
 _REPLICATES = 16  # independent sets of points whose spread gives the errors of Sobol indices, themselves to a fifth
 _LEAST_POINTS, _MOST_POINTS = 1 << 8, 1 << 20  # of a Sobol index (choices: too few for anything, and held at once)
 _LEAST_EVENTS = 16  # unstable points, and stable ones, expected in each replicate: none has none
@@ -155,7 +157,7 @@ def probability_of_instability(
     load: AnyLoad,
     parameters: Mapping[str, Any],
     *,
-    samples: int = 1_000_000,
+    samples: int | None = None,
     growth_tolerance: float = SLOW_GROWTH,
     seed: int | None = None,
     confidence: float = 0.95,
@@ -171,11 +173,15 @@ def probability_of_instability(
         Both give everything that ``parameters`` does not.
     parameters : mapping
         Distributions by name: of "mean", "amplitude" (N) and "frequency" (rad/s) of the load, and of the parameters of
-        the rod that are numbers ("length", "youngs_modulus", ...), in SI units.  Each a pair (low, high), between which
-        all values are equally probable, or a distribution of `scipy.stats` with its parameters given; what has a method
-        ``ppf`` or ``icdf``, the quantile function, will do.  They are independent of each other.
-    samples : int
-        Number of rods and loads drawn at random.
+        the rod that are numbers ("length", "youngs_modulus", ...), in SI units.  Of a rod on a path also of errors of
+        its survey in rad: "inclination_systematic" and "azimuth_systematic", the same at all stations, and
+        "inclination_random" and "azimuth_random", at each station its own.  Each a pair (low, high), between which all
+        values are equally probable, such as ``("-0.5deg", "0.5deg")``, or a distribution of `scipy.stats` with its
+        parameters given; what has a method ``ppf`` or ``icdf``, the quantile function, will do.  They are independent
+        of each other.
+    samples : int, optional
+        Number of rods and loads drawn at random; by default 1,000,000, and 1,000 where each is a rod with coupled modes
+        of its own, which takes some ten milliseconds.
     growth_tolerance : float
         Growth rate in 1/s up to which a mode counts as stable; the default leaves out what grows less than tenfold in a
         month.
@@ -195,8 +201,8 @@ def probability_of_instability(
     Raises
     ------
     ValueError
-        For samples that are no rod or no load, with how many there are; for parameters of a rod whose modes are
-        coupled, where only the numbers of the load may be distributed.
+        For samples that are no rod or no load; for errors of a survey of a rod on no path; for parameters of a rod
+        under noise, where only the numbers of the load may be distributed.
     TypeError
         For anything that is not a distribution.
 
@@ -215,43 +221,63 @@ def probability_of_instability(
     """
     validate.instance("rod", rod, Rod, "Rod.nitinol(), say")
     load = require_load("load", load)
-    samples = validate.integer("samples", samples, 1, _MOST_SAMPLES)
+    samples = None if samples is None else validate.integer("samples", samples, 1, _MOST_SAMPLES)
     tolerance = validate.tolerance("growth_tolerance", growth_tolerance)
-    confidence = validate.positive("confidence", confidence, "0.95, say")
-    if confidence >= 1.0:
-        raise validate.wrong_value("confidence", f"must be less than 1, got {confidence:g}; 0.95, say")
-    seed = _entropy() if seed is None else validate.integer("seed", seed, 0, 2**128 - 1)
+    confidence = validate.confidence(confidence)
+    seed = entropy() if seed is None else validate.integer("seed", seed, 0, 2**128 - 1)
     workers = validate.workers(workers)
     validate.progress(progress)
-    sampling = Sampling(rod, load, distributions(parameters), tolerance, workers)
+    checked = distributions(parameters, (*LIMITS, *parts.LIMITS, *SURVEY), rod.path)
+    if not checked:
+        raise validate.wrong_value("parameters", "must name at least one number of the rod or the load, got none")
+    sampling = Sampling(rod, load, checked, tolerance, workers)
     require_not_of_path(rod, sampling.parameters, "parameters")
     sampling.model.require_varied(parameters)
-
-    from scipy.stats import binomtest
+    samples = samples or (_SAMPLES_ONE_BY_ONE if sampling.is_one_by_one else _SAMPLES)
 
     rng = np.random.default_rng(np.random.SeedSequence(seed).spawn(2)[0])
     unstable = undecided = 0
     for done in range(0, samples, sampling.at_once):
-        levels = rng.random((len(parameters), min(sampling.at_once, samples - done)))
-        verdicts = sampling.verdicts(np.maximum(levels, 2.0**-54))  # a level of 0 would be an infinite quantile
+        verdicts = sampling.verdicts(random_levels(rng, sampling.rows, min(sampling.at_once, samples - done)))
         unstable += int(np.count_nonzero(verdicts == 0))
         undecided += int(np.count_nonzero(verdicts == -1))
         if progress is not None:
             progress(done + verdicts.size, samples)
-    low = binomtest(unstable, samples).proportion_ci(confidence, "exact").low
-    high = binomtest(unstable + undecided, samples).proportion_ci(confidence, "exact").high
+    low, _ = clopper_pearson(unstable, samples, confidence)
+    _, high = clopper_pearson(unstable + undecided, samples, confidence)
     return InstabilityProbability(
         unstable / samples,
-        (float(low), float(high)),
+        (low, high),
         confidence,
         samples,
         unstable,
         undecided,
         tolerance,
         seed,
-        (*assumptions(rod, load), f"{', '.join(parameters)}: independent of each other"),
+        (*assumptions(rod, load), *independence(parameters)),
         sampling,
     )
+
+
+def random_levels(rng: np.random.Generator, rows: Mapping[str, slice], many: int) -> Floats:
+    """Return levels of probability drawn at random, (rows, many)."""
+    # a level of 0 would be an infinite quantile
+    return np.maximum(rng.random((max(row.stop for row in rows.values()), many)), 2.0**-54)
+
+
+def clopper_pearson(hits: int, samples: int, confidence: float) -> tuple[float, float]:
+    """Return the confidence interval of a probability by Clopper and Pearson."""
+    from scipy.stats import binomtest
+
+    found = binomtest(hits, samples).proportion_ci(confidence, "exact")
+    return float(found.low), float(found.high)
+
+
+def independence(names: Iterable[str]) -> tuple[str, ...]:
+    """Return what is taken for granted of distributions."""
+    stations = [name for name in names if SURVEY.get(name, ("", ""))[1] == "random"]
+    more = (f"{', '.join(stations)}: independent from station to station",) if stations else ()
+    return (f"{', '.join(names)}: independent of each other", *more)
 
 
 def sobol_indices(
@@ -264,10 +290,10 @@ def sobol_indices(
     """
     from scipy import stats
 
-    names = tuple(sampling.parameters)
-    each = points // _REPLICATES
+    rows = sampling.rows
+    width, each = max(row.stop for row in rows.values()), points // _REPLICATES
     sets = [
-        stats.qmc.Sobol(2 * len(names), seed=np.random.default_rng(child)).random(each) + _HALF_CELL
+        stats.qmc.Sobol(2 * width, seed=np.random.default_rng(child)).random(each) + _HALF_CELL
         for child in seed.spawn(_REPLICATES)
     ]
     a, b = np.split(np.concatenate(sets).T, 2)
@@ -280,9 +306,9 @@ def sobol_indices(
         return flat.reshape(_REPLICATES, each)
 
     mixed = []
-    for i in range(len(names)):
+    for row in rows.values():  # errors of all stations are one quantity, a group of levels (Saltelli & al. 2008)
         levels = a.copy()
-        levels[i] = b[i]
+        levels[row] = b[row]
         mixed.append(unstable(levels))
     values = {"f_A": unstable(a), "f_B": unstable(b), "f_AB": np.stack(mixed)}
     pooled = stats.sobol_indices(
@@ -297,13 +323,13 @@ def sobol_indices(
         return value, (value - error, value + error)
 
     found = {}
-    for i, name in enumerate(names):
+    for i, name in enumerate(rows):
         first, first_interval = with_interval(float(pooled.first_order[i]), spread.first_order[:, i])
         total, total_interval = with_interval(float(pooled.total_order[i]), spread.total_order[:, i])
         found[name] = SobolIndex(first, total, first_interval, total_interval)
     return found
 
 
-def _entropy() -> int:
+def entropy() -> int:
     """Return a seed that has not been used."""
     return int(np.random.SeedSequence().generate_state(1, np.uint64)[0])

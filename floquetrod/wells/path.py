@@ -294,6 +294,38 @@ class WellPath(Reported, ByContent, TellsAttributes):
         )
         return type(self).__new__(type(self))._keep(*kept)
 
+    def with_errors(self, inclination: Any = 0.0, azimuth: Any = 0.0) -> Self:
+        """Return the path with errors added to what was measured at its stations.
+
+        Parameters
+        ----------
+        inclination : float, str or array_like (n,)
+            In rad, or strings with a unit such as "0.2deg": one for all stations, or of each station its own.  What
+            would come to lie beyond the vertical goes on on its other side, the azimuth turned round.
+        azimuth : float, str or array_like (n,)
+            Likewise; of any size, as directions repeat after a turn.
+
+        Raises
+        ------
+        TypeError, ValueError
+            For what are no angles, and where the path then reverses its direction between two stations.
+
+        Examples
+        --------
+        >>> build = WellPath([1000.0, 1450.0], ["0deg", "90deg"])
+        >>> build.with_errors("-0.5deg").position(1450.0).round(1).tolist()
+        [284.0, 0.0, 289.0]
+        """
+        errors = [
+            survey.column(name, given, self.depth.size)
+            for name, given in (("inclination", inclination), ("azimuth", azimuth))
+        ]
+        columns = survey.within(self.inclination + errors[0], self.azimuth + errors[1])
+        found = survey.fault(self.depth, *columns)
+        if found is not None:
+            raise validate.wrong_value(found.argument, f"at station {found.station} {found.problem}")
+        return type(self).__new__(type(self))._keep(self.depth.copy(), *columns)
+
     # --- what it says ---
 
     def __repr__(self) -> str:

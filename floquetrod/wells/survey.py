@@ -69,6 +69,19 @@ def number(name: str, value: Any, kind: str) -> float:
     return units.quantity(value, name, kind) if isinstance(value, str) else validate.finite(name, value)
 
 
+def within(inclination: Floats, azimuth: Floats) -> tuple[Floats, Floats]:
+    """Return directions with inclinations from 0 to pi and azimuths within two turns, the same where they are."""
+    with np.errstate(invalid="ignore"):  # of what is not finite, which is refused with its station
+        around = np.remainder(inclination, 2.0 * math.pi)
+        beyond = around > math.pi
+        turned = np.remainder(azimuth + math.pi * beyond, 2.0 * math.pi)
+    is_kept = (inclination >= 0.0) & (inclination <= math.pi)
+    return (
+        np.where(is_kept, inclination, np.where(beyond, 2.0 * math.pi - around, around)),
+        np.where(~beyond & (np.abs(azimuth) <= _TURNS), azimuth, turned),
+    )
+
+
 def fault(depth: Floats, inclination: Floats, azimuth: Floats) -> Fault | None:
     """Return the first thing that makes a survey impossible, None where it is a path."""
     if depth.size < 2:

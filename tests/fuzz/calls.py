@@ -85,6 +85,7 @@ LEFT_OUT = {
     "Bands.scaled": "for Chart.in_units, whose arguments are checked there",
     "FrictionalRodStability": "constructed by Rod.stability",
     "InstabilityProbability": "constructed by probability_of_instability",
+    "ReachProbability": "constructed by probability_of_reach",
     "CheckpointWarning": "a warning",
     "SimulationDiverged": "an exception",
     "SquareWave": "another name of Meissner",
@@ -432,6 +433,19 @@ def _of_wells() -> dict[str, Call]:
         ),
         "WellPath.arc": Call(fr.WellPath.arc, arc),
         "WellPath.straight": Call(fr.WellPath.straight, {**arc, "inclination": 1.0}),
+        "probability_of_reach": Call(
+            fr.probability_of_reach,
+            {
+                "rod": ROD,
+                **pushed,
+                "friction": (0.2, 0.3),
+                "parameters": {"density": (6e3, 7e3)},
+                "samples": 2,
+                "seed": 1,
+            }
+            | {"confidence": 0.9},
+        ),
+        "WellPath.with_errors": Call(path.with_errors, {"inclination": 0.001, "azimuth": [0.1, -0.1, 0.0]}),
         "WellPath.part": Call(path.part, {"start": 100.0, "end": 1000.0}),
         **{
             f"WellPath.{name}": Call(getattr(path, name), {"depth": 1000.0})

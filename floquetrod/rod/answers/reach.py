@@ -282,7 +282,7 @@ def reach(
     drag = drag_of(rod, path, friction, "pushed", helical, tool, speed)
     far_force = force_in_newtons("far_force", ends[0])
     push = math.inf if ends[1] is None else force_in_newtons("push", ends[1])
-    depths = _depths_of(path, depth)
+    depths = depths_of(path, depth)
     search = _Search(drag, far_force, push)
     forces = search.injector(np.tile(depths, (2 if tool else 1, 1)))
     reached = search.ends(depths, forces)
@@ -319,7 +319,7 @@ def reach(
     )
 
 
-def _depths_of(path: WellPath, depth: Any) -> Floats:
+def depths_of(path: WellPath, depth: Any) -> Floats:
     """Return the measured depths of the lower end that are asked for, increasing."""
     if depth is None:
         return np.linspace(path.start, path.end, _DEPTHS + 1)[1:]

@@ -150,6 +150,11 @@ class CoupledModel(ModeModel):
         else:
             yield chosen, self.in_modes(count), loads
 
+    # --- samples ---
+
+    def require_varied(self, names: Iterable[str]) -> None:
+        """Do nothing: rods that differ are judged one by one, each with modes of its own."""
+
     # --- along a quantity ---
 
     def ranges(self, search: Search, progress: Progress | None) -> FoundIntervals:
