@@ -99,6 +99,7 @@ ELSEWHERE = {"theory/agreement.md"} | {f"how_to/{story}.md" for story in STORIES
 
 
 LONG = {
+    "theory/validation.md",
     "theory/orbits.md",
     "how_to/limit_cycle.md",
     "theory/simulator.md",
