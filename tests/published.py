@@ -395,6 +395,25 @@ def onset(rod: fr.Rod, unit: float, stable: float, unstable: float, **load: floa
     return between(is_stable, stable, unstable, 25)
 
 
+def hanging(length: float, push: float = 1.0) -> tuple[fr.Rod, fr.AxialLoad]:
+    """Return a string that hangs, its length in (E I / w)^(1/3), and a push on its lower end in (E I w^2)^(1/3)."""
+    pipe = fr.Rod.catalogue("2.00x0.156", bore="4.778in", length=1.0, inclination=1e-9)
+    rigidity, weight = pipe.flexural_rigidity, pipe.weight_per_length
+    force = push * (rigidity * weight**2) ** (1.0 / 3.0)
+    rod = pipe.replace(length=length * (rigidity / weight) ** (1.0 / 3.0))
+    return rod, fr.AxialLoad(force, 0.0, 100.0, mean_at=1.0)
+
+
+def buckled(length: float) -> float:
+    """Return the push that buckles a string that hangs, hinged at both ends, in (E I w^2)^(1/3)."""
+
+    def is_stable(push: float) -> bool:
+        rod, load = hanging(length, push)
+        return rod.stability(load).status == "stable"
+
+    return between(is_stable, 1.0, 4.0, 25)
+
+
 def bent(curvature: float) -> Callable[[], float]:
     """Return what finds the onset in a bend from verdicts on the modes of a long rod."""
     rod = fr.Rod.nitinol().replace(length=31.0, curvature=curvature)
@@ -436,6 +455,16 @@ def rods() -> Iterator[Row]:
             f"the same in a bend of {curvature:g}/m, N", f"{kyllingstad(curvature):.6f}",
             "He & Kyllingstad, SPE Drill. Compl. 10 (1995) 10: F^2 = 4 E I (q + F k)",
             bent(curvature), here=here, allowed=whole,
+        )  # fmt: skip
+    lubinski = "A. Lubinski, Drill. Prod. Pract. (1950) 178"
+    for length, here, why in (
+        (8.0, "1.9372", ""),
+        (12.0, "1.8217", "1.94 is that of a length of 8"),
+        (20.0, "1.7112", "the same"),
+    ):
+        yield Row(
+            f"string that hangs, {length:g} (E I / w)^(1/3) long, pushed, (E I w^2)^(1/3)", "1.94", lubinski,
+            functools.partial(buckled, length), here=here, why=why, slow=True,
         )  # fmt: skip
 
 

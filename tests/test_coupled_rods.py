@@ -14,6 +14,7 @@ import finite_differences as fd
 import floquetrod as fr
 from coupled_cases import ENDS, FORCE, TUBING, WIRE
 from floquetrod.rod.modes import coupled_verdict as coupled_stability
+from published import hanging
 
 KNOWN = cases.known()
 COUPLED = tuple(ends for ends in ENDS if ends != "hinged-hinged")
@@ -52,6 +53,14 @@ def mean_stiffness(rod: fr.Rod, mean: float) -> np.ndarray:
 
 
 # --- what is known ---
+
+
+def test_a_string_that_hangs_buckles_at_its_lower_end() -> None:
+    """Onset 1.71105 by Ritz's method with a hundred sines, of which eleven find 1.7586."""
+    (rod, below), (_, beyond) = hanging(20.0, 1.70), hanging(20.0, 1.72)
+    assert rod.stability(below).status == "stable"
+    assert rod.stability(beyond).status == "unstable"
+    assert rod.stability(beyond).growth_rate > 0.04
 
 
 @pytest.mark.parametrize("name", KNOWN)

@@ -37,20 +37,29 @@ from floquetrod.rod.model.data import RodData
 
 MOST_COUPLED = 2000  # modes of a system: half a minute each verdict
 LEAST_COUPLED = 10  # modes at least, beside one and a half times the critical mode (a choice)
+_HANGING = 4.0  # k (E I / w_along)^(1/3) of the last: the onset of a string that hangs comes out 2e-4 late (measured)
 
 
 def modes_needed(rod: RodData, like: Load, loads: Loads, growth_tolerance: float) -> int:
     """Return how many modes to take for loads of a kind: as many as the largest force along the rod would need.
 
     An estimate: that force is taken as uniform, and modes beyond are expected to grow at less than 1e-6 per second, or
-    the tolerance, if larger.  At least ten more than one and a half times the critical mode, for accuracy.
+    the tolerance, if larger.  At least ten more than one and a half times the critical mode, for accuracy, and as many
+    as follow the shape of a steep string, which the weight along it confines to the end that is pushed.
     """
     require_few(rod, like, loads, growth_tolerance)
     uniform = largest_uniform(rod, like, loads)
     needed, _ = constants_under(rod, uniform.mean).modes_needed(uniform, max(growth_tolerance, SLOW_GROWTH))
     if needed > MOST_COUPLED:
         raise _too_many(needed, rod, uniform, loads, like, growth_tolerance)
-    return max(math.ceil(1.5 * rod.critical_mode) + LEAST_COUPLED, needed + 2)
+    return max(math.ceil(1.5 * rod.critical_mode) + LEAST_COUPLED, needed + 2, _confined(rod))
+
+
+def _confined(rod: RodData) -> int:
+    """Return how many modes follow waves of the length (E I / w)^(1/3), over which weight along a rod confines them."""
+    x = np.union1d(np.linspace(0.0, 1.0, 33), rod.course.samples)
+    steepest = float(np.max(np.abs(np.diff(rod.weight_gained(x, 0.0)) / np.diff(x)))) / rod.length
+    return math.ceil(_HANGING * rod.length / math.pi * (steepest / rod.flexural_rigidity) ** (1.0 / 3.0))
 
 
 def _too_many(
