@@ -119,7 +119,7 @@ class Stop(NamedTuple):
         """Bound the error of the maps from ending a series whose terms have the norms ``sizes``.
 
         |u_(j+2)| <= sum_l |K_l| |u_(j-l)| / ((j + 1) (j + 2)): this is followed for some terms, beyond which it allows
-        bounds to fall by half from one to the next.
+        bounds to fall by half from one to the next.  Infinite once one of them alone exceeds the tolerance.
         """
         count = len(sizes)
         last = max(count + _BEYOND, math.ceil(math.sqrt(min(self.doubled, 4.0 * len(self.rates) ** 2))))
@@ -128,7 +128,9 @@ class Stop(NamedTuple):
         bounds = np.zeros(last + 1)
         bounds[:count] = sizes
         for j in range(count - 2, last - 1):
-            bounds[j + 2] = self.rates[: j + 1] @ bounds[j::-1] / ((j + 1.0) * (j + 2.0))
+            bounds[j + 2] = bound = self.rates[: j + 1] @ bounds[j::-1] / ((j + 1.0) * (j + 2.0))
+            if bound * (self.level + self.slope * (j + 2.0)) >= self.tolerance:
+                return math.inf
         index = np.arange(last + 1.0)
         beyond = float((bounds * 2.0**index).max()) * 2.0**-last * (self.level + self.slope * (last + 2.0))
         return float(bounds[count:] @ (self.level + self.slope * index[count:])) + beyond
