@@ -71,13 +71,14 @@ def logarithms(y: Any) -> Any:
     return 2.0 * np.arcsinh(np.sqrt(y))
 
 
-def logarithm(y: complex, above: complex) -> complex:
+def upper_logarithms(y: NDArray[np.complex128], above: NDArray[np.complex128]) -> NDArray[np.complex128]:
     """Return s, its angle from 0 to pi, or its negative below the real axis, from y and 1 + y."""
-    if abs(above) >= abs(y):
-        return complex(logarithms(y))
-    found = complex(logarithms(-above))  # s = i pi + v with sinh(v / 2)^2 = -(1 + y)
-    lower = y.imag < 0.0
-    return complex(found.real, math.copysign(math.pi - abs(found.imag), -1.0 if lower else 1.0))
+    far = np.abs(above) >= np.abs(y)
+    found = np.asarray(logarithms(np.where(far, y, -above)))
+    # Next to -1 s = i pi + v with sinh(v / 2)^2 = -(1 + y).
+    turned = np.copysign(math.pi - np.abs(found.imag), np.where(y.imag < 0.0, -1.0, 1.0))
+    found.imag = np.where(far, found.imag, turned)
+    return found
 
 
 def outside(y: NDArray[np.complex128], above: NDArray[np.complex128]) -> NDArray[np.float64]:

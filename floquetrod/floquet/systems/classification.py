@@ -99,19 +99,23 @@ def classify_pairs(
     if digits is None:
         net = np.abs(pairs.logarithms(discs.values).real) - limit
         digits = ManyDigits(1.0 + discs.values, net, lambda cluster: spectra.discriminant(discs, cluster))
-    logs = np.array([pairs.logarithm(complex(v), complex(a)) for v, a in zip(discs.values, digits.above, strict=True)])
+    logs = pairs.upper_logarithms(discs.values, digits.above)
     net, outside = digits.net.copy(), pairs.outside(discs.values, digits.above)
     errors = pairs.log_errors(discs.values, digits.above, discs.radii)
     signs = np.zeros(len(logs), dtype=int)
     sides = _Sides.of(discs, digits, outside, errors, limit)
-    parts = []
+    parts, on_axis = [], np.zeros(len(logs), dtype=np.bool_)
     for cluster in discs.clusters:
-        part, on_axis = _pair_part(discs, digits, sides, limit, cluster, krein)
-        if on_axis:
-            net[cluster] = np.where(outside[cluster] > 0.0, net[cluster], -limit)
-            logs[cluster] = net[cluster] + limit + 1j * np.abs(logs[cluster].imag)
-        signs[cluster] = part.krein
+        if len(cluster) == 1:
+            place: Any = int(cluster[0])
+            part, on_axis[place] = _single_part(discs, sides, limit, place, krein)
+        else:
+            place = cluster
+            part, on_axis[place] = _pair_part(discs, digits, sides, limit, cluster, krein)
+        signs[place] = part.krein
         parts.append(part)
+    net[on_axis] = np.where(outside[on_axis] > 0.0, net[on_axis], -limit)
+    logs[on_axis] = net[on_axis] + limit + 1j * np.abs(logs[on_axis].imag)
     upper = logs.imag >= 0.0
     return _verdict(
         system,
@@ -149,20 +153,25 @@ class _Sides(NamedTuple):
         return cls(low, digits.net + errors, outside <= discs.radii, within)
 
 
+def _single_part(discs: Discs, sides: _Sides, limit: float, i: int, krein: Krein | None) -> tuple[_Part, bool]:
+    """Return the classification of a y apart from all others, and whether it must be on the real axis."""
+    high = float(sides.high[i])
+    if not sides.near[i]:
+        return _Part(float(sides.low[i]), high, False), False
+    if sides.inside[i]:
+        return _Part(-limit, -limit, True, krein=krein(np.array([i])) if krein else 0), True
+    edge = "+1" if discs.values[i].real > -0.5 else "-1"
+    return _Part(-limit, high, False, _EDGE.format(math.sqrt(2.0 * discs.radii[i]), edge)), True
+
+
 def _pair_part(
     discs: Discs, digits: ManyDigits, sides: _Sides, limit: float, cluster: NDArray[np.intp], krein: Krein | None
 ) -> tuple[_Part, bool]:
-    """Return the classification of a cluster of y, and whether its members must be on the real axis."""
+    """Return the classification of a cluster of several y, and whether its members must be on the real axis."""
     low, high = float(sides.low[cluster].min()), float(sides.high[cluster].max())
     if not sides.near[cluster].any():
         return _Part(low, high, False), False
-    y, radii = discs.values[cluster], discs.radii[cluster]
     inside = bool(sides.inside[cluster].all())
-    if len(cluster) == 1:
-        if inside:
-            return _Part(-limit, -limit, True, krein=krein(cluster) if krein else 0), True
-        edge = "+1" if y[0].real > -0.5 else "-1"
-        return _Part(-limit, high, False, _EDGE.format(math.sqrt(2.0 * radii[0]), edge)), True
     sign = krein(cluster) if krein and inside else 0
     if sign:
         return _Part(-limit, -limit, True, krein=sign), True
@@ -172,7 +181,7 @@ def _pair_part(
             return _Part(low, high, False), False
         if value > error and inside:
             return _Part(-limit, -limit, True), True
-    return _Part(-limit, high, False, _MIXED.format(2 * len(cluster), _named(y.mean()))), False
+    return _Part(-limit, high, False, _MIXED.format(2 * len(cluster), _named(discs.values[cluster].mean()))), False
 
 
 def _named(y: complex) -> str:
@@ -294,15 +303,15 @@ def _verdict(
     order = np.lexsort((exponents.imag, -exponents.real))
     fastest = max(0.0, float(exponents.real.max(initial=0.0)))
     texts = [text for text in (note, reason if status == "undecided" else "") if text]
-    result_exponents = tuple(complex(exponents[i]) for i in order)
+    result_exponents = tuple(exponents[order].tolist())
     return SystemStability(
         equation=system,
         method=method,
         status=status,
         growth_rate=0.0 if status == "stable" else fastest,
         exponents=result_exponents,
-        exponent_errors=tuple(float(errors[i]) / period + 4.0 * _EPS * abs(complex(exponents[i])) for i in order),
-        krein_signs=tuple(int(signs[i]) for i in order),
+        exponent_errors=tuple((errors[order] / period + 4.0 * _EPS * np.abs(exponents[order])).tolist()),
+        krein_signs=tuple(signs[order].tolist()),
         resonances=resonances.name(system, result_exponents) if status == "unstable" else (),
         strongly_stable=strongly,
         period=period,

@@ -36,8 +36,9 @@ def name(system: HillSystem | PeriodicSystem | DelaySystem, exponents: tuple[com
     differences = not isinstance(system, HillSystem) or system.gyroscopic is not None or not system.is_symmetric
     w = 2.0 * math.pi / float(system.period)
     found: dict[tuple[str, tuple[int, ...], int], Resonance] = {}
+    pairs = _Pairs.of(modes, w, differences)
     for exponent in growing:
-        candidates = [*_combinations(modes, exponent, w, differences), *_of_the_mean(modes, exponent, w)]
+        candidates = [*_combinations(modes, pairs, exponent, w), *_of_the_mean(modes, exponent, w)]
         if candidates:
             best = min(candidates, key=lambda candidate: candidate[:3]).name
             found.setdefault((best.kind, best.modes, best.order), best)
@@ -137,27 +138,53 @@ class _Candidate(NamedTuple):
     name: Resonance
 
 
-def _combinations(modes: _Modes, exponent: complex, w: float, differences: bool) -> list[_Candidate]:
-    """Return the best combination of modes with the forcing, by detuning and mismatch of the angle and the order.
+class _Pairs(NamedTuple):
+    """Pairs of modes that may resonate, and what of their misfit does not depend on the exponent to be explained.
 
-    Without ``differences`` there are none of that kind, because all modes have one Krein sign.
+    Attributes
+    ----------
+    one, other : ndarray (p,) of int
+        The modes; a mode with itself is a direct resonance.
+    orders : ndarray (p, 3), or (p, 6) with differences
+        Multiples of the forcing that are nearest to the sum of both frequencies, then to their difference.
+    detuning : ndarray of the same shape
+        From each, infinite where there is no such resonance.
+    cost : ndarray of the same shape
+        Of what does not couple them.
     """
+
+    one: Ints
+    other: Ints
+    orders: Floats
+    detuning: Floats
+    cost: Floats
+
+    @classmethod
+    def of(cls, modes: _Modes, w: float, differences: bool) -> _Pairs:
+        """Return the pairs; without ``differences``, because all modes have one Krein sign, sums alone."""
+        f = modes.poles.imag
+        one, other = np.triu_indices(len(f))
+        possible = ~_buckles(modes)[one]
+        one, other = one[possible], other[possible]
+        sums = _near(modes, f[one] + f[other], w, modes.up[one], modes.down[other])
+        if not differences:
+            return cls(one, other, *sums)
+        orders, detuning, cost = _near(modes, f[other] - f[one], w, modes.up[one], modes.up[other])
+        apart = orders, np.where((one == other)[:, None], math.inf, detuning), cost
+        return cls(one, other, *(np.hstack(parts) for parts in zip(sums, apart, strict=True)))
+
+
+def _combinations(modes: _Modes, pairs: _Pairs, exponent: complex, w: float) -> list[_Candidate]:
+    """Return the best combination of modes with the forcing, by detuning and mismatch of the angle and the order."""
     f = modes.poles.imag
-    one, other = np.triu_indices(len(f))  # a mode with itself: a direct resonance
-    possible = ~_buckles(modes)[one]
-    one, other = one[possible], other[possible]
+    one, other, orders = pairs.one, pairs.other, pairs.orders
     if not one.size:
         return []
-    same = (one == other)[:, None]
     angle = np.minimum(_off(exponent, f, w), _off(exponent, -f, w))
-    angles = (angle[one] + angle[other])[:, None]
-    orders, detuning, cost = _near(modes, f[one] + f[other], w, modes.up[one], modes.down[other])
-    misfits = detuning + np.where(same, 2.0 * _off(exponent, 0.5 * orders * w, w), angles) + cost
-    misfits += _PER_ORDER * orders
-    if differences:
-        more, detuning, cost = _near(modes, f[other] - f[one], w, modes.up[one], modes.up[other])
-        apart = np.where(same, math.inf, detuning + angles + cost + _PER_ORDER * more)
-        orders, misfits = np.hstack([orders, more]), np.hstack([misfits, apart])
+    mismatch = np.repeat((angle[one] + angle[other])[:, None], orders.shape[1], axis=1)
+    same = one == other
+    mismatch[same] = 2.0 * _off(exponent, 0.5 * orders[same] * w, w)
+    misfits = pairs.detuning + mismatch + pairs.cost + _PER_ORDER * orders
     # The first of the least, in the order of modes, kinds and orders.
     pair, column = divmod(int(np.where(np.isnan(misfits), math.inf, misfits).argmin()), misfits.shape[1])
     i, j, misfit = int(one[pair]), int(other[pair]), float(misfits[pair, column])

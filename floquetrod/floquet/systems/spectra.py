@@ -78,12 +78,13 @@ def eigenvalue_discs(matrix: NDArray[Any], error: float) -> Discs | None:
     clusters = touching(gaps, whole)
     radii = whole.copy()
     spread = spectral_norm(left)
-    for i in (cluster[0] for cluster in clusters if len(cluster) == 1):
-        others = np.arange(n) != i
-        room = gaps[i, others] - whole[others] - whole[i]
-        share = float((conditions[others] * total / room).max(initial=0.0))
-        if share < 1.0:  # row i may be divided by it: the other discs still do not reach this one
-            radii[i] = conditions[i] * total * (1.0 + (many - 1.0) * share) * (1.0 + 2.0 * uncertainty)
+    alone = np.array([cluster[0] for cluster in clusters if len(cluster) == 1], dtype=np.intp)
+    room = gaps[alone] - whole - whole[alone, None]
+    room[np.arange(alone.size), alone] = math.inf  # none is in its own way
+    share = (conditions * total / room).max(axis=1, initial=0.0)
+    shrinks = share < 1.0  # row i may be divided by it: the other discs still do not reach this one
+    alone, share = alone[shrinks], share[shrinks]
+    radii[alone] = conditions[alone] * total * (1.0 + (many - 1.0) * share) * (1.0 + 2.0 * uncertainty)
     return Discs(
         values, radii, clusters, right.astype(np.complex128), left.astype(np.complex128), total, matrix, spread
     )

@@ -47,8 +47,7 @@ def modes_needed(rod: RodData, like: Load, loads: Loads, growth_tolerance: float
     the tolerance, if larger.  At least ten more than one and a half times the critical mode, for accuracy, and as many
     as follow the shape of a steep string, which the weight along it confines to the end that is pushed.
     """
-    require_few(rod, like, loads, growth_tolerance)
-    uniform = largest_uniform(rod, like, loads)
+    uniform = require_few(rod, like, loads, growth_tolerance)
     needed, _ = constants_under(rod, uniform.mean).modes_needed(uniform, max(growth_tolerance, SLOW_GROWTH))
     if needed > MOST_COUPLED:
         raise _too_many(needed, rod, uniform, loads, like, growth_tolerance)
@@ -93,16 +92,17 @@ def _too_many(
     )
 
 
-def require_few(rod: RodData, like: Load, loads: Loads, growth_tolerance: float) -> None:
-    """Raise ValueError, at once, where the modes alone that the largest force outweighs are too many."""
-    uniform = largest_uniform(rod, like, loads)
+def require_few(rod: RodData, like: Load, loads: Loads, growth_tolerance: float) -> AxialLoad:
+    """Return `_largest_uniform`; ValueError, at once, where the modes alone that it outweighs are too many."""
+    uniform = _largest_uniform(rod, like, loads)
     constants, push = constants_under(rod, uniform.mean), max(0.0, uniform.mean + uniform.amplitude)
     needed = math.ceil(math.sqrt(push * constants.per_newton / constants.bending))
     if needed > MOST_COUPLED:
         raise _too_many(needed, rod, uniform, loads, like, growth_tolerance)
+    return uniform
 
 
-def largest_uniform(rod: RodData, like: Load, loads: Loads) -> AxialLoad:
+def _largest_uniform(rod: RodData, like: Load, loads: Loads) -> AxialLoad:
     """Return a sine, uniform along the rod, as strong and as fast as any part of any of the loads."""
     frequencies = np.unique(loads.frequency)
     largest = max(

@@ -258,13 +258,23 @@ def _one_by_one(systems: HillSystem) -> HillSystem:
     )
 
 
+def first_of(system: HillSystem, count: int) -> HillSystem:
+    """Return the first equations of a system, without what couples them to the others."""
+    return _part(system, slice(count))
+
+
 def _last(system: HillSystem) -> HillSystem:
     """Return the last equation of a system whose equations are independent."""
+    return _part(system, slice(-1, None))
+
+
+def _part(system: HillSystem, kept: slice) -> HillSystem:
+    """Return some equations of a system, without what couples them to the others."""
     damping = system.damping
     return HillSystem(
-        system.stiffness[-1:, -1:],
-        [matrix[-1:, -1:] for matrix in system.cosines],
-        [matrix[-1:, -1:] for matrix in system.sines],
-        damping=None if damping is None else damping[-1:, -1:],
+        system.stiffness[kept, kept],
+        [matrix[kept, kept] for matrix in system.cosines],
+        [matrix[kept, kept] for matrix in system.sines],
+        damping=None if damping is None else damping[kept, kept],
         period=system.period,
     )

@@ -64,7 +64,7 @@ def in_a_channel(rod: RodData) -> tuple[str, ...]:
     """
     if rod.course.is_straight:
         return (_STRAIGHT,)
-    place = rod.course.place(rod.course.samples)
+    place = rod.course.sampled
     kappa = float(np.hypot(place.kappa_n, place.kappa_b).max())
     room = kappa * rod.radial_clearance
     share = rod.flexural_rigidity * kappa * kappa / rod.critical_force

@@ -93,7 +93,7 @@ def constants_under(rod: RodData, mean: float) -> ModeConstants:
     constants, course = mode_constants(rod), rod.course
     if course.is_straight:
         return constants
-    place = course.place(course.samples)
+    place = course.sampled
     lying = Wall(place, rod.weight_per_length).lying(mean + 0.0 * place.sine)
     if course.is_uniform:
         return constants.on_side(lying.side or 1.0)

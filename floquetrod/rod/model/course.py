@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from floquetrod._util.arrays import Bools, Floats
+from floquetrod._util.caching import cached_property
 from floquetrod._util.roots import bisected
 
 if TYPE_CHECKING:
@@ -49,6 +50,11 @@ class Course(ABC):
     @abstractmethod
     def samples(self) -> Floats:
         """Places among which the least of what changes along the channel is."""
+
+    @cached_property
+    def sampled(self) -> Place:
+        """The channel at its samples."""
+        return self.place(self.samples)
 
 
 @dataclass(frozen=True)
@@ -104,7 +110,7 @@ class Along(Course):
         """Return the true vertical depth in m."""
         return np.asarray(self.path.position(np.clip(self.depths(x), self.path.start, self.path.end))[..., 2])
 
-    @property
+    @cached_property
     def samples(self) -> Floats:
         """Places in every arc, up to its ends."""
         ends = np.array([0.0, *self.breaks, 1.0])

@@ -197,8 +197,7 @@ class RodData(TellsAttributes):
     def _keep_weakest_place(self, room: float) -> None:
         """Set inclination and curvature to those where a push buckles the rod first; ``room`` its clearance."""
         course = self.course
-        x = course.samples
-        place = course.place(x)
+        x, place = course.samples, course.sampled
         forces = critical_forces(place, self.flexural_rigidity, self.gravity * self._weighing, room)
         weakest = int(np.argmin(forces))
         if not forces[weakest] > 0.0:
@@ -465,7 +464,7 @@ class RodData(TellsAttributes):
 
     def _force_at(self, ratio: float) -> float:
         """Return the least force in N with F^2 = 4 ratio E I N(F) / R along the rod."""
-        place = self.course.place(self.course.samples)
+        place = self.course.sampled
         rigidity = ratio * self.flexural_rigidity
         return float(critical_forces(place, rigidity, self.weight_per_length, self.radial_clearance).min())
 

@@ -25,8 +25,8 @@ from floquetrod.floquet.verdict import Status
 from floquetrod.rod.answers.margins import Edge
 from floquetrod.rod.answers.verdict import Evidence, RodStability, Shape
 from floquetrod.rod.loads.load import Load, Loads, Quantity
-from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, largest_uniform, require_few, up_to_resonance
-from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
+from floquetrod.rod.mode_equations.coupled_matrices import MOST_COUPLED, require_few, up_to_resonance
+from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations, first_of
 from floquetrod.rod.mode_equations.modal_systems import ModalSystems
 from floquetrod.rod.mode_equations.sampled import first_change
 from floquetrod.rod.model.assumptions import assumptions, forced_in_words
@@ -287,8 +287,9 @@ def _trials(
     found: list[_WithModes] = []
 
     def add(modes: int, place: int, known: int) -> None:
-        fewer = found[0].with_fewer(model.in_modes(modes)) if found and place == 0 else None
-        found.insert(place, fewer or _WithModes.of(model, load, modes))
+        chosen = model.in_modes(modes)
+        fewer = found[0].with_fewer(chosen) if found and place == 0 else None
+        found.insert(place, fewer or _WithModes.of(chosen, load, found[-1].system if place < len(found) else None))
         if progress is not None:
             progress(len(found), max(known, len(found)))
 
@@ -297,7 +298,8 @@ def _trials(
         return found
     last = _modes_to_begin_with(model, load, growth_tolerance)
     add(last, 0, 2)
-    needed = _more_needed(model, load, found[-1], growth_tolerance)
+    first = found[-1]
+    needed = _more_needed(model, load, first, growth_tolerance)
     if needed:
         add(needed, 1, 2)
     else:
@@ -311,7 +313,7 @@ def _trials(
         if len(found) == begun + _ENLARGEMENTS or larger > MOST_COUPLED or not found[-1].is_sharp:
             break
         add(larger, len(found), 2)
-    needed = _more_needed(model, load, found[-1], growth_tolerance)
+    needed = 0 if found[-1] is first else _more_needed(model, load, found[-1], growth_tolerance)
     if needed:
         add(needed, len(found), 2)
     return found
@@ -358,8 +360,7 @@ def _more_needed(model: ModeModel, load: Load, trial: _WithModes, growth_toleran
 def _modes_to_begin_with(model: ModeModel, load: Load, growth_tolerance: float) -> int:
     """Return how many modes to take; of long strings only those that may grow a quarter as fast as the fastest."""
     rod, loads = model.rod, Loads.single(load)
-    require_few(rod, load, loads, growth_tolerance)
-    uniform = largest_uniform(rod, load, loads)
+    uniform = require_few(rod, load, loads, growth_tolerance)
     every, _ = constants_under(rod, uniform.mean).modes_needed(uniform, growth_tolerance)
     if every <= _LONG:
         return model.count_for(loads, growth_tolerance)
@@ -390,11 +391,10 @@ class _WithModes(NamedTuple):
     fastest: Fastest | None = None
 
     @classmethod
-    def of(cls, model: ModeModel, load: Load, count: int) -> _WithModes:
-        """Return the verdict with ``count`` modes."""
-        modes = model.in_modes(count)
-        system = modes.system(Loads.single(load))
-        whole, fastest = _judged(system) if count > _LONG and modes.are_nested else (stability(system), None)
+    def of(cls, modes: CoupledEquations, load: Load, larger: HillSystem | None) -> _WithModes:
+        """Return the verdict with some modes; ``larger`` is the system of more of them, if it is known."""
+        system = first_of(larger, modes.size) if larger and modes.are_nested else modes.system(Loads.single(load))
+        whole, fastest = _judged(system) if modes.count > _LONG and modes.are_nested else (stability(system), None)
         # Where solutions come in pairs only the one that decays more slowly matters of each: the error of the other's
         # multiplier may exceed it, where the first one grows fast.
         slower = slice(len(whole.exponents) // (2 if undamped_pairs(system) else 1))
