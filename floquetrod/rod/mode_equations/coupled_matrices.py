@@ -58,7 +58,7 @@ def _confined(rod: RodData) -> int:
     """Return how many modes follow waves of the length (E I / w)^(1/3), over which weight along a rod confines them."""
     x = np.union1d(np.linspace(0.0, 1.0, 33), rod.course.samples)
     steepest = float(np.max(np.abs(np.diff(rod.weight_gained(x, 0.0)) / np.diff(x)))) / rod.length
-    return math.ceil(_HANGING * rod.length / math.pi * (steepest / rod.flexural_rigidity) ** (1.0 / 3.0))
+    return math.ceil(_HANGING * rod.length / math.pi * math.cbrt(steepest / rod.flexural_rigidity))
 
 
 def _too_many(
