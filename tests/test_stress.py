@@ -84,6 +84,52 @@ def test_the_terminal_says_it_where_the_grade_is_known(capsys: pytest.CaptureFix
     assert ", beyond the yield strength 621 MPa" in capsys.readouterr().out
 
 
+LEVEL = fr.WellPath.straight(length=600.0, inclination="90deg")
+
+
+def test_along_a_level_hole_a_helix_bends_the_string() -> None:
+    """The stress at its upper end by hand, F / A + E r_o R F / (2 E I)."""
+    found = PIPE.reach(LEVEL, 0.3, far_force="20kN", helical="always", depth=[600.0])
+    force, area = found.along.at_top, math.pi * (25.4e-3**2 - 21.4376e-3**2)
+    assert found.stress.axial == pytest.approx(force / area, rel=1e-12)
+    assert found.stress.position == 0.0
+    curvature = PIPE.radial_clearance * force / (2.0 * PIPE.flexural_rigidity)
+    assert found.stress.bending == pytest.approx(207e9 * 25.4e-3 * curvature, rel=1e-3)
+    assert found.yields[0]  # it locks up at 558 m, and next to that its upper end yields
+    assert not found.yields[-1]
+
+
+@pytest.mark.filterwarnings("ignore::floquetrod.PlausibilityWarning")
+def test_where_a_string_is_bent_beyond_yield_reach_says_so() -> None:
+    """An arc of a radius of 7 m, E r_o / 7 m = 751 MPa, and straight parts beside it."""
+    sharp = 450.0 + 7.0 * math.pi / 2.0
+    path = fr.WellPath([0.0, 450.0, sharp, 470.0], ["0deg", "0deg", "90deg", "90deg"])
+    found = PIPE.reach(path, 0.3, depth=[470.0])
+    where = found.along.depth[found.yields]
+    assert where.size
+    assert 440.0 < where.min() < where.max() <= sharp + 1e-9
+    assert found.bending_stress.max() == pytest.approx(207e9 * 25.4e-3 / 7.0, rel=0.1)
+    assert "beyond the yield strength 621 MPa" in str(found.report())
+    assert "\nyields    4" in str(found.report())
+    told = json.loads(json.dumps(found.as_dict()))
+    assert told["stress"]["share_of_yield"] > 1.2
+    assert len(told["bending_stress_Pa"]) == len(told["along"]["depth_m"])
+
+
+def test_without_a_grade_nothing_yields() -> None:
+    found = PIPE.replace(yield_strength=None).reach(LEVEL, 0.3, depth=[600.0])
+    assert not found.yields.any()
+    assert found.stress.share_of_yield is None
+    assert "yield strength" not in str(found.report())
+
+
+@pytest.mark.slow
+def test_a_tool_adds_its_vibration() -> None:
+    found = PIPE.reach(LEVEL, 0.3, tool=fr.VibrationTool("5kN", "18Hz"), depth=[600.0])
+    force = np.abs(found.along.force) + found.amplitude
+    assert found.axial_stress == pytest.approx(force / PIPE.area, rel=1e-12)
+
+
 def test_a_strength_in_megapascals_is_suspected() -> None:
     with pytest.warns(
         fr.PlausibilityWarning, match='yield_strength = 620 Pa is that of no solid; was it in MPa.*"620MPa"'

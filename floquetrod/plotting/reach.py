@@ -14,9 +14,9 @@ def draw_reach(found: Any) -> Any:
     from matplotlib.figure import Figure
 
     more = [1.0] if found.tool else []
-    figure = Figure(figsize=(7.2, 10.9 + 1.4 * len(more)), layout="constrained")
-    axes = figure.subplots(6 + len(more), 1, height_ratios=[1.5, 1.2, 1.0, 1.2, 1.0, 1.0, *more])
-    section, injector, bit, force, contact, friction = axes[:6]
+    figure = Figure(figsize=(7.2, 12.3 + 1.4 * len(more)), layout="constrained")
+    axes = figure.subplots(7 + len(more), 1, height_ratios=[1.5, 1.2, 1.0, 1.2, 1.0, 1.0, 1.0, *more])
+    section, injector, bit, force, contact, friction, stress = axes[:7]
     _draw_section(found, section)
     _draw_injector(found, injector)
     _draw_bit(found, bit)
@@ -25,12 +25,13 @@ def draw_reach(found: Any) -> Any:
     _draw_line(contact, along.depth, 1e-3 * along.contact, "contact / (kN/m)")
     _draw_line(friction, along.depth, along.friction, "friction")
     friction.set_ylim(bottom=0.0)
+    _draw_stress(found, stress)
     if along.is_helix.any():
         contact.set_yscale("log")
         finite = along.contact[np.isfinite(along.contact)]
         contact.set_ylim(bottom=1e-6 * finite.max())  # of the largest, in N: a thousandth
     if found.tool:
-        _draw_growth(found, axes[6])
+        _draw_growth(found, axes[7])
     for ax in axes[3:]:
         _shade(found, ax)
     for ax in axes[1:]:
@@ -90,6 +91,17 @@ def _draw_bit(found: Any, ax: Any) -> None:
 def _draw_line(ax: Any, depth: Any, values: Any, label: str) -> None:
     ax.plot(depth, np.where(np.isfinite(values), values, np.nan), color="black", linewidth=1.2)
     ax.set_ylabel(label)
+
+
+def _draw_stress(found: Any, ax: Any) -> None:
+    """Draw the stress of the worst fibre, what of it is bending, and the yield strength."""
+    depth, bending = found.along.depth, found.bending_stress
+    _draw_line(ax, depth, 1e-6 * (found.axial_stress + bending), "worst fibre / MPa")
+    ax.plot(depth, 1e-6 * bending, color="black", linestyle="--", linewidth=0.8, label="bending")
+    if found.yield_strength is not None:
+        ax.axhline(1e-6 * found.yield_strength, color=palette.UNSTABLE, linewidth=1.2, label="yield strength")
+    ax.set_ylim(bottom=0.0)
+    ax.legend(loc="best", fontsize="x-small", frameon=False)
 
 
 def _draw_growth(found: Any, ax: Any) -> None:

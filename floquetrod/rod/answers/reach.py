@@ -15,8 +15,10 @@ from floquetrod._util.report import Report, Reported, Table, number
 from floquetrod.rod.answers.growth_along import growth_along
 from floquetrod.rod.answers.mean_force import ASSUMED, MeanForce, drag_of, force_in_newtons, mean_force, spans
 from floquetrod.rod.answers.sliding import damping_across, least_speed
+from floquetrod.rod.answers.stress_along import stress_along
 from floquetrod.rod.loads.tool import VibrationTool
 from floquetrod.rod.model.data import RodData
+from floquetrod.rod.model.stress import Stress
 from floquetrod.units import with_unit
 from floquetrod.wells import strings
 from floquetrod.wells.drag import FAST, LOCKED, SOUGHT, Drag, Effort, Place
@@ -75,6 +77,13 @@ class Reach(Reported, ByContent):
         Along the string with the tool, its lower end as deep as it gets.
     amplitude : ndarray
         Vibration of the force in N at the depths of ``along``.
+    axial_stress : ndarray
+        Size of force and vibration over the area of the wall in Pa at the depths of ``along``; infinite where the
+        string is locked up.
+    bending_stress : ndarray
+        E r_o times the curvature of the well and of the helix there, in Pa; waves are taken as bent as a helix.
+    yield_strength : float or None
+        That of the string in Pa, None where it is not known.
     sliding : float
         Speed in m/s at which the string slides down.
     growth : ndarray
@@ -109,6 +118,9 @@ class Reach(Reported, ByContent):
     tool: VibrationTool | None
     along: MeanForce
     amplitude: Floats
+    axial_stress: Floats
+    bending_stress: Floats
+    yield_strength: float | None
     sliding: float
     growth: Floats
     growth_free: Floats
@@ -121,6 +133,19 @@ class Reach(Reported, ByContent):
     def gain(self) -> float:
         """What the tool adds to the reach in m."""
         return self.reach_shaken - self.reach
+
+    @property
+    def stress(self) -> Stress:
+        """The stress where a fibre is stressed most, its ``position`` from the upper end in m."""
+        k = int(np.argmax(self.axial_stress + self.bending_stress))
+        position = float(self.along.depth[k] - self.along.depth[0])
+        return Stress(float(self.axial_stress[k]), float(self.bending_stress[k]), position, self.yield_strength)
+
+    @property
+    def yields(self) -> NDArray[np.bool_]:
+        """Whether a fibre is stressed beyond yield at the depths of ``along``; nowhere if its strength is not known."""
+        strength = math.inf if self.yield_strength is None else self.yield_strength
+        return np.asarray(self.axial_stress + self.bending_stress > strength)
 
     @property
     def stable_frequencies(self) -> tuple[tuple[float, float], ...]:
@@ -155,6 +180,7 @@ class Reach(Reported, ByContent):
             ("snaking", _listed(along.depth, along.is_snaking)),
             ("helix", _listed(along.depth, along.is_helix)),
         ]
+        lines += self._stress_lines
         if self.tool is not None:
             lines += [("shaken", self._shaken_in_words), ("grows", self._growth_in_words)]
             lines.append(("useful", self._useful_in_words))
@@ -169,7 +195,13 @@ class Reach(Reported, ByContent):
             f"which damps a wave across the less the faster it moves: one of {with_unit(self.sliding, 'm/s', 3)}"
         )
         more = (local,) if self.tool else ()
-        return (*ASSUMED, *more, "linear elasticity: yielding is not checked")
+        return (*ASSUMED, *more, "linear elasticity, beyond yield too; stress with equal pressures inside and outside")
+
+    @property
+    def _stress_lines(self) -> list[tuple[str, str]]:
+        stress, depth = self.stress, self.along.depth
+        lines = [("stress", f"{stress}; at {depth[0] + stress.position:.6g} m")]
+        return [*lines, ("yields", _listed(depth, self.yields))] if self.yields.any() else lines
 
     @property
     def _shaken_in_words(self) -> str:
@@ -232,6 +264,9 @@ class Reach(Reported, ByContent):
             "tool": None if self.tool is None else self.tool.as_dict(),
             "along": self.along.as_dict(),
             "amplitude_N": self.amplitude.tolist(),
+            "axial_stress_Pa": _numbers(self.axial_stress),
+            "bending_stress_Pa": _numbers(self.bending_stress),
+            "stress": self.stress.as_dict(),
             "growth_per_s": self.growth.tolist(),
             "growth_without_friction_per_s": self.growth_free.tolist(),
             "half_wave_m": self.half_wave.tolist(),
@@ -292,6 +327,7 @@ def reach(
     amplitude = along.speed * rod.mass_along * rod.wave_speed
     sliding = 0.0 if drag.shaking is None else drag.shaking.speed
     grown = _grown(rod, drag, along, amplitude, tool)
+    stress = stress_along(rod, path, along, amplitude)
     return Reach(
         path=path,
         depth=depths,
@@ -309,6 +345,9 @@ def reach(
         tool=tool,
         along=along,
         amplitude=amplitude,
+        axial_stress=stress.axial,
+        bending_stress=stress.bending,
+        yield_strength=rod.yield_strength,
         sliding=sliding,
         growth=grown.net,
         growth_free=grown.free,

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from floquetrod._util.report import number
 from floquetrod.rod.loads.axial import largest_along
 from floquetrod.rod.loads.load import Load
 
@@ -54,14 +55,15 @@ class Stress:
         return None if self.yield_strength is None else self.largest / self.yield_strength
 
     def as_dict(self) -> dict[str, Any]:
-        """Return the stresses in Pa, plain numbers."""
+        """Return the stresses in Pa, plain numbers; None where they are infinite."""
+        share = self.share_of_yield
         return {
-            "axial_Pa": self.axial,
-            "bending_Pa": self.bending,
-            "largest_Pa": self.largest,
+            "axial_Pa": number(self.axial),
+            "bending_Pa": number(self.bending),
+            "largest_Pa": number(self.largest),
             "position_m": self.position,
             "yield_strength_Pa": self.yield_strength,
-            "share_of_yield": self.share_of_yield,
+            "share_of_yield": None if share is None else number(share),
         }
 
     def __str__(self) -> str:
