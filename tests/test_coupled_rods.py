@@ -389,9 +389,8 @@ def test_where_more_modes_are_needed_fewer_than_the_first_are_not_asked(monkeypa
     """What decays with the modes that may grow fastest is asked again with all that may grow, and no third time."""
     asked: list[int] = []
 
-    def trial(model: Any, load: Any, count: int) -> Any:
-        asked.append(count)
-        modes = model.in_modes(count)
+    def trial(modes: Any, load: Any, larger: Any) -> Any:
+        asked.append(modes.count)
         whole = SimpleNamespace(status="stable", growth_rate=0.0, exponents=(-1.0 + 0.0j,), note="")
         return coupled_stability._WithModes(modes, None, whole, -1.0, -1.0)  # type: ignore[arg-type]
 
