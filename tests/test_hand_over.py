@@ -54,12 +54,31 @@ def test_a_pdf_has_pages_of_text_and_one_of_each_figure(tmp_path: Path) -> None:
     drawn = fr.save_report(VERDICT, tmp_path / "drawn.pdf").read_bytes()
     pages = [len(re.findall(rb"/Type /Page\b", content)) for content in (plain, drawn)]
     assert plain.startswith(b"%PDF")
-    assert pages == [1, 3]  # the map stands between two parts of the text
+    assert pages == [2, 3]
+
+
+def test_the_rod_is_there_parameter_by_parameter_and_a_verdict_writes_itself(tmp_path: Path) -> None:
+    page = STATIC.save_report(tmp_path / "a.html").read_bytes()
+    assert page == fr.save_report(STATIC, tmp_path / "b.html").read_bytes()
+    for told in ("youngs modulus 68 GPa", "radius 0.0008 m", "inclination 90 deg", "gravity 9.81 m/s2"):
+        assert (told in words(page.decode())) == ("inclination" not in told)  # what it has not is left out
+
+
+@pytest.mark.slow
+def test_motion_after_the_onset_is_told(tmp_path: Path) -> None:
+    rod = ROD.replace(damping_rate=3.0, length=1.2)
+    load = fr.AxialLoad(0.1 * rod.critical_force, 0.3 * rod.critical_force, 110.0)
+    motion = rod.steady_motion(load)
+    page = words(rod.stability(load).save_report(tmp_path / "a.html", motion=motion).read_text())
+    assert "moves by 6.512 degrees in mode 2" in page
+    assert re.search(r"grows to about 6\.\d degrees in mode 2 alone", page)
 
 
 def test_lines_of_a_pdf_fit_its_page() -> None:
     long = "assumed   " + "word " * 60 + "\n" + "x" * 200
-    assert max(map(len, document._wrapped(long))) <= 92
+    lines = [part for parts in document._wrapped(long) for part in parts]
+    assert max(map(len, lines)) <= 92
+    assert lines[1].index("word") == lines[0].index("word")  # under the text, not under its label
 
 
 def test_what_is_wrong_writes_nothing(tmp_path: Path) -> None:
@@ -67,6 +86,8 @@ def test_what_is_wrong_writes_nothing(tmp_path: Path) -> None:
         fr.save_report(STATIC, tmp_path / "a.doc")
     with pytest.raises(TypeError, match=r"verdict must be what rod\.stability returned"):
         fr.save_report(fr.stability(fr.Mathieu(0.5, -0.25)), tmp_path / "a.html")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"motion must be what rod\.steady_motion returned"):
+        STATIC.save_report(tmp_path / "a.html", motion=3.0)
     with pytest.raises(TypeError, match=r"reach must be what rod\.reach returned"):
         fr.save_report(STATIC, tmp_path / "a.html", reach=3.0)  # type: ignore[arg-type]
     assert not list(tmp_path.iterdir())

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import re
 from collections.abc import Sequence
 from dataclasses import replace
@@ -266,10 +265,7 @@ def _grown(
     found = grown(asked.rod, asked.load, result.linear)
     if found is None:
         return [], {}
-    beats = "" if asked.rod.damping_rate > 0.0 else ", about which it beats without damping"
-    leaves = "" if found.stays_on_wall else ", beyond where it leaves its wall"
-    text = f"about {math.degrees(found.orbit.amplitude):.2g} degrees in mode {found.mode} alone{beats}{leaves}"
-    return [("grows to", text)], {"grows_to_about_rad": found.orbit.amplitude}
+    return [("grows to", found.in_words)], {"grows_to_about_rad": found.orbit.amplitude}
 
 
 def _sine_beside(asked: _Question) -> tuple[list[tuple[str, str]], dict[str, Any]]:

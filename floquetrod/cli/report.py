@@ -34,7 +34,8 @@ examples:
 
 It holds the verdict with growth and margins, a map of mean forces and frequencies about the load, the constant forces
 at which the literature has the rod buckle, the stress and its share of yield where the grade is known, what is assumed,
-and the command that makes it again; with --well how far the string can be pushed into that well.
+and the command that makes it again; with --motion how large the motion gets, and with --well how far the string can be
+pushed into that well.
 """
 
 
@@ -50,6 +51,9 @@ def add(command: Parser) -> None:
         "--margins",
         action=argparse.BooleanOptionalAction,
         help="search the margins and the damping that stabilises (default: where that takes some seconds)",
+    )
+    command.add_argument(
+        "--motion", action="store_true", help="say how large the motion gets, all modes together: up to a minute"
     )
     command.add_argument(
         "--out", metavar="FILE", type=Path, default=Path("report.html"), help=".html or .pdf (default report.html)"
@@ -69,11 +73,16 @@ def _report(options: argparse.Namespace) -> Output:
     tolerance, shown = read_tolerance(options), read_units(options, rod)
     with Waiting("deciding stability", "verdicts") as progress:
         verdict = rod.stability(load, growth_tolerance=tolerance, progress=progress)
+    motion = None
+    if options.motion:
+        with Waiting(f"{verdict.status}; following the motion"):
+            motion = rod.steady_motion(load)
     with Waiting(f"{verdict.status}; writing {options.out}", "percent") as progress:
         fr.save_report(
             verdict,
             options.out,
             reach=pushed,
+            motion=motion,
             units=names(shown),
             margins=options.margins,
             command=shlex.join(["floquetrod", *sys.argv[1:]]),

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import base64
 import io
+import re
 import textwrap
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from html import escape
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -19,7 +20,11 @@ KINDS = (".html", ".pdf")
 """Endings of the files that can be written."""
 
 _A4 = (8.27, 11.69)  # inches
-_COLUMNS, _ROWS = 92, 74  # of a page of text in 8.5 points
+_COLUMNS = 92  # of text
+_LEFT, _RIGHT, _TOP, _BOTTOM = 0.75, 7.52, 11.1, 0.75  # inches, of what is printed
+_POINTS, _LINE = 8.5, 0.148  # size of the text, and inches from line to line
+_NARROWEST = 30  # columns of a text that is continued
+_LEAST = 3.0  # inches of height, below which a figure goes to a new page
 _SALT = "floquetrod"  # so that the same figure has the same bytes
 
 _COLOURS = [
@@ -29,7 +34,7 @@ _STYLE = (
     f"""
 :root {{ color-scheme: light dark; {_COLOURS[0]}; }}
 @media (prefers-color-scheme: dark) {{ :root {{ {_COLOURS[1]}; }} }}
-@media print {{ :root {{ {_COLOURS[0]}; }} section {{ break-inside: avoid; }} }}
+@media print {{ :root {{ {_COLOURS[0]}; }} h2 {{ break-after: avoid; }} tr, img {{ break-inside: avoid; }} }}
 img {{ background: {palette.STABLE}; }}
 """
     + """
@@ -40,7 +45,10 @@ h1 { font-size: 1.5rem; } h2 { font-size: 1.15rem; margin-top: 2rem; border-bott
 th, td { text-align: left; vertical-align: top; padding: 0.15rem 0.9rem 0.15rem 0; }
 table + table { margin-top: 0.8rem; } th { font-weight: 600; white-space: nowrap; }
 td { overflow-wrap: break-word; } td:not(:last-child) { white-space: nowrap; }
-img { width: 100%; height: auto; border-radius: 4px; }
+td:nth-child(3) ~ td:last-child { min-width: 14rem; }
+img { width: 100%; height: auto; max-height: 25cm; object-fit: contain; border-radius: 4px; }
+@media print { body { font-size: 11px; margin: 0; max-width: none; } img { max-height: 24cm; } }
+@page { margin: 15mm; }
 """
 )
 
@@ -87,47 +95,81 @@ def _pdf(title: str, sections: Sequence[Section]) -> bytes:
     from matplotlib.backends.backend_pdf import PdfPages
 
     file = io.BytesIO()
-    with PdfPages(file, metadata={"Title": title, "CreationDate": None}) as pages:
-        lines = [title, "=" * min(len(title), _COLUMNS), ""]
+    with PdfPages(file, metadata={"Title": title, "CreationDate": None}) as pdf:
+        pages = _Pages(pdf)
+        pages.head(title, 14.0)
         for section in sections:
-            lines += [section.title, "-" * len(section.title), ""]
+            pages.head(section.title, 11.0)
             if section.report is not None:
-                lines += [*_wrapped(str(section.report)), ""]
+                pages.text(_wrapped(str(section.report)))
             if section.draw is not None:
-                _text_pages(pages, lines)
-                lines = []
-                _figure_page(pages, section.title, section.draw)
-        _text_pages(pages, lines)
+                pages.figure(_drawn(section.draw, "png"))
+        pages.end()
     return file.getvalue()
 
 
-def _wrapped(text: str) -> Iterator[str]:
-    """Yield the lines of a report no wider than a page; what continues a line stands under its text."""
+class _Pages:
+    """Pages of a PDF, filled from top to bottom."""
+
+    def __init__(self, pdf: Any) -> None:
+        self.pdf = pdf
+        self.page: Any = None
+        self.place = 0.0  # of what comes next, in inches from below
+
+    def end(self) -> None:
+        """Write the page that was begun."""
+        if self.page is not None:
+            self.pdf.savefig(self.page)
+        self.page, self.place = None, 0.0
+
+    def head(self, title: str, size: float) -> None:
+        """Write a title, on a new page if little else would fit below it."""
+        self._room(1.2)
+        self._write(title, self.place - 0.1, fontsize=size, weight="bold")
+        self.place -= 0.45
+
+    def text(self, lines: Iterable[Sequence[str]]) -> None:
+        """Write lines, each with what continues it on the same page."""
+        for parts in lines:
+            self._room(_LINE * len(parts))
+            for part in parts:
+                self._write(part, self.place, family="monospace", fontsize=_POINTS)
+                self.place -= _LINE
+        self.place -= 0.15
+
+    def figure(self, drawn: bytes) -> None:
+        """Place a picture as wide as the text, or as high as the page."""
+        from matplotlib.image import imread
+
+        picture = imread(io.BytesIO(drawn), format="png")
+        width = _RIGHT - _LEFT
+        height = min(width * picture.shape[0] / picture.shape[1], _TOP - _BOTTOM)
+        self._room(height if height < _TOP - _BOTTOM - _LEAST else _TOP - _BOTTOM)
+        low = max(self.place - height, _BOTTOM)
+        across, up = _A4
+        axes = self.page.add_axes((_LEFT / across, low / up, width / across, (self.place - low) / up))
+        axes.set_axis_off()
+        axes.imshow(picture, interpolation="antialiased")
+        axes.set_anchor("N")
+        self.place = low - 0.2
+
+    def _room(self, height: float) -> None:
+        """Begin a new page unless so much fits on this one."""
+        if self.page is None or self.place - height < _BOTTOM:
+            self.end()
+            self.page, self.place = _page(), _TOP
+
+    def _write(self, text: str, place: float, **style: Any) -> None:
+        x, y = _LEFT / _A4[0], place / _A4[1]
+        self.page.text(x, y, text, va="top", parse_math=False, color="black", **style)
+
+
+def _wrapped(text: str) -> Iterator[Sequence[str]]:
+    """Yield the lines of a report in parts no wider than a page, the later ones under the last column of the first."""
     for line in text.splitlines():
-        indent = " " * (len(line) - len(line.lstrip()) + 2)
-        yield from textwrap.wrap(line, _COLUMNS, subsequent_indent=indent, replace_whitespace=False) or [""]
-
-
-def _text_pages(pages: Any, lines: list[str]) -> None:
-    for start in range(0, len(lines), _ROWS):
-        page = _page()
-        page.text(
-            0.09, 0.95, "\n".join(lines[start : start + _ROWS]), family="monospace", fontsize=8.5, va="top",
-            linespacing=1.25, parse_math=False, color="black",
-        )  # fmt: skip
-        pages.savefig(page)
-
-
-def _figure_page(pages: Any, title: str, draw: Callable[[], Any]) -> None:
-    from matplotlib.image import imread
-
-    page = _page()
-    page.text(0.09, 0.95, title, fontsize=12, va="top", color="black")
-    axes = page.add_axes((0.09, 0.08, 0.82, 0.84))
-    axes.set_axis_off()
-    axes.imshow(imread(io.BytesIO(_drawn(draw, "png")), format="png"))
-    axes.set_anchor("N")
-    pages.savefig(page)
+        columns = [found.end() for found in re.finditer(r"(?<=\S) {2,}(?=\S)|^ +", line)]
+        indent = " " * min(columns[-1] if columns else 0, _COLUMNS - _NARROWEST)
+        yield textwrap.wrap(line, _COLUMNS, subsequent_indent=indent, replace_whitespace=False) or [""]
 
 
 def _page() -> Any:

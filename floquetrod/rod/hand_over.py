@@ -15,10 +15,14 @@ from floquetrod.plotting import charts, document
 from floquetrod.plotting.document import Section
 from floquetrod.rod.answers.reach import Reach
 from floquetrod.rod.answers.reports import shown_in
+from floquetrod.rod.answers.steady_motion import SteadyMotion
 from floquetrod.rod.answers.verdict import RodStability
+from floquetrod.rod.large_orbits import grown
 from floquetrod.rod.map import stability_map
+from floquetrod.rod.model.data import RodData
+from floquetrod.units import ROD_KINDS, unit
 
-_POINTS = {True: (160, 120), False: (32, 24)}  # of the map, where bands are exact and where loads take milliseconds
+_POINTS = {True: (160, 120), False: (64, 48)}  # of the map, where bands are exact and where loads take milliseconds
 _ROOM = 1.25  # about the load, in terms of it
 
 
@@ -27,6 +31,7 @@ def save_report(
     path: str | Path,
     *,
     reach: Reach | None = None,
+    motion: SteadyMotion | None = None,
     units: Mapping[str, str] | None = None,
     margins: bool | None = None,
     command: str = "",
@@ -34,8 +39,9 @@ def save_report(
 ) -> Path:
     """Write what there is to say of a rod under a load into one file that can be passed on, HTML or PDF.
 
-    Rod, load and verdict with margins; a map about the load; constant forces at which the literature has the rod
-    buckle, and the stress; how far its string can be pushed; what is assumed; versions and what makes it again.
+    Rod, load and verdict with margins, and about how far what grows gets; a map about the load; constant forces at
+    which the literature has the rod buckle, and the stress; how far its string can be pushed; what is assumed; versions
+    and what makes it again.  ``verdict.save_report(path)`` does the same.
 
     Parameters
     ----------
@@ -45,6 +51,9 @@ def save_report(
         Ends in .html, a page with its figures inside, or .pdf.  It is written completely or not at all.
     reach : Reach, optional
         What ``rod.reach`` returned, to be told too.
+    motion : SteadyMotion, optional
+        What ``rod.steady_motion(load)`` returned, which takes up to a minute: how large the motion gets, all modes
+        together, and what it does to the rod.
     units : mapping, optional
         In which to show the load, as in ``verdict.report``.
     margins : bool, optional
@@ -61,7 +70,7 @@ def save_report(
     Raises
     ------
     ValueError, TypeError
-        For other endings, and for what is no verdict on a rod or no reach.
+        For other endings, and for what is no verdict on a rod, no reach or no steady motion.
 
     Examples
     --------
@@ -73,12 +82,16 @@ def save_report(
     _require("verdict", verdict, RodStability, "what rod.stability returned")
     if reach is not None:
         _require("reach", reach, Reach, "what rod.reach returned")
+    if motion is not None:
+        _require("motion", motion, SteadyMotion, "what rod.steady_motion returned")
     return document.save(
         path,
         f"Stability of a rod: {verdict.status}",
         [
             _verdict(verdict, units, margins, progress),
+            _data(verdict.rod),
             *_map(verdict, units),
+            *_motion(motion),
             _statics(verdict),
             *_reach(reach),
             _assumed(verdict, reach),
@@ -97,8 +110,25 @@ def _verdict(
 ) -> Section:
     searched = verdict.has_quick_margins if margins is None else margins
     said = verdict.report(units, verdict.margins(progress=progress) if searched else None)
+    large = grown(verdict.rod, verdict.load, verdict)
+    if large is not None:
+        said = said.with_lines([("grows to", large.in_words)], before="margins" if searched else "checked")
     shape = None if verdict.evidence.has_exact_margins or not verdict.resonances else verdict.plot
     return Section("Verdict", said, shape)
+
+
+def _data(rod: RodData) -> Section:
+    """Return what the rod is, parameter by parameter."""
+    rows = [(name.replace("_", " "), _shown(name, value)) for name, value in rod.as_dict().items()]
+    return Section("The rod", Report("", (), Table((("parameter", "<24"), ("value", "<1")), rows)))
+
+
+def _shown(name: str, value: Any) -> str:
+    kind = ROD_KINDS.get(name)
+    if kind is None or not isinstance(value, float):
+        return str(value)
+    unit_name = {"angle": "deg", "pressure": "GPa" if value >= 1e9 else "MPa"}.get(kind, "")
+    return unit(unit_name, name, kind).show(value)
 
 
 def _map(verdict: RodStability, units: Mapping[str, str] | None) -> list[Section]:
@@ -125,6 +155,10 @@ def _map(verdict: RodStability, units: Mapping[str, str] | None) -> list[Section
         return axes
 
     return [Section("Other mean forces and frequencies", None, draw)]
+
+
+def _motion(motion: SteadyMotion | None) -> list[Section]:
+    return [] if motion is None else [Section("Motion after the onset", motion.report())]
 
 
 def _statics(verdict: RodStability) -> Section:

@@ -26,6 +26,13 @@ class Found(NamedTuple):
     alone: OneMode
 
     @property
+    def in_words(self) -> str:
+        """How large it is, and what is to be known of it."""
+        beats = "" if self.alone.motion.rod.damping_rate > 0.0 else ", about which it beats without damping"
+        leaves = "" if self.stays_on_wall else ", beyond where it leaves its wall"
+        return f"about {math.degrees(self.orbit.amplitude):.2g} degrees in mode {self.mode} alone{beats}{leaves}"
+
+    @property
     def stays_on_wall(self) -> bool:
         """Whether the contact force of the mode alone stays positive."""
         motion, states = self.alone.motion, self.orbit.states

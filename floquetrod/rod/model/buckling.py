@@ -44,8 +44,8 @@ def buckling_forces(sinusoidal: float, rigidity: float, weight: float) -> dict[s
         ),
         "vertical": BucklingForce(
             1.94 * (rigidity * weight**2) ** (1.0 / 3.0),
-            "1.94 (E I w_e^2)^(1/3): at the lower end of a long rod hanging in a vertical channel, whatever the "
-            "inclination of this one",
+            "1.94 (E I w_e^2)^(1/3): at the lower end of a rod 8 (E I / w_e)^(1/3) long that hangs in a vertical well, "
+            "less of a longer one; whatever the inclination of this one",
             "Lubinski 1950",
         ),
     }
