@@ -24,7 +24,7 @@ _COLUMNS = 92  # of text
 _LEFT, _RIGHT, _TOP, _BOTTOM = 0.75, 7.52, 11.1, 0.75  # inches, of what is printed
 _POINTS, _LINE = 8.5, 0.148  # size of the text, and inches from line to line
 _NARROWEST = 30  # columns of a text that is continued
-_LEAST = 3.0  # inches of height, below which a figure goes to a new page
+_SHRUNK = 0.75  # part of its height to which a figure is shrunk to fit on a page
 _SALT = "floquetrod"  # so that the same figure has the same bytes
 
 _COLOURS = [
@@ -47,7 +47,8 @@ table + table { margin-top: 0.8rem; } th { font-weight: 600; white-space: nowrap
 td { overflow-wrap: break-word; } td:not(:last-child) { white-space: nowrap; }
 td:nth-child(3) ~ td:last-child { min-width: 14rem; }
 img { width: 100%; height: auto; max-height: 25cm; object-fit: contain; border-radius: 4px; }
-@media print { body { font-size: 11px; margin: 0; max-width: none; } img { max-height: 24cm; } }
+@media print { :root { font-size: 12px; } body { font-size: 1rem; margin: 0; max-width: none; } }
+@media print { img { max-height: 24cm; } }
 @page { margin: 15mm; }
 """
 )
@@ -93,17 +94,19 @@ def _html(title: str, sections: Sequence[Section]) -> bytes:
 
 def _pdf(title: str, sections: Sequence[Section]) -> bytes:
     from matplotlib.backends.backend_pdf import PdfPages
+    from matplotlib.image import imread
 
     file = io.BytesIO()
     with PdfPages(file, metadata={"Title": title, "CreationDate": None}) as pdf:
         pages = _Pages(pdf)
         pages.head(title, 14.0)
         for section in sections:
-            pages.head(section.title, 11.0)
+            picture = None if section.draw is None else imread(io.BytesIO(_drawn(section.draw, "png")), format="png")
+            pages.head(section.title, 11.0, 1.0 if section.report is not None else _SHRUNK * _height(picture))
             if section.report is not None:
                 pages.text(_wrapped(str(section.report)))
-            if section.draw is not None:
-                pages.figure(_drawn(section.draw, "png"))
+            if picture is not None:
+                pages.figure(picture)
         pages.end()
     return file.getvalue()
 
@@ -122,9 +125,9 @@ class _Pages:
             self.pdf.savefig(self.page)
         self.page, self.place = None, 0.0
 
-    def head(self, title: str, size: float) -> None:
-        """Write a title, on a new page if little else would fit below it."""
-        self._room(1.2)
+    def head(self, title: str, size: float, below: float = 1.0) -> None:
+        """Write a title, on a new page where there is less than so much room ``below`` it."""
+        self._room(0.45 + below)
         self._write(title, self.place - 0.1, fontsize=size, weight="bold")
         self.place -= 0.45
 
@@ -137,17 +140,12 @@ class _Pages:
                 self.place -= _LINE
         self.place -= 0.15
 
-    def figure(self, drawn: bytes) -> None:
-        """Place a picture as wide as the text, or as high as the page."""
-        from matplotlib.image import imread
-
-        picture = imread(io.BytesIO(drawn), format="png")
-        width = _RIGHT - _LEFT
-        height = min(width * picture.shape[0] / picture.shape[1], _TOP - _BOTTOM)
-        self._room(height if height < _TOP - _BOTTOM - _LEAST else _TOP - _BOTTOM)
-        low = max(self.place - height, _BOTTOM)
+    def figure(self, picture: Any) -> None:
+        """Place a picture as wide as the text, or a little smaller where it then fits on the page."""
+        self._room(_SHRUNK * _height(picture))
+        low = max(self.place - _height(picture), _BOTTOM)
         across, up = _A4
-        axes = self.page.add_axes((_LEFT / across, low / up, width / across, (self.place - low) / up))
+        axes = self.page.add_axes((_LEFT / across, low / up, (_RIGHT - _LEFT) / across, (self.place - low) / up))
         axes.set_axis_off()
         axes.imshow(picture, interpolation="antialiased")
         axes.set_anchor("N")
@@ -162,6 +160,11 @@ class _Pages:
     def _write(self, text: str, place: float, **style: Any) -> None:
         x, y = _LEFT / _A4[0], place / _A4[1]
         self.page.text(x, y, text, va="top", parse_math=False, color="black", **style)
+
+
+def _height(picture: Any) -> float:
+    """Return how high a picture is, in inches, that is as wide as the text, or as high as a page."""
+    return float(min((_RIGHT - _LEFT) * picture.shape[0] / picture.shape[1], _TOP - _BOTTOM))
 
 
 def _wrapped(text: str) -> Iterator[Sequence[str]]:
