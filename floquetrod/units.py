@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, NamedTuple
 
 from floquetrod._util.arguments import wrong_type, wrong_value
@@ -242,7 +242,7 @@ def quantity(
 
     Parameters
     ----------
-    value : str or number
+    value : str, number or quantity of pint
         A number with a unit, in any case but that of M for mega and m for milli; a number alone is in the SI unit of
         its kind.  A percentage is one of ``nominal`` where that is given, else of the critical force where a force is
         asked for, and of one where a ratio is.
@@ -277,6 +277,8 @@ def quantity(
     (0.85, 0.3)
     """
     units = units_of(kind, critical_force)
+    if is_measured(value):
+        return _bounded(in_si(value, name, kind, float), name, units, least, largest, short(value))
     if isinstance(value, int | float) and not isinstance(value, bool):
         try:
             number = float(value)
@@ -299,6 +301,31 @@ def quantity(
             f"{_wanted(kind, units)}, got {given}: unit {short(match[2])} is not understood{_hint(match[2], units)}",
         )
     return _bounded(float(match[1]) * units[unit], name, units, least, largest, given)
+
+
+def is_written(value: Any) -> bool:
+    """Return whether a value has its unit with it, as a text or as a quantity of pint."""
+    return isinstance(value, str) or is_measured(value)
+
+
+def is_measured(value: Any) -> bool:
+    """Return whether a value is a quantity of pint, which is not imported: it says what unit it is in."""
+    return hasattr(value, "magnitude") and hasattr(value, "units") and callable(getattr(value, "to", None))
+
+
+def in_si(value: Any, name: str, kind: str, number: Callable[[Any], Any]) -> Any:
+    """Return what ``number``, float or of an array, makes of a quantity of pint in the SI unit of a kind.
+
+    To pint a hertz is 1/s and an angle has no dimension: what counts periods is told by the name of its unit.
+    """
+    counts = kind in ("frequency", "rate")
+    target = re.sub(r"(?<=[a-z])(\d)$", r"^\1", next(iter(_UNITS[kind]))) or "dimensionless"
+    try:
+        if counts and re.search("hertz|count", str(value.units)):
+            target = "hertz" if kind == "frequency" else "of a rate, not of a frequency"
+        return number(value.to(target).magnitude) * (2.0 * math.pi if target == "hertz" else 1.0)
+    except Exception as error:  # pint has its own for each way in which units differ
+        raise wrong_value(name, f"{_wanted(kind, _UNITS[kind])}, got {short(value)}: {error}") from None
 
 
 def _wanted(kind: str, units: Iterable[str]) -> str:

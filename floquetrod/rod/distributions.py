@@ -231,7 +231,7 @@ def distribution(argument: str, given: Any, element: Callable[[str, Any], float]
 
 def _number(name: str, argument: str, value: Any) -> float:
     """Return a number in SI that is given as one or with its unit."""
-    if not isinstance(value, str):
+    if not units.is_written(value):
         return validate.finite(argument, value)
     if name in KINDS:
         return units.quantity(value, argument, KINDS[name])

@@ -42,6 +42,10 @@ def column(name: str, values: Any, many: int | None = None) -> Floats:
 
     Raises TypeError or ValueError, naming argument and place, for what is no list of numbers.
     """
+    if units.is_measured(values):
+        values = units.in_si(values, name, KINDS[name], np.asarray)
+    elif isinstance(values, list | tuple) and any(map(units.is_measured, values)):
+        values = [number(f"{name}[{i}]", value, KINDS[name]) for i, value in enumerate(values)]
     raw = validate.untyped(name, values)
     if raw.ndim > 1 or (raw.ndim == 0 and many is None):
         raise validate.wrong_value(
@@ -66,7 +70,7 @@ def column(name: str, values: Any, many: int | None = None) -> Floats:
 
 def number(name: str, value: Any, kind: str) -> float:
     """Return a length in m or an angle in rad, given as a number or a string with a unit."""
-    return units.quantity(value, name, kind) if isinstance(value, str) else validate.finite(name, value)
+    return units.quantity(value, name, kind) if units.is_written(value) else validate.finite(name, value)
 
 
 def within(inclination: Floats, azimuth: Floats) -> tuple[Floats, Floats]:

@@ -57,15 +57,15 @@ LIMITS: dict[Quantity, _Limits] = {
 def load_number(quantity: Quantity, value: Any, name: str | None = None) -> float:
     """Return a quantity of a load as a float within its limits; ``name`` is the argument's, where it is another."""
     name, limits = name or quantity, LIMITS[quantity]
-    if isinstance(value, str):
+    if units.is_written(value):
         value = _in_si(quantity, value, name)
     number = limits.check(name, value, limits.hint)
     return validate.within(name, number, limits.least, limits.largest, f"give it in {limits.unit}")
 
 
-def _in_si(quantity: Quantity, text: str, name: str) -> float:
+def _in_si(quantity: Quantity, text: Any, name: str) -> float:
     """Return a quantity of a load that is given with its unit, such as "24Hz" or "0.2kN"."""
-    if KINDS[quantity] == "force" and text.strip().lower().endswith("fcr"):
+    if KINDS[quantity] == "force" and isinstance(text, str) and text.strip().lower().endswith("fcr"):
         raise validate.wrong_value(
             name,
             f"must have a unit of force such as N or kN, got {validate.short(text)}: a load does not contain "
@@ -465,7 +465,7 @@ def with_waves(load: Load, axial_damping: float = 0.0) -> AxialWave:
 
 def noise_density(name: str, value: Any) -> float | tuple[tuple[float, float], ...]:
     """Return a spectral density of noise, checked: a number in N^2/Hz, or pairs of a frequency in Hz and a density."""
-    if isinstance(value, str):
+    if units.is_written(value):
         return units.quantity(value, name, "force density", least=0.0, largest=_LOUDEST)
     if not validate.iterable(value) or (isinstance(value, np.ndarray) and value.ndim == 0):
         return validate.within(name, value, 0.0, _LOUDEST, "a density in N^2/Hz, zero or more")

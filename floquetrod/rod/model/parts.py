@@ -45,7 +45,7 @@ MEANT = {
 
 def in_si(name: str, value: Any) -> Any:
     """Return a parameter that is a string with a unit, such as "0.8mm", as a number in its SI unit, else as it is."""
-    return units.quantity(value, name, units.ROD_KINDS[name]) if isinstance(value, str) else value
+    return units.quantity(value, name, units.ROD_KINDS[name]) if units.is_written(value) else value
 
 
 def parameter(name: str, value: Any, unit: str) -> float:
