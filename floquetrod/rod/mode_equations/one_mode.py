@@ -169,7 +169,7 @@ class OneMode:
         second = first @ first
         force = self.motion.parts(times) @ self._vibration
         a = self._starts(times, turns)
-        moved = np.full(len(a), np.inf)
+        found = [np.empty((0, count))]
         with np.errstate(all="ignore"):
             for _ in range(_NEWTON):
                 missed, slope = self._missed(a, first, second, force)
@@ -180,8 +180,13 @@ class OneMode:
                 moved = np.abs(step).max(axis=1)
                 a = a + step * np.minimum(1.0, 0.1 * LARGEST / self.peak / np.maximum(moved, 1e-300))[:, None]
                 kept = np.isfinite(a).all(axis=1) & (np.abs(a).max(axis=1) * self.peak < 1.2 * LARGEST)
-                a, moved = a[kept], moved[kept]
-        a = a[(moved < 1e-8) & (np.abs(a).max(axis=1) * self.peak > 1e-3)]
+                ends = moved < 1e-8  # the step after this one would be below rounding
+                found.append(a[kept & ends])
+                a = a[kept & ~ends]
+                if not len(a):
+                    break
+        a = np.concatenate(found)
+        a = a[np.abs(a).max(axis=1) * self.peak > 1e-3]
         return self._apart(a, a @ first.T, turns)
 
     def equilibria(self) -> list[Orbit]:
