@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 from reprlib import Repr
 from typing import Any
 
@@ -28,6 +27,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     >>> did_you_mean("nitinal", ["nitinol", "steel"])
     '; did you mean nitinol?'
     """
+    from difflib import get_close_matches
+
     names = {each.lower(): each for each in known}
     near = get_close_matches(name.lower(), names, n=1, cutoff=0.6)
     return f"; did you mean {names[near[0]]}?" if near else ""

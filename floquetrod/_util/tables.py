@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Collection, Iterable, Sequence
 from contextlib import suppress
 from itertools import islice
@@ -19,6 +18,8 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
 
     More than a megabyte is not read.
     """
+    import tomllib
+
     try:
         with path.open("rb") as file:
             content = file.read(_LARGEST + 1)
