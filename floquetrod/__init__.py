@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from floquetrod import simulation as simulation
     from floquetrod import systems as systems
     from floquetrod._util.implausible import PlausibilityWarning as PlausibilityWarning
+    from floquetrod._util.interchange import to_json as to_json
+    from floquetrod._util.interchange import to_pandas as to_pandas
     from floquetrod._util.version import __version__ as __version__
     from floquetrod.ensembles.ensemble import ensemble as ensemble
     from floquetrod.ensembles.study import Study as Study
@@ -185,6 +187,8 @@ _WHERE = {
     "stability": "floquet.dispatch",
     "stability_map": "rod.map",
     "systems": "systems",
+    "to_json": "_util.interchange",
+    "to_pandas": "_util.interchange",
 }
 _MODULES = {"conventions", "ensembles", "friction", "mathieu", "methods", "simulation", "systems"}
 

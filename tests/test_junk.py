@@ -615,7 +615,8 @@ def test_a_margin_in_no_time_is_refused(seconds: object) -> None:
 
 
 def test_the_table_has_every_public_function_and_every_argument() -> None:
-    elsewhere = {"simulate", "ensemble", "Explorer", "save_report"}  # in test_ensemble.py, a window, test_hand_over.py
+    # In test_ensemble.py, a window, test_hand_over.py, test_interchange.py.
+    elsewhere = {"simulate", "ensemble", "Explorer", "save_report", "to_json", "to_pandas"}
     results = {
         "Bands",
         "Chart",

@@ -23,6 +23,7 @@ class Told:
         self.magnitude, self.units = magnitude, unit
 
     def to(self, target: str) -> Told:
+        """Return it in another unit."""
         size, known = self.SIZES[self.units]
         if known != target:
             raise ValueError(f"Cannot convert from '{self.units}' to '{target}'")

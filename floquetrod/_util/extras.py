@@ -12,3 +12,12 @@ def xarray(extra: str = "xarray") -> Any:
     except ImportError:
         raise ImportError(f"this needs xarray: pip install floquetrod[{extra}]", name="xarray") from None
     return xarray
+
+
+def pandas() -> Any:
+    """Return the module pandas, or raise ImportError with the command that installs it."""
+    try:
+        import pandas
+    except ImportError:
+        raise ImportError("this needs pandas: pip install floquetrod[pandas]", name="pandas") from None
+    return pandas

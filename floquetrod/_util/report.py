@@ -89,9 +89,13 @@ class Reported:
     def report(self) -> Report:
         """Return what there is to say."""
 
+    def _at_hand(self) -> Report:
+        """Return what a notebook shows unasked, which must not take long."""
+        return self.report()
+
     def _repr_html_(self) -> str:
         """Return the report as a small table for a notebook."""
-        return self.report()._repr_html_()
+        return self._at_hand()._repr_html_()
 
 
 def number(value: Any) -> float | None:

@@ -116,11 +116,12 @@ def draw_growth(run: Any, modes: Sequence[int], rates: Sequence[float], ax: Any 
     return ax
 
 
-def draw_run(run: Any, modes: Sequence[int], rates: Sequence[float]) -> Any:
+def draw_run(run: Any, modes: Sequence[int], rates: Sequence[float], figure: Any = None) -> Any:
     """Return a figure of the rod from above and of the growth of its modes: the load its title, the start a note."""
     from matplotlib import pyplot
 
-    figure, (above, below) = pyplot.subplots(2, 1, figsize=(7.0, 7.0), layout="constrained")
+    figure = pyplot.figure(figsize=(7.0, 7.0), layout="constrained") if figure is None else figure
+    above, below = figure.subplots(2, 1)
     draw_top_view(run, above)
     draw_growth(run, modes, rates, below, "; ".join(filter(None, [f"start: {run.problem.perturbation}", run.note])))
     figure.suptitle(typeset(run.caption), fontsize="medium")

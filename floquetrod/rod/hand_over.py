@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from floquetrod._util import validate
 from floquetrod._util.progress import Progress
-from floquetrod._util.report import Report, Table
+from floquetrod._util.report import Report, Reported, Table
 from floquetrod._util.version import __version__
 from floquetrod.plotting import charts, document
 from floquetrod.plotting.document import Section
@@ -27,7 +27,7 @@ _ROOM = 1.25  # about the load, in terms of it
 
 
 def save_report(
-    verdict: RodStability,
+    result: Reported,
     path: str | Path,
     *,
     reach: Reach | None = None,
@@ -37,16 +37,17 @@ def save_report(
     command: str = "",
     progress: Progress | None = None,
 ) -> Path:
-    """Write what there is to say of a rod under a load into one file that can be passed on, HTML or PDF.
+    """Write what there is to say of a result into one file that can be passed on, HTML or PDF.
 
-    Rod, load and verdict with margins, and about how far what grows gets; a map about the load; constant forces at
-    which the literature has the rod buckle, and the stress; how far its string can be pushed; what is assumed; versions
-    and what makes it again.  ``verdict.save_report(path)`` does the same.
+    Of most results what they say and draw.  Of a verdict on a rod more: rod, load and verdict with margins, and about
+    how far what grows gets; a map about the load; constant forces at which the literature has the rod buckle, and the
+    stress; how far its string can be pushed; what is assumed; versions and what makes it again.
 
     Parameters
     ----------
-    verdict : RodStability
-        What ``rod.stability(load)`` returned.
+    result : RodStability or another result with a ``report()``
+        What ``rod.stability(load)`` returned, or, say, `Reach`, `SteadyMotion`, `PeriodicOrbit`, `SafeBox`, `Proof`.
+        The options from ``reach`` to ``margins`` are about verdicts on rods.
     path : str or path
         Ends in .html, a page with its figures inside, or .pdf.  It is written completely or not at all.
     reach : Reach, optional
@@ -70,7 +71,7 @@ def save_report(
     Raises
     ------
     ValueError, TypeError
-        For other endings, and for what is no verdict on a rod, no reach or no steady motion.
+        For other endings, and for what is no result with a report, no reach or no steady motion.
 
     Examples
     --------
@@ -79,23 +80,26 @@ def save_report(
     >>> fr.save_report(verdict, "report.html", units={"mean": "Fcr", "frequency": "Hz"}).name  # doctest: +SKIP
     'report.html'
     """
-    _require("verdict", verdict, RodStability, "what rod.stability returned")
+    _require("result", result, Reported, "a result with a report, such as what rod.stability returned")
     if reach is not None:
         _require("reach", reach, Reach, "what rod.reach returned")
     if motion is not None:
         _require("motion", motion, SteadyMotion, "what rod.steady_motion returned")
+    if not isinstance(result, RodStability):
+        drawn = Section(type(result).__name__, result.report(), getattr(result, "plot", None))
+        return document.save(path, repr(result)[1:-1], [drawn, _made((), command or repr(result))])
     return document.save(
         path,
-        f"Stability of a rod: {verdict.status}",
+        f"Stability of a rod: {result.status}",
         [
-            _verdict(verdict, units, margins, progress),
-            _data(verdict.rod),
-            *_map(verdict, units),
+            _verdict(result, units, margins, progress),
+            _data(result.rod),
+            *_map(result, units),
             *_motion(motion),
-            _statics(verdict),
+            _statics(result),
             *_reach(reach),
-            _assumed(verdict, reach),
-            _made(verdict, command),
+            _assumed(result, reach),
+            _made(result.references, command or f"{result.rod!r}.stability({result.load!r})"),
         ],
     )
 
@@ -187,9 +191,7 @@ def _assumed(verdict: RodStability, reach: Reach | None) -> Section:
     return Section("What is assumed", Report("", listed))
 
 
-def _made(verdict: RodStability, command: str) -> Section:
-    lines = [("made by", f"floquetrod {__version__}, Python {platform.python_version()}")]
-    again = command or f"{verdict.rod!r}.stability({verdict.load!r})"
-    lines.append(("again", again))
-    lines += [("cite" if i == 0 else "", text) for i, text in enumerate(verdict.references)]
+def _made(references: Iterable[str], again: str) -> Section:
+    lines = [("made by", f"floquetrod {__version__}, Python {platform.python_version()}"), ("again", again)]
+    lines += [("cite" if i == 0 else "", text) for i, text in enumerate(references)]
     return Section("How this was made", Report("", lines))

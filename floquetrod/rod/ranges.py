@@ -164,9 +164,9 @@ class StabilityIntervals(Reported, NoTruthValue):
         size = validate.positive("size", size, "give it in the unit of the intervals")
         return self._report(wanted, size, self.unstable)
 
-    def _repr_html_(self) -> str:
-        """Return the stability intervals as a small table for a notebook."""
-        return self._report(self.unit, 1.0, self.__dict__.get("unstable", ()))._repr_html_()
+    def _at_hand(self) -> Report:
+        """Return the stability intervals, and unstable bands that are known."""
+        return self._report(self.unit, 1.0, self.__dict__.get("unstable", ()))
 
     def _report(self, unit: str, size: float, unstable: tuple[UnstableBand, ...]) -> Report:
         low, high = (value / size for value in self.bounds)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from floquetrod._util import validate
@@ -703,11 +702,6 @@ class Rod(RodData):
         from floquetrod.rod import motion
 
         return motion.steady_motion(self.modes_under(require_load("load", load)), load, mode, indentation)
-
-    def _save_report(self, verdict: RodStability, path: str | Path, **options: Any) -> Path:
-        from floquetrod.rod.hand_over import save_report
-
-        return save_report(verdict, path, **options)
 
     def safe_kick(self, load: AnyLoad, *, indentation: float = 1e-4) -> SafeKick:
         """Return which kicks a rod that is stable at rest comes to rest from, and which lead to a large motion.

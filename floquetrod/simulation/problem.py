@@ -598,11 +598,14 @@ class Simulation(Reported, RecordedMotion):
 
         return draw_growth(self, self.leading_modes, self._predicted_rates, ax)
 
-    def plot_run(self) -> Any:
-        """Draw the rod from above over the growth of its leading modes; return the figure."""
+    def plot_run(self, figure: Any = None) -> Any:
+        """Draw the rod from above over the growth of its leading modes; return the figure, a new one by default.
+
+        ``figure`` may be one of matplotlib, or a part of one.
+        """
         from floquetrod.plotting.rod import draw_run
 
-        return draw_run(self, self.leading_modes, self._predicted_rates)
+        return draw_run(self, self.leading_modes, self._predicted_rates, figure)
 
     def animate(self) -> Any:
         """Return a matplotlib animation of the rod from above, of at most 200 pictures."""

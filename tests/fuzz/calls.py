@@ -60,6 +60,8 @@ RESULTS += (fr.Bands, fr.SafeBox, fr.systems.FirstOrderTongue, fr.Branch, fr.Spe
 
 LEFT_OUT = {
     "save_report": "writes files: attacked in tests/test_hand_over.py",
+    "to_json": "takes results: attacked in tests/test_interchange.py",
+    "to_pandas": "takes results: attacked in tests/test_interchange.py",
     "NonlinearSystem.rates": "for the equations of an orbit, which hand over arrays of floats",
     "NonlinearSystem.jacobians": "for the equations of an orbit, which hand over arrays of floats",
     "NonlinearSystem.require_parameter": "raises",
@@ -139,7 +141,7 @@ LEFT_OUT = {
     "Simulation.plot": "its axes are an object of matplotlib",
     "Simulation.plot_energy": "its axes are an object of matplotlib",
     "Simulation.plot_growth": "its axes are an object of matplotlib",
-    "Simulation.plot_run": "takes no argument",
+    "Simulation.plot_run": "its figure is an object of matplotlib",
     "Chart": "constructed by charts and maps",
     **{f"{kind}.{name}": f"margins come from {kind}.margins" for kind in ("RodStability",) for name in ("as_dict",)},
     **{f"{kind}.is_fastest": "compares" for kind in ("RodStability",)},

@@ -278,11 +278,14 @@ class Reach(Reported, ByContent):
             "assumptions": list(self.assumptions),
         }
 
-    def plot(self) -> Any:
-        """Return a figure: the section of the well, the force at the injector, and along the string what there is."""
+    def plot(self, figure: Any = None) -> Any:
+        """Draw the section of the well, the force at the injector, and along the string what there is.
+
+        Into a figure of matplotlib or a part of one, a new one by default, which is returned.
+        """
         from floquetrod.plotting.reach import draw_reach
 
-        return draw_reach(self)
+        return draw_reach(self, figure)
 
 
 def _reached(depth: float, is_stopped: bool, end: float) -> str:

@@ -6,7 +6,6 @@ import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from itertools import islice, pairwise
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -332,15 +331,6 @@ class RodStability(Verdict, ReportedVerdict):
     def plot(self, ax: Any = None) -> Any:
         """Draw the `shape` in which coupled modes grow along the rod; return the axes."""
         return self.evidence.plot(self, ax)
-
-    def save_report(self, path: str | Path, **options: Any) -> Path:
-        """Write what there is to say of the rod under this load into one file, .html or .pdf, that can be passed on.
-
-        ``options`` as in `floquetrod.save_report`, which this is.
-        """
-        rod: Any = self.rod
-        saved: Path = rod._save_report(self, path, **options)
-        return saved
 
     def _told(self, name: str) -> Any:
         """Return what the evidence tells by a name; AttributeError where it does not."""

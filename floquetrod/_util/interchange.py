@@ -1,0 +1,136 @@
+"""Results for other programs: JSON by one schema, and tables of pandas."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Mapping
+from numbers import Integral, Real
+from typing import Any
+
+from floquetrod._util import extras, validate
+from floquetrod._util.version import __version__
+
+SCHEMA = "floquetrod result"
+"""What a JSON text of a result calls itself."""
+
+SCHEMA_VERSION = 1
+"""Raised when what is in such a text changes its place or its meaning."""
+
+
+def to_json(result: Any, *, indent: int | None = None) -> str:
+    """Return a result as JSON, by a schema that is the same for all results and has a version.
+
+    An object of five names: ``schema``, "floquetrod result"; ``schema_version``, 1; ``floquetrod``, the version that
+    made it; ``kind``, the name of the result's class; and ``result``, its numbers by their names.  Those of
+    ``as_dict()`` where the result has it, with units in the names, else its attributes, in the units that its
+    documentation states.  Numbers that are infinite or not known are null, complex ones have ``re`` and ``im``, arrays
+    are lists, and results within a result are objects again.  Files that are read back are those of ``save``.
+
+    Parameters
+    ----------
+    result
+        What any function of the package returned.
+    indent : int, optional
+        Spaces by which to indent what is inside; by default the text is one line.
+
+    Raises
+    ------
+    TypeError
+        For what is no result.
+
+    Examples
+    --------
+    >>> import floquetrod as fr
+    >>> text = to_json(fr.stability(fr.Mathieu(0.5, -0.25)))
+    >>> text[:61], json.loads(text)["result"]["status"]
+    ('{"schema": "floquetrod result", "schema_version": 1, "floquet', 'unstable')
+    """
+    _require(result)
+    spaces = None if indent is None else validate.integer("indent", indent, 0, 16)
+    told = {
+        "schema": SCHEMA,
+        "schema_version": SCHEMA_VERSION,
+        "floquetrod": __version__,
+        "kind": type(result).__name__,
+        "result": plain(result),
+    }
+    return json.dumps(told, allow_nan=False, indent=spaces)
+
+
+def to_pandas(result: Any) -> Any:
+    """Return the table of a result as a pandas.DataFrame (needs pandas: pip install floquetrod[pandas]).
+
+    A row for each depth of a string in a well, interval of a range, method of a comparison, station of a path, point of
+    a chart or of a branch, run of an ensemble, with units in the names of the columns where ``as_dict()`` has them.
+    ``to_xarray()`` of a DataFrame makes a dataset of it.
+
+    Parameters
+    ----------
+    result
+        A result with a table: `Reach`, `MeanForce`, `StabilityIntervals`, `Comparison`, `WellPath`, `Chart`, `Bands`,
+        `Branch`, ensembles, and so on.
+
+    Raises
+    ------
+    TypeError
+        For a result without a table, and what is no result.
+    ImportError
+        Without pandas.
+
+    Examples
+    --------
+    >>> import floquetrod as fr
+    >>> path = fr.WellPath.straight(length=300.0, inclination="60deg")
+    >>> list(to_pandas(path))  # doctest: +SKIP
+    ['depth', 'inclination', 'azimuth']
+    """
+    _require(result)
+    pandas = extras.pandas()
+    if hasattr(result, "to_xarray"):
+        return result.to_xarray().to_dataframe().reset_index()
+    told = plain(result)
+    lists = {name: value for name, value in told.items() if isinstance(value, list) and len(value) > 0}
+    rows = next((value for value in lists.values() if all(isinstance(row, dict) for row in value)), None)
+    if rows is not None:
+        return pandas.DataFrame(rows)
+    columns = {name: value for name, value in lists.items() if len(value) == len(next(iter(lists.values())))}
+    if not columns or any(isinstance(cell, list | dict) for value in columns.values() for cell in value):
+        raise validate.wrong_type("result", f"must have a table, got {validate.short(result)}; fr.to_json takes all")
+    return pandas.DataFrame(columns)
+
+
+def _require(result: Any) -> None:
+    if not type(result).__module__.startswith("floquetrod") or isinstance(result, type):
+        raise validate.wrong_type("result", f"must be a result of floquetrod, got {validate.short(result)}")
+
+
+def plain(value: Any) -> Any:
+    """Return a value as what JSON knows."""
+    if value is None or isinstance(value, str | bool):
+        return value
+    if isinstance(value, Integral):
+        return int(value)
+    if isinstance(value, Real):
+        return float(value) if math.isfinite(value) else None
+    if isinstance(value, complex):
+        return {"re": plain(value.real), "im": plain(value.imag)}
+    if isinstance(value, Mapping):
+        return {str(name): plain(each) for name, each in value.items()}
+    return _of_parts(value)
+
+
+def _of_parts(value: Any) -> Any:
+    """Return what has parts: an array, a result, a list."""
+    if hasattr(value, "tolist"):
+        return plain(value.tolist())
+    if hasattr(value, "as_dict"):
+        return plain(value.as_dict())
+    if hasattr(value, "_asdict"):
+        return plain(value._asdict())
+    if isinstance(value, list | tuple | set | frozenset):
+        return [plain(each) for each in value]
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name)) for field in dataclasses.fields(value) if field.compare}
+    return repr(value)
