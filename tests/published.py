@@ -14,6 +14,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,6 @@ from scipy.optimize import brentq
 
 import floquetrod as fr
 from benchmarks import drag
-from floquetrod._util.report import Table
 from floquetrod.rod.model import beam
 from floquetrod.rod.model.parts import Ends
 from system_cases import blade, coupled
@@ -51,6 +51,16 @@ class Row:
         return float(self.printed) - self.ours
 
     @property
+    def faults(self) -> list[str]:
+        """What is wrong with the row, in words."""
+        found = []
+        if bool(self.why) == (abs(self.difference) <= self.tolerance):
+            found.append(f"{self.what}: {self.ours!r} is{'' if self.why else ' not'} what is printed, {self.printed}")
+        if self.here and abs(float(self.here) - self.ours) > half_unit(self.here):
+            found.append(f"{self.what}: {self.ours!r} is not {self.here}")
+        return found
+
+    @property
     def tolerance(self) -> float:
         """By how much the two may differ if the published one is right."""
         return half_unit(self.printed) if self.allowed is None else self.allowed
@@ -62,35 +72,45 @@ def half_unit(digits: str) -> float:
     return 0.5000001 * 10.0 ** int(exponent)
 
 
-def table(rows: Sequence[Row]) -> Any:
-    """Return the rows as a table for a page."""
-    columns = [("", "<1"), ("published", ">1"), ("here", ">1"), ("difference", ">1"), ("source", "<1")]
-    before = ["", *(row.source for row in rows)]
-    cells = (
-        (*_cells(row), "the same" if row.source == last else row.source)
-        for row, last in zip(rows, before, strict=False)
-    )
-    return Shown(Table(columns, list(cells)))
-
-
 @dataclass(frozen=True)
 class Shown:
-    """A table as a notebook shows it."""
+    """Rows as a page shows them, under their sources."""
 
-    table: Table
+    rows: Sequence[Row]
 
     def __str__(self) -> str:
-        """Return the lines of the table."""
-        return str(self.table)
+        """Return the rows as lines, each group under its source."""
+        parts = (
+            f"{source}\n" + "\n".join("  ".join(map(str, cells)) for cells in group) for source, group in self._groups
+        )
+        return "\n\n".join(parts)
 
     def _repr_html_(self) -> str:
-        return self.table.html()
+        titles = "".join(f'<th style="{_STYLE}">{each}</th>' for each in ("", "published", "here", "difference", ""))
+        groups = "".join(
+            f'<tr><th colspan="5" style="text-align: left; padding-top: 0.8em">{escape(source)}</th></tr>'
+            + "".join(f"<tr>{''.join(map(_cell, cells, _STYLES))}</tr>" for cells in group)
+            for source, group in self._groups
+        )
+        return f"<table><tr>{titles}</tr>{groups}</table>"
+
+    @property
+    def _groups(self) -> list[tuple[str, list[tuple[str, ...]]]]:
+        return [(s, list(map(_cells, rows))) for s, rows in itertools.groupby(self.rows, key=lambda row: row.source)]
+
+
+_STYLE = "padding-right: 1.2em; white-space: nowrap; text-align: left"
+_TEXT = "padding-right: 1.2em; text-align: left; min-width: 10em"
+_STYLES = (_TEXT, _STYLE, _STYLE, _STYLE, _TEXT)
+
+
+def _cell(text: str, style: str) -> str:
+    return f'<td style="{style if text else ""}">{escape(text)}</td>'
 
 
 def _cells(row: Row) -> tuple[str, ...]:
     digits = max(0, -int(Decimal(row.here or row.printed).as_tuple().exponent)) + (0 if row.here else 1)
-    off = f"{row.difference:+.1e}" + ("" if not row.why else f": {row.why}")
-    return row.what, row.printed, f"{row.ours:.{digits}f}", off
+    return row.what, row.printed, f"{row.ours:.{digits}f}", f"{row.difference:+.1e}", row.why
 
 
 # --- Mathieu's equation -----------------------------------------------------------------------------------------------
