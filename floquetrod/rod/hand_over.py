@@ -87,7 +87,7 @@ def save_report(
         _require("motion", motion, SteadyMotion, "what rod.steady_motion returned")
     if not isinstance(result, RodStability):
         drawn = Section(type(result).__name__, result.report(), getattr(result, "plot", None))
-        return document.save(path, repr(result)[1:-1], [drawn, _made((), command or repr(result))])
+        return document.save(path, repr(result)[1:-1], [drawn, _made(getattr(result, "references", ()), command)])
     return document.save(
         path,
         f"Stability of a rod: {result.status}",
@@ -192,6 +192,7 @@ def _assumed(verdict: RodStability, reach: Reach | None) -> Section:
 
 
 def _made(references: Iterable[str], again: str) -> Section:
-    lines = [("made by", f"floquetrod {__version__}, Python {platform.python_version()}"), ("again", again)]
+    lines = [("made by", f"floquetrod {__version__}, Python {platform.python_version()}")]
+    lines += [("again", again)] if again else []
     lines += [("cite" if i == 0 else "", text) for i, text in enumerate(references)]
     return Section("How this was made", Report("", lines))
