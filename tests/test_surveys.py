@@ -25,6 +25,9 @@ WRITTEN = {
     "another order": "Azi,TVD (m),Inc,MD (m)\n10,0,0,0\n20,304,1.5,304.8\n350,606,12.25,609.6\n",
     "spaces": "MD_ft INC AZI\n   0    0   10\n1000  1.5   20\n2000 12.25 350\n",
     "quotes": '"MD (ft)","Inc","Azi"\n"0","0","10"\n"1000","1.5","20"\n"2000","12.25","350"\n',
+    "old line ends": "MD (ft),Inc (deg),Azi (deg)\r0,0,10\r1000,1.5,20\r2000,12.25,350\r",
+    "a mark of the order of bytes": "\ufeffMD (ft),Inc (deg),Azi (deg)\n0,0,10\n1000,1.5,20\n2000,12.25,350\n",
+    "three decimals": "MD (m);Inc;Azi\n0,000;0,000;10,000\n304,800;1,500;20,000\n609,600;12,250;350,000\n",
     "radians": "MD (m),Inc (rad),Azi (rad)\n"
     + "".join(f"{s!r},{a!r},{b!r}\n" for s, a, b in zip(*EXPECTED.as_dict().values(), strict=True)),
 }
@@ -32,7 +35,7 @@ WRITTEN = {
 
 def written(place: Path, text: str, encoding: str = "utf-8") -> Path:
     """Return the path of a file with a text."""
-    (place / "survey.csv").write_text(text, encoding=encoding)
+    (place / "survey.csv").write_text(text, encoding=encoding, newline="")
     return place / "survey.csv"
 
 
@@ -69,7 +72,8 @@ BAD = {
     "line 3, station 2: depth must be a number, got 'x30'": HEAD + "0,0,0\nx30,1,0\n",
     "line 3, station 2: azimuth must be a number, got ''": HEAD + "0,0,0\n30,1\n",
     "line 3, station 2: inclination must be a number, got 'NaN'": HEAD + "0,0,0\n30,NaN,0\n",
-    "line 3, station 2: depth must be a number, got '1,000.0'; write a point": HEAD + '0,0,0\n"1,000.0",1,0\n',
+    "line 3, station 2: depth must be a number, got '1,000.0'; write numbers without marks between thousands": HEAD
+    + '0,0,0\n"1,000.0",1,0\n',
     "line 3, station 2: inclination must be a number, got '1:30'": HEAD + "0,0,0\n30,1:30,0\n",
     "line 5: depth at station 4 must increase.* got 50 m after 60 m": HEAD + "0,0,0\n30,1,0\n60,1,0\n50,1,0\n",
     "line 3: depth at station 2 must increase.*measured twice": HEAD + "30,0,0\n30,1,0\n60,2,0\n",
@@ -90,6 +94,12 @@ BAD = {
     "depth_unit must be given, such as m or ft: the heading names none": "MD,Inc,Azi\n0,0,0\n30,1,0\n",
     "depth_unit must be given, such as m or ft: the heading names 'chain'": "MD (chain),Inc,Azi\n0,0,0\n30,1,0\n",
     "angle_unit must be given, such as deg or rad: the heading names 'mil'": "MD (m),Inc (mil),Azi\n0,0,0\n30,1,0\n",
+    "line 3, station 2: depth must be a number, got '1 000'; write numbers without": "MD m;Inc\n0;0\n1 000;1\n",
+    "line 3, station 2: it holds 6 cells below 3 headings; with decimal commas": HEAD + "0,0,0\n30,5,1,5,0,0\n",
+    "line 4 has '2,000', which may be 2000 or 2": "MD (ft);Inc;Azi\n0;0;0\n500;1;0\n2,000;2;0\n",
+    "line 3 has '1.000' and line 3 has '1,5', points and": "MD (m);Inc;Azi\n0;0;0\n1.000;1,5;0\n2.000;2,5;0\n",
+    "depth must be the heading of one column or its number, 2 columns may be it": "MD m,MD ft,Inc\n0,0,0\n30,98,1\n",
+    "it holds 20011 stations, at most 20000": HEAD + "0,0,0\n" * 20011,
     "line 2 cannot be read": HEAD + '0,"0,0\n30,1,0\n',
 }
 

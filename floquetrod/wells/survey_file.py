@@ -25,6 +25,8 @@ HEADINGS = {
         "md rkb",
         "mdepth",
         "depth md",
+        "md kb",
+        "md rt",
         "survey depth",
         "measured",
         "dept",
@@ -54,13 +56,17 @@ HEADINGS = {
         "azimuth true",
         "azi tn",
         "hazi",
+        "direction",
     ),
 }
 """Headings of the columns in small letters without their units; where several are in a file the first counts."""
 
+_UNIT_ROWS = 10  # below headings, more than any file has (a choice)
 _USUAL = "'MD (m)', 'Inc (deg)' and 'Azi (deg)'"
 _SURVEY_FEET = ("usft", "us ft", "ftus", "us survey ft")
 _SURVEY_FOOT = 1200.0 / 3937.0  # m
+_GROUPED = re.compile(r"[-+]?\d{1,3}([ ,.'\u00a0\u2009\u202f]\d{3})+([.,]\d*)?", re.ASCII)  # 1,000.5 and the like
+_MAY_BE_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2},\d{3}", re.ASCII)
 _PLAIN = re.compile(r"[\s_.:\-]+")
 
 
@@ -86,18 +92,59 @@ def read(
 
     ``wanted`` chooses columns and ``given`` their units, see `floquetrod.WellPath.from_csv`.
     """
-    lines = list(written(enumerate(io.StringIO(text_of(path)), 1)))
+    lines = list(written(enumerate(io.StringIO(text_of(path), newline=None), 1)))
     if not lines:
         raise ValueError("it holds no stations")
     first, columns, delimiter = _headed(lines, wanted, delimiter)
+    if len(lines) - first > validate.MOST_NUMBERS + _UNIT_ROWS:
+        raise ValueError(f"it holds {len(lines) - first} stations, at most {validate.MOST_NUMBERS} are read")
+    _require_one_mark(lines[first:], columns, delimiter)
     rows = [(number, cells_of((number, text), delimiter)) for number, text in lines[first:]]
     columns, skipped = _with_unit_rows(columns, rows)
     rows = [(number, cells) for number, cells in rows[skipped:] if any(cells)]
-    if len(rows) > validate.MOST_NUMBERS:
-        raise ValueError(f"it holds {len(rows)} stations, at most {validate.MOST_NUMBERS} are read")
+    _require_as_wide(lines[first - 1] if first else None, rows, delimiter)
     found = {c.name: _size(c, given[c.name]) * np.array(_numbers(c, rows)) for c in columns}
     azimuth = found.get("azimuth", np.zeros(len(rows)))
     return SurveyFile(found["depth"], found["inclination"], azimuth, [number for number, _ in rows])
+
+
+def _require_as_wide(headings: Line | None, rows: Sequence[tuple[int, list[str]]], delimiter: str) -> None:
+    """Raise ValueError where a line holds more than there are headings, as decimal commas between commas do."""
+    if headings is None or delimiter == " ":
+        return
+    many = len(cells_of(headings, delimiter))
+    for station, (line, cells) in enumerate(rows, 1):
+        if any(cells[many:]):
+            remedy = "; with decimal commas separate columns by semicolons" if delimiter == "," else ""
+            raise ValueError(
+                f"line {line}, station {station}: it holds {len(cells)} cells below {many} headings{remedy}"
+            )
+
+
+def _require_one_mark(lines: Sequence[Line], columns: Sequence[_Column], delimiter: str) -> None:
+    """Raise ValueError where commas may stand before decimals or between thousands, which only the others tell."""
+    if delimiter == ",":
+        return
+    with_comma: list[tuple[int, str]] = []
+    with_point: list[tuple[int, str]] = []
+    for line, text in lines:
+        cells = [cell.strip(' "') for cell in text.split(delimiter)]
+        chosen = [cells[c.place] for c in columns if c.place < len(cells)]
+        with_comma += [(line, cell) for cell in chosen if cell.count(",") == 1 and "." not in cell]
+        with_point += [(line, cell) for cell in chosen if "." in cell and NUMBER.fullmatch(cell)]
+    if with_comma and with_point:
+        line, cell = with_point[0]
+        raise ValueError(
+            f"line {line} has {cell!r} and line {with_comma[0][0]} has {with_comma[0][1]!r}, points and commas before "
+            "decimals or between thousands; write one of them before decimals, and nothing between thousands"
+        )
+    if with_comma and all(_MAY_BE_GROUPED.fullmatch(cell) for _, cell in with_comma):
+        line, cell = with_comma[0]
+        whole = cell.replace(",", "")
+        raise ValueError(
+            f"line {line} has {cell!r}, which may be {whole} or {float(cell.replace(',', '.')):g}; write numbers "
+            "without marks between thousands, and decimals behind a point"
+        )
 
 
 def _headed(
@@ -143,8 +190,10 @@ def _columns(wanted: dict[str, str | int | None], headings: Sequence[str] | None
         if name == "azimuth" and choice is None and many == 2:
             continue  # a well in one plane
         if len(places) != 1 or places[0] >= many:
+            found = f"{len(places)} columns may be it" if len(places) > 1 else "no column is known to be it"
+            got = found if choice is None else f"got {choice!r}"
             listed = f"; the headings are {', '.join(map(repr, headings))}" if headings else ""
-            raise validate.wrong_value(name, f"must be the heading of one column or its number, got {choice!r}{listed}")
+            raise validate.wrong_value(name, f"must be the heading of one column or its number, {got}{listed}")
         unit = None if headings is None else units.heading(headings[places[0]], KINDS[name])[1]
         columns.append(_Column(name, places[0], unit))
     if len({column.place for column in columns}) < len(columns):
@@ -187,6 +236,7 @@ def _numbers(column: _Column, rows: Sequence[tuple[int, list[str]]]) -> list[flo
         cell = cells[column.place] if column.place < len(cells) else ""
         if not NUMBER.fullmatch(cell):
             hint = "write a point before decimals, or separate columns by semicolons" if "," in cell else ""
+            hint = "write numbers without marks between thousands" if _GROUPED.fullmatch(cell) else hint
             raise ValueError(
                 f"line {line}, station {station}: {column.name} must be a number, got {validate.short(cell)}; "
                 f"{hint or 'put # before lines without data'}"
