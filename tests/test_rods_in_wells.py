@@ -1,0 +1,115 @@
+"""Everything that is asked of a rod, asked in wells: each public method answers for the bend, or says why it cannot."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import floquetrod as fr
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.filterwarnings("ignore::floquetrod.ForcedAngleWarning", "ignore::floquetrod.PlausibilityWarning"),
+    pytest.mark.filterwarnings("ignore::floquetrod.rod.BucklingWarning", "ignore::floquetrod.UndecidedWarning"),
+]
+
+ROD = fr.Rod.nitinol().replace(length=1.6, damping_rate=0.3)
+UNIT = ROD.critical_force
+STRAIGHT = ROD.replace(inclination=math.radians(84.0))
+ARC = fr.WellPath.arc(length=3.0, inclination=np.radians([80.0, 90.0]))
+S_SHAPED = fr.WellPath([0.0, 0.8, 1.6, 3.0], np.radians([80.0, 86.0, 82.0, 85.0]))
+TURNING = fr.WellPath([0.0, 0.8, 1.6, 3.0], np.radians([80.0, 83.0, 86.0, 88.0]), np.radians([0.0, 4.0, 7.0, 8.0]))
+RODS = {name: ROD.replace(path=path) for name, path in (("arc", ARC), ("s", S_SHAPED), ("turn", TURNING))}
+WAVE = fr.AxialLoad(0.42 * UNIT, 0.36 * UNIT, 150.0)
+NOISY = fr.AxialLoad(0.2 * UNIT, 0.05 * UNIT, 130.0, noise=1e-6)
+LONG = fr.WellPath([0.0, 100.0, 200.0], ["10deg", "60deg", "90deg"])
+NUMBERS = WAVE.mean, WAVE.amplitude, WAVE.frequency
+
+DIFFERS: dict[str, Callable[[fr.Rod], Any]] = {
+    "stability": lambda rod: rod.stability(WAVE).growth_rate,
+    "growth_rate": lambda rod: rod.growth_rate(*NUMBERS),
+    "fastest": lambda rod: rod.fastest(*NUMBERS)[0],
+    "modal_system": lambda rod: rod.modal_system(WAVE, range(1, 6)).stiffness,
+    "critical_mean_force": lambda rod: rod.critical_mean_force(0.0, 130.0),
+    "critical_amplitude": lambda rod: rod.critical_amplitude(0.2 * UNIT, 130.0),
+    "stable_amplitudes": lambda rod: [part[:2] for part in rod.stable_amplitudes(0.42 * UNIT, 150.0, (0.0, 0.6))],
+    "stable_mean_forces": lambda rod: [part[:2] for part in rod.stable_mean_forces(0.2 * UNIT, 130.0, (0.0, 1.0))],
+    "stable_frequencies": lambda rod: [
+        part[:2] for part in rod.stable_frequencies(0.3 * UNIT, 0.25 * UNIT, (110.0, 150.0))
+    ],
+    "stress": lambda rod: rod.stress(WAVE).largest,
+    "weight_gained": lambda rod: rod.weight_gained(1.0, 0.0),
+    "critical_forces": lambda rod: [each.force for each in rod.critical_forces().values()],
+    "natural_frequency": lambda rod: rod.natural_frequency(3),
+}
+"""What is not that of a straight hole of the same mean inclination."""
+
+SAME: dict[str, Callable[[fr.Rod], Any]] = {
+    "modes_needed": lambda rod: rod.modes_needed(WAVE)[0] > 4,
+    "is_stable": lambda rod: rod.is_stable(*NUMBERS) == (rod.stability(WAVE, growth_tolerance=0.0).status == "stable"),
+    "verdicts": lambda rod: rod.verdicts(*NUMBERS) == (rod.stability(WAVE).growth_rate == 0.0),
+    "modes_under": lambda rod: "a path that bends" in rod.modes_under(WAVE).coupling,
+    "mean_force": lambda rod: rod.mean_force(LONG, 0.2).at_top == ROD.mean_force(LONG, 0.2).at_top,
+    "reach": lambda rod: rod.reach(LONG, 0.2, depth=[100.0]).reach == ROD.reach(LONG, 0.2, depth=[100.0]).reach,
+    "axial_response": lambda rod: rod.axial_response(WAVE).largest == ROD.axial_response(WAVE).largest,
+    "wave_ratio": lambda rod: rod.wave_ratio(WAVE) == ROD.wave_ratio(WAVE),
+    "wavenumber": lambda rod: rod.wavenumber(3) == ROD.wavenumber(3),
+    "replace": lambda rod: rod.replace(length=1.6) == rod,
+    "as_dict": lambda rod: fr.Rod(**rod.as_dict()) == rod,
+}
+"""What is as true in a well as elsewhere: a sentence about its own answer, or one that asks for no bend."""
+
+REFUSED: dict[str, tuple[Callable[[fr.Rod], Any], str]] = {
+    "modal_systems": (lambda rod: rod.modal_systems(*NUMBERS), "a path that bends"),
+    "critical_kick": (lambda rod: rod.critical_kick(WAVE, friction=0.1), "a path that bends"),
+    "critical_kicks": (lambda rod: rod.critical_kicks(*NUMBERS, friction=0.1), "a path that bends"),
+    "certify": (lambda rod: rod.certify(*NUMBERS), "a path that bends"),
+    "largest_safe_box": (lambda rod: rod.largest_safe_box(WAVE), "a path that bends"),
+    "lock_up": (lambda rod: rod.lock_up(0.2), "this one bends"),
+    "steady_motion": (lambda rod: rod.steady_motion(WAVE), "bend"),
+    "safe_kick": (lambda rod: rod.safe_kick(WAVE), "bend"),
+    "critical_noise": (lambda rod: rod.critical_noise(NOISY), "a path that bends"),
+    "stability with noise": (lambda rod: rod.stability(NOISY), "a path that bends"),
+    "stability with friction": (lambda rod: rod.stability(WAVE, friction=0.1, kick=0.01), "a path that bends"),
+    "verdicts with friction": (lambda rod: rod.verdicts(*NUMBERS, friction=0.1, kick=0.01), "a path that bends"),
+}
+"""What is not known in a bend, and a word of the reason."""
+
+MAKERS = {"nitinol", "catalogue", "from_toml"}
+
+
+def test_every_public_method_is_here() -> None:
+    """A new method of a rod needs a row: what it answers in a well, or why it does not."""
+    methods = {name for name, _ in inspect.getmembers(fr.Rod, callable) if not name.startswith("_")}
+    assert methods == {name.split(" ")[0] for name in (*DIFFERS, *SAME, *REFUSED)} | MAKERS
+
+
+@pytest.mark.parametrize("name", RODS)
+@pytest.mark.parametrize("method", DIFFERS)
+def test_answers_are_those_of_the_bend(method: str, name: str) -> None:
+    """Finite, and another than in a straight hole of the mean inclination."""
+    found, straight = (DIFFERS[method](rod) for rod in (RODS[name], STRAIGHT))
+    found, straight = (np.asarray(each, dtype=float) for each in (found, straight))
+    assert np.isfinite(found).all()
+    assert found.shape != straight.shape or not np.allclose(found, straight, rtol=1e-6, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", RODS)
+@pytest.mark.parametrize("method", SAME)
+def test_what_holds_elsewhere_holds_in_a_well(method: str, name: str) -> None:
+    assert SAME[method](RODS[name])
+
+
+@pytest.mark.parametrize("name", RODS)
+@pytest.mark.parametrize("method", REFUSED)
+def test_what_is_not_known_in_a_bend_is_refused_in_a_sentence(method: str, name: str) -> None:
+    ask, words = REFUSED[method]
+    with pytest.raises(ValueError, match=words) as caught:
+        ask(RODS[name])
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 400
