@@ -342,6 +342,15 @@ def test_the_forced_angle_of_a_turn_is_told_and_warned_of() -> None:
     assert arc(80.0, 90.0).modes_under(load).in_modes(12).forced_angle(load) is None
 
 
+def test_bends_too_sharp_for_the_theory_are_told() -> None:
+    wide = ROD.replace(channel_radius=0.0508)  # a clearance of 5 cm
+    with pytest.warns(fr.PlausibilityWarning, match=r"curvature times clearance is 0\.01[12], above 0\.01"):
+        wide.replace(curvature=0.23)
+    with pytest.warns(fr.PlausibilityWarning, match="gentle bends"):
+        wide.replace(path=fr.WellPath([0.0, 4.0], [0.5 * math.pi] * 2, [0.0, 1.0]))
+    wide.replace(curvature=0.19)
+
+
 def test_a_straight_path_is_the_inclination() -> None:
     load = fr.AxialLoad(0.4 * UNIT, 0.3 * UNIT, 133.0, mean_at=None)
     inclined = ROD.replace(inclination=1.2)

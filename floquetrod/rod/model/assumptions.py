@@ -64,8 +64,7 @@ def in_a_channel(rod: RodData) -> tuple[str, ...]:
     """
     if rod.course.is_straight:
         return (_STRAIGHT,)
-    place = rod.course.sampled
-    kappa = float(np.hypot(place.kappa_n, place.kappa_b).max())
+    kappa = rod.course.sharpest
     room = kappa * rod.radial_clearance
     share = rod.flexural_rigidity * kappa * kappa / rod.critical_force
     found = [

@@ -47,6 +47,12 @@ class Course(ABC):
         """Return the channel at places."""
 
     @property
+    def sharpest(self) -> float:
+        """The largest curvature in 1/m."""
+        place = self.sampled
+        return float(np.hypot(place.kappa_n, place.kappa_b).max())
+
+    @property
     @abstractmethod
     def samples(self) -> Floats:
         """Places among which the least of what changes along the channel is."""

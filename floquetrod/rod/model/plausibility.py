@@ -41,6 +41,7 @@ _SOLID = 1e8  # Pa: nothing as stiff as this is lighter than stiff foam
 _GRAVITIES = {980.665: "cm/s^2", 9806.65: "mm/s^2", 32.174: "ft/s^2", 386.09: "in/s^2"}
 _STRONG, _WEAK = 100.0, 1e-3  # critical forces; ten times a usual mean, in a unit a thousand times too large or small
 _THICK_STRING = 1e3  # N: critical force from which kN are usual
+_SHARP = 0.01  # curvature times clearance from which growth errs by a percent (docs/theory/bends.md); wells have 1e-3
 _ORDER = 3.0  # tongues of a higher order are narrow
 
 
@@ -97,6 +98,11 @@ def suspicions_of_rod(rod: Any) -> Iterator[str]:
         )
     yield from _doubled(rod)
     yield from _material(rod)
+    if not rod.course.is_straight and (sharp := rod.course.sharpest * rod.radial_clearance) > _SHARP:
+        yield (
+            f"curvature times clearance is {sharp:.2g}, above {_SHARP:g}: verdicts are those of gentle bends, and err "
+            "by a percent or more; check the units of path or curvature and of the channel, or simulate"
+        )
     for value, unit in _GRAVITIES.items():
         if abs(rod.gravity / value - 1.0) < 5e-3:
             yield f"gravity = {rod.gravity:g} m/s^2 looks like {unit}; a number is taken in m/s^2: gravity=9.81"
