@@ -5,6 +5,7 @@ What one process may do only once, or not at all in the process of the tests, is
 
 from __future__ import annotations
 
+import gc
 import logging
 import os
 import shutil
@@ -685,3 +686,18 @@ def test_public_calls_compile_each_kernel_and_each_callee_once(tmp_path: Path) -
     assert {name: count for name, count in found["signatures"].items() if count != 1} == {}
     # The directions are found for a rod that rubs and for one that does not: that constant pays.
     assert {name: count for name, count in found["callees"].items() if count != 1} == {"directions": 2}
+
+
+@pytest.mark.parametrize("collects", [True, False])
+def test_garbage_is_collected_after_compiling_as_before(collects: bool) -> None:
+    """Not meanwhile, and not by an inner use, of a kernel that another one calls, before the outer one ends."""
+    before = gc.isenabled()
+    try:
+        (gc.enable if collects else gc.disable)()
+        with compilation._compiling():
+            with compilation._compiling():
+                pass
+            assert not gc.isenabled()
+        assert gc.isenabled() == collects
+    finally:
+        (gc.enable if before else gc.disable)()
