@@ -26,7 +26,7 @@ system = fr.NonlinearSystem(duffing, period="2*pi/omega", parameters={"omega": 1
 branches = []
 for c in (0.2, 0.4):
     orbit = fr.periodic_orbit(system.with_parameters(c=c), [0.5, 0.0])
-    branches.append(fr.follow(orbit, over={"omega": (0.3, 3.0)}))
+    branches.append(fr.follow(orbit, over={"omega": (0.5, 2.8)}))
     print(branches[-1], end="\n\n")
 
 figure, axes = plt.subplots(figsize=(7.0, 4.4), layout="constrained")

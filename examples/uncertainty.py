@@ -47,7 +47,7 @@ print(fr.probability_of_instability(rod, load, steady, growth_tolerance=0.01, se
 
 # %%
 # And where to put the mean force?  What is not known blurs the tongues, but some forces remain better than others.
-means = np.linspace(0.1, 0.5, 61) * unit
+means = np.linspace(0.1, 0.5, 33) * unit
 
 
 def probability(mean: float, distributions: dict[str, object]) -> float:
