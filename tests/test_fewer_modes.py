@@ -11,9 +11,9 @@ import floquetrod as fr
 from coupled_cases import TUBING
 from floquetrod.floquet.methods.system_monodromy import monodromy, solved_many
 from floquetrod.rod.loads.load import Load, Loads
+from floquetrod.rod.mode_equations.coupled_systems import CoupledEquations
 from floquetrod.rod.modes import coupled_verdict
 from floquetrod.rod.modes.fewer_modes import Fastest
-from floquetrod.rod.modes.mode_model import ModeModel
 
 STRING = TUBING.replace(length=100.0, damping_rate=0.3, ends="hinged")
 UNIT = STRING.critical_force
@@ -61,9 +61,9 @@ def test_long_rods_are_judged_once_and_followed_once(monkeypatch: pytest.MonkeyP
     asked: list[int] = []
     of = coupled_verdict._WithModes.of
 
-    def counted(model: ModeModel, load: Load, count: int) -> coupled_verdict._WithModes:
-        asked.append(count)
-        return of(model, load, count)
+    def counted(modes: CoupledEquations, load: Load, larger: fr.HillSystem | None) -> coupled_verdict._WithModes:
+        asked.append(modes.count)
+        return of(modes, load, larger)
 
     monkeypatch.setattr(coupled_verdict._WithModes, "of", counted)
     found = STRING.stability(LOAD)

@@ -139,16 +139,22 @@ def _terminal() -> Iterator[tuple[str, str]]:
     """Yield the commands of the terminal, and their options with what they take, as their help lists them."""
     for command in re.findall(r"(?m)^    ([a-z][a-z-]+)  ", _help([])):
         yield f"floquetrod {command}", "command"
-        for words in re.findall(r"(?m)^  (-\S.*?)(?:  |$)", _help([command])):
+        for words in re.findall(r"(?m)^  (-\S.*?)(?:  |$)", _whole_help(command)):
             value = re.search(r"--[\w-]+ (\{.*?\}|[^\s,]+)", words)
             for name in re.findall(r"(?<![\w-])--[\w-]+", words):
                 yield f"floquetrod {command} {name}", value[1] if value else "flag"
 
 
-def _help(words: list[str]) -> str:
+def _whole_help(command: str) -> str:
+    """Return the help of a command with all its options."""
+    shown = _help([command])
+    return _help([command], "--help-all") if "--help-all" in shown else shown
+
+
+def _help(words: list[str], option: str = "--help") -> str:
     out = io.StringIO()
     with contextlib.redirect_stdout(out), contextlib.suppress(SystemExit):
-        terminal([*words, "--help"])
+        terminal([*words, option])
     return out.getvalue()
 
 
