@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import platform
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from floquetrod._util import validate
 from floquetrod._util.progress import Progress
@@ -85,23 +86,39 @@ def save_report(
         _require("reach", reach, Reach, "what rod.reach returned")
     if motion is not None:
         _require("motion", motion, SteadyMotion, "what rod.steady_motion returned")
-    if not isinstance(result, RodStability):
-        drawn = Section(type(result).__name__, result.report(), getattr(result, "plot", None))
-        return document.save(path, repr(result)[1:-1], [drawn, _made(getattr(result, "references", ()), command)])
-    return document.save(
-        path,
-        f"Stability of a rod: {result.status}",
-        [
-            _verdict(result, units, margins, progress),
-            _data(result.rod),
-            *_map(result, units),
-            *_motion(motion),
-            _statics(result),
-            *_reach(reach),
-            _assumed(result, reach),
-            _made(result.references, command or f"{result.rod!r}.stability({result.load!r})"),
-        ],
-    )
+    return document.save(path, *_contents(result, _Asked(reach, motion, units, margins, command, progress)))
+
+
+class _Asked(NamedTuple):
+    """What a document shall hold: the options of `save_report`."""
+
+    reach: Reach | None
+    motion: SteadyMotion | None
+    units: Mapping[str, str] | None
+    margins: bool | None
+    command: str
+    progress: Progress | None
+
+
+@functools.singledispatch
+def _contents(result: Any, asked: _Asked) -> tuple[str, list[Section]]:
+    """Return the title and the sections of a document about a result."""
+    drawn = Section(type(result).__name__, result.report(), getattr(result, "plot", None))
+    return repr(result)[1:-1], [drawn, _made(getattr(result, "references", ()), asked.command)]
+
+
+@_contents.register
+def _(result: RodStability, asked: _Asked) -> tuple[str, list[Section]]:
+    return f"Stability of a rod: {result.status}", [
+        _verdict(result, asked),
+        _data(result.rod),
+        *_map(result, asked.units),
+        *_motion(asked.motion),
+        _statics(result),
+        *_reach(asked.reach),
+        _assumed(result, asked.reach),
+        _made(result.references, asked.command or f"{result.rod!r}.stability({result.load!r})"),
+    ]
 
 
 def _require(name: str, value: Any, kind: type, what: str) -> None:
@@ -109,11 +126,9 @@ def _require(name: str, value: Any, kind: type, what: str) -> None:
         raise validate.wrong_type(name, f"must be {what}, got {validate.short(value)}")
 
 
-def _verdict(
-    verdict: RodStability, units: Mapping[str, str] | None, margins: bool | None, progress: Progress | None
-) -> Section:
-    searched = verdict.has_quick_margins if margins is None else margins
-    said = verdict.report(units, verdict.margins(progress=progress) if searched else None)
+def _verdict(verdict: RodStability, asked: _Asked) -> Section:
+    searched = verdict.has_quick_margins if asked.margins is None else asked.margins
+    said = verdict.report(asked.units, verdict.margins(progress=asked.progress) if searched else None)
     large = grown(verdict.rod, verdict.load, verdict)
     if large is not None:
         said = said.with_lines([("grows to", large.in_words)], before="margins" if searched else "checked")
