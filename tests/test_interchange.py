@@ -8,7 +8,7 @@ import math
 import pickle
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import numpy as np
@@ -137,9 +137,28 @@ def test_tables_of_pandas() -> None:
     ranges = ALL["ranges"]()
     assert fr.to_pandas(ranges).iloc[:, :2].to_numpy().tolist() == [[each.low, each.high] for each in ranges]
     assert set(fr.to_pandas(ALL["comparison"]())["method"]) >= {"reference", "monodromy"}
-    assert len(fr.to_pandas(ALL["chart"]())) == 12
+    chart = ALL["chart"]()
+    points = fr.to_pandas(chart)
+    assert points["stable"].tolist() == chart.stable.ravel().tolist()
+    assert points.iloc[:, 0].tolist() == np.tile(chart.x.values, chart.y.values.size).tolist()
+    assert points.iloc[:, 1].tolist() == np.repeat(chart.y.values, chart.x.values.size).tolist()
+    assert len(fr.to_pandas(chart.bands)) == len(chart.bands) > 0
     with pytest.raises(TypeError, match="must have a table"):
         fr.to_pandas(ALL["stress"]())
+
+
+def test_a_branch_is_a_table_with_a_row_for_each_orbit() -> None:
+    pytest.importorskip("pandas", reason="pip install floquetrod[pandas]")
+
+    def turning(_: float, x: np.ndarray, p: Mapping[str, float]) -> np.ndarray:
+        return np.array([x[1] + x[0] * (p["size"] - x @ x), -x[0] + x[1] * (p["size"] - x @ x)])
+
+    orbit = fr.periodic_orbit(fr.NonlinearSystem(turning, parameters={"size": 1.0}), [1.0, 0.0], period=6.28)
+    branch = fr.follow(orbit, over={"size": (1.0, 1.1)})
+    table = fr.to_pandas(branch)
+    assert table["size"].tolist() == branch.values.tolist()
+    assert table["largest_1"].tolist() == branch.largest[:, 1].tolist()
+    assert np.array_equal(table["multipliers_0"], branch.multipliers[:, 0])
 
 
 def test_neither_pandas_nor_pint_is_imported() -> None:

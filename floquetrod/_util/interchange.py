@@ -18,6 +18,9 @@ SCHEMA = "floquetrod result"
 SCHEMA_VERSION = 1
 """Raised when what is in such a text changes its place or its meaning."""
 
+_SEVERAL = ("state", "multiplier")
+"""Dimensions along which an entry has columns of its own."""
+
 
 def to_json(result: Any, *, indent: int | None = None) -> str:
     """Return a result as JSON, by a schema that is the same for all results and has a version.
@@ -63,8 +66,9 @@ def to_pandas(result: Any) -> Any:
     """Return the table of a result as a pandas.DataFrame (needs pandas: pip install floquetrod[pandas]).
 
     A row for each depth of a string in a well, interval of a range, method of a comparison, station of a path, point of
-    a chart or of a branch, run of an ensemble, with units in the names of the columns where ``as_dict()`` has them.
-    ``to_xarray()`` of a DataFrame makes a dataset of it.
+    a chart, orbit of a branch, band, or run of an ensemble, with units in the names of the columns where they are
+    known.  What a row has several of, such as the multipliers of an orbit, stands in columns counted from 0; vertices
+    of bands and frames of runs are in ``to_xarray()`` alone.
 
     Parameters
     ----------
@@ -89,7 +93,7 @@ def to_pandas(result: Any) -> Any:
     _require(result)
     pandas = extras.pandas()
     if hasattr(result, "to_xarray"):
-        return result.to_xarray().to_dataframe().reset_index()
+        return _rows(result.to_xarray(), pandas)
     told = plain(result)
     lists = {name: value for name, value in told.items() if isinstance(value, list) and len(value) > 0}
     rows = next((value for value in lists.values() if all(isinstance(row, dict) for row in value)), None)
@@ -98,6 +102,21 @@ def to_pandas(result: Any) -> Any:
     columns = {name: value for name, value in lists.items() if len(value) == len(next(iter(lists.values())))}
     if not columns or any(isinstance(cell, list | dict) for value in columns.values() for cell in value):
         raise validate.wrong_type("result", f"must have a table, got {validate.short(result)}; fr.to_json takes all")
+    return pandas.DataFrame(columns)
+
+
+def _rows(dataset: Any, pandas: Any) -> Any:
+    """Return a table with a row for each entry of the dataset's first variable."""
+    first = next(iter(dataset.data_vars.values()))
+    columns: dict[str, Any] = {}
+    for name in (*dataset.coords, *dataset.data_vars):
+        variable = dataset[name]
+        unit = variable.attrs.get("units", "").replace("^", "").replace("/", "_per_").removeprefix("1_")
+        column = "_".join(filter(None, (name.replace(" ", "_"), unit)))
+        if set(variable.dims) <= set(first.dims):
+            columns[column] = variable.broadcast_like(first).transpose(*first.dims).values.ravel()
+        elif variable.dims[:-1] == first.dims and variable.dims[-1] in _SEVERAL:
+            columns |= {f"{column}_{i}": variable[..., i].values.ravel() for i in range(variable.shape[-1])}
     return pandas.DataFrame(columns)
 
 

@@ -168,9 +168,8 @@ class Branch(ByContent, Reported, NoTruthValue):
     def to_xarray(self) -> Any:
         """Return an xarray.Dataset over the orbits and the special points (needs xarray, an extra)."""
         xarray = extras.xarray()
-        names = ("largest", "least", "amplitude")
-        data: dict[str, Any] = {name: (("orbit", "state"), getattr(self, name)) for name in names}
-        data |= {"status": ("orbit", self.status), "period": ("orbit", self.period)}
+        data: dict[str, Any] = {"status": ("orbit", self.status), "period": ("orbit", self.period)}
+        data |= {name: (("orbit", "state"), getattr(self, name)) for name in ("largest", "least", "amplitude")}
         data |= {name: (("orbit", "multiplier"), getattr(self, name)) for name in ("multipliers", "multiplier_errors")}
         points = self.special_points
         data["special_kind"] = ("special_point", np.array([point.kind for point in points], dtype=str))
