@@ -12,6 +12,7 @@ import pytest
 import floquetrod as fr
 from floquetrod.cli.main import main
 from floquetrod.plotting import document
+from floquetrod.rod.model.assumptions import limit_of
 
 ROOT = Path(__file__).parents[1]
 ROD = fr.Rod.nitinol()
@@ -61,6 +62,18 @@ def test_the_rod_is_there_parameter_by_parameter(tmp_path: Path) -> None:
     page = fr.save_report(STATIC, tmp_path / "a.html").read_text()
     for told in ("youngs modulus 68 GPa", "radius 0.0008 m", "inclination 90 deg", "gravity 9.81 m/s2"):
         assert (told in words(page)) == ("inclination" not in told)  # what it has not is left out
+
+
+def test_every_assumption_has_a_limit(tmp_path: Path) -> None:
+    tubing = fr.Rod.catalogue("2.00x0.156 CT90", bore="4.778in", length=60.0)
+    mud = tubing.replace(fluid_inside=1200.0, fluid_outside=1200.0, inclination="60deg")
+    loads = fr.AxialLoad("5kN", "1kN", "5Hz"), fr.AxialWave.hertz(5000.0, 1000.0, 5.0)
+    for rod in (tubing, tubing.replace(curvature=0.01), mud):
+        for load in loads:
+            for assumption in rod.stability(load).assumptions:
+                assert limit_of(assumption), assumption
+    page = words(fr.save_report(STATIC, tmp_path / "a.html").read_text())
+    assert "small angles at 15 degrees gravity acts as if 0.9 % weaker" in page.replace("- ", "")
 
 
 def test_another_result_is_passed_on_with_what_it_says(tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ from floquetrod.rod.answers.steady_motion import SteadyMotion
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.large_orbits import grown
 from floquetrod.rod.map import stability_map
+from floquetrod.rod.model.assumptions import limit_of
 from floquetrod.rod.model.data import RodData
 from floquetrod.units import ROD_KINDS, unit
 
@@ -200,10 +201,13 @@ def _reach(reach: Reach | None) -> list[Section]:
 
 
 def _assumed(verdict: RodStability, reach: Reach | None) -> Section:
-    listed = [("", f"- {text}") for text in verdict.assumptions]
+    """Return what is assumed and how far it holds."""
+    listed = []
+    for text in verdict.assumptions:
+        listed += [("", f"- {text}"), *(("", f"    {limit}") for limit in [limit_of(text)] if limit)]
     if reach is not None:
         listed += [("", f"- reach: {text}") for text in getattr(reach, "assumptions", ())]
-    return Section("What is assumed", Report("", listed))
+    return Section("What is assumed, and how far it holds", Report("", listed))
 
 
 def _made(references: Iterable[str], again: str) -> Section:
