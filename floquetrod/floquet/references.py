@@ -45,6 +45,7 @@ _GU = (
     "K. Gu, V. L. Kharitonov and J. Chen, Stability of Time-Delay Systems, Birkhaeuser 2003, "
     "doi:10.1007/978-1-4612-0039-0"
 )
+_SIEBER = "J. Sieber and R. Szalai, SIAM J. Appl. Dyn. Syst. 10 (2011) 129, doi:10.1137/100796455"
 _BREDA = "D. Breda, S. Maset and R. Vermiglio, SIAM J. Numer. Anal. 50 (2012) 1456, doi:10.1137/100815505"
 
 SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
@@ -63,7 +64,7 @@ SOURCES: dict[tuple[str, str], tuple[str, ...]] = {
     ("system", "certify"): (_THEORY, _BOTT, _RUMP),
     ("delays", "collocation"): (_BREDA, _INSPERGER),
     ("delays", "semi_discretisation"): (_INSPERGER,),
-    ("delays", "certify"): (_GU,),
+    ("delays", "certify"): (_GU, _SIEBER),
     ("delays", "solve"): (_BREDA,),
     ("any", "solve"): (_JORBA,),
     ("any", "noise"): (_ARNOLD,),

@@ -59,10 +59,10 @@ def certify(
     equation : Equation, HillSystem, PeriodicSystem or DelaySystem, or a class of equations
         A value, `Mathieu`, `Meissner`, `Hill` or an equation of your own, whose parameters are taken as the exact
         binary numbers they are; so is the period, unless ``period_over_pi`` states it exactly.  Of a system, the
-        verdict holds for all coefficients within its ``coefficient_error``; one with delays is proved stable where it
-        is for all delays, and nothing else is proved of it.  Or one of the three classes, with its parameters
-        following.  Or a family, any callable that makes an equation or a system of its arguments: its coefficients must
-        be affine in each of them.
+        verdict holds for all coefficients within its ``coefficient_error``.  One with delays is proved stable where it
+        is for all delays, else judged where delays and period are whole numbers of a step, exactly.  Or one of the
+        three classes, with its parameters following.  Or a family, any callable that makes an equation or a system of
+        its arguments: its coefficients must be affine in each of them.
     max_digits : int
         Decimal digits at which to stop trying, 5 to 10,000.
     growth_tolerance : float
@@ -176,7 +176,7 @@ def _of_value(problem: Problem, max_digits: int) -> Proof:
         exact = problem_of(problem)
         return _of_any_equation(problem, max_digits) if exact is None else certify_scalar(exact, max_digits)
     if isinstance(problem, DelaySystem):
-        return certify_delayed(problem)
+        return certify_delayed(problem, max_digits)
     require_one(problem, "equation")
     if problem.MEANING:
         proof = certify_system(problem, max_digits)

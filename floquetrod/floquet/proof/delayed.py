@@ -1,7 +1,8 @@
-"""Proofs that a system with delays is stable whatever its delays, by a functional of Lyapunov and Krasovskii.
+"""Proofs for systems with delays: that they are stable whatever the delays, else by the count of `delay_counts`.
 
-With A the constant part in first order, E and C what its other terms act on and see, and w a bound of the sum of their
-norms, x' = A x - sum_m E Delta_m(t) C x(t - tau_m), tau_0 = 0.  Where P > 0 makes
+The first by a functional of Lyapunov and Krasovskii.  With A the constant part in first order, E and C what its other
+terms act on and see, and w a bound of the sum of their norms, x' = A x - sum_m E Delta_m(t) C x(t - tau_m), tau_0 = 0.
+Where P > 0 makes
 
     A^T P + P A + w (P E E^T P + C^T C) < 0,
 
@@ -22,17 +23,17 @@ from numpy.typing import NDArray
 
 from floquetrod.equations import DelaySystem, HillSystem
 from floquetrod.equations.pieces import in_time
+from floquetrod.floquet.proof.balls import Doubles
+from floquetrod.floquet.proof.delay_counts import hindrance, outside
+from floquetrod.floquet.proof.digits import FIRST, settled
+from floquetrod.floquet.proof.exact import Exact, exact, identity, inverse, is_positive, product, total, transposed
+from floquetrod.floquet.proof.integers import Integers
 from floquetrod.floquet.proof.result import Proof
-
-Exact = list[list[Fraction]]
 
 _MOST_STATES = 12  # of the system in first order (a choice: a second with fractions)
 _SLACK = 1.0 + 2.0**-40  # times what is computed in doubles bounds the true norm
 _MARGINS = (1e-3, 1e-6)  # part of w that P is asked to leave (a choice)
-_UNKNOWN = (
-    "not implemented beyond stability for all delays, which a quadratic functional does not show here; "
-    "fr.stability and fr.compare judge with estimated errors"
-)
+_MOST_DIGITS = 60  # of a count: it takes seconds (a choice)
 
 
 class _Terms(NamedTuple):
@@ -44,18 +45,34 @@ class _Terms(NamedTuple):
     bound: Fraction
 
 
-def certify_delayed(system: DelaySystem) -> Proof:
-    """Return a proof that every solution decays whatever the delays are, or that nothing is proved."""
-    states = system.order * (1 + system.is_second_order)
-    if states > _MOST_STATES:
-        return Proof(system, "undecided", None, 0, f"not implemented for more than {_MOST_STATES} states with delays")
+def certify_delayed(system: DelaySystem, max_digits: int) -> Proof:
+    """Return a proof that every solution decays whatever the delays are, or of how many multipliers are outside."""
+    if system.order * (1 + system.is_second_order) <= _MOST_STATES and _decays_with_all_delays(system):
+        statement = "every solution decays, whatever the delays are: a quadratic functional decreases"
+        return Proof(system, "stable", None, 0, statement)
+
+    why_not = hindrance(system)
+    if why_not:
+        return Proof(system, "undecided", None, 0, why_not)
+
+    def attempt(digits: int) -> Proof:
+        arithmetic = Doubles() if digits <= Doubles.digits else Integers(digits)
+        with np.errstate(all="ignore"):  # what is not finite decides nothing
+            count = outside(arithmetic, system)
+        if not count:
+            statement = "every solution decays: no multiplier lies on the unit circle or outside it"
+            return Proof(system, "stable", None, digits, statement)
+        statement = f"{count} multiplier{'s lie' if count > 1 else ' lies'} outside the unit circle, and none on it"
+        return Proof(system, "unstable", None, digits, statement)
+
+    most = FIRST if system.coefficient_error else _MOST_DIGITS
+    return settled(attempt, min(max_digits, most), lambda digits, why: Proof(system, "undecided", None, digits, why))
+
+
+def _decays_with_all_delays(system: DelaySystem) -> bool:
     terms = _terms(system)
-    for margin in _MARGINS:
-        functional = _functional(terms, margin)
-        if functional is not None and _decreases(terms, functional):
-            statement = "every solution decays, whatever the delays are: a quadratic functional decreases"
-            return Proof(system, "stable", None, 0, statement)
-    return Proof(system, "undecided", None, 0, _UNKNOWN)
+    functionals = (_functional(terms, margin) for margin in _MARGINS)
+    return any(each is not None and _decreases(terms, each) for each in functionals)
 
 
 def _terms(system: DelaySystem) -> _Terms:
@@ -63,22 +80,22 @@ def _terms(system: DelaySystem) -> _Terms:
     bound = _size(present, np.asarray(getattr(present, present.MEAN)))
     bound += sum(_size(term.coefficient, np.zeros((n, n))) for term in system.delayed)
     bound += n * system.coefficient_error * (1 + len(system.delayed))
-    one = _identity(n)
+    one = identity(n)
     if not isinstance(present, HillSystem):
-        return _Terms(_exact(present.mean), one, one, Fraction(_SLACK * bound))
-    inverse = _inverse(_exact(np.eye(n) if present.mass is None else present.mass))
+        return _Terms(exact(present.mean), one, one, Fraction(_SLACK * bound))
+    acts_on = inverse(exact(np.eye(n) if present.mass is None else present.mass))
     rates = sum((m for m in (present.damping, present.gyroscopic) if m is not None), np.zeros((n, n)))
-    left, right = _product(inverse, _exact(present.stiffness)), _product(inverse, _exact(rates))
+    left, right = product(acts_on, exact(present.stiffness)), product(acts_on, exact(rates))
     if present.damping is not None and present.gyroscopic is not None:  # their sum was rounded
-        gyroscopic = _product(inverse, _exact(present.gyroscopic))
-        right = _sum(_product(inverse, _exact(present.damping)), gyroscopic)
+        gyroscopic = product(acts_on, exact(present.gyroscopic))
+        right = total(product(acts_on, exact(present.damping)), gyroscopic)
     turn = _power_of_two(math.sqrt(max(float(abs(entry)) for row in left for entry in row) or 1.0))
-    size = _power_of_two(max(float(abs(entry)) for row in inverse for entry in row))
+    size = _power_of_two(max(float(abs(entry)) for row in acts_on for entry in row))
     none = [[Fraction(0)] * n for _ in range(n)]
     # States (q, q' / turn), time counted in 1 / turn; E over its size, by which w is multiplied.
     lower = [[-a / turn**2 for a in one_] + [-b / turn for b in other] for one_, other in zip(left, right, strict=True)]
     state = [[*row, *unit] for row, unit in zip(none, one, strict=True)] + lower
-    acts = none + [[entry / size for entry in row] for row in inverse]
+    acts = none + [[entry / size for entry in row] for row in acts_on]
     sees = [[*unit, *row] for unit, row in zip(one, none, strict=True)]
     return _Terms(state, acts, sees, Fraction(_SLACK * bound) * size / turn**2)
 
@@ -104,66 +121,20 @@ def _functional(terms: _Terms, margin: float) -> Exact | None:
         found = solve_continuous_are(state, acts * math.sqrt(max(w, 1e-300)), left, -np.eye(acts.shape[1]))
     except (np.linalg.LinAlgError, ValueError):
         return None
-    return _exact(0.5 * (found + found.T)) if np.isfinite(found).all() else None
+    return exact(0.5 * (found + found.T)) if np.isfinite(found).all() else None
 
 
 def _decreases(terms: _Terms, functional: Exact) -> bool:
     """Return whether P is positive and the derivative of V negative, decided exactly."""
     state, acts, sees, w = terms
-    moved = _product(functional, state)
-    forced = _product(functional, acts)
-    pushed, seen = _product(forced, _transposed(forced)), _product(_transposed(sees), sees)
+    moved = product(functional, state)
+    forced = product(functional, acts)
+    pushed, seen = product(forced, transposed(forced)), product(transposed(sees), sees)
     rate = [
         [-(moved[i][j] + moved[j][i] + w * (pushed[i][j] + seen[i][j])) for j in range(len(state))]
         for i in range(len(state))
     ]
-    return _is_positive(functional) and _is_positive(rate)
-
-
-def _is_positive(matrix: Exact) -> bool:
-    """Return whether a symmetric matrix is positive definite: all pivots are positive."""
-    rows = [row[:] for row in matrix]
-    for k, pivot_row in enumerate(rows):
-        if pivot_row[k] <= 0:
-            return False
-        for row in rows[k + 1 :]:
-            factor = row[k] / pivot_row[k]
-            for j in range(k, len(rows)):
-                row[j] -= factor * pivot_row[j]
-    return True
-
-
-def _inverse(matrix: Exact) -> Exact:
-    """Return the inverse of a positive definite matrix, exactly."""
-    n = len(matrix)
-    rows = [[*row, *unit] for row, unit in zip(matrix, _identity(n), strict=True)]
-    for k in range(n):
-        rows[k] = [entry / rows[k][k] for entry in rows[k]]
-        for i in range(n):
-            if i != k:
-                rows[i] = [a - rows[i][k] * b for a, b in zip(rows[i], rows[k], strict=True)]
-    return [row[n:] for row in rows]
-
-
-def _exact(matrix: Any) -> Exact:
-    return [[Fraction(entry) for entry in row] for row in np.asarray(matrix, dtype=float).tolist()]
-
-
-def _identity(n: int) -> Exact:
-    return [[Fraction(int(i == j)) for j in range(n)] for i in range(n)]
-
-
-def _transposed(matrix: Exact) -> Exact:
-    return [list(column) for column in zip(*matrix, strict=True)]
-
-
-def _product(one: Exact, other: Exact) -> Exact:
-    columns = _transposed(other)
-    return [[sum((a * b for a, b in zip(row, column, strict=True)), Fraction(0)) for column in columns] for row in one]
-
-
-def _sum(one: Exact, other: Exact) -> Exact:
-    return [[a + b for a, b in zip(*rows, strict=True)] for rows in zip(one, other, strict=True)]
+    return is_positive(functional) and is_positive(rate)
 
 
 def _power_of_two(value: float) -> Fraction:

@@ -1,0 +1,392 @@
+"""How many multipliers of a system with delays lie outside the unit circle, proved by the turns of a determinant.
+
+Let all delays and the period be whole numbers of steps h, q of them a period.  A solution with x(t + T) = z x(t) is
+told by its q parts y_k(s) = x(k h + s), 0 <= s <= h.  With w = 1 / z the part that a delay of p steps reads is
+w^m y_l, l = (k - p) mod q, m = (l - k + p) / q: the parts obey an ordinary linear system Y' = A(s, w) Y, a polynomial
+in w, with Y(0) = P(w) Y(h), where P moves every part on by one, and the last to the first times w.  So
+
+    f(w) = det(I - P(w) Phi(w)),  Phi(w) the map of that system over h,
+
+is an entire function of w with f(0) = 1, and its zeros are the 1 / z, as often as z is a multiplier: characteristic
+matrices of J. Sieber and R. Szalai, SIAM J. Appl. Dyn. Syst. 10 (2011) 129, doi:10.1137/100796455, here without poles.
+The multipliers outside the circle are the zeros inside it, which the turns of f along it count.
+
+f is enclosed at N points of the circle.  Its Taylor coefficients are at most M(R) / R^k, M(R) a bound of |f| on the
+circle of radius R (Gronwall, Hadamard), which bounds what the polynomial through these values is off by.  The
+polynomial is enclosed on arcs so short that on each f stays in a disc that does not reach zero.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from floquetrod.equations import DelaySystem, HillSystem
+from floquetrod.equations.pieces import TimedPiece, exact_period, in_time
+from floquetrod.floquet.proof.balls import Doubles, up
+from floquetrod.floquet.proof.exact import exact, inverse
+from floquetrod.floquet.proof.intervals import TooMuchWork, Unresolved
+from floquetrod.floquet.proof.system_flow import monodromy
+from floquetrod.floquet.proof.system_problem import Arithmetic, Flow, Matrix, Stretch
+
+Array = Any
+
+_MOST_STATES = 24  # of all parts together (a choice: seconds)
+_MOST_PERIODS = 32  # that a delay may last (a choice)
+_MOST_POINTS = 512, 128  # of the circle, in doubles and with more digits (a choice)
+_LEFT_OUT = 1e-15  # of f, which the points are chosen for
+_CLEAR = 0.7  # part of its centre's modulus that a disc about f may have as radius; the turn is then below 90 degrees
+_FIRST_ARCS = 128
+_TERMS = 10  # of Taylor's series on an arc (a choice)
+_MOST_ARCS = 2**12  # looked at in one round (a choice)
+_FINEST = 2**34  # arcs of a circle
+
+
+class _Part(NamedTuple):
+    """A coefficient and how many steps back it reads."""
+
+    steps: int
+    pieces: tuple[TimedPiece, ...]
+
+
+class _Interval(NamedTuple):
+    """A piece of the step: begin and length as parts of the period, and A(s, w) by powers of w."""
+
+    begin: Fraction
+    length: Fraction
+    powers: dict[int, Stretch]
+
+
+class _Problem(NamedTuple):
+    """Y' = A(s, w) Y over a step with the period as the unit of time; ``error`` bounds what row sums of A are off by.
+
+    That for |w| = 1; times |w| to the highest power beyond.
+    """
+
+    parts: int
+    intervals: list[_Interval]
+    states: int
+    error: float
+
+    @property
+    def highest(self) -> int:
+        """Highest power of w."""
+        return max(power for interval in self.intervals for power in interval.powers)
+
+
+def hindrance(system: DelaySystem) -> str:
+    """Return why multipliers of a system are not counted; "" where they are."""
+    shares = _shares(system)[1]
+    parts, states = _size(system, shares)
+    most = _MOST_STATES * parts // states
+    if not most:
+        return f"not implemented for more than {_MOST_STATES} states with delays"
+    if parts > most:
+        return (
+            "not implemented for incommensurate delays: exactly, these and the period are no whole numbers of a step "
+            f"of which a period has at most {most}"
+        )
+    if any(share > _MOST_PERIODS for share in shares):
+        whole = "of a step of which the longest has" if system.is_constant else "of periods,"
+        return f"not implemented for incommensurate delays, that are not whole numbers {whole} at most {_MOST_PERIODS}"
+    return ""
+
+
+def _size(system: DelaySystem, shares: list[Fraction]) -> tuple[int, int]:
+    """Return the steps of a period, and the unknowns of all of them."""
+    parts = math.lcm(*(share.denominator for share in shares))
+    return parts, parts * system.order * (1 + system.is_second_order)
+
+
+def outside(arithmetic: Arithmetic, system: DelaySystem) -> int:
+    """Return how many multipliers lie outside the unit circle, none of them on it.
+
+    Raises `Unresolved` where the digits are too few, `TooMuchWork` where it would take too long.
+    """
+    problem = _problem(arithmetic, system)
+    count, left_out = _points(problem, arithmetic.digits)
+    values = arithmetic.zeros((count // 2 + 1,), real=False)
+    for j in range(count // 2 + 1):
+        values[j] = _value(arithmetic, problem, Fraction(j, count))
+    return _turns(arithmetic, _polynomial(arithmetic, values, count), left_out)
+
+
+def _problem(arithmetic: Arithmetic, system: DelaySystem) -> _Problem:
+    period, shares = _shares(system)
+    parts, states = _size(system, shares)
+    coefficients = [system.present, *(term.coefficient for term in system.delayed)]
+    lifted = _Lifted.of(arithmetic, system, period)
+    steps = [0, *(int(share * parts) for share in shares)]
+    terms = [_Part(count, _timed(each, period)) for count, each in zip(steps, coefficients, strict=True)]
+    ends = {piece.begin / period % Fraction(1, parts) for term in terms for piece in term.pieces}
+    intervals = [
+        _interval(lifted, terms, parts, low, high)
+        for low, high in pairwise(sorted(ends | {Fraction(0), Fraction(1, parts)}))
+    ]
+    return _Problem(parts, intervals, states, lifted.error * len(terms))
+
+
+def _shares(system: DelaySystem) -> tuple[Fraction, list[Fraction]]:
+    """Return the period and the delays as parts of it; where nothing varies, what all delays are multiples of."""
+    delays = [Fraction(delay) for delay in system.delays]
+    period = exact_period(system.present)
+    if system.is_constant and delays:
+        whole = math.lcm(*(delay.denominator for delay in delays))
+        period = Fraction(math.gcd(*(int(delay * whole) for delay in delays)), whole)
+    return period, [delay / period for delay in delays]
+
+
+def _timed(coefficient: Any, period: Fraction) -> tuple[TimedPiece, ...]:
+    pieces = in_time(coefficient)
+    return (pieces[0]._replace(length=period),) if len(pieces) == 1 else pieces
+
+
+class _Lifted(NamedTuple):
+    """How coefficients enter x' = A x with the period as the unit of time, in coordinates that balance its rows.
+
+    ``acts`` is -1 over the mass and ``base`` what A has beside coefficients, both None for equations of first order.
+    """
+
+    arithmetic: Arithmetic
+    period: Fraction
+    acts: Matrix | None
+    base: Matrix | None
+    scale: Array
+    error: float
+
+    @classmethod
+    def of(cls, arithmetic: Arithmetic, system: DelaySystem, period: Fraction) -> _Lifted:
+        """Return that of a system."""
+        present, n, length = system.present, system.order, float(period)
+        if not isinstance(present, HillSystem):
+            error = float(up(system.coefficient_error * n * length))
+            return cls(arithmetic, period, None, None, np.ones(n), error)
+        acts = _minus_inverse(arithmetic, np.eye(n) if present.mass is None else present.mass)
+        base = arithmetic.zeros((2 * n, 2 * n), real=True)
+        base[:n, n:] = arithmetic.exact(np.eye(n))
+        for friction in (present.damping, present.gyroscopic):
+            if friction is not None:
+                base[n:, n:] = base[n:, n:] + acts @ arithmetic.exact(friction) * arithmetic.rational(period)
+        stiff = float((acts.upper() @ np.maximum.reduce([piece.size for piece in in_time(present)])).sum(1).max())
+        scale = np.ones(2 * n)
+        scale[n:] = 2.0 ** round(0.5 * math.log2(min(max(stiff * length * length, 1e-200), 1e200)))
+        reach = float(up(acts.upper().sum(1)).max())
+        error = float(up(up(system.coefficient_error * n * length * length / scale[-1]) * reach))
+        return cls(arithmetic, period, acts, base, scale, error)
+
+    def __call__(self, coefficient: Array) -> Matrix:
+        """Return the block that a coefficient makes, of the size of the state."""
+        n, entries = len(coefficient), self.arithmetic.exact(coefficient)
+        if self.acts is None:
+            return entries * self.arithmetic.rational(self.period)
+        block = self.arithmetic.zeros((2 * n, 2 * n), real=entries.is_real)
+        block[n:, :n] = self.acts @ entries * self.arithmetic.rational(self.period**2)
+        return self.balanced(block)
+
+    def balanced(self, block: Matrix) -> Matrix:
+        """Return a block in the coordinates that balance the rows."""
+        return block.shifted(self.scale[None, :] / self.scale[:, None])
+
+
+def _minus_inverse(arithmetic: Arithmetic, mass: Array) -> Matrix:
+    found = inverse(exact(mass))
+    balls = arithmetic.zeros(np.shape(mass), real=True)
+    for i, row in enumerate(found):
+        for j, entry in enumerate(row):
+            balls[i, j] = arithmetic.rational(-entry)
+    return balls
+
+
+def _interval(lifted: _Lifted, terms: list[_Part], parts: int, low: Fraction, high: Fraction) -> _Interval:
+    """Return the coefficients of all parts of a solution over a piece of the step."""
+    arithmetic, n = lifted.arithmetic, len(lifted.scale)
+    powers: dict[int, Stretch] = {}
+    for k in range(parts):
+        for term in terms:
+            column = (k - term.steps) % parts
+            power = (column - k + term.steps) // parts
+            time = (Fraction(k, parts) + low) * lifted.period
+            piece = next(each for each in reversed(term.pieces) if each.begin <= time)
+            if power not in powers:
+                powers[power] = Stretch(low, high - low, arithmetic.zeros((parts * n, parts * n), real=True), None, [])
+            own = _own(lifted, piece, time, Fraction(k, parts), is_base=term.steps == 0)
+            place = np.ix_(range(k * n, (k + 1) * n), range(column * n, (column + 1) * n))
+            powers[power] = _added(arithmetic, powers[power], own, place)
+    return _Interval(low, high - low, powers)
+
+
+def _own(lifted: _Lifted, piece: TimedPiece, time: Fraction, phase: Fraction, *, is_base: bool) -> Stretch:
+    """Return what a coefficient's piece adds from a time on, turned by what lies before its part of the period."""
+    arithmetic = lifted.arithmetic
+    mean, slope = lifted(piece.mean), None
+    if is_base and lifted.base is not None:
+        mean = mean + lifted.balanced(lifted.base)
+    if piece.slope is not None:
+        slope = lifted(piece.slope)
+        mean = mean + slope * arithmetic.rational(time - piece.begin)
+        slope = slope * arithmetic.rational(lifted.period)
+    waves = [
+        lifted(np.asarray(wave, dtype=complex)) * _turned(arithmetic, k * phase)
+        for k, wave in enumerate(piece.harmonics, 1)
+    ]
+    return Stretch(phase, phase, mean, slope, waves)
+
+
+def _turned(arithmetic: Arithmetic, turns: Fraction) -> Matrix:
+    """Enclose exp(2 pi i turns)."""
+    turns %= 1
+    cosine, sine = arithmetic.turns(np.array(turns - (turns > Fraction(1, 2)), dtype=object))
+    return cosine + sine.times_i()
+
+
+def _added(arithmetic: Arithmetic, whole: Stretch, own: Stretch, place: Any) -> Stretch:
+    """Return a stretch with another's matrices added in a place."""
+    shape = whole.mean.shape
+
+    def plus(matrix: Matrix | None, block: Matrix | None, *, real: bool) -> Matrix | None:
+        if block is None:
+            return matrix
+        found = arithmetic.zeros(shape, real=real) if matrix is None else matrix
+        found[place] = found[place] + block
+        return found
+
+    waves = [plus(one, other, real=False) for one, other in itertools.zip_longest(whole.waves, own.waves)]
+    mean, slope = plus(whole.mean, own.mean, real=True), plus(whole.slope, own.slope, real=True)
+    return whole._replace(mean=mean, slope=slope, waves=waves)
+
+
+def _points(problem: _Problem, digits: int) -> tuple[int, float]:
+    """Return at how many points f is taken, and what the polynomial through its values is off by within the circle."""
+    best = math.inf, 0.0, 0.0
+    for radius in np.geomspace(1.02, 1e4, 80).tolist():
+        # A row of P Phi has at most the norm |w| |Phi|, that of I one more.
+        largest = problem.states * float(np.logaddexp(0.0, math.log(radius) + _growth(problem, radius)))
+        points = (largest - math.log(_LEFT_OUT * (1.0 - 1.0 / radius))) / math.log(radius)
+        best = min(best, (points, radius, largest))
+    most = _MOST_POINTS[digits > Doubles.digits]
+    if not best[0] < most:
+        raise TooMuchWork(f"more than {most} points of a circle")
+    count, (_, radius, largest) = 2 ** math.ceil(math.log2(max(best[0], 8.0))), best
+    return count, 2.0 * math.exp(largest - count * math.log(radius)) / (1.0 - 1.0 / radius) * (1.0 + 1e-9)
+
+
+def _growth(problem: _Problem, radius: float) -> float:
+    """Return a bound of the logarithm of the norm of Phi(w), |w| = radius: the integral of a logarithmic norm."""
+    total = problem.error * problem.states * radius**problem.highest / problem.parts
+    for interval in problem.intervals:
+        norm = 0.0
+        for power, stretch in interval.powers.items():
+            size: Callable[[Matrix], Array] = (lambda matrix: matrix.upper()) if power else _symmetric
+            sizes = [size(matrix) for matrix in (stretch.mean, *stretch.waves)]
+            sizes += [] if stretch.slope is None else [size(stretch.slope) * float(interval.length)]
+            norm += radius**power * float(np.linalg.norm(np.sum(sizes, axis=0)))
+        total += float(interval.length) * norm
+    return float(up(total))
+
+
+def _symmetric(matrix: Matrix) -> Array:
+    """Return bounds of the entries of the symmetric part, of a wave at any time."""
+    centre, offset = matrix.centre(), matrix.offset()
+    return up(0.5 * (np.abs(centre + centre.T) + offset + offset.T))
+
+
+def _value(arithmetic: Arithmetic, problem: _Problem, turns: Fraction) -> Matrix:
+    """Enclose f at exp(2 pi i turns)."""
+    flow = Flow([_real_stretch(arithmetic, each, turns) for each in problem.intervals], 2.0 * problem.error, None)
+    n = problem.states
+    real = monodromy(arithmetic, flow)
+    moved = (real[:n, :n] + real[n:, :n].times_i()).each(lambda a: np.roll(a, n // problem.parts, axis=0))
+    first = slice(0, n // problem.parts)
+    moved[first] = moved[first] * _turned(arithmetic, turns)
+    return _determinant(arithmetic, arithmetic.exact(np.eye(n, dtype=complex)) - moved)
+
+
+def _real_stretch(arithmetic: Arithmetic, interval: _Interval, turns: Fraction) -> Stretch:
+    """Return a piece for one w: the real parts of the unknowns, then the imaginary ones."""
+    n = len(next(iter(interval.powers.values())).mean.centre())
+    waves = max(len(stretch.waves) for stretch in interval.powers.values())
+    sloped = any(stretch.slope is not None for stretch in interval.powers.values())
+    mean, slope = (arithmetic.zeros((2 * n, 2 * n), real=True) for _ in range(2))
+    others = [arithmetic.zeros((2 * n, 2 * n), real=False) for _ in range(waves)]
+    for power, stretch in interval.powers.items():
+        cosine, sine = _turned(arithmetic, power * turns).parts()
+
+        def put(to: Matrix, matrix: Matrix, c: Matrix = cosine, s: Matrix = sine) -> None:
+            for rows, columns, part in (
+                (0, 0, matrix * c),
+                (0, n, -(matrix * s)),
+                (n, 0, matrix * s),
+                (n, n, matrix * c),
+            ):
+                place = slice(rows, rows + n), slice(columns, columns + n)
+                to[place] = to[place] + part
+
+        put(mean, stretch.mean)
+        if stretch.slope is not None:
+            put(slope, stretch.slope)
+        for wave, matrix in zip(others, stretch.waves, strict=False):
+            put(wave, matrix)
+    return Stretch(interval.begin, interval.length, mean, slope if sloped else None, others)
+
+
+def _determinant(arithmetic: Arithmetic, matrix: Matrix) -> Matrix:
+    """Enclose a determinant without divisions: R. S. Bird, Inf. Process. Lett. 111 (2011) 1072."""
+    n = matrix.shape[0]
+    found = matrix
+    for _ in range(n - 1):
+        upper = found.each(lambda a: np.triu(a, 1))
+        below = arithmetic.zeros((), real=False)
+        for i in reversed(range(n)):
+            upper[i, i] = -below
+            below = below + found[i, i]
+        found = upper @ matrix
+    return found[0, 0] if n % 2 else -found[0, 0]
+
+
+def _polynomial(arithmetic: Arithmetic, values: Matrix, count: int) -> Matrix:
+    """Return the real coefficients of the polynomial through values on the upper half of the circle, and conjugates."""
+    k, j = np.arange(count), np.arange(count // 2 + 1)
+    cosine, sine = _cosines(arithmetic, np.outer(k, j), count)
+    weights = np.where((j == 0) | (j == count // 2), 1.0, 2.0)
+    real, imaginary = values.parts()
+    return (cosine @ real.shifted(weights) + sine @ imaginary.shifted(weights)).over(count)
+
+
+def _cosines(arithmetic: Arithmetic, numerators: Array, denominator: int) -> tuple[Matrix, Matrix]:
+    """Enclose cos and sin of 2 pi times fractions, whose denominator is a power of two."""
+    turned = numerators % denominator / denominator
+    cosine, sine = arithmetic.turns(np.where(turned > 0.5, turned - 1.0, turned))
+    return cosine, sine
+
+
+def _turns(arithmetic: Arithmetic, polynomial: Matrix, left_out: float) -> int:
+    """Return how often f turns about zero along the circle."""
+    k = np.arange(polynomial.shape[0])
+    chosen = np.array([[float(math.comb(int(each), m)) for m in range(_TERMS + 1)] for each in k])
+    sizes = up(chosen * polynomial.upper()[:, None]).sum(0)
+    terms = polynomial[:, None] * arithmetic.exact(chosen[:, :_TERMS])
+    arcs, number, places, values = np.arange(_FIRST_ARCS), _FIRST_ARCS, [], []
+    while arcs.size:
+        arithmetic.check_work(float(arcs.size * terms.shape[0] * _TERMS))
+        cosine, sine = _cosines(arithmetic, np.outer(2 * arcs + 1, k), 2 * number)
+        found = (cosine + sine.times_i()) @ terms
+        centres, half = found.centre()[:, 0], math.pi / number * (1.0 + 1e-15)
+        # Taylor's series about the centre, its last term for any place; binomials were rounded.
+        steps = half ** np.arange(1, _TERMS + 1)
+        bounds = np.concatenate([found.upper()[:, 1:], np.zeros((len(arcs), 1))], 1) + 2.0**-52 * sizes[1:]
+        bounds[:, -1] = sizes[-1]
+        radius = up(found.offset()[:, 0] + left_out + up(bounds @ steps))
+        clear = radius < _CLEAR * np.abs(centres)
+        places.append((2.0 * arcs[clear] + 1.0) / number)
+        values.append(centres[clear])
+        arcs, number = np.concatenate([2 * arcs[~clear], 2 * arcs[~clear] + 1]), 2 * number
+        if arcs.size > _MOST_ARCS or number > _FINEST:
+            raise Unresolved("a multiplier cannot be distinguished from one on the unit circle")
+    along = np.concatenate(values)[np.argsort(np.concatenate(places))]
+    return round(float(np.angle(np.roll(along, -1) / along).sum()) / (2.0 * math.pi))
