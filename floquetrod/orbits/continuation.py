@@ -162,7 +162,8 @@ class Continuation:
         """Return the place on a mesh that resolves it, and is not much finer."""
         for _ in range(_MOST_MESHES):
             given, errors = place.collocation, meshes.interior_errors(place.collocation, place.point)
-            least = meshes.least_density(given, place.point.period * given.jacobians(place.point))
+            jacobians = place.point.period * given.jacobians(place.point)
+            least = meshes.least_density(given, jacobians, self.task.tolerance)
             mesh = meshes.equidistributed(given, errors, 0.3 * self.task.tolerance, least)
             rough = float(errors.max()) > self.task.tolerance or float((least * given.steps).max()) > finding.FOLLOWED
             rough = rough and len(errors) < meshes.MOST

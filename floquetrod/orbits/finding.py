@@ -151,7 +151,8 @@ def orbit_of(collocation: Collocation, point: Point, tolerance: float = 1e-10) -
         steps += coarse.steps
         _require_motion(collocation, coarse.point)
         errors = meshes.interior_errors(collocation, coarse.point)
-        least = meshes.least_density(collocation, point.period * collocation.jacobians(coarse.point))
+        jacobians = point.period * collocation.jacobians(coarse.point)
+        least = meshes.least_density(collocation, jacobians, tolerance)
         last = turn == _MOST_MESHES - 1 or len(errors) >= meshes.MOST
         followed = float((least * collocation.steps).max()) <= FOLLOWED
         if last or (float(errors.max()) <= tolerance and followed):

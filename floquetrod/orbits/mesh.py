@@ -21,6 +21,8 @@ FEWEST, MOST = 8, 1024
 _REACHES = {8: 2.5, 6: 1.2}
 """Rate times length of an interval that a degree follows to about 1e-12: the error of its Pade approximant."""
 
+_USUAL = 1e-10  # tolerance of the states up to which they are followed that well
+
 _FLOOR = 0.15  # of the mean density that there is everywhere (a choice)
 _SAFETY = 1.15  # more intervals than the estimate asks for
 
@@ -64,15 +66,17 @@ def _constant(degree: int) -> float:
     return float(np.abs(product.integ()(np.linspace(0.0, 1.0, 201))).max()) / math.factorial(degree)
 
 
-def least_density(collocation: Collocation, jacobians: Floats) -> Floats:
+def least_density(collocation: Collocation, jacobians: Floats, tolerance: float) -> Floats:
     """Return how many intervals for each unit of the period it takes for deviations from the orbit, by intervals (N,).
 
     They may turn and decay far faster than the orbit does.  No more than half of all intervals that there may be.
+    Where the orbit may have larger errors, so may they: the error goes like the length to the power 2 m + 1.
     """
     largest = np.abs(jacobians).max(axis=(0, 1))
     scales = independent_solutions.balance(largest)
     sizes = norms(jacobians * scales / scales[:, None]).max(axis=1)
-    density = sizes / _REACHES[collocation.degree]
+    longer = max(1.0, tolerance / _USUAL) ** (1.0 / (2 * collocation.degree + 1))
+    density = sizes / (_REACHES[collocation.degree] * longer)
     return np.asarray(density * min(1.0, 0.5 * MOST / max(float((density * collocation.steps).sum()), 1e-300)))
 
 

@@ -32,6 +32,7 @@ from floquetrod.rod.model.lift_off import LiftOff
 
 _POINTS = 24  # of a panel of the quadrature of `rod/model/beam.py`
 _ALIKE = 1e-12  # critical forces by which the weight along a rod may change the force, as that of a horizontal one does
+_MIRRORED = 1e-9  # of the largest, by which what is alike from both ends may differ
 _PLACES = 48  # of the largest angle, for every mode: it is found to (pi / 96)^2 / 2 of the finest, 5e-4
 
 
@@ -237,13 +238,38 @@ class LargeMotion(ByContent):
         return np.concatenate([np.cos(phases), np.sin(phases)], axis=-1)
 
     @cached_property
+    def _is_mirrored(self) -> bool:
+        """Whether motion in the shapes looks the same from either end: all are even, or all odd."""
+        values = self.shapes.values
+        odd = -1.0 if float((values[0] * values[0, ::-1] * self.shapes.weights).sum()) < 0.0 else 1.0
+        return bool(np.abs(values - odd * values[:, ::-1]).max() < _MIRRORED * np.abs(values).max())
+
+    @cached_property
+    def _quadrature(self) -> tuple[Floats, Floats, Floats]:
+        """Weights (q,), functions and slopes (n, q) at nodes that suffice: half the rod where the other is alike."""
+        shapes, half = self.shapes, len(self.shapes.nodes) // 2
+        if not self._is_mirrored:
+            return shapes.weights, shapes.values, shapes.slopes
+        return 2.0 * shapes.weights[:half], shapes.values[:, :half].copy(), shapes.slopes[:, :half].copy()
+
+    @cached_property
     def shortening_inertia(self) -> Floats:
-        """G[phi_i' phi_j'] at the nodes, (n, n, q), times the root of its share of inertia and of the weights."""
-        slopes = self.shapes.slopes
+        """G[phi_i' phi_j'] at nodes that suffice, (n, n, q), times the root of its share of inertia and of weights."""
+        slopes, weights = self.shapes.slopes, self.shapes.weights
         pairs = slopes[:, None, :] * slopes[None, :, :]
         is_held = getattr(self.load, "far_end", "") == "held"
-        every = _integrals(self.shapes.nodes, pairs, is_held) * np.sqrt(self.shapes.weights * self._along)
-        return every if self.shortens else 0.0 * every
+        every = _integrals(self.shapes.nodes, pairs, is_held)
+        if self._is_mirrored and not is_held:
+            weights = self._quadrature[0]
+            every = every[..., : len(weights)]
+        return every * np.sqrt(weights * self._along) if self.shortens else 0.0 * every
+
+    def under(self, load: Load) -> LargeMotion:
+        """Return the same shapes under another load of the same kind."""
+        other = replace(self, load=load)
+        kept = ("_is_mirrored", "_quadrature", "shortening_inertia", "_lift")
+        vars(other).update({name: getattr(self, name) for name in kept})
+        return other
 
     # --- the potential energy: its gradient and second derivatives ---
 
@@ -253,15 +279,23 @@ class LargeMotion(ByContent):
         return LiftOff(rod.flexural_rigidity, rod.effective_gravity * rod.mass_per_length, wall)
 
     @cached_property
-    def _lifting(self) -> list[tuple[Floats, float, Floats]]:
-        """Of ends that lift off: first and third derivatives by s (2, n), mean force and parts (2 H,) of vibration."""
+    def _lifting(self) -> list[tuple[Floats, float, Floats, float]]:
+        """Of ends that lift off: first and third derivatives by s (2, n), mean force, parts (2 H,) of vibration.
+
+        And how many there are that do so alike.
+        """
         ends, length = self.rod.end_conditions, self.rod.length
         per_metre = np.array([1.0 / length, 1.0 / length**3])[:, None]
         names, x = (ends.upper, ends.lower) if self.indentation else (), np.array([0.0, 1.0])
         mean, parts = self._mean(x), self._profiles(x)
-        return [
-            (per_metre * self.shapes.ends[i], mean[i], parts[:, i]) for i, name in enumerate(names) if name == "hinged"
+        every = [
+            (per_metre * self.shapes.ends[i], mean[i], parts[:, i], 1.0)
+            for i, name in enumerate(names)
+            if name == "hinged"
         ]
+        near = _MIRRORED * self.rod.critical_force
+        alike = abs(mean[0] - mean[1]) < near and np.abs(parts[:, 0] - parts[:, 1]).max() < near
+        return [(*every[0][:3], 2.0)] if len(every) == 2 and alike and self._is_mirrored else every
 
     def _saved(self, end: Floats, a: Floats, force: Floats) -> tuple[Floats, Floats]:
         """Return the gradient (k, n) and second derivatives (k, n, n) of what an end saves, over m R^2 L."""
@@ -288,28 +322,27 @@ class LargeMotion(ByContent):
 
     def potential(self, times: Floats, a: Floats, with_stiffness: bool) -> tuple[Floats, Floats]:
         """Return the gradient of the potential energy (k, n) and its second derivatives (k, n, n), in 1/s^2."""
-        shapes, parts = self.shapes, self.parts(times)
+        (weights, values, slopes), parts = self._quadrature, self.parts(times)
         linear = self._static - np.tensordot(parts, self.vibrating, axes=1)
-        theta, slope = a @ shapes.values, a @ shapes.slopes
-        density = self._swing * np.sin(theta) * shapes.weights
-        quartic = 2.0 * self._bending * shapes.weights
-        gradient = (linear @ a[..., None])[..., 0] + density @ shapes.values.T
-        gradient += (quartic * slope**3) @ shapes.slopes.T
+        theta, slope = a @ values, a @ slopes
+        quartic, squared = 2.0 * self._bending * weights, slope * slope
+        gradient = (linear @ a[..., None])[..., 0] + (self._swing * weights * np.sin(theta)) @ values.T
+        gradient += (quartic * squared * slope) @ slopes.T
         stiff = np.empty((0, 0, 0))
         if with_stiffness:
-            hard, swing = 3.0 * quartic * slope**2, self._swing * np.cos(theta) * shapes.weights
-            stiff = linear + (shapes.slopes * hard[:, None, :]) @ shapes.slopes.T
-            stiff += (shapes.values * swing[:, None, :]) @ shapes.values.T
-        for end, mean, vibrating in self._lifting:
+            hard, swing = 3.0 * quartic * squared, self._swing * weights * np.cos(theta)
+            stiff = linear + (slopes * hard[:, None, :]) @ slopes.T
+            stiff += (values * swing[:, None, :]) @ values.T
+        for end, mean, vibrating, count in self._lifting:
             saved = self._saved(end, a, mean + parts @ vibrating)
-            gradient += saved[0]
+            gradient += count * saved[0]
             if with_stiffness:
-                stiff += saved[1]
+                stiff += count * saved[1]
         return gradient, stiff
 
     def resting(self, a: Floats) -> Floats:
         """Return the gradient of the potential energy (k, n) under the mean force alone, in 1/s^2."""
-        return replace(self, load=self.load.varied("amplitude", 0.0)).potential(np.zeros(len(a)), a, False)[0]
+        return self.under(self.load.varied("amplitude", 0.0)).potential(np.zeros(len(a)), a, False)[0]
 
     # --- the equations of first order ---
 

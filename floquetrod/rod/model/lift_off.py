@@ -89,9 +89,9 @@ class LiftOff:
 
 def _slope(k: Any) -> tuple[Any, Any, Any]:
     """Return s, its derivative, and its integral from 0."""
-    ratio, integral = _solutions()
+    ratio, slope, integral = _solutions()
     x, y, soft = np.log1p(np.minimum(k, _LARGEST)), 1.0 + k, k < _LARGEST
-    r, dr = ratio(x), ratio.deriv()(x) / y
+    r, dr = ratio(x), slope(x) / y
     hard = r * np.sqrt((1.0 + _LARGEST) / _LARGEST)
     s = np.where(soft, k * np.sqrt(y) * r, hard * k**1.5)
     ds = np.where(soft, np.sqrt(y) * (r + k * dr + 0.5 * k * r / y), 1.5 * hard * np.sqrt(k))
@@ -100,8 +100,8 @@ def _slope(k: Any) -> tuple[Any, Any, Any]:
 
 
 @functools.cache
-def _solutions() -> tuple[Any, Any]:
-    """Return s / (K sqrt(1 + K)) and the integral of s over K^2 as polynomials of log(1 + K)."""
+def _solutions() -> tuple[Any, Any, Any]:
+    """Return s / (K sqrt(1 + K)), its slope, and the integral of s over K^2 as polynomials of log(1 + K)."""
     from numpy.polynomial import Chebyshev
 
     top = float(np.log1p(_LARGEST))
@@ -116,7 +116,7 @@ def _solutions() -> tuple[Any, Any]:
     inner = outer * share**2
     slopes = inner * np.sqrt(1.0 + inner) * ratio(np.log1p(inner))
     whole = (slopes / outer) @ (weights * share)
-    return ratio, Chebyshev.fit(dense, whole, 3 * _DEGREE, domain=[0.0, top])
+    return ratio, ratio.deriv(), Chebyshev.fit(dense, whole, 3 * _DEGREE, domain=[0.0, top])
 
 
 def _solved(k: float) -> float:
