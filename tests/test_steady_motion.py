@@ -73,7 +73,7 @@ def test_the_orbit_of_two_modes_on_the_wall_is_that_of_the_shared_truth(
     rod = ROD.replace(damping_rate=1.0)
     shapes = Shapes.of(rod, load(*under), 3 * mode)
     (found,) = orbits_of(rod, load(*under), shapes, [mode], 0.0)
-    two = motions._chosen(shapes, mode, 0, 0)
+    two = motions.chosen(shapes, mode, 0, 0)
     equations = LargeMotion(rod, load(*under), shapes.some(two), indentation=0.0)
     orbit = motions._orbit(equations, found, None)
     times = orbit.period * np.arange(2048) / 2048

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -28,13 +29,14 @@ _REST = 1e-4  # motion as a part of the largest on the branch, below which an or
 
 
 class Task(NamedTuple):
-    """What is followed: a parameter by name, its range, the tolerance of the states, the longest step."""
+    """What is followed: a parameter by name, its range, the tolerance of the states, the longest step, and until when."""
 
     parameter: str
     low: float
     high: float
     tolerance: float
     longest: float
+    until: Callable[[PeriodicOrbit, PeriodicOrbit], str] | None = None
 
 
 class Sample(NamedTuple):

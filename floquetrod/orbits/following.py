@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -34,6 +34,7 @@ def follow(
     steps: int = 400,
     longest: float = 0.04,
     tolerance: float = 1e-10,
+    until: Callable[[PeriodicOrbit, PeriodicOrbit], str] | None = None,
     progress: Progress | None = None,
 ) -> Branch:
     """Return the branch of periodic orbits on which one lies, over a range of a parameter, with its special points.
@@ -57,6 +58,9 @@ def follow(
         Length of the longest step, in units of the range and of the largest magnitudes of the states.
     tolerance : float
         Error of the states that meshes are chosen for, from 1e-12 to 1e-3 of the largest of each.
+    until : callable, optional
+        Called with an orbit and the next one: where it returns a text, that side ends before the next, and
+        `Branch.ends` holds the text.
     progress : callable, optional
         Called with the number of orbits found and the most there can be.
 
@@ -84,7 +88,8 @@ def follow(
     name, low, high = _range(orbit, over)
     steps = validate.integer("steps", steps, 1, 100_000)
     longest = validate.within("longest", longest, 1e-5, 1.0)
-    task = Task(name, low, high, validate.within("tolerance", tolerance, 1e-12, 1e-3), longest)
+    until = None if until is None else validate.function("until", until)
+    task = Task(name, low, high, validate.within("tolerance", tolerance, 1e-12, 1e-3), longest, until)
     validate.progress(progress)
     if isinstance(orbit, Branch):
         return _extended(orbit, task, steps, progress)
@@ -182,6 +187,8 @@ def _followed(march: Continuation, start: Sample, steps: int, progress: Progress
         while len(orbits) < steps:
             last = march.sample
             found = march.advanced()
+            if march.task.until is not None and (reason := march.task.until(last.orbit, found.orbit)):
+                raise Ended(reason)
             for crossing in watch.crossings(found, march.measure):
                 point = located(crossing)
                 if point is None:
@@ -195,8 +202,8 @@ def _followed(march: Continuation, start: Sample, steps: int, progress: Progress
             if len(orbits) > 3 and _passes(march, start, last, found):
                 orbits[-1], end = start.orbit, _CLOSED
                 break
-    except Ended as reason:
-        end = str(reason)
+    except Ended as ended:
+        end = str(ended)
     except KeyboardInterrupt:
         end = _INTERRUPTED
     return _Way(orbits, points, end)

@@ -16,6 +16,7 @@ _LINES: dict[str, dict[str, Any]] = {
     "unstable": {"color": palette.UNSTABLE, "linewidth": 1.4},
     "undecided": {"color": "0.5", "linewidth": 1.4},
 }
+_OFF_WALL: dict[str, Any] = {"color": "0.6", "linewidth": 1.0, "linestyle": (0, (1, 2)), "zorder": 4}
 _MARKERS = {"fold": "^", "branch point": "D", "period doubling": "s", "Neimark-Sacker": "o"}
 _NAMES = {1: "stable", 0: "unstable", -1: "undecided"}
 
@@ -23,25 +24,57 @@ _NAMES = {1: "stable", 0: "unstable", -1: "undecided"}
 def draw_branch(branch: Any, ax: Any, state: int, quantity: str) -> Any:
     """Draw a quantity of a `floquetrod.Branch` over its parameter, its parts in lines that tell their verdict."""
     ax = new_axes() if ax is None else ax
-    lines = _parts(branch, state, quantity)
-    for status, style in _LINES.items():
-        for x, y in lines[status]:
-            ax.plot(x, y, linestyle=STYLES[status], label=_new(ax, status), solid_capstyle="butt", **style)
-    _draw_points(branch, ax, state, quantity)
-    ax.margins(x=0.02)
+    heights = _heights(branch, state, quantity), [_heights(each, state, quantity) for each in branch.special_points]
+    draw_over_parameter(ax, branch, *heights)
     ax.set_xlabel(branch.parameter)
     ax.set_ylabel("period" if quantity == "period" else f"{quantity} of x[{state}]")
+    return finished(ax)
+
+
+def finished(ax: Any) -> Any:
+    """Return axes with margins and a legend."""
+    ax.margins(x=0.02)
     ax.legend(loc="best", fontsize="small", frameon=False)
     return ax
 
 
-def _parts(branch: Any, state: int, quantity: str) -> dict[str, list[tuple[list[float], list[float]]]]:
+def draw_over_parameter(
+    ax: Any,
+    branch: Any,
+    heights: list[float],
+    of_points: list[float],
+    scale: float = 1.0,
+    rests: tuple[float | None, float | None] = (None, None),
+) -> None:
+    """Draw heights of orbits and of special points over the parameter times ``scale``.
+
+    ``rests`` are values of the parameter at which the branch comes to height 0 beyond its first orbit and its last.
+    """
+    lines = _parts(branch, heights, of_points, rests)
+    for status, style in _LINES.items():
+        for x, y in lines[status]:
+            x = [scale * value for value in x]
+            ax.plot(x, y, linestyle=STYLES[status], label=_new(ax, status), solid_capstyle="butt", **style)
+    for kind, marker in _MARKERS.items():
+        at = [i for i, point in enumerate(branch.special_points) if point.kind == kind]
+        if at:
+            x, y = [scale * branch.special_points[i].value for i in at], [of_points[i] for i in at]
+            style = {**palette.POINT, "marker": marker, "linestyle": "none", "markersize": 6, "zorder": 5}
+            ax.plot(x, y, label=_new(ax, kind), **style)
+
+
+def _parts(
+    branch: Any, heights: list[float], of_points: list[float], rests: tuple[float | None, float | None]
+) -> dict[str, list[tuple[list[float], list[float]]]]:
     """Return lines (x, y) by their verdict, cut where that changes: at a special point where there is one."""
-    x, y = branch.values.tolist(), _heights(branch, state, quantity)
     names = [_NAMES[int(code)] for code in branch.status]
-    points: list[tuple[float, float, str | None]] = [(*each, name) for *each, name in zip(x, y, names, strict=True)]
-    for point in reversed(branch.special_points):
-        points.insert(point.after + 1, (point.value, _heights(point, state, quantity), None))
+    points: list[tuple[float, float, str | None]] = list(zip(branch.values.tolist(), heights, names, strict=True))
+    for point, height in reversed(list(zip(branch.special_points, of_points, strict=True))):
+        points.insert(point.after + 1, (point.value, height, None))
+    if rests[0] is not None:
+        points.insert(0, (rests[0], 0.0, names[0]))
+    if rests[1] is not None:
+        points.append((rests[1], 0.0, names[-1]))
     found: dict[str, list[tuple[list[float], list[float]]]] = {name: [] for name in _LINES}
     last = None
     for (x0, y0, before), (x1, y1, behind) in pairwise(points):
@@ -56,16 +89,6 @@ def _parts(branch: Any, state: int, quantity: str) -> dict[str, list[tuple[list[
     return found
 
 
-def _draw_points(branch: Any, ax: Any, state: int, quantity: str) -> None:
-    """Draw special points with a marker for each kind, named in the legend."""
-    for kind, marker in _MARKERS.items():
-        points = [point for point in branch.special_points if point.kind == kind]
-        if points:
-            heights = [_heights(point, state, quantity) for point in points]
-            style = {**palette.POINT, "marker": marker, "linestyle": "none", "markersize": 6, "zorder": 5}
-            ax.plot([point.value for point in points], heights, label=_new(ax, kind), **style)
-
-
 def _new(ax: Any, label: str) -> str | None:
     """Return a label, None where the legend has it already, of another branch in the same picture."""
     return None if label in ax.get_legend_handles_labels()[1] else label
@@ -75,3 +98,19 @@ def _heights(result: Any, state: int, quantity: str) -> Any:
     """Return what is drawn of a branch, a list, or of a special point, a number."""
     values = np.asarray(getattr(result, quantity))
     return (values if quantity == "period" else values[..., state]).tolist()
+
+
+def draw_rod_branches(result: Any, ax: Any, unit: Any) -> Any:
+    """Draw the largest angles of a `floquetrod.RodBranches` in degrees over its parameter in a unit."""
+    ax = new_axes() if ax is None else ax
+    for each in result.parts:
+        degrees = np.degrees(each.amplitude), np.degrees(each.special_amplitudes)
+        draw_over_parameter(ax, each.branch, degrees[0].tolist(), degrees[1].tolist(), 1.0 / unit.size, each.rests)
+        for first, last in each.off_wall:
+            x, y = each.branch.values[first:last] / unit.size, degrees[0][first:last]
+            ax.plot(x, y, color="white", alpha=0.75, linewidth=2.6, zorder=3)
+            ax.plot(x, y, label=_new(ax, "leaves its wall"), **_OFF_WALL)
+    ax.set_xlabel(f"{result.parameter} ({unit.name})")
+    ax.set_ylabel("largest angle (degrees)")
+    ax.set_ylim(bottom=0.0)
+    return finished(ax)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import Any, cast
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from floquetrod.orbits import NoOrbitError, PeriodicOrbit, periodic_orbit
 from floquetrod.rod.answers.steady_motion import SteadyMotion
 from floquetrod.rod.answers.verdict import RodStability
 from floquetrod.rod.large_orbits import MOST_HALF_WAVES, Found, beam_functions, candidates, orbits_of, require_possible
-from floquetrod.rod.loads.load import AnyLoad, Load, require_load
+from floquetrod.rod.loads.load import AnyLoad, Load, Quantity, require_load
 from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
 from floquetrod.rod.mode_equations.one_mode import LARGEST
 from floquetrod.rod.model.data import RodData
@@ -27,23 +27,49 @@ from floquetrod.rod.modes.mode_model import ModeModel
 _NEAR = ((0, 0), (6, 2), (12, 6))
 """Modes on either side of the one that moves, and of the one three times as short, taken in turn: the last answers."""
 
-_TOLERANCE = 1e-5  # of the orbit
+TOLERANCE = 1e-5  # of the orbit
+_KEPT = 8  # loads: those of differences, and one to compare with
 _INSTANTS = 512  # of a period, at which a motion is looked at: the largest angle is 2e-5 low at most
 
 
 @dataclass(frozen=True)
 class _Function:
-    """The rates of a motion as a `NonlinearSystem` calls them, at one instant or many."""
+    """The rates of a motion as a `NonlinearSystem` calls them, at one instant or many, by quantities of the load."""
 
-    motion: LargeMotion
+    motions: Motions
     derive: bool = False
 
-    def __call__(self, t: Any, x: Any) -> Floats:
+    def __call__(self, t: Any, x: Any, **changed: float) -> Floats:
         """Return rates (n, ...) or their derivatives (n, n, ...) of states (n, ...)."""
-        states = np.atleast_2d(np.asarray(x).T)
+        states, motion = np.atleast_2d(np.asarray(x).T), self.motions.at(**changed)
         times = np.broadcast_to(t, len(states))
-        found = self.motion.jacobians(times, states) if self.derive else self.motion.rates(times, states)
+        found = motion.jacobians(times, states) if self.derive else motion.rates(times, states)
         return found[0] if np.ndim(x) == 1 else np.moveaxis(found, 0, -1)
+
+
+@dataclass(frozen=True)
+class Motions:
+    """Motion in some shapes under loads that differ in one quantity or none; the last few are kept."""
+
+    first: LargeMotion
+    kept: dict[float, LargeMotion] = field(default_factory=dict, compare=False)
+
+    def at(self, **changed: float) -> LargeMotion:
+        """Return the motion under the load with a quantity changed."""
+        for name, value in changed.items():
+            if value not in self.kept:
+                while len(self.kept) >= _KEPT:
+                    del self.kept[next(iter(self.kept))]
+                self.kept[value] = self.first.under(self.first.load.varied(cast(Quantity, name), value))
+            return self.kept[value]
+        return self.first
+
+    def system(self, quantity: Quantity | None = None) -> NonlinearSystem:
+        """Return the equations, with a quantity of the load as their parameter, or with none."""
+        load = self.first.load
+        parameters = {} if quantity is None else {quantity: float(getattr(load, quantity))}
+        period = "2*pi/frequency" if quantity == "frequency" else 2.0 * math.pi / load.frequency
+        return NonlinearSystem(_Function(self), _Function(self, True), period, parameters)
 
 
 def steady_motion(model: ModeModel, given: AnyLoad, mode: int | None, indentation: float) -> SteadyMotion:
@@ -84,17 +110,17 @@ def _motion(
     rod: RodData, load: Load, rest: RodStability, shapes: Shapes, found: Found, indentation: float
 ) -> SteadyMotion:
     """Return the motion near an orbit of one mode, with all modes that matter."""
-    sets = [_chosen(shapes, found.mode, *near) for near in _NEAR]
+    sets = [chosen(shapes, found.mode, *near) for near in _NEAR]
     every: list[PeriodicOrbit] = []
-    for i, chosen in enumerate(sets):
-        fewer = (every[-1], sets[i - 1], chosen) if every else None
-        every.append(_orbit(LargeMotion(rod, load, shapes.some(chosen), indentation), found, fewer))
+    for i, taken in enumerate(sets):
+        fewer = (every[-1], sets[i - 1], taken) if every else None
+        every.append(_orbit(LargeMotion(rod, load, shapes.some(taken), indentation), found, fewer))
     first, orbit = every[-2:]
     many, motion = sets[-1], LargeMotion(rod, load, shapes.some(sets[-1]), indentation)
     times = orbit.period * np.arange(_INSTANTS) / _INSTANTS
     states = orbit(times)
-    amplitude = _largest(motion, states)
-    before = _largest(LargeMotion(rod, load, shapes.some(sets[-2])), first(times))
+    amplitude = largest(motion, states)
+    before = largest(LargeMotion(rod, load, shapes.some(sets[-2])), first(times))
     contact = motion.contact_force(times, states)
     shorter = motion.shortening(states)
     place = float(motion.shapes.nodes[int(contact.min(axis=0).argmin())]) * rod.length
@@ -122,12 +148,12 @@ def _motion(
 _SHORT = 2e-5  # part of the largest angle, by which it is low where it falls between instants and places looked at
 
 
-def _largest(motion: LargeMotion, states: Floats) -> float:
+def largest(motion: LargeMotion, states: Floats) -> float:
     """Return the largest angle in rad."""
     return float(np.abs(motion.angles(states)).max())
 
 
-def _chosen(shapes: Shapes, mode: int, near: int, shorter: int) -> Any:
+def chosen(shapes: Shapes, mode: int, near: int, shorter: int) -> Any:
     """Return which modes to take: neighbours, and those three times as short, of one symmetry where there is one."""
     numbers = shapes.numbers
     place = numbers.tolist().index(mode)
@@ -136,24 +162,27 @@ def _chosen(shapes: Shapes, mode: int, near: int, shorter: int) -> Any:
     return np.flatnonzero(alike & wanted)
 
 
+def orbit_near(motion: LargeMotion, load: Load, found: Found) -> tuple[Floats, Floats, float]:
+    """Return times, states and the period of an orbit of one mode, among those of a motion."""
+    period, record = found.orbit.turns * 2.0 * math.pi / load.frequency, found.orbit.states
+    place = motion.shapes.numbers.tolist().index(found.mode)
+    states = np.zeros((len(record) + 1, 2 * motion.size))
+    states[:-1, [place, motion.size + place]] = record
+    states[-1] = states[0]
+    return np.linspace(0.0, period, len(states)), states, period
+
+
 def _orbit(motion: LargeMotion, found: Found, before: Any) -> PeriodicOrbit:
     """Return the orbit in some modes, from that of one mode, or of ``before``: fewer ones."""
-    n, load = motion.size, motion.load
-    period = found.orbit.turns * 2.0 * math.pi / load.frequency
-    record = found.orbit.states
-    times = np.linspace(0.0, period, len(record) + 1)
-    states = np.zeros((len(times), 2 * n))
-    if before is None:
-        place = motion.shapes.numbers.tolist().index(found.mode)
-        states[:-1, [place, n + place]] = record
-    else:
+    n = motion.size
+    times, states, period = orbit_near(motion, motion.load, found)
+    if before is not None:
         orbit, few, many = before
         places = np.searchsorted(many, few)
         states[:, np.concatenate([places, n + places])] = orbit(times)
-    states[-1] = states[0]
-    system = NonlinearSystem(_Function(motion), _Function(motion, True), 2.0 * math.pi / load.frequency)
+        states[-1] = states[0]
     try:
-        return periodic_orbit(system, (times, states), period, tolerance=_TOLERANCE)
+        return periodic_orbit(Motions(motion).system(), (times, states), period, tolerance=TOLERANCE)
     except NoOrbitError as error:
         raise validate.wrong_value(
             "load", f"leads to no periodic motion near that of mode {found.mode}: {error}; simulate it"

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from floquetrod.floquet.proof.region import RegionProof
     from floquetrod.rod.answers.mean_force import MeanForce
     from floquetrod.rod.answers.reach import Reach
+    from floquetrod.rod.answers.rod_branches import RodBranches
     from floquetrod.rod.answers.safe_box import SafeBox
     from floquetrod.rod.answers.safe_kick import SafeKick
     from floquetrod.rod.answers.steady_motion import SteadyMotion
@@ -702,6 +703,72 @@ class Rod(RodData):
         from floquetrod.rod import motion
 
         return motion.steady_motion(self.modes_under(require_load("load", load)), load, mode, indentation)
+
+    def follow(
+        self,
+        load: AnyLoad | RodBranches,
+        over: Mapping[str, tuple[float, float]] | None = None,
+        mode: int | None = None,
+        *,
+        indentation: float = 1e-4,
+        steps: int = 200,
+        longest: float = 0.3,
+        progress: Progress | None = None,
+    ) -> RodBranches:
+        """Return how large motion gets over a range of loads: the branches of periodic motion in one mode.
+
+        Orbits, stable and unstable ones, are looked for at a few loads of the range, and followed by
+        `floquetrod.follow` through it and round folds, until motion shrinks to rest or exceeds 40 degrees.  Where two
+        stable ones stand over one load, which one the rod takes depends on where it comes from: hysteresis.  Ctrl-C
+        returns what has been found.
+
+        Parameters
+        ----------
+        load : AxialLoad, AxialWave or RodBranches
+            Its other quantities stay as they are; or branches, to go on with from their ends.
+        over : mapping of str to (float, float)
+            "frequency", "mean" or "amplitude", and the range in rad/s or N; of branches their own by default.
+        mode : int, optional
+            Mode that moves, as in `steady_motion`.
+        indentation : float
+            As in `steady_motion`.
+        steps : int
+            Most orbits to each side of where a branch is found.
+        longest : float
+            Length of the longest step, in units of the range and of the largest magnitudes of the states.
+        progress : callable, optional
+            Called with the number of orbits found and the most there can be.
+
+        Returns
+        -------
+        RodBranches
+            With the largest angles in rad, verdicts, and where the rod leaves its wall.
+
+        Raises
+        ------
+        ValueError
+            Where no orbit is found, and for what `steady_motion` refuses.
+
+        Notes
+        -----
+        In two modes, that which moves and the one three times as short: angles are within 0.2 percent of those of
+        `steady_motion`, whose verdict is on all modes, and the range of what is said to be stable is that of these two.
+
+        Examples
+        --------
+        >>> import floquetrod as fr
+        >>> rod = Rod.nitinol().replace(damping_rate=3.0, length=1.2)
+        >>> load = fr.AxialLoad(mean=0.1 * rod.critical_force, amplitude=0.3 * rod.critical_force, frequency=110.0)
+        >>> rod.follow(load, over={"frequency": (108.0, 111.0)}, steps=2)
+        <1 branch of motion in mode 2, up to 6.5 degrees>
+        """
+        from floquetrod.rod import branches
+        from floquetrod.rod.answers.rod_branches import RodBranches
+
+        if isinstance(load, RodBranches):
+            return branches.resumed(load, over, steps, longest, progress)
+        model = self.modes_under(require_load("load", load))
+        return branches.branches(model, load, over, mode, indentation, steps, longest, progress)
 
     def safe_kick(self, load: AnyLoad, *, indentation: float = 1e-4) -> SafeKick:
         """Return which kicks a rod that is stable at rest comes to rest from, and which lead to a large motion.

@@ -1,0 +1,238 @@
+"""How large a rod's motion gets over a range of loads: its branches of periodic orbits, with angles as ordinates."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from floquetrod import units
+from floquetrod._util import extras
+from floquetrod._util.content import ByContent, NoTruthValue
+from floquetrod._util.report import Report, Reported, Table
+from floquetrod.floquet.status import STATUS_CODES
+from floquetrod.orbits import Branch
+from floquetrod.rod.loads.load import KINDS, Load, Quantity
+from floquetrod.rod.model.data import RodData
+
+Floats = NDArray[np.float64]
+
+LARGE_SLOPE = 0.1
+"""Slope of a rod along its channel from which its square, a percent, is said to count (a choice)."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RodBranch(ByContent):
+    """One branch of the periodic motion of a rod.
+
+    Attributes
+    ----------
+    branch : Branch
+        Its k orbits in the amplitudes and speeds of the modes, special points and ends.
+    amplitude : ndarray (k,)
+        Largest angle in rad of each orbit.
+    contact : ndarray (k,)
+        Least contact force in N/m; the rod leaves its wall where that is negative, and the orbit is none of it.
+    slope : ndarray (k,)
+        Largest slope along the channel, R theta_s, which the equations take for small.
+    special_amplitudes : ndarray (p,)
+        Largest angle in rad at each special point.
+    rests : tuple of float or None
+        Value of the parameter at which motion shrinks to rest beyond the first orbit, and beyond the last.
+    """
+
+    branch: Branch
+    amplitude: Floats
+    contact: Floats
+    slope: Floats
+    special_amplitudes: Floats
+    rests: tuple[float | None, float | None]
+
+    @property
+    def turns(self) -> int:
+        """Periods of the load that the motion takes."""
+        return int(self.branch.orbits[0].collocation.turns or 1)
+
+    @property
+    def off_wall(self) -> list[tuple[int, int]]:
+        """Ranges of orbits (first, one after the last) where the rod leaves its wall."""
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], self.contact < 0.0, [False]]).astype(int)))
+        return [(int(first), int(last)) for first, last in edges.reshape(-1, 2)]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RodBranches(ByContent, Reported, NoTruthValue):
+    """The large motions of a rod in one mode over a range of loads.
+
+    Attributes
+    ----------
+    rod : Rod
+    load : AxialLoad or AxialWave
+        The load with the parameter at the value where the search began.
+    parameter : "frequency", "mean" or "amplitude"
+    over : (float, float)
+        Its range, in rad/s or N.
+    mode : int
+        Mode that moves, by its number of half waves.
+    modes : tuple of int
+        Modes of the equations: it, and the one three times as short.
+    parts : tuple of RodBranch
+        The branches that were found: a search from some loads of the range, not a proof that there are no others.
+    """
+
+    ask = ".status, an array with 1 where an orbit is stable, 0 where not and -1 where undecided"
+
+    rod: RodData
+    load: Load
+    parameter: Quantity
+    over: tuple[float, float]
+    mode: int
+    modes: tuple[int, ...]
+    parts: tuple[RodBranch, ...]
+
+    @property
+    def unit(self) -> str:
+        """Unit of the parameter."""
+        return "rad/s" if self.parameter == "frequency" else "N"
+
+    @property
+    def values(self) -> Floats:
+        """Values of the parameter in rad/s or N (k,), of all branches one after the other."""
+        return np.concatenate([part.branch.values for part in self.parts])
+
+    @property
+    def amplitude(self) -> Floats:
+        """Largest angles in rad (k,), likewise."""
+        return np.concatenate([part.amplitude for part in self.parts])
+
+    @property
+    def status(self) -> NDArray[np.int8]:
+        """Verdicts (k,), likewise: 1 stable, 0 unstable, -1 undecided, of deviations in ``modes``."""
+        return np.concatenate([part.branch.status for part in self.parts])
+
+    @property
+    def contact(self) -> Floats:
+        """Least contact forces in N/m (k,), likewise; negative where the rod leaves its wall."""
+        return np.concatenate([part.contact for part in self.parts])
+
+    @property
+    def slope(self) -> Floats:
+        """Largest slopes along the channel (k,), likewise."""
+        return np.concatenate([part.slope for part in self.parts])
+
+    @property
+    def number(self) -> NDArray[np.int64]:
+        """Number of the branch of each orbit (k,), from 0."""
+        return np.repeat(np.arange(len(self.parts)), [len(part.amplitude) for part in self.parts])
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether no branch was interrupted, or ran out of steps."""
+        return not any("goes on" in end for part in self.parts for end in part.branch.ends)
+
+    def at(self, value: float) -> list[tuple[float, str]]:
+        """Return the largest angles in rad at a value of the parameter, smallest first, and whether each is stable.
+
+        Between two orbits of a branch, by a straight line.
+        """
+        names = {code: name for name, code in STATUS_CODES.items()}
+        found = []
+        for part in self.parts:
+            orbits = zip(part.branch.values.tolist(), part.amplitude.tolist(), part.branch.status.tolist(), strict=True)
+            for (x0, y0, s0), (x1, y1, s1) in pairwise(orbits):
+                if min(x0, x1) <= value < max(x0, x1):
+                    y = y0 + (value - x0) / (x1 - x0) * (y1 - y0)
+                    found.append((y, names[s0] if s0 == s1 else "undecided"))
+        return sorted(found)
+
+    def plot(self, ax: Any = None, *, unit: str = "") -> Any:
+        """Draw the largest angle over the parameter: solid where stable, dashed where unstable, dotted undecided.
+
+        Pale and dotted where the rod leaves its wall, so that the motion is another one.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw into; a new figure by default.
+        unit : str
+            Of the parameter: "Hz", "Fcr"; by default the SI unit.
+        """
+        from floquetrod.plotting.branches import draw_rod_branches
+
+        chosen = units.unit(unit, "unit", KINDS[self.parameter], self.rod.critical_force)
+        return draw_rod_branches(self, ax, chosen)
+
+    @property
+    def _in_words(self) -> str:
+        count = f"{len(self.parts)} branch{'es' * (len(self.parts) != 1)}"
+        return f"{count} of motion in mode {self.mode}, up to {math.degrees(self.amplitude.max()):.3g} degrees"
+
+    def report(self) -> Report:
+        """Return the branches in a table, with their ends, and where the equations cease to hold."""
+        lines = []
+        for i, part in enumerate(self.parts):
+            lines += [(f"{i}", f"begins: {part.branch.ends[0]}"), ("", f"ends: {part.branch.ends[1]}")]
+            lines += [("", f"{point}") for point in part.branch.special_points]
+        if (self.contact < 0.0).any():
+            least = math.degrees(self.amplitude[self.contact < 0.0].min())
+            lines.append(("contact", f"lost from {least:.3g} degrees on: there motion is another one, simulate it"))
+        if self.slope.max() > LARGE_SLOPE:
+            lines.append(("slopes", f"up to {self.slope.max():.2g}: the equations are those of small ones"))
+        lines.append(
+            ("status", f"of deviations in modes {', '.join(map(str, self.modes))}; steady_motion judges all modes")
+        )
+        return Report(self._in_words, lines, Table(_COLUMNS, [_row(i, part) for i, part in enumerate(self.parts)]))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the branches as numbers for JSON, units in the keys."""
+        return {
+            "mode": self.mode,
+            "modes": list(self.modes),
+            "parameter": self.parameter,
+            "unit": self.unit,
+            "over": list(self.over),
+            "branches": [
+                {
+                    "values": part.branch.values.tolist(),
+                    "amplitude_rad": part.amplitude.tolist(),
+                    "status": part.branch.status.tolist(),
+                    "contact_N_per_m": part.contact.tolist(),
+                    "slope": part.slope.tolist(),
+                    "turns": part.turns,
+                    "special_points": [point.as_dict() for point in part.branch.special_points],
+                    "ends": list(part.branch.ends),
+                }
+                for part in self.parts
+            ],
+        }
+
+    def to_xarray(self) -> Any:
+        """Return an xarray.Dataset over the orbits of all branches (needs xarray, an extra)."""
+        xarray = extras.xarray()
+        names = {"amplitude": "rad", "status": "", "contact": "N/m", "slope": "", "number": ""}
+        data = {name: ("orbit", getattr(self, name), {"units": unit}) for name, unit in names.items()}
+        attributes = {"parameter": self.parameter, "mode": self.mode, "ends": [part.branch.ends for part in self.parts]}
+        attributes["ends"] = [end for part in self.parts for end in part.branch.ends]
+        return xarray.Dataset(data, {self.parameter: ("orbit", self.values, {"units": self.unit})}, attributes)
+
+    def __str__(self) -> str:
+        return str(self.report())
+
+    def __repr__(self) -> str:
+        """Return the branches as a sentence."""
+        return f"<{self._in_words}>"
+
+
+_COLUMNS = (("", ">3"), ("from", ">9"), ("to", ">9"), ("degrees", ">14"), ("repeats", ">7"), ("orbits", "<40"))
+
+
+def _row(number: int, part: RodBranch) -> tuple[str, ...]:
+    """Return the row of a branch in the table."""
+    x, y, codes = part.branch.values, np.degrees(part.amplitude), part.branch.status
+    counts = [f"{int((codes == code).sum())} {name}" for name, code in STATUS_CODES.items() if (codes == code).any()]
+    angles = f"{y.min():.3g} to {y.max():.3g}"
+    return (str(number), f"{x.min():.6g}", f"{x.max():.6g}", angles, f"{part.turns}", ", ".join(counts))

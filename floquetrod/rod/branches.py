@@ -1,0 +1,243 @@
+"""Branches of a rod's large motion over a quantity of the load: where they begin, how far they go, what they do."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any, NamedTuple, cast
+
+import numpy as np
+
+from floquetrod._util import validate
+from floquetrod._util.arrays import Floats
+from floquetrod._util.progress import Progress, shifted
+from floquetrod.orbits import Branch, PeriodicOrbit, follow, periodic_orbit
+from floquetrod.rod.answers.rod_branches import RodBranch, RodBranches
+from floquetrod.rod.large_orbits import (
+    MOST_HALF_WAVES,
+    Found,
+    alone,
+    beam_functions,
+    candidates,
+    orbits_alone,
+    orbits_of,
+    require_possible,
+)
+from floquetrod.rod.loads.load import QUANTITIES, AnyLoad, Load, Quantity, load_number, require_load
+from floquetrod.rod.mode_equations.large_motion import LargeMotion, Shapes
+from floquetrod.rod.mode_equations.one_mode import LARGEST
+from floquetrod.rod.motion import TOLERANCE, Motions, chosen, largest, orbit_near
+from floquetrod.rod.modes.mode_model import ModeModel
+
+_LOADS = 5  # of the range, at which orbits are looked for (a choice)
+_SAME = 0.02  # of an angle, by which an orbit may differ from one on a branch, between its points
+_INSTANTS = 256  # of a period, at which a motion is looked at
+
+
+class _Task(NamedTuple):
+    """What is followed: the equations, the quantity and its range, steps to each side and their length."""
+
+    motions: Motions
+    quantity: Quantity
+    over: tuple[float, float]
+    steps: int
+    longest: float
+
+
+def branches(
+    model: ModeModel,
+    given: AnyLoad,
+    over: Any,
+    mode: int | None,
+    indentation: float,
+    steps: int,
+    longest: float,
+    progress: Progress | None,
+) -> RodBranches:
+    """Return the branches of a rod's motion; see `floquetrod.Rod.follow`."""
+    load, rod = require_load("load", given), model.rod
+    quantity, low, high = _range(over)
+    load = load.varied(quantity, min(max(float(getattr(load, quantity)), low), high))
+    indentation = validate.within("indentation", indentation, 1e-8, 0.1, "a part of the radial clearance, such as 1e-4")
+    steps = validate.integer("steps", steps, 1, 10_000)
+    longest = validate.within("longest", longest, 1e-3, 1.0)
+    validate.progress(progress)
+    if mode is not None:
+        mode = validate.integer("mode", mode, 1, MOST_HALF_WAVES, "half waves of the motion to follow")
+    require_possible(rod, load)
+    if quantity != "frequency" and load.amplitude == 0.0 and quantity != "amplitude":
+        load = load.varied("frequency", rod.pendulum_frequency)
+    shapes = Shapes.of(rod, load, beam_functions(rod, mode))
+    loads = [load, *(load.varied(quantity, value) for value in _values(low, high))]
+    mode = _moving(model, loads, shapes, indentation) if mode is None else mode
+    motion = LargeMotion(rod, load, shapes.some(chosen(shapes, mode, 0, 0)), indentation)
+    task = _Task(Motions(motion), quantity, (low, high), steps, longest)
+    parts = _searched(task, mode, loads, shapes, progress)
+    if not parts:
+        raise validate.wrong_value(
+            "over",
+            f"must hold loads that carry a large motion in mode {mode}; a search up to {math.degrees(LARGEST):.0f} "
+            f"degrees at {len(loads)} loads found none",
+        )
+    modes = tuple(motion.shapes.numbers.tolist())
+    return RodBranches(rod, load, quantity, (low, high), mode, modes, tuple(parts))
+
+
+def resumed(result: RodBranches, over: Any, steps: int, longest: float, progress: Progress | None) -> RodBranches:
+    """Return branches with what follows their ends; see `floquetrod.Rod.follow`."""
+    quantity, low, high = (result.parameter, *result.over) if over is None else _range(over)
+    parts = []
+    for i, part in enumerate(result.parts):
+        motions = part.branch.system.function.motions
+        task = _Task(motions, quantity, (low, high), steps, longest)
+        parts.append(_followed(task, part.branch, shifted(progress, 2 * i * steps, 2 * i * steps)))
+    return replace(result, over=(low, high), parts=tuple(parts))
+
+
+def _range(over: Any) -> tuple[Quantity, float, float]:
+    """Return the quantity and its range, checked."""
+    if not isinstance(over, Mapping) or len(over) != 1:
+        raise TypeError(
+            "over must be one quantity of the load with its range, such as {'frequency': (100.0, 180.0)}, got "
+            f"{validate.short(over)}"
+        )
+    ((name, ends),) = over.items()
+    quantity = cast(Quantity, validate.choice("over", name, QUANTITIES))
+    low, high = validate.interval(f"over[{name!r}]", ends, lambda label, value: load_number(quantity, value, label))
+    return quantity, low, high
+
+
+def _values(low: float, high: float) -> list[float]:
+    """Return values at which to look for orbits, not those at the ends of the range."""
+    return (low + (high - low) * (np.arange(_LOADS) + 0.5) / _LOADS).tolist()
+
+
+def _moving(model: ModeModel, loads: list[Load], shapes: Shapes, indentation: float) -> int:
+    """Return the mode that moves under the first of some loads under which one does."""
+    for load in loads:
+        rest = model.verdict(load, None, 0.0, None)
+        found = next(orbits_of(model.rod, load, shapes, candidates(rest, shapes, None), indentation), None)
+        if found is not None:
+            return found.mode
+    raise validate.wrong_value(
+        "over",
+        f"must hold loads that carry a large motion; a search up to {math.degrees(LARGEST):.0f} degrees at "
+        f"{len(loads)} loads found none in any mode",
+    )
+
+
+def _searched(
+    task: _Task, mode: int, loads: list[Load], shapes: Shapes, progress: Progress | None
+) -> list[RodBranch]:
+    """Return the branches on which orbits lie that are found at some loads; those found so far on Ctrl-C."""
+    parts: list[RodBranch] = []
+    try:
+        for orbit in _starts(task, mode, loads, shapes):
+            value = orbit.system.parameters[task.quantity]
+            if not _is_on_one(parts, value, orbit, task):
+                told = shifted(progress, 2 * len(parts) * task.steps, 2 * len(parts) * task.steps)
+                parts.append(_followed(task, orbit, told))
+                if any(end.startswith("interrupted") for end in parts[-1].branch.ends):
+                    break
+    except KeyboardInterrupt:
+        if not parts:
+            raise
+    return parts
+
+
+def _starts(task: _Task, mode: int, loads: list[Load], shapes: Shapes) -> Iterator[PeriodicOrbit]:
+    """Yield orbits of the mode, stable or not, at one load after the other."""
+    motion = task.motions.first
+    for load in loads:
+        system = task.motions.system(task.quantity).with_parameters(
+            **{task.quantity: float(getattr(load, task.quantity))}
+        )
+        equation = alone(motion.rod, load, shapes, mode, motion.indentation)
+        for orbit in orbits_alone(equation):
+            try:
+                times, states, period = orbit_near(motion, load, Found(mode, orbit, equation))
+                found = periodic_orbit(system, (times, states), period, tolerance=TOLERANCE)
+            except ValueError:
+                continue  # of one mode alone, not of two
+            if _angle(motion, found) > 0.1 * orbit.amplitude:  # not at rest
+                yield found
+
+
+def _is_on_one(parts: list[RodBranch], value: float, orbit: PeriodicOrbit, task: _Task) -> bool:
+    """Return whether an orbit lies on one of the branches that are known."""
+    angle = _angle(task.motions.first, orbit)
+    for part in parts:
+        if part.turns != (orbit.collocation.turns or 1):
+            continue
+        x, y = part.branch.values, part.amplitude
+        x, y = np.concatenate([[_or(part.rests[0], x[0])], x, [_or(part.rests[1], x[-1])]]), np.pad(y, 1)
+        y[0], y[-1] = (0.0 if rest is not None else y[i] for rest, i in zip(part.rests, (1, -2), strict=True))
+        across = (x[:-1] - value) * (x[1:] - value) <= 0.0
+        share = (value - x[:-1][across]) / np.where(x[1:] == x[:-1], 1.0, x[1:] - x[:-1])[across]
+        there = y[:-1][across] + share * np.diff(y)[across]
+        if (np.abs(there - angle) < _SAME * angle + 0.25 * np.abs(np.diff(y)[across])).any():
+            return True
+    return False
+
+
+def _or(value: float | None, other: float) -> float:
+    return other if value is None else value
+
+
+def _angle(motion: LargeMotion, orbit: PeriodicOrbit) -> float:
+    """Return the largest angle of an orbit in rad."""
+    return largest(motion, orbit(orbit.period * np.arange(_INSTANTS) / _INSTANTS))
+
+
+def _followed(task: _Task, start: PeriodicOrbit | Branch, progress: Progress | None) -> RodBranch:
+    """Return the branch through an orbit, and what the rod does along it."""
+    motion = task.motions.first
+    branch = follow(
+        start,
+        {task.quantity: task.over},
+        steps=task.steps,
+        longest=task.longest,
+        tolerance=TOLERANCE,
+        until=partial(_leaves, motion),
+        progress=progress,
+    )
+    seen = np.array([_seen(task, branch.parameter, orbit) for orbit in branch.orbits])
+    special = np.array([_angle(motion, point.orbit) for point in branch.special_points])
+    ends = [seen[:2, 0], seen[-2:, 0][::-1]]
+    values = [branch.values[:2], branch.values[-2:][::-1]]
+    rests = [
+        _rest(x, y) if end.startswith("motion shrinks") else None
+        for end, x, y in zip(branch.ends, values, ends, strict=True)
+    ]
+    return RodBranch(branch, seen[:, 0], seen[:, 1], seen[:, 2], special, (rests[0], rests[1]))
+
+
+def _rest(values: Floats, angles: Floats) -> float | None:
+    """Return where angles, the last one first, vanish, whose squares go like the parameter; None for one alone."""
+    if len(values) < 2 or angles[0] == angles[1]:
+        return None
+    return float(values[0] - angles[0] ** 2 * (values[1] - values[0]) / (angles[1] ** 2 - angles[0] ** 2))
+
+
+def _leaves(motion: LargeMotion, before: PeriodicOrbit, orbit: PeriodicOrbit) -> str:
+    """Return why a branch is not followed to an orbit: it is beyond rest, or too large; "" where it is."""
+    ((name, value),) = before.system.parameters.items()
+    shares = np.arange(16) / 16.0
+    if float((before(before.period * shares) * orbit(orbit.period * shares) / orbit.point.scale**2).sum()) <= 0.0:
+        return f"motion shrinks to rest near {name} = {value:.6g}"
+    if _angle(motion, orbit) > LARGEST:
+        return f"angles beyond {name} = {value:.6g} are larger than {math.degrees(LARGEST):.0f} degrees"
+    return ""
+
+
+def _seen(task: _Task, name: str, orbit: PeriodicOrbit) -> tuple[float, float, float]:
+    """Return the largest angle in rad, the least contact force in N/m, and the largest slope of an orbit."""
+    motion = task.motions.first
+    motion = motion.under(motion.load.varied(task.quantity, orbit.system.parameters[name]))
+    times = orbit.period * np.arange(_INSTANTS) / _INSTANTS
+    states = orbit(times)
+    steep = np.abs(states[:, : motion.size] @ motion.shapes.slopes).max() * motion.rod.radial_clearance
+    least = float(motion.contact_force(times, states).min())
+    return largest(motion, states), least, float(steep) / motion.rod.length
